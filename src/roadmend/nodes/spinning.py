@@ -1,0 +1,87 @@
+"""Start, spin and stop a node: the part that is the same for every node process."""
+
+import contextlib
+import signal
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from types import FrameType
+
+import rclpy
+from rclpy.exceptions import InvalidParameterTypeException, ParameterException
+from rclpy.executors import ExternalShutdownException
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from roadmend.core.errors import InputError, RoadmendError
+
+POLL_S = 0.05  # longest time between two looks at the stop flag [s]
+
+
+class StopFlag:
+    """Set by SIGINT and SIGTERM, or by a node that has finished its work."""
+
+    def __init__(self) -> None:
+        self.is_set = False
+
+    def set(self, _signal: int = 0, _frame: FrameType | None = None) -> None:
+        """Ask the spin loop to end."""
+        self.is_set = True
+
+
+@contextlib.contextmanager
+def stop_on_signals() -> Iterator[StopFlag]:
+    """A flag that SIGINT and SIGTERM set while the context lasts.
+
+    rclpy's own handler sometimes misses SIGTERM in this build, hence an own one.
+    """
+    flag = StopFlag()
+    previous = {number: signal.signal(number, flag.set) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield flag
+    finally:
+        for number, handler in previous.items():
+            signal.signal(number, handler)
+
+
+def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> int:
+    """Run one node until it has finished or is told to stop.
+
+    The node may have an attribute ``finished`` (the loop ends when it turns true), an attribute ``exit_code`` and a
+    method ``close()`` that is called before the node is destroyed, while publishing still works.
+
+    Returns:
+        Exit code for the process: the node's, or 2 for bad input.
+    """
+    with stop_on_signals() as stop:
+        rclpy.init(args=list(sys.argv if args is None else args), signal_handler_options=SignalHandlerOptions.NO)
+        try:
+            return _run(factory, stop)
+        except (InputError, ParameterException, InvalidParameterTypeException) as error:
+            print(f"roadmend: {error}", file=sys.stderr)
+            return 2
+        except RoadmendError as error:
+            print(f"roadmend: {error}", file=sys.stderr)
+            return 1
+        finally:
+            rclpy.try_shutdown()
+
+
+def _run(factory: Callable[[], Node], stop: StopFlag) -> int:
+    node = factory()
+    executor = EventsExecutor()
+    executor.add_node(node)
+    try:
+        # spin() without a time-out never calls back in this build of the executor.
+        while not stop.is_set and not getattr(node, "finished", False):
+            executor.spin_once(timeout_sec=POLL_S)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        close = getattr(node, "close", None)
+        if close is not None:
+            close()
+        executor.remove_node(node)
+        node.destroy_node()
+        executor.shutdown()
+    return int(getattr(node, "exit_code", 0))

@@ -1,0 +1,1 @@
+"""The driving policies under repair."""

@@ -1,0 +1,1 @@
+"""MCAP writing and reading."""

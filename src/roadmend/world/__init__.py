@@ -1,0 +1,1 @@
+"""Scenarios, road networks, SUMO, the ego's dynamics, collisions and the episode runner."""
