@@ -1,1 +1,1 @@
-"""MCAP writing and reading."""
+"""MCAP writing and reading: bags that rosbag2, Foxglove, rosbags and the MCAP libraries of other languages open."""

@@ -1,0 +1,120 @@
+"""Message definitions as text, found where ROS packages install them. Needs no ROS library."""
+
+import json
+import os
+import re
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from roadmend.core.errors import InputError
+
+_PRIMITIVES = frozenset({
+    "bool", "byte", "char", "float32", "float64", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64",
+    "uint64", "string", "wstring",
+})  # fmt: skip
+_TYPE_NAME = re.compile(r"([A-Za-z]\w*)/(?:msg/)?([A-Za-z]\w*)")
+# A field is a type, perhaps bounded, perhaps an array, and a name; a constant has "=" after its name.
+_FIELD = re.compile(r"(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?P<array>\[[^\]]*\])?\s+[A-Za-z]\w*(?P<rest>.*)")
+_SEPARATOR = "=" * 80
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """The complete definition of one message type."""
+
+    type_name: str  # package/msg/Name
+    text: str  # the type's own .msg text, then that of each type it contains, parted by lines of 80 "="
+    type_hash: str  # RIHS01_...; empty where it is not known
+
+    @property
+    def first_field(self) -> str:
+        """Type of the first field as package/Name, or its primitive name; with [] if it is an array; may be empty."""
+        own = self.text.split(_SEPARATOR, maxsplit=1)[0]
+        return next(_fields(own, self.type_name.split("/", maxsplit=1)[0]), "")
+
+
+@cache
+def find(type_name: str) -> Definition:
+    """The definition of an installed message type.
+
+    Searches share/ of each prefix in AMENT_PREFIX_PATH, then of the running Python.
+
+    Args:
+        type_name: package/msg/Name or package/Name.
+
+    Raises:
+        InputError: no such type is installed, or one that it contains is missing.
+    """
+    match = _TYPE_NAME.fullmatch(type_name)
+    if match is None:
+        raise InputError(type_name, "is not the name of a message type", "write package/msg/Name")
+    short = f"{match[1]}/{match[2]}"
+    texts: dict[str, str] = {}
+    _collect(short, texts)
+    parts = [texts.pop(short), *(f"{_SEPARATOR}\nMSG: {name}\n{text}" for name, text in texts.items())]
+    full_name = f"{match[1]}/msg/{match[2]}"
+    text = "\n".join(parts)
+    return Definition(full_name, text, _installed_hash(full_name) or computed_hash(full_name, text))
+
+
+def computed_hash(type_name: str, text: str) -> str:
+    """The type's hash (REP 2016, RIHS01) worked out from its complete definition."""
+    store = get_typestore(Stores.EMPTY)
+    store.register(get_types_from_msg(text, type_name))
+    return str(store.hash_rihs01(type_name))
+
+
+def _collect(name: str, texts: dict[str, str]) -> None:
+    """Put the text of ``name`` and of all that it contains into ``texts``, in the order in which rosbag2 puts them."""
+    text = _read(name)
+    texts[name] = text
+    contained = {field.removesuffix("[]") for field in _fields(text, name.split("/", maxsplit=1)[0])} - _PRIMITIVES
+    for other in sorted(contained):
+        if other not in texts:
+            _collect(other, texts)
+
+
+def _fields(text: str, package: str) -> Iterator[str]:
+    """Types of the fields of one .msg text, array bounds dropped, names of its own package completed."""
+    for line in text.splitlines():
+        match = _FIELD.fullmatch(line.split("#", maxsplit=1)[0].strip())
+        if match is None or match["rest"].lstrip().startswith("="):
+            continue
+        kind = match["type"].replace("/msg/", "/")
+        if kind not in _PRIMITIVES and "/" not in kind:
+            kind = f"{package}/{kind}"
+        yield f"{kind}[]" if match["array"] else kind
+
+
+def _read(name: str) -> str:
+    for path in _candidates(name, ".msg"):
+        try:
+            return path.read_text("utf-8")
+        except FileNotFoundError:
+            continue
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(str(path), f"cannot be read ({error})", "install the package anew") from error
+    raise InputError(
+        name, "no such message type is installed", "install its package or add its prefix to AMENT_PREFIX_PATH"
+    )
+
+
+def _candidates(name: str, suffix: str) -> Iterator[Path]:
+    package, stem = name.split("/")
+    prefixes = [*filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)), sys.prefix]
+    for prefix in dict.fromkeys(prefixes):
+        yield Path(prefix, "share", package, "msg", stem + suffix)
+
+
+def _installed_hash(full_name: str) -> str:
+    """The hash as the message generator installed it, or an empty string."""
+    for path in _candidates(full_name.replace("/msg/", "/"), ".json"):
+        if path.is_file():
+            hashes = json.loads(path.read_text("utf-8")).get("type_hashes", [])
+            return next((str(one["hash_string"]) for one in hashes if one["type_name"] == full_name), "")
+    return ""

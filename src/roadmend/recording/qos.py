@@ -1,0 +1,81 @@
+"""Quality of service as bags record it, so that a player can offer what the recorded publishers offered."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import yaml
+
+INFINITE_NS = 2**63 - 1  # [ns] how ROS writes "no limit"
+_SECOND = 1_000_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Qos:
+    """One publisher's offer. Policies have the names that rmw gives them, in lower case."""
+
+    history: str = "keep_last"
+    depth: int = 10
+    reliability: str = "reliable"
+    durability: str = "volatile"
+    deadline_ns: int = INFINITE_NS
+    lifespan_ns: int = INFINITE_NS
+    liveliness: str = "automatic"
+    liveliness_lease_ns: int = INFINITE_NS
+    avoid_ros_namespace_conventions: bool = False
+
+    def as_yaml(self) -> dict[str, Any]:
+        """The offer in the shape that rosbag2 writes from bag version 9 on."""
+        return {
+            "history": self.history,
+            "depth": self.depth,
+            "reliability": self.reliability,
+            "durability": self.durability,
+            "deadline": _parts(self.deadline_ns),
+            "lifespan": _parts(self.lifespan_ns),
+            "liveliness": self.liveliness,
+            "liveliness_lease_duration": _parts(self.liveliness_lease_ns),
+            "avoid_ros_namespace_conventions": self.avoid_ros_namespace_conventions,
+        }
+
+    @classmethod
+    def from_yaml(cls, shape: dict[str, Any]) -> "Qos":
+        """The inverse of ``as_yaml``.
+
+        Raises:
+            KeyError, TypeError: the shape is another one.
+        """
+        return cls(
+            shape["history"],
+            shape["depth"],
+            shape["reliability"],
+            shape["durability"],
+            _whole(shape["deadline"]),
+            _whole(shape["lifespan"]),
+            shape["liveliness"],
+            _whole(shape["liveliness_lease_duration"]),
+            shape["avoid_ros_namespace_conventions"],
+        )
+
+
+def dump(profiles: Iterable[Qos]) -> str:
+    """The text of ``offered_qos_profiles`` in a channel's metadata; empty without profiles."""
+    shapes = [profile.as_yaml() for profile in profiles]
+    return yaml.safe_dump(shapes, sort_keys=False).rstrip("\n") if shapes else ""
+
+
+def load(text: str) -> tuple[Qos, ...]:
+    """The offers from the text of ``offered_qos_profiles``.
+
+    Raises:
+        KeyError, TypeError, yaml.YAMLError: the text is not what ``dump`` writes.
+    """
+    return tuple(Qos.from_yaml(shape) for shape in yaml.safe_load(text) or ())
+
+
+def _parts(nanoseconds: int) -> dict[str, int]:
+    return {"sec": nanoseconds // _SECOND, "nsec": nanoseconds % _SECOND}
+
+
+def _whole(parts: dict[str, int]) -> int:
+    return parts["sec"] * _SECOND + parts["nsec"]

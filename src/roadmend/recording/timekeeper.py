@@ -1,0 +1,62 @@
+"""Which moment of simulation time a serialized message belongs to."""
+
+import struct
+import time
+from collections.abc import Callable
+
+from roadmend.recording.definitions import Definition
+
+CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
+_HEADER = "std_msgs/Header"
+_SECOND = 1_000_000_000
+# A stamp beyond this, while the clock is below it, was taken from the wall clock: simulations do not begin in 2001.
+_WALL_NS = 1_000_000_000 * _SECOND
+_STAMP = struct.Struct("<iI")  # builtin_interfaces/Time, little-endian, behind the 4 bytes that open every message
+_STAMP_OFFSET = 4
+
+
+class Timekeeper:
+    """Reads the stamps of serialized messages and follows the clock.
+
+    A message with a header belongs to the header's stamp, any other to the latest time seen on the clock. A header
+    that was stamped from the wall clock while the simulation's clock runs belongs to the latest clock time too: it
+    would else stretch the recording over decades.
+
+    Args:
+        simulated: whether /clock rules; otherwise stamps are taken as they are and messages without one get wall time.
+    """
+
+    def __init__(self, *, simulated: bool = True) -> None:
+        self.now_ns = 0  # latest clock time [ns]
+        self.wall_stamps = 0  # how many headers were stamped from the wall clock
+        self._simulated = simulated
+
+    def rule_for(self, definition: Definition) -> Callable[[bytes], int]:
+        """The function that gives a message of this type its time [ns] from its serialized bytes."""
+        if definition.type_name == CLOCK_TYPE:
+            return self._of_clock
+        if definition.first_field == _HEADER:
+            return self._of_header
+        return self._of_bare
+
+    def _of_clock(self, data: bytes) -> int:
+        now_ns = max(_stamp(data), 0)
+        self.now_ns = now_ns
+        return now_ns
+
+    def _of_header(self, data: bytes) -> int:
+        stamp = _stamp(data)
+        if stamp < 0:
+            return self._of_bare(data)
+        if stamp >= _WALL_NS > self.now_ns and self._simulated:
+            self.wall_stamps += 1
+            return self.now_ns
+        return stamp
+
+    def _of_bare(self, _data: bytes) -> int:
+        return self.now_ns if self._simulated else time.time_ns()
+
+
+def _stamp(data: bytes) -> int:
+    seconds, nanoseconds = _STAMP.unpack_from(data, _STAMP_OFFSET)
+    return int(seconds * _SECOND + nanoseconds)
