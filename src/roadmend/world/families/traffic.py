@@ -1,0 +1,98 @@
+"""What the families share: slots for other vehicles, and room between those in one lane."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from roadmend.world.drivers import BODIES
+from roadmend.world.scenario import Brake, CutIn, Environment, Manoeuvre, RunRightOfWay, Trigger
+from roadmend.world.space import Choice, Dimension, Parameters, Uniform
+
+WEATHER: dict[str, Dimension] = {
+    "weather": Choice({"clear": 0.45, "cloudy": 0.1, "overcast": 0.1, "rainy": 0.2, "foggy": 0.1, "snowy": 0.05}),
+    "time_of_day": Choice({"daytime": 0.75, "nighttime": 0.25}),
+}
+DRIVER = Choice({"careful": 0.2, "normal": 0.45, "aggressive": 0.25, "reckless": 0.1})
+
+
+def slot_manoeuvre(slot: str, weights: dict[str, float]) -> dict[str, Dimension]:
+    """Dimensions of a slot's manoeuvre."""
+    return {
+        f"{slot}.manoeuvre": Choice({name: weight for name, weight in weights.items()}),
+        f"{slot}.when": Uniform(0.5, 10.0),
+        f"{slot}.strength": Uniform(3.0, 8.0),
+    }
+
+
+def manoeuvres(parameters: Parameters, slot: str) -> list[Manoeuvre]:
+    """The scripted misbehaviour of a slot."""
+    trigger = Trigger(time=float(parameters[f"{slot}.when"]))
+    match parameters[f"{slot}.manoeuvre"]:
+        case "brake":
+            return [Brake(when=trigger, deceleration=float(parameters[f"{slot}.strength"]), speed=1.0, hold=2.0)]
+        case "cut_in_left":
+            return [CutIn(when=trigger, direction="left")]
+        case "cut_in_right":
+            return [CutIn(when=trigger, direction="right")]
+        case "run":
+            return [RunRightOfWay(when=trigger, hold=15.0)]
+        case _:
+            return []
+
+
+def environment(parameters: Parameters) -> Environment:
+    """Weather and light."""
+    return Environment.model_validate(
+        {"weather": parameters["weather"], "time_of_day": parameters["time_of_day"]}
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A vehicle in a lane: ``ahead`` is its front bumper's coordinate [m] along the lane, growing forwards."""
+
+    slot: str
+    lane: tuple[str, int]
+    ahead: float  # [m]
+    speed: float  # [m/s]
+    length: float  # [m]
+
+
+def make_room(places: Iterable[Place], fixed: Place | None) -> list[Place]:
+    """Spread vehicles of one lane so that none starts inside or hopelessly close to another.
+
+    Vehicles keep their order; those ahead of ``fixed`` (the ego) are pushed forwards, the others backwards.
+    """
+    result: list[Place] = []
+    lanes: dict[tuple[str, int], list[Place]] = {}
+    for place in places:
+        lanes.setdefault(place.lane, []).append(place)
+    for lane, members in lanes.items():
+        anchor = fixed if fixed is not None and fixed.lane == lane else None
+        members.sort(key=lambda place: place.ahead)
+        split = anchor.ahead if anchor is not None else float("inf")
+        follower = anchor
+        for place in (member for member in members if member.ahead >= split):
+            if follower is not None:
+                needed = follower.ahead + place.length + _gap(follower.speed, place.speed)
+                place = replace(place, ahead=max(place.ahead, needed))
+            result.append(place)
+            follower = place
+        leader = anchor
+        for place in reversed([member for member in members if member.ahead < split]):
+            if leader is not None:
+                allowed = leader.ahead - leader.length - _gap(place.speed, leader.speed)
+                place = replace(place, ahead=min(place.ahead, allowed))
+            result.append(place)
+            leader = place
+    return result
+
+
+def _gap(behind: float, before: float) -> float:
+    """Room [m] that a follower at speed ``behind`` [m/s] needs to a leader at ``before`` [m/s]."""
+    closing = max(0.0, behind - before)
+    return 3.0 + 0.6 * behind + closing * closing / 6.0
+
+
+def body_length(kind: str) -> float:
+    """Length of a kind of vehicle [m]."""
+    return BODIES[kind].length

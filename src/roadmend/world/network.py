@@ -1,0 +1,219 @@
+"""Road networks: plain descriptions, built with netconvert and kept in a cache."""
+
+import hashlib
+import math
+import os
+import subprocess
+import tempfile
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+from roadmend.core.errors import InputError, SimulationError
+from roadmend.world.scenario import (
+    HighwayExitNetwork,
+    IntersectionNetwork,
+    Network,
+    NetworkFile,
+    OnRampNetwork,
+    SumoConfiguration,
+)
+
+_BUILDER_VERSION = "1"  # raise when the same description shall give another network
+_NODE_TYPES = {
+    "priority": "priority",
+    "right_before_left": "right_before_left",
+    "allway_stop": "allway_stop",
+    "traffic_light": "traffic_light",
+}
+_RAMP_ANGLE = math.radians(12.0)  # between ramp and highway
+
+
+class PlainNetwork:
+    """Nodes, edges and connections as netconvert reads them."""
+
+    def __init__(self) -> None:
+        self.nodes = ET.Element("nodes")
+        self.edges = ET.Element("edges")
+        self.connections = ET.Element("connections")
+        self.options: list[str] = []
+
+    def node(self, name: str, x: float, y: float, kind: str = "priority") -> None:
+        """A node at a point [m]."""
+        ET.SubElement(self.nodes, "node", id=name, x=f"{x:.3f}", y=f"{y:.3f}", type=kind)
+
+    def edge(self, name: str, begin: str, end: str, lanes: int, speed: float, **more: str) -> None:
+        """A straight one-way road; ``speed`` is its limit [m/s]."""
+        ET.SubElement(
+            self.edges, "edge", {"id": name, "from": begin, "to": end, "numLanes": str(lanes), "speed": f"{speed:.3f}"} | more
+        )
+
+    def connection(self, begin: str, end: str, from_lane: int, to_lane: int) -> None:
+        """A connection between two lanes."""
+        ET.SubElement(
+            self.connections,
+            "connection",
+            {"from": begin, "to": end, "fromLane": str(from_lane), "toLane": str(to_lane)},
+        )
+
+    def texts(self) -> tuple[str, str, str]:
+        """The three XML documents."""
+        nodes, edges, connections = (
+            ET.tostring(element, encoding="unicode") for element in (self.nodes, self.edges, self.connections)
+        )
+        return nodes, edges, connections
+
+
+def describe_intersection(spec: IntersectionNetwork) -> PlainNetwork:
+    """Arms around one node in the origin."""
+    plain = PlainNetwork()
+    plain.node("centre", 0.0, 0.0, _NODE_TYPES[spec.control])
+    for arm in spec.arms:
+        angle = math.radians(arm.bearing)
+        plain.node(arm.name, arm.length * math.cos(angle), arm.length * math.sin(angle), "dead_end")
+        priority = {"priority": "10" if arm.major else "5"}
+        plain.edge(f"{arm.name}_in", arm.name, "centre", arm.lanes, arm.speed_limit, **priority)
+        plain.edge(f"{arm.name}_out", "centre", arm.name, arm.lanes, arm.speed_limit, **priority)
+    plain.options += ["--no-turnarounds", "true", "--junctions.corner-detail", "8"]
+    plain.options += ["--tls.cycle.time", str(round(spec.cycle))]
+    if spec.crossings:
+        plain.options += ["--sidewalks.guess", "true", "--sidewalks.guess.min-speed", "0"]
+        plain.options += ["--sidewalks.guess.max-speed", "100", "--crossings.guess", "true"]
+        plain.options += ["--crossings.guess.speed-threshold", "100"]
+    return plain
+
+
+def describe_highway_exit(spec: HighwayExitNetwork) -> PlainNetwork:
+    """Eastbound highway; the ramp leaves to the right."""
+    plain = PlainNetwork()
+    first, second = spec.approach_length, spec.approach_length + spec.lane_length
+    plain.node("begin", 0.0, 0.0)
+    plain.node("widen", first, 0.0)
+    plain.node("split", second, 0.0)
+    plain.node("end", second + 300.0, 0.0)
+    dx, dy = spec.ramp_length * math.cos(_RAMP_ANGLE), spec.ramp_length * math.sin(_RAMP_ANGLE)
+    plain.node("ramp_end", second + dx, -dy)
+    plain.edge("approach", "begin", "widen", spec.lanes, spec.speed_limit)
+    plain.edge("diverge", "widen", "split", spec.lanes + 1, spec.speed_limit)
+    plain.edge("mainline", "split", "end", spec.lanes, spec.speed_limit)
+    plain.edge("ramp", "split", "ramp_end", 1, spec.ramp_speed_limit)
+    for lane in range(spec.lanes):
+        plain.connection("approach", "diverge", lane, lane + 1)
+        plain.connection("diverge", "mainline", lane + 1, lane)
+    plain.connection("diverge", "ramp", 0, 0)
+    return plain
+
+
+def describe_on_ramp(spec: OnRampNetwork) -> PlainNetwork:
+    """Eastbound highway; the ramp comes in from the right."""
+    plain = PlainNetwork()
+    first, second = spec.approach_length, spec.approach_length + spec.lane_length
+    plain.node("begin", 0.0, 0.0)
+    plain.node("join", first, 0.0)
+    plain.node("narrow", second, 0.0)
+    plain.node("end", second + 300.0, 0.0)
+    dx, dy = spec.ramp_length * math.cos(_RAMP_ANGLE), spec.ramp_length * math.sin(_RAMP_ANGLE)
+    plain.node("ramp_begin", first - dx, -dy - 3.2 * (spec.lanes + 1) / 2.0)
+    plain.edge("approach", "begin", "join", spec.lanes, spec.speed_limit)
+    plain.edge("ramp", "ramp_begin", "join", 1, spec.ramp_speed_limit)
+    plain.edge("merge", "join", "narrow", spec.lanes + 1, spec.speed_limit)
+    plain.edge("mainline", "narrow", "end", spec.lanes, spec.speed_limit)
+    for lane in range(spec.lanes):
+        plain.connection("approach", "merge", lane, lane + 1)
+        plain.connection("merge", "mainline", lane + 1, lane)
+    plain.connection("ramp", "merge", 0, 0)
+    return plain
+
+
+def network_file(network: Network) -> Path:
+    """The SUMO network of a scenario, built if it is not in the cache.
+
+    Raises:
+        InputError: the description gives no usable network, or its file is not there.
+    """
+    match network:
+        case IntersectionNetwork():
+            return _build(describe_intersection(network))
+        case HighwayExitNetwork():
+            return _build(describe_highway_exit(network))
+        case OnRampNetwork():
+            return _build(describe_on_ramp(network))
+        case NetworkFile():
+            path = Path(network.path)
+            if not path.is_file():
+                raise InputError("network.path", f"no such file {path}", "give the path of a SUMO .net.xml file")
+            return path
+        case SumoConfiguration():
+            return _network_of_configuration(Path(network.path))
+
+
+def cache_folder() -> Path:
+    """Where built networks are kept: ROADMEND_CACHE, else the user's cache folder."""
+    chosen = os.environ.get("ROADMEND_CACHE")
+    if chosen:
+        return Path(chosen)
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "roadmend"
+
+
+def _build(plain: PlainNetwork) -> Path:
+    texts = plain.texts()
+    key = "\0".join([_BUILDER_VERSION, _netconvert_version(), *texts, *plain.options])
+    target = cache_folder() / "networks" / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.net.xml"
+    if target.exists():
+        return target
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=target.parent) as folder:
+            built = _netconvert(Path(folder), texts, plain.options)
+            built.replace(target)
+    except OSError as error:
+        raise InputError(
+            str(target.parent), f"cannot be written ({error.strerror})", "set ROADMEND_CACHE to a writable folder"
+        ) from None
+    return target
+
+
+def _netconvert(folder: Path, texts: tuple[str, str, str], options: list[str]) -> Path:
+    names = ("nodes.nod.xml", "edges.edg.xml", "connections.con.xml")
+    for name, text in zip(names, texts, strict=True):
+        (folder / name).write_text(text, encoding="utf-8")
+    target = folder / "built.net.xml"
+    command = [
+        str(_binary("netconvert")), "--node-files", names[0], "--edge-files", names[1], "--output-file", target.name,
+        "--offset.disable-normalization", "true", "--no-warnings", "true", *options,
+    ]  # fmt: skip
+    if "<connection " in texts[2]:
+        command += ["--connection-files", names[2]]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode != 0 or not target.exists():
+        lines = [line for line in done.stderr.splitlines() if line.strip()]
+        raise SimulationError(f"netconvert failed: {lines[0] if lines else 'no reason given'}")
+    return target
+
+
+def _binary(name: str) -> Path:
+    import sumo  # noqa: PLC0415 - importing it is slow and only a cache miss needs it
+
+    return Path(sumo.SUMO_HOME) / "bin" / name
+
+
+def _netconvert_version() -> str:
+    from importlib.metadata import version  # noqa: PLC0415 - 20 ms that most runs do not need
+
+    return version("eclipse-sumo")
+
+
+def _network_of_configuration(path: Path) -> Path:
+    if not path.is_file():
+        raise InputError(str(path), "no such file", "give the path of a SUMO .sumocfg file")
+    try:
+        root = ET.parse(path).getroot()
+    except ET.ParseError as error:
+        raise InputError(str(path), f"broken XML ({error})", "mend the SUMO configuration") from None
+    element = root.find(".//net-file")
+    value = "" if element is None else element.get("value", "")
+    if not value:
+        raise InputError(str(path), "names no net-file", "add <net-file value=.../> to its <input>")
+    network = path.parent / value
+    if not network.is_file():
+        raise InputError(str(path), f"net-file {value} does not exist", "mend the path in the configuration")
+    return network

@@ -1,0 +1,148 @@
+"""A SUMO network as read from its .net.xml: lanes with shapes, and the connections between them."""
+
+import functools
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.core.errors import InputError
+
+Floats = NDArray[np.float64]
+
+_DEFAULT_LANE_WIDTH = 3.2  # [m] where the network gives none (SUMO's default)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lane:
+    """One lane; ``shape`` is its centre line, P x 2 [m]."""
+
+    id: str
+    shape: Floats
+    length: float  # [m]
+    speed_limit: float  # [m/s]
+    width: float  # [m]
+    for_cars: bool
+    for_pedestrians_only: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Edge:
+    """One direction of a road; lanes from right to left."""
+
+    id: str
+    function: str  # normal, internal, crossing, walkingarea, connector
+    lanes: tuple[Lane, ...]
+
+    @property
+    def car_lanes(self) -> tuple[Lane, ...]:
+        """The lanes that cars may use, from right to left."""
+        return tuple(lane for lane in self.lanes if lane.for_cars)
+
+    def lane_number(self, car_lane: int) -> int:
+        """SUMO's index of the n-th lane for cars."""
+        return self.lanes.index(self.car_lanes[car_lane])
+
+
+@dataclass(frozen=True, slots=True)
+class Connection:
+    """Permission to drive from one lane to another."""
+
+    from_edge: str
+    to_edge: str
+    from_lane: int
+    to_lane: int
+    via: str  # internal lane, or empty
+    state: str  # SUMO's link state
+    direction: str
+    traffic_light: str  # or empty
+    link_index: int
+
+
+@dataclass(frozen=True, eq=False)
+class RoadNetwork:
+    """All edges by id, all connections by (from edge, from lane), and the phases of the traffic lights."""
+
+    path: Path
+    edges: dict[str, Edge]
+    connections: dict[tuple[str, int], list[Connection]]
+    phases: dict[str, list[str]]
+
+    def lane(self, lane_id: str) -> Lane:
+        """A lane by SUMO's id."""
+        edge, _, number = lane_id.rpartition("_")
+        return self.edges[edge].lanes[int(number)]
+
+    @property
+    def roads(self) -> list[Edge]:
+        """The edges that are roads, not the inside of junctions."""
+        return [edge for edge in self.edges.values() if edge.function == "normal"]
+
+
+def read_network(path: Path) -> RoadNetwork:
+    """Read a .net.xml; the result is shared between calls and must not be changed.
+
+    Raises:
+        InputError: the file cannot be read, is no SUMO network, or has no lane for cars.
+    """
+    try:
+        return _read(path, path.stat().st_mtime_ns)
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read ({error.strerror})", "give a SUMO .net.xml file") from None
+
+
+@functools.lru_cache(maxsize=64)
+def _read(path: Path, _modified: int) -> RoadNetwork:
+    edges: dict[str, Edge] = {}
+    connections: dict[tuple[str, int], list[Connection]] = {}
+    phases: dict[str, list[str]] = {}
+    try:
+        root = ET.parse(path).getroot()
+    except ET.ParseError as error:
+        raise InputError(str(path), f"broken XML ({error})", "build the network again with netconvert") from None
+    if root.tag != "net":
+        raise InputError(str(path), f"is no SUMO network (its root is <{root.tag}>)", "give a .net.xml file")
+    for element in root.iterfind("edge"):
+        edge = Edge(element.attrib["id"], element.get("function", "normal"), tuple(map(_lane, element.iterfind("lane"))))
+        edges[edge.id] = edge
+    for element in root.iterfind("connection"):
+        connection = _connection(element)
+        connections.setdefault((connection.from_edge, connection.from_lane), []).append(connection)
+    for element in root.iterfind("tlLogic"):
+        states = phases.setdefault(element.attrib["id"], [])
+        states.extend(phase.get("state", "") for phase in element.iterfind("phase"))
+    if not any(edge.car_lanes for edge in edges.values() if edge.function == "normal"):
+        raise InputError(str(path), "the network has no lane for cars", "add roads and build it again with netconvert")
+    return RoadNetwork(path, edges, connections, phases)
+
+
+def _lane(element: ET.Element) -> Lane:
+    points = [point.split(",") for point in element.attrib["shape"].split()]
+    allow, disallow = element.get("allow", "").split(), element.get("disallow", "").split()
+    for_cars = ("passenger" in allow) if allow else not ({"passenger", "all"} & set(disallow))
+    return Lane(
+        id=element.attrib["id"],
+        shape=np.array([[float(point[0]), float(point[1])] for point in points]),
+        length=float(element.attrib["length"]),
+        speed_limit=float(element.attrib["speed"]),
+        width=float(element.get("width", _DEFAULT_LANE_WIDTH)),
+        for_cars=for_cars,
+        for_pedestrians_only=allow == ["pedestrian"],
+    )
+
+
+def _connection(element: ET.Element) -> Connection:
+    get = element.attrib.get
+    return Connection(
+        from_edge=element.attrib["from"],
+        to_edge=element.attrib["to"],
+        from_lane=int(element.attrib["fromLane"]),
+        to_lane=int(element.attrib["toLane"]),
+        via=get("via", ""),
+        state=get("state", "M"),
+        direction=get("dir", "s"),
+        traffic_light=get("tl", ""),
+        link_index=int(get("linkIndex", "-1")),
+    )

@@ -1,0 +1,235 @@
+"""The scenario model: everything that decides how an episode runs, readable and writable as YAML."""
+
+import hashlib
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+FORMAT = "roadmend-scenario/1"
+
+Identifier = Annotated[str, Field(pattern=r"^[A-Za-z0-9_.\-]+$", description="letters, digits, '_', '.' and '-'")]
+Metres = Annotated[float, Field(ge=0.0, le=100_000.0, allow_inf_nan=False)]
+Seconds = Annotated[float, Field(ge=0.0, le=86_400.0, allow_inf_nan=False)]
+Speed = Annotated[float, Field(ge=0.0, le=70.0, allow_inf_nan=False, description="[m/s]")]
+EdgeList = Annotated[list[str], Field(min_length=1, description="road network edges in driving order")]
+
+FamilyName = Literal["S1", "S2", "S3", "S4", "S5"]
+VehicleKind = Literal["car", "truck", "bus", "motorcycle", "bicycle"]
+DriverName = Literal["careful", "normal", "aggressive", "reckless"]
+Weather = Literal["clear", "sunny", "cloudy", "overcast", "windy", "rainy", "foggy", "snowy"]
+
+
+class Model(BaseModel):
+    """Base of all scenario parts: unknown fields are errors, values do not change after reading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Arm(Model):
+    """One road that meets the others at an intersection: edges NAME_in (towards it) and NAME_out."""
+
+    name: Identifier
+    bearing: float = Field(ge=-360.0, le=360.0, description="[deg] seen from the centre, counter-clockwise from east")
+    lanes: int = Field(default=1, ge=1, le=6, description="lanes in each direction")
+    speed_limit: Speed = 13.89
+    length: float = Field(default=150.0, ge=20.0, le=5000.0, description="[m]")
+    major: bool = Field(default=False, description="has right of way where control is 'priority'")
+
+
+class IntersectionNetwork(Model):
+    """Three to six roads that meet in one point."""
+
+    kind: Literal["intersection"] = "intersection"
+    arms: list[Arm] = Field(min_length=3, max_length=6)
+    control: Literal["priority", "right_before_left", "allway_stop", "traffic_light"] = "priority"
+    crossings: bool = Field(default=False, description="sidewalks, and zebra crossings on every arm")
+    cycle: float = Field(default=40.0, ge=20.0, le=180.0, description="[s] cycle of the traffic light")
+
+
+class HighwayExitNetwork(Model):
+    """A highway with a deceleration lane: edges approach, diverge, mainline and ramp."""
+
+    kind: Literal["highway_exit"] = "highway_exit"
+    lanes: int = Field(default=3, ge=1, le=6)
+    speed_limit: Speed = 30.0
+    ramp_speed_limit: Speed = 17.0
+    approach_length: float = Field(default=350.0, ge=50.0, le=5000.0, description="[m]")
+    lane_length: float = Field(default=200.0, ge=50.0, le=1000.0, description="[m] deceleration lane")
+    ramp_length: float = Field(default=150.0, ge=50.0, le=2000.0, description="[m]")
+
+
+class OnRampNetwork(Model):
+    """A highway with an acceleration lane: edges approach, ramp, merge and mainline."""
+
+    kind: Literal["on_ramp"] = "on_ramp"
+    lanes: int = Field(default=2, ge=1, le=6)
+    speed_limit: Speed = 27.0
+    ramp_speed_limit: Speed = 17.0
+    approach_length: float = Field(default=300.0, ge=50.0, le=5000.0, description="[m]")
+    lane_length: float = Field(default=200.0, ge=50.0, le=1000.0, description="[m] acceleration lane")
+    ramp_length: float = Field(default=150.0, ge=50.0, le=2000.0, description="[m]")
+
+
+class NetworkFile(Model):
+    """Any SUMO network."""
+
+    kind: Literal["file"] = "file"
+    path: str = Field(description="SUMO .net.xml file; relative paths start at the scenario file")
+
+
+class SumoConfiguration(Model):
+    """A whole SUMO configuration with its own network and traffic; roadmend adds the ego."""
+
+    kind: Literal["sumocfg"] = "sumocfg"
+    path: str = Field(description="SUMO .sumocfg file; relative paths start at the scenario file")
+    warm_up: Seconds = Field(default=600.0, description="[s] of traffic before the ego enters")
+
+
+Network = Annotated[
+    IntersectionNetwork | HighwayExitNetwork | OnRampNetwork | NetworkFile | SumoConfiguration,
+    Field(discriminator="kind"),
+]
+
+
+class Ego(Model):
+    """Task and size of the vehicle under test."""
+
+    route: list[str] = Field(description="road network edges in driving order")
+    lane: int = Field(default=0, ge=0, le=20, description="first lane, 0 is the rightmost for vehicles")
+    position: Metres = Field(default=5.0, description="[m] of the centre along the first edge at the start")
+    speed: Speed = Field(default=0.0, description="[m/s] at the start")
+    goal: Metres | None = Field(default=None, description="[m] along the last edge; its end if not given")
+    length: float = Field(default=4.7, ge=1.0, le=20.0, description="[m]")
+    width: float = Field(default=1.85, ge=0.5, le=3.0, description="[m]")
+
+
+class Trigger(Model):
+    """When a manoeuvre begins: at a time, or when the ego comes near. Exactly one of the two."""
+
+    time: Seconds | None = Field(default=None, description="[s] since the start of the episode")
+    ego_distance: Metres | None = Field(default=None, description="[m] between the centres")
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> "Trigger":
+        if (self.time is None) == (self.ego_distance is None):
+            raise ValueError("give either time or ego_distance")
+        return self
+
+
+class Brake(Model):
+    """Slow down hard, hold, then drive on."""
+
+    action: Literal["brake"] = "brake"
+    when: Trigger
+    speed: Speed = Field(default=0.0, description="[m/s] to slow down to")
+    deceleration: float = Field(default=6.0, gt=0.1, le=9.0, description="[m/s2]")
+    hold: Seconds = Field(default=3.0, description="[s] at the low speed")
+
+
+class CutIn(Model):
+    """Change lane without regard for others."""
+
+    action: Literal["cut_in"] = "cut_in"
+    when: Trigger
+    direction: Literal["left", "right"]
+
+
+class RunRightOfWay(Model):
+    """Drive on at junctions as if nobody else were there."""
+
+    action: Literal["run"] = "run"
+    when: Trigger
+    hold: Seconds = Field(default=10.0, description="[s] how long")
+
+
+Manoeuvre = Annotated[Brake | CutIn | RunRightOfWay, Field(discriminator="action")]
+
+
+class Vehicle(Model):
+    """A vehicle that shares the road with the ego."""
+
+    type: Literal["vehicle"] = "vehicle"
+    id: Identifier
+    kind: VehicleKind = "car"
+    driver: DriverName = "normal"
+    route: EdgeList
+    depart: Seconds = 0.0
+    lane: int = Field(default=0, ge=0, le=20)
+    position: Metres = Field(default=0.0, description="[m] of the front bumper along the first edge")
+    speed: Speed | None = Field(default=None, description="[m/s] at departure, at most what the driver wants to go there; that speed if not given")
+    speed_factor: float | None = Field(default=None, ge=0.3, le=2.0, description="of the speed limit; the driver's")
+    manoeuvres: list[Manoeuvre] = []
+
+
+class Pedestrian(Model):
+    """A person on foot, walking from the first edge of the route to the last along sidewalks and crossings."""
+
+    type: Literal["pedestrian"] = "pedestrian"
+    id: Identifier
+    driver: DriverName = "normal"
+    route: EdgeList
+    depart: Seconds = 0.0
+    position: Metres = Field(default=0.0, description="[m] along the first edge")
+    speed: float = Field(default=1.3, ge=0.2, le=6.0, description="[m/s]")
+
+
+Actor = Annotated[Vehicle | Pedestrian, Field(discriminator="type")]
+
+# Tyre-road friction and how far objects are seen [m], by weather; published ranges for passenger tyres on asphalt.
+_FRICTION: dict[str, float] = {
+    "clear": 0.9, "sunny": 0.9, "cloudy": 0.9, "overcast": 0.85, "windy": 0.85, "rainy": 0.6, "foggy": 0.7, "snowy": 0.35,
+}  # fmt: skip
+_SENSING: dict[str, float] = {
+    "clear": 150.0, "sunny": 150.0, "cloudy": 150.0, "overcast": 150.0, "windy": 150.0, "rainy": 110.0,
+    "foggy": 60.0, "snowy": 90.0,
+}  # fmt: skip
+_NIGHT = 0.8  # share of the daytime sensing range that is left at night
+
+
+class Environment(Model):
+    """Weather and light, and what follows from them."""
+
+    weather: Weather = "clear"
+    time_of_day: Literal["daytime", "nighttime"] = "daytime"
+    friction: float | None = Field(default=None, gt=0.05, le=1.2, description="tyre-road friction; the weather's")
+    sensing_range: float | None = Field(default=None, gt=5.0, le=100_000.0, description="[m]; the weather's and light's")
+
+    @property
+    def effective_friction(self) -> float:
+        """Tyre-road friction coefficient."""
+        return self.friction if self.friction is not None else _FRICTION[self.weather]
+
+    @property
+    def effective_range(self) -> float:
+        """How far participants are seen [m]."""
+        if self.sensing_range is not None:
+            return self.sensing_range
+        return _SENSING[self.weather] * (_NIGHT if self.time_of_day == "nighttime" else 1.0)
+
+
+class Scenario(Model):
+    """One episode, complete: the same scenario, policy and repair method give the same trajectories, bit for bit."""
+
+    format: Literal["roadmend-scenario/1"] = FORMAT
+    name: Identifier
+    family: FamilyName | None = None
+    seed: int = Field(default=0, ge=0, le=2_147_483_647, strict=True)
+    time_limit: float = Field(default=60.0, gt=0.0, le=86_400.0, allow_inf_nan=False, description="[s]")
+    network: Network
+    ego: Ego
+    actors: list[Actor] = []
+    environment: Environment = Environment()
+
+    @model_validator(mode="after")
+    def _unique_ids(self) -> "Scenario":
+        seen: set[str] = {"ego"}
+        for actor in self.actors:
+            if actor.id in seen:
+                raise ValueError(f"actor id {actor.id!r} is used twice")
+            seen.add(actor.id)
+        return self
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the scenario's content, hexadecimal."""
+        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()

@@ -1,0 +1,264 @@
+"""One episode in SUMO: the ego on its own dynamics, everybody else on SUMO's."""
+
+import contextlib
+import math
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import libsumo
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.core.command import Command
+from roadmend.core.errors import InputError, SimulationError
+from roadmend.core.outcome import Event, EventKind
+from roadmend.core.route import Route
+from roadmend.core.scene import EgoState, Scene, Signal
+from roadmend.world.ego import LongitudinalDynamics, RouteFollower, VehicleParameters
+from roadmend.world.manoeuvres import ManoeuvreScript
+from roadmend.world.network import network_file
+from roadmend.world.participants import Participants
+from roadmend.world.road_network import RoadNetwork, read_network
+from roadmend.world.route_builder import BuiltRoute, build_route
+from roadmend.world.scenario import Pedestrian, Scenario, SumoConfiguration
+from roadmend.world.traffic_file import EGO, ego_type, traffic_xml
+
+INTERVAL = 0.05  # [s] between ticks: 20 Hz
+LATERAL_RESOLUTION = 0.8  # [m] SUMO's sublane model: partial overlap, bicycles beside cars, gradual lane changes
+
+_SIGNALS = {
+    "G": Signal.GREEN, "g": Signal.GREEN, "y": Signal.YELLOW, "Y": Signal.YELLOW, "r": Signal.RED, "R": Signal.RED,
+    "u": Signal.RED, "s": Signal.GREEN, "o": Signal.OFF, "O": Signal.OFF,
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """What is known after one step."""
+
+    number: int
+    scene: Scene
+    min_distance: float  # [m] between the ego's outline and the nearest other; exact below participants.NEAR
+    events: tuple[Event, ...]
+    final: Event | None  # set on the last tick
+
+
+class Simulation:
+    """Runs one scenario. libsumo holds one simulation a process, so only one of these may be open at a time."""
+
+    def __init__(self, scenario: Scenario, *, report_collisions: bool = False) -> None:
+        """Load a scenario and place the ego.
+
+        Args:
+            scenario: what to run.
+            report_collisions: let SUMO look for collisions too (tests compare the two).
+
+        Raises:
+            InputError: the scenario names something that does not exist.
+            SimulationError: SUMO refuses to start.
+        """
+        self.scenario = scenario
+        self.network: RoadNetwork = read_network(network_file(scenario.network))
+        self._has_ego = bool(scenario.ego.route) or not isinstance(scenario.network, SumoConfiguration)
+        built = build_route(self.network, scenario) if self._has_ego else None
+        self._files = tempfile.TemporaryDirectory(prefix="roadmend-")
+        try:
+            _start(self._arguments(report_collisions=report_collisions), scenario)
+            self._warm_up()
+            if built is None:
+                self.scenario = scenario = _with_route_from_traffic(scenario)
+                built = build_route(self.network, scenario)
+            self._built: BuiltRoute = built
+            self._place_ego()
+        except BaseException:
+            self.close()
+            raise
+        environment = scenario.environment
+        limited = not isinstance(scenario.network, SumoConfiguration) or environment.sensing_range is not None
+        with_persons = isinstance(scenario.network, SumoConfiguration) or any(
+            isinstance(actor, Pedestrian) for actor in scenario.actors
+        )
+        self._participants = Participants(
+            EGO, INTERVAL, environment.effective_range if limited else math.inf, with_persons=with_persons
+        )
+        self._script = ManoeuvreScript(scenario)
+        self._dynamics = LongitudinalDynamics(VehicleParameters(), environment.effective_friction, scenario.ego.speed)
+        self._follower = RouteFollower(built.route, built.start_position)
+        self._tick = 0
+        self._last_yaw = self._follower.yaw
+        self._final: Event | None = None
+
+    @property
+    def route(self) -> Route:
+        """The ego's route."""
+        return self._built.route
+
+    @property
+    def ego_acceleration(self) -> float:
+        """Acceleration of the ego over the last step [m/s2]."""
+        return self._dynamics.acceleration
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the simulation; harmless when it has ended before."""
+        with contextlib.suppress(libsumo.TraCIException, libsumo.FatalTraCIError):
+            libsumo.close()
+        self._files.cleanup()
+
+    def first(self) -> Tick:
+        """The scene before anything has moved."""
+        self._step_sumo()
+        started = Event(0.0, EventKind.STARTED, f"{self.scenario.name}: {self.route.length:.0f} m to go")
+        return self._observe((started,))
+
+    def step(self, command: Command) -> Tick:
+        """Drive the ego on ``command`` for one interval and let everybody else move.
+
+        Raises:
+            SimulationError: the episode is over, or SUMO failed.
+        """
+        if self._final is not None:
+            raise SimulationError("the episode is over; open a new Simulation")
+        follower, dynamics = self._follower, self._dynamics
+        events: tuple[Event, ...] = ()
+        if command.change_lane and follower.begin_change(dynamics.speed):
+            events = (Event(self._tick * INTERVAL, EventKind.CHANGE_LANE, f"to stage {follower.stage + 1}"),)
+        follower.advance(dynamics.step(command, INTERVAL, follower.curvature))
+        self._tick += 1
+        self._script.step(self._tick * INTERVAL, follower.x, follower.y, set(self._participants.present))
+        self._step_sumo()
+        return self._observe(events)
+
+    def _step_sumo(self) -> None:
+        follower = self._follower
+        front = 0.5 * self.scenario.ego.length
+        try:
+            libsumo.vehicle.moveToXY(
+                EGO, "", -1,
+                follower.x + front * math.cos(follower.yaw), follower.y + front * math.sin(follower.yaw),
+                (90.0 - math.degrees(follower.yaw)) % 360.0, 2,
+            )  # fmt: skip
+            libsumo.simulation.step()
+        except (libsumo.TraCIException, libsumo.FatalTraCIError) as error:
+            raise SimulationError(f"SUMO failed at {self._tick * INTERVAL:.2f} s: {error}") from None
+
+    def _observe(self, events: tuple[Event, ...]) -> Tick:
+        follower, scenario = self._follower, self.scenario
+        time = self._tick * INTERVAL
+        yaw_rate = math.remainder(follower.yaw - self._last_yaw, 2.0 * math.pi) / INTERVAL
+        self._last_yaw = follower.yaw
+        ego = EgoState.from_yaw(
+            follower.x, follower.y, follower.yaw, self._dynamics.speed, yaw_rate, scenario.ego.length, scenario.ego.width
+        )
+        seen = self._participants.observe(ego)
+        nearest = float(seen.distances.min()) if len(seen.distances) else math.inf
+        if nearest <= 0.0:
+            names = tuple(name for name, gap in zip(seen.names, seen.distances, strict=True) if gap <= 0.0)
+            numbers = tuple(self._participants.number_of(name) for name in names)
+            text = f"the ego ({ego.speed:.1f} m/s) and {', '.join(names)} collided"
+            self._final = Event(time, EventKind.COLLISION, text, numbers, names)
+        elif follower.at_goal:
+            self._final = Event(time, EventKind.GOAL, f"route completed after {time:.2f} s")
+        elif follower.off_route:
+            self._final = Event(time, EventKind.OFF_ROUTE, "the ego ran past the end of its lane")
+        elif time >= scenario.time_limit - 1e-9:
+            self._final = Event(time, EventKind.TIMEOUT, f"time limit of {scenario.time_limit:g} s passed")
+        if self._final is not None:
+            events = (*events, self._final)
+        return Tick(self._tick, Scene(time, ego, seen.objects, self._signals()), nearest, events, self._final)
+
+    def _signals(self) -> NDArray[np.uint8]:
+        return np.array(
+            [
+                _SIGNALS.get(libsumo.trafficlight.getRedYellowGreenState(link.traffic_light)[link.link_index], Signal.OFF)
+                for link in self._built.signals
+            ],
+            dtype=np.uint8,
+        )
+
+    def _arguments(self, *, report_collisions: bool) -> list[str]:
+        scenario = self.scenario
+        arguments = [
+            "--step-length", f"{INTERVAL:g}", "--seed", str(scenario.seed), "--no-step-log", "true",
+            "--no-warnings", "true", "--duration-log.disable", "true", "--time-to-teleport", "-1",
+            "--collision.action", "warn" if report_collisions else "none",
+        ]  # fmt: skip
+        if isinstance(scenario.network, SumoConfiguration):
+            # The user's own outputs would land in the user's folders.
+            prefix = str(Path(self._files.name) / "out-")
+            return ["-c", scenario.network.path, "--output-prefix", prefix, "--log", f"{prefix}log", *arguments]
+        routes = Path(self._files.name) / "traffic.rou.xml"
+        routes.write_text(traffic_xml(scenario, self.network), encoding="utf-8")
+        if report_collisions:
+            arguments += ["--collision.check-junctions", "true", "--collision.mingap-factor", "0"]
+        return [
+            "-n", str(self.network.path), "-r", str(routes), "--lateral-resolution", f"{LATERAL_RESOLUTION:g}", *arguments,
+        ]  # fmt: skip
+
+    def _warm_up(self) -> None:
+        if isinstance(self.scenario.network, SumoConfiguration):
+            begin = libsumo.simulation.getTime()
+            libsumo.simulation.step(begin + self.scenario.network.warm_up)
+
+    def _place_ego(self) -> None:
+        scenario = self.scenario
+        libsumo.vehicletype.copy("DEFAULT_VEHTYPE", "roadmend_ego")
+        attributes = ego_type(scenario)
+        libsumo.vehicletype.setVehicleClass("roadmend_ego", attributes["vClass"])
+        libsumo.vehicletype.setLength("roadmend_ego", scenario.ego.length)
+        libsumo.vehicletype.setWidth("roadmend_ego", scenario.ego.width)
+        libsumo.route.add("roadmend_ego", list(scenario.ego.route))
+        libsumo.vehicle.add(EGO, "roadmend_ego", typeID="roadmend_ego", departPos=f"{scenario.ego.position:g}")
+        libsumo.vehicle.setSpeedMode(EGO, 0)
+        libsumo.vehicle.setLaneChangeMode(EGO, 0)
+
+
+def _with_route_from_traffic(scenario: Scenario) -> Scenario:
+    """Give the ego the longest route that is under way in the user's traffic, so that it always drives somewhere."""
+    routes = [libsumo.vehicle.getRoute(name) for name in libsumo.vehicle.getIDList() if libsumo.vehicle.getVehicleClass(name) == "passenger"]
+    if not routes:
+        raise InputError("ego.route", "no car is on the road to take a route from", "name the edges with --ego-route")
+    longest = max(routes, key=lambda route: (len(route), route))
+    return scenario.model_copy(update={"ego": scenario.ego.model_copy(update={"route": list(longest)})})
+
+
+def _start(arguments: list[str], scenario: Scenario) -> None:
+    with _captured_stderr() as printed:
+        try:
+            libsumo.start(["sumo", *arguments])
+        except (libsumo.TraCIException, libsumo.FatalTraCIError) as error:
+            failure: str | None = str(error)
+        else:
+            failure = None
+    if failure is not None:
+        said = [line.removeprefix("Error: ") for line in printed if line.startswith("Error: ")]
+        reason = (said[0] if said else failure).strip().replace("\n", " ")
+        where = getattr(scenario.network, "path", scenario.name)
+        raise InputError(str(where), f"SUMO refuses it: {reason}", "mend what it names")
+
+
+@contextlib.contextmanager
+def _captured_stderr() -> Iterator[list[str]]:
+    """Collect what native code prints to stderr, so that an error is one line and not two."""
+    lines: list[str] = []
+    sys.stderr.flush()
+    saved = os.dup(2)
+    with tempfile.TemporaryFile() as sink:
+        os.dup2(sink.fileno(), 2)
+        try:
+            yield lines
+        finally:
+            os.dup2(saved, 2)
+            os.close(saved)
+            sink.seek(0)
+            lines += sink.read().decode(errors="replace").splitlines()

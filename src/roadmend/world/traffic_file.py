@@ -1,0 +1,89 @@
+"""The actors of a scenario as a SUMO route file."""
+
+from xml.etree import ElementTree as ET
+
+from roadmend.core.errors import InputError
+from roadmend.world.drivers import pedestrian_type, type_name, vehicle_type
+from roadmend.world.road_network import RoadNetwork
+from roadmend.world.route_builder import check_edge
+from roadmend.world.scenario import Pedestrian, Scenario, Vehicle
+
+EGO = "ego"
+
+
+def traffic_xml(scenario: Scenario, network: RoadNetwork) -> str:
+    """The text of the route file: vehicle types, vehicles and persons in order of departure.
+
+    Raises:
+        InputError: names the actor whose route, lane or position does not exist.
+    """
+    root = ET.Element("routes")
+    types: set[str] = set()
+    departures = sorted(enumerate(scenario.actors), key=lambda item: (item[1].depart, item[0]))
+    for place, actor in departures:
+        if isinstance(actor, Vehicle):
+            _add_vehicle(root, types, scenario, network, actor, f"actors[{place}]")
+        else:
+            _add_pedestrian(root, network, actor, f"actors[{place}]")
+    return ET.tostring(root, encoding="unicode")
+
+
+def ego_type(scenario: Scenario) -> dict[str, str]:
+    """Attributes of the ego's SUMO vehicle type."""
+    return {"vClass": "passenger", "length": f"{scenario.ego.length:g}", "width": f"{scenario.ego.width:g}"}
+
+
+def _add_vehicle(
+    root: ET.Element, types: set[str], scenario: Scenario, network: RoadNetwork, vehicle: Vehicle, where: str
+) -> None:
+    for step, name in enumerate(vehicle.route):
+        check_edge(network, name, f"{where}.route[{step}]")
+    for step, (name, following) in enumerate(zip(vehicle.route, vehicle.route[1:], strict=False)):
+        lanes = range(len(network.edges[name].lanes))
+        if not any(link.to_edge == following for lane in lanes for link in network.connections.get((name, lane), [])):
+            raise InputError(f"{where}.route[{step + 1}]", f"no lane leads from {name!r} to {following!r}", "choose edges that connect")
+    edge = network.edges[vehicle.route[0]]
+    if vehicle.lane >= len(edge.car_lanes):
+        raise InputError(f"{where}.lane", f"{edge.id} has {len(edge.car_lanes)} lanes for cars", "count from 0 at the right")
+    lane_number = edge.lane_number(vehicle.lane)
+    if vehicle.position > edge.lanes[lane_number].length:
+        raise InputError(f"{where}.position", f"{vehicle.position:g} m is past the end of {edge.id}", "choose a smaller one")
+    attributes = vehicle_type(vehicle.kind, vehicle.driver, scenario.environment, vehicle.speed_factor)
+    name = type_name(vehicle.kind, vehicle.driver)
+    if vehicle.speed_factor is not None:
+        name += f"_{vehicle.id}"
+    if name not in types:
+        types.add(name)
+        ET.SubElement(root, "vType", {"id": name} | attributes)
+    # SUMO refuses an entry that is faster than the driver wants to go there.
+    wanted = min(edge.lanes[lane_number].speed_limit * float(attributes["speedFactor"]), float(attributes["maxSpeed"]))
+    element = ET.SubElement(
+        root,
+        "vehicle",
+        {
+            "id": vehicle.id,
+            "type": name,
+            "depart": f"{vehicle.depart:.2f}",
+            "departLane": str(lane_number),
+            "departPos": f"{vehicle.position:.2f}",
+            "departSpeed": "max" if vehicle.speed is None else f"{min(vehicle.speed, wanted - 0.01):.2f}",
+            # Only overlap forbids an entry: the scenario says where everyone is.
+            "insertionChecks": "collision",
+        },
+    )
+    ET.SubElement(element, "route", edges=" ".join(vehicle.route))
+
+
+def _add_pedestrian(root: ET.Element, network: RoadNetwork, person: Pedestrian, where: str) -> None:
+    for step, name in enumerate(person.route):
+        edge = network.edges.get(name)
+        if edge is None or edge.function != "normal":
+            check_edge(network, name, f"{where}.route[{step}]")
+        elif not any(lane.for_pedestrians_only for lane in edge.lanes):
+            raise InputError(f"{where}.route[{step}]", f"edge {name!r} has no sidewalk", "set network.crossings: true or choose another edge")
+    name = f"pedestrian_{person.id}"
+    ET.SubElement(root, "vType", {"id": name} | pedestrian_type(person.driver, person.speed))
+    element = ET.SubElement(
+        root, "person", id=person.id, type=name, depart=f"{person.depart:.2f}", departPos=f"{person.position:.2f}"
+    )
+    ET.SubElement(element, "walk", {"from": person.route[0], "to": person.route[-1]})
