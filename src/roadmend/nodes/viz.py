@@ -1,0 +1,285 @@
+"""Draws the running graph: markers, the plan as a path, and frames, for Foxglove and RViz."""
+
+import math
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields
+from functools import partial
+from typing import Any
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from nav_msgs.msg import Odometry, Path
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.serialization import deserialize_message
+from roadmend_msgs import msg
+from std_msgs.msg import Float64, Header
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
+
+from roadmend.core.command import Trajectory
+from roadmend.core.geometry import outline_distances
+from roadmend.core.outcome import EventKind
+from roadmend.core.route import Route
+from roadmend.core.scene import EgoState, ObjectList
+from roadmend.nodes import qos
+from roadmend.nodes.convert import MAP_FRAME, ego_of, nanoseconds_of, objects_of, route_of, trajectory_of
+from roadmend.nodes.marker_map import map_markers
+from roadmend.nodes.marker_ticks import NANOSECONDS, Cadence, TickMemory
+from roadmend.nodes.markers import (
+    ego_markers,
+    object_markers,
+    path_of,
+    plan_markers,
+    signal_markers,
+    transform_of,
+)
+from roadmend.nodes.spinning import run_node
+
+MARKERS_OBJECTS = "markers/objects"
+MARKERS_EGO = "markers/ego"
+MARKERS_PLAN = "markers/plan"
+MARKERS_MAP = "markers/map"
+PLAN = "plan"
+DISTANCE = "ego/distance"
+TF = "/tf"
+
+DEFAULT_SIZE = (4.8, 1.8)  # [m] of the ego until its route has told
+PATIENCE_S = 0.5  # [s] of simulation time for which a topic counts as present after its last message
+DISTANCE_EXACT = 60.0  # [m] up to which the distance is that between outlines
+DIAGNOSTICS_PERIOD_S = 1.0  # [s] of wall time
+
+_TICK_TOPICS = {
+    qos.EGO: Odometry,
+    qos.OBJECTS: msg.ObjectList,
+    qos.POLICY_TRAJECTORY: msg.Trajectory,
+    qos.REPAIR_STATE: msg.RepairState,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class VizParameters:
+    """Parameters of the node with their defaults; the metadata hold the range and the meaning."""
+
+    rate: float = field(default=10.0, metadata={
+        "low": 0.1, "high": 100.0, "text": "drawings a second of simulation time [Hz]"})  # fmt: skip
+    load: float = field(default=0.5, metadata={
+        "low": 0.01, "high": 1.0, "text": "share of the wall time that drawing may take at most"})  # fmt: skip
+    text_radius: float = field(default=40.0, metadata={
+        "low": 0.0, "high": 1000.0, "text": "how near to the ego an object carries its id and speed [m]"})  # fmt: skip
+
+
+class VizNode(Node):
+    """Keeps the newest bytes of each topic and decodes them only where a tick is to be drawn.
+
+    The first tick, the last one (a final event has come) and the first in each period of ``rate`` are drawn. What a
+    tick lacks is drawn as absent, never as it was before.
+    """
+
+    def __init__(self) -> None:
+        super().__init__("viz_node")
+        self._parameters = self._declare()
+        self._memory = TickMemory(tuple(_TICK_TOPICS))
+        self._cadence = Cadence(self._parameters.rate, self._parameters.load)
+        self._route: Route | None = None
+        self._map: msg.Map | None = None
+        self._map_is_due = False
+        self._final_draws = 0  # how many more times a message of the last tick is drawn at once
+        self._drawn = 0
+        self._last_draw_s = 0.0
+        self._stamp = Header(frame_id=MAP_FRAME).stamp
+        self._fault = ""
+        self._create_outputs()
+        for topic, kind in _TICK_TOPICS.items():
+            self.create_subscription(kind, topic, partial(self._on_bytes, topic), qos.STREAM, raw=True)
+        self.create_subscription(msg.Route, qos.ROUTE, self._on_route, qos.LATCHED)
+        self.create_subscription(msg.Map, qos.MAP, self._on_map, qos.LATCHED)
+        self.create_subscription(msg.ScenarioEvent, qos.EVENTS, self._on_event, qos.EVENT)
+        wall = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(DIAGNOSTICS_PERIOD_S, self._on_second, clock=wall)
+
+    def _create_outputs(self) -> None:
+        self._to_objects = self.create_publisher(MarkerArray, MARKERS_OBJECTS, qos.STREAM)
+        self._to_ego = self.create_publisher(MarkerArray, MARKERS_EGO, qos.STREAM)
+        self._to_plan_markers = self.create_publisher(MarkerArray, MARKERS_PLAN, qos.STREAM)
+        self._to_map = self.create_publisher(MarkerArray, MARKERS_MAP, qos.LATCHED)
+        self._to_plan = self.create_publisher(Path, PLAN, qos.STREAM)
+        self._to_distance = self.create_publisher(Float64, DISTANCE, qos.STREAM)
+        self._to_tf = self.create_publisher(TFMessage, TF, qos.STREAM)
+        self._to_diagnostics = self.create_publisher(DiagnosticArray, qos.DIAGNOSTICS, qos.DIAGNOSTIC)
+
+    def _declare(self) -> VizParameters:
+        values = {}
+        for entry in fields(VizParameters):
+            span = FloatingPointRange(from_value=entry.metadata["low"], to_value=entry.metadata["high"])
+            descriptor = ParameterDescriptor(description=entry.metadata["text"], floating_point_range=[span])
+            values[entry.name] = self.declare_parameter(entry.name, entry.default, descriptor).value
+        self.add_on_set_parameters_callback(_refuse_non_finite)
+        self.add_post_set_parameters_callback(self._on_parameters)
+        return VizParameters(**values)
+
+    def _on_parameters(self, changed: list[Parameter]) -> None:
+        names = {entry.name for entry in fields(VizParameters)}
+        if any(parameter.name in names for parameter in changed):
+            self._parameters = VizParameters(**{name: self.get_parameter(name).value for name in names})
+            self._cadence.set(self._parameters.rate, self._parameters.load)
+
+    def _on_bytes(self, topic: str, data: bytes) -> None:
+        before = self._memory.newest(qos.EGO)
+        stamp = self._memory.put(topic, data)
+        if topic == qos.EGO and before is not None:
+            if stamp < before:
+                self._memory.drop_after(stamp)
+                self._restart()
+            elif stamp > before and self._cadence.is_due(before):
+                self._draw(before)  # the tick before never became complete: draw what there is of it
+        if self._final_draws > 0:
+            self._final_draws -= 1
+            self._draw(stamp, at_once=True)
+        elif self._cadence.is_due(stamp) and self._is_complete(stamp):
+            self._draw(stamp)
+
+    def _is_complete(self, stamp: int) -> bool:
+        """Whether every topic that is alive has sent its message of this tick."""
+        if self._memory.at(qos.EGO, stamp) is None or self._memory.at(qos.OBJECTS, stamp) is None:
+            return False
+        newest = self._memory.newest(qos.REPAIR_STATE)
+        if newest is None:
+            return False  # perhaps it is about to come; the next tick will tell
+        return newest < stamp - PATIENCE_S * NANOSECONDS or self._memory.at(qos.REPAIR_STATE, stamp) is not None
+
+    def _on_route(self, message: msg.Route) -> None:
+        try:
+            self._route = route_of(message)
+        except (ValueError, IndexError) as error:
+            self._fault = f"route: {error}"
+            return
+        self._map_is_due = True
+
+    def _on_map(self, message: msg.Map) -> None:
+        self._map = message
+        self._map_is_due = True
+
+    def _on_event(self, message: msg.ScenarioEvent) -> None:
+        kind = EventKind(message.kind) if message.kind in set(EventKind) else EventKind.ABORTED
+        if kind is EventKind.STARTED:
+            self._memory.drop_after(nanoseconds_of(message.header.stamp))
+            self._restart()
+        elif kind.is_final:
+            self._final_draws = len(_TICK_TOPICS)  # the event may overtake the messages of its tick
+            newest = self._memory.newest(qos.EGO)
+            if newest is not None:
+                self._draw(newest, at_once=True)
+
+    def _restart(self) -> None:
+        self._final_draws = 0
+        self._cadence.restart()
+
+    def _draw(self, stamp: int, *, at_once: bool = False) -> None:
+        begin = time.monotonic()
+        raw_ego = self._memory.at(qos.EGO, stamp)
+        if raw_ego is None or not (at_once or self._cadence.may_draw(stamp, begin)):
+            return
+        if self._map_is_due:
+            self._draw_map()
+        size = DEFAULT_SIZE if self._route is None else (self._route.ego_length, self._route.ego_width)
+        odometry = deserialize_message(raw_ego, Odometry)
+        ego = ego_of(odometry, *size)
+        if all(math.isfinite(value) for value in (ego.x, ego.y, ego.yaw, ego.speed, *size)):
+            self._stamp = odometry.header.stamp
+            self._publish(ego, Header(stamp=self._stamp, frame_id=MAP_FRAME), stamp)
+            self._drawn += 1
+        else:
+            self._fault = "ego: a number is not finite"
+        end = time.monotonic()
+        self._last_draw_s = end - begin
+        self._cadence.drawn(stamp, begin, end)
+
+    def _publish(self, ego: EgoState, header: Header, stamp: int) -> None:
+        state = self._decoded(qos.REPAIR_STATE, stamp)
+        objects, signals = self._objects_at(stamp)
+        triggers = frozenset() if state is None else frozenset(state.trigger_id)
+        things = object_markers(objects, ego, header, triggers=triggers, text_radius=self._parameters.text_radius)
+        if self._route is not None:
+            things.markers.extend(signal_markers(self._route, signals, header))
+        raw = self._decoded(qos.POLICY_TRAJECTORY, stamp)
+        plan = Trajectory.empty() if raw is None else trajectory_of(raw)
+        self._to_tf.publish(TFMessage(transforms=[transform_of(ego, header)]))
+        self._to_objects.publish(things)
+        self._to_ego.publish(ego_markers(ego, state, header))
+        self._to_plan_markers.publish(plan_markers(plan, ego, header))
+        self._to_plan.publish(path_of(plan, header))
+        distance = nearest_distance(ego, objects)
+        if math.isfinite(distance):
+            self._to_distance.publish(Float64(data=distance))
+
+    def _decoded(self, topic: str, stamp: int) -> Any:
+        data = self._memory.at(topic, stamp)
+        return None if data is None else deserialize_message(data, _TICK_TOPICS[topic])
+
+    def _objects_at(self, stamp: int) -> tuple[ObjectList, np.ndarray]:
+        message = self._decoded(qos.OBJECTS, stamp)
+        if message is not None:
+            try:
+                return objects_of(message)
+            except ValueError as error:
+                self._fault = str(error)
+        return ObjectList.empty(), np.empty(0, dtype=np.uint8)
+
+    def _draw_map(self) -> None:
+        """Publish lanes and route; latched, and complete in this one message."""
+        self._map_is_due = False
+        header = Header(stamp=self._stamp, frame_id=MAP_FRAME)
+        if self._map is not None:
+            header.stamp = self._map.header.stamp
+        try:
+            self._to_map.publish(map_markers(self._map, self._route, header))
+        except (ValueError, IndexError) as error:
+            self._fault = str(error)
+
+    def _on_second(self) -> None:
+        if self._map_is_due:
+            self._draw_map()  # no tick has come since, so show at least where it will happen
+        status = DiagnosticStatus(name="viz_node: drawing", hardware_id="roadmend")
+        status.level, status.message = DiagnosticStatus.OK, f"{self._drawn} ticks drawn"
+        if self._fault:
+            status.level, status.message = DiagnosticStatus.WARN, self._fault
+        elif self._memory.newest(qos.EGO) is None:
+            status.message = f"waiting for {self.resolve_topic_name(qos.EGO)}"
+        figures = {
+            "ticks drawn": f"{self._drawn}",
+            "ticks left out to stay under load": f"{self._cadence.skipped}",
+            "last drawing [ms]": f"{1e3 * self._last_draw_s:.2f}",
+        }
+        status.values = [KeyValue(key=key, value=value) for key, value in figures.items()]
+        self._fault = ""
+        self._to_diagnostics.publish(DiagnosticArray(header=Header(stamp=self._stamp), status=[status]))
+
+
+def nearest_distance(ego: EgoState, objects: ObjectList) -> float:
+    """Gap [m] between the ego's outline and the nearest other; infinite where there is none."""
+    distances = outline_distances(
+        ego.x, ego.y, ego.yaw, ego.length, ego.width,
+        objects.x, objects.y, objects.yaw, objects.length, objects.width, DISTANCE_EXACT,
+    )  # fmt: skip
+    return float(np.nanmin(distances)) if np.isfinite(distances).any() else math.inf
+
+
+def _refuse_non_finite(changed: list[Parameter]) -> SetParametersResult:
+    for parameter in changed:
+        if isinstance(parameter.value, float) and not math.isfinite(parameter.value):
+            return SetParametersResult(successful=False, reason=f"{parameter.name} must be finite")
+    return SetParametersResult(successful=True)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node until it is told to stop."""
+    return run_node(VizNode, args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
