@@ -17,6 +17,7 @@ from zstandard import ZstdError
 from roadmend.core.errors import InputError
 from roadmend.recording import layout, qos
 from roadmend.recording.definitions import Definition
+from roadmend.recording.enclosure import Attachment
 from roadmend.recording.layout import FileSummary, TopicSummary
 
 _RECORD_LIMIT = 1 << 30  # [bytes] a longer record means a corrupt file, not a bag of ours
@@ -45,15 +46,6 @@ class Message:
     type_name: str
     time_ns: int
     value: Any
-
-
-@dataclass(frozen=True, slots=True)
-class Attachment:
-    """A file that the bag carries."""
-
-    name: str
-    media_type: str
-    data: bytes
 
 
 class BagReader:

@@ -1,0 +1,303 @@
+"""Records the running graph into a bag: every topic, as the serialized bytes that came over the wire."""
+
+import importlib
+import re
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.clock import Clock, ClockType
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
+from rclpy.time import Time
+from roadmend_msgs.msg import ScenarioEvent
+
+from roadmend.core.errors import InputError
+from roadmend.core.outcome import EventKind
+from roadmend.nodes import qos
+from roadmend.nodes.spinning import run_node
+from roadmend.recording.definitions import Definition, find
+from roadmend.recording.enclosure import Attachment, metadata_from_file
+from roadmend.recording.qos import Qos
+from roadmend.recording.timekeeper import Timekeeper
+from roadmend.recording.writer import BagOptions, BagWriter, Compression
+
+DISCOVERY_PERIOD_S = 0.1  # [s] between two looks at the graph
+DIAGNOSTICS_PERIOD_S = 1.0  # [s] of wall time
+DRAIN_QUIET_S = 0.2  # [s] without a message after which nothing more is expected
+DRAIN_LIMIT_S = 3.0  # [s] after which the bag is closed even though messages still come
+METADATA_RECORD = "roadmend"
+_NANOSECONDS = 1_000_000_000
+
+Callback = Callable[[bytes], None]
+
+
+@dataclass(frozen=True, slots=True)
+class RecorderParameters:
+    """Parameters of the node, read once at start; the metadata hold the meaning and the range."""
+
+    output: str = field(default="bags", metadata={"text": "folder in which the bag's folder is made"})
+    name: str = field(default="recording", metadata={"text": "name of the bag and of its folder"})
+    include: str = field(default="", metadata={"text": "regular expression found in each topic to record"})
+    exclude: str = field(default="^/parameter_events$", metadata={
+        "text": "regular expression found in each topic not to record; empty for none"})  # fmt: skip
+    time_source: str = field(default="simulation", metadata={
+        "text": "simulation (/clock rules) or system (wall time for messages without header)"})  # fmt: skip
+    compression: str = field(default="zstd", metadata={"text": "of the chunks: zstd, lz4 or none"})
+    chunk_size: int = field(default=1 << 20, metadata={
+        "text": "size at which a chunk is written [bytes]", "low": 1 << 12, "high": 1 << 28})  # fmt: skip
+    flush_interval: float = field(default=0.25, metadata={
+        "text": "wall time after which a chunk is written even if small [s]", "low": 0.01, "high": 10.0})  # fmt: skip
+    metadata: str = field(default="", metadata={"text": "JSON file with an object that goes into the bag's metadata"})
+    attachments: tuple[str, ...] = field(default=("",), metadata={"text": "files that go into the bag"})
+
+
+@dataclass(slots=True)
+class _Recorded:
+    """A topic that is being recorded."""
+
+    definition: Definition
+    message_type: Any
+    callback: Callback
+    publishers: int = 0  # the most that were seen at once
+    request: QoSProfile | None = None
+    subscription: Any = None
+    lost: int = 0  # messages that DDS says did not arrive
+    lost_before: int = 0  # of these, on earlier subscriptions
+
+
+class RecorderNode(Node):
+    """Subscribes to each topic as soon as it has a publisher and writes every message that comes.
+
+    Told to stop, it first takes in what is still on its way, then completes the bag.
+    """
+
+    def __init__(self) -> None:
+        super().__init__("recorder_node")
+        settings = self._declare()
+        self._include = _pattern("include", settings.include)
+        self._exclude = _pattern("exclude", settings.exclude or "$^")
+        source = _choice("time_source", settings.time_source, ("simulation", "system"))
+        compression = Compression(_choice("compression", settings.compression, list(Compression)))
+        self._timekeeper = Timekeeper(simulated=source == "simulation")
+        self._metadata = metadata_from_file(Path(settings.metadata)) if settings.metadata else {}
+        attachments = [Attachment.from_file(Path(path)) for path in settings.attachments if path]
+        options = BagOptions(compression, settings.chunk_size, settings.flush_interval)
+        self._writer = BagWriter(Path(settings.output, settings.name), options)
+        self._writer.add_metadata(METADATA_RECORD, self._metadata)
+        for attachment in attachments:
+            self._writer.add_attachment(attachment.name, attachment.media_type, attachment.data)
+        self._writer.flush()
+        self._recorded: dict[str, _Recorded] = {}
+        self._skipped: dict[str, str] = {}  # topic and why
+        self._outcome: ScenarioEvent | None = None
+        self._events_topic = self.resolve_topic_name(qos.EVENTS)
+        self._to_diagnostics = self.create_publisher(DiagnosticArray, qos.DIAGNOSTICS, qos.DIAGNOSTIC)
+        wall = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(DISCOVERY_PERIOD_S, self._discover, clock=wall)
+        self.create_timer(settings.flush_interval, self._writer.flush_if_due, clock=wall)
+        self.create_timer(DIAGNOSTICS_PERIOD_S, self._report, clock=wall)
+        self._discover()
+
+    def close(self) -> None:
+        """Take in what is still on its way, then complete the bag. Does nothing the second time."""
+        if not self._writer.is_open:
+            return
+        try:
+            self._drain()
+            self._writer.add_metadata(METADATA_RECORD, self._metadata | self._account())
+        finally:
+            self._writer.close()
+        self.get_logger().info(f"{self._writer.folder}: {self._writer.count} messages of {len(self._recorded)} topics")
+
+    def _declare(self) -> RecorderParameters:
+        values: dict[str, Any] = {}
+        for entry in fields(RecorderParameters):
+            descriptor = ParameterDescriptor(description=entry.metadata["text"], read_only=True)
+            span = {"from_value": entry.metadata.get("low", 0), "to_value": entry.metadata.get("high", 0)}
+            if isinstance(entry.default, float):
+                descriptor.floating_point_range = [FloatingPointRange(**span)]
+            elif isinstance(entry.default, int):
+                descriptor.integer_range = [IntegerRange(**span)]
+            default = list(entry.default) if isinstance(entry.default, tuple) else entry.default
+            values[entry.name] = self.declare_parameter(entry.name, default, descriptor).value
+        return RecorderParameters(**values)
+
+    def _discover(self) -> None:
+        for name, types in self.get_topic_names_and_types():
+            recorded = self._recorded.get(name)
+            if recorded is not None:
+                if self.count_publishers(name) > recorded.publishers:
+                    self._subscribe(name, recorded)
+            elif name not in self._skipped and self._is_wanted(name) and self.count_publishers(name):
+                self._begin(name, types)
+
+    def _is_wanted(self, name: str) -> bool:
+        return not ("/_" in name or self._exclude.search(name) or not self._include.search(name))
+
+    def _begin(self, name: str, types: list[str]) -> None:
+        try:
+            definition, message_type = _look_up(name, types)
+        except InputError as error:
+            self._skipped[name] = str(error)
+            self.get_logger().error(f"not recorded: {error}")
+            return
+        callback = self._callback(name, self._timekeeper.rule_for(definition))
+        watched = name == self._events_topic and message_type is ScenarioEvent
+        recorded = _Recorded(definition, message_type, self._watching(callback) if watched else callback)
+        self._subscribe(name, recorded)
+        self._recorded[name] = recorded
+
+    def _callback(self, name: str, time_of: Callable[[bytes], int]) -> Callback:
+        """The hot path: what happens with each message."""
+        write = self._writer.write
+
+        def store(data: bytes) -> None:
+            write(name, time_of(data), data)
+
+        return store
+
+    def _watching(self, store: Callback) -> Callback:
+        def store_event(data: bytes) -> None:
+            store(data)
+            event = deserialize_message(data, ScenarioEvent)
+            if event.kind in set(EventKind) and EventKind(event.kind).is_final:
+                self._outcome = event
+
+        return store_event
+
+    def _subscribe(self, name: str, recorded: _Recorded) -> None:
+        """Subscribe so that all present publishers match; anew where a later publisher offers less."""
+        offers = [info.qos_profile for info in self.get_publishers_info_by_topic(name)]
+        recorded.publishers = max(recorded.publishers, len(offers))
+        self._writer.add_topic(name, recorded.definition.type_name, map(_offer, offers), recorded.definition)
+        request = _request(offers)
+        if recorded.request == request:
+            return
+        if recorded.subscription is not None:
+            self.destroy_subscription(recorded.subscription)
+            recorded.lost_before = recorded.lost
+        recorded.request = request
+
+        def on_lost(event: Any) -> None:
+            # The event's own difference to the one before is zero for most events in this build.
+            recorded.lost = recorded.lost_before + event.total_count
+
+        recorded.subscription = self.create_subscription(
+            recorded.message_type, name, recorded.callback, request, raw=True,
+            event_callbacks=SubscriptionEventCallbacks(message_lost=on_lost),
+        )  # fmt: skip
+
+    def _drain(self) -> None:
+        quiet_since = now = time.monotonic()
+        limit, count = now + DRAIN_LIMIT_S, self._writer.count
+        while now < limit and now - quiet_since < DRAIN_QUIET_S and self.executor is not None:
+            self.executor.spin_once(timeout_sec=0.02)
+            now = time.monotonic()
+            if self._writer.count != count:
+                count, quiet_since = self._writer.count, now
+
+    @property
+    def _lost(self) -> int:
+        return sum(recorded.lost for recorded in self._recorded.values())
+
+    def _account(self) -> dict[str, str]:
+        """What the bag's metadata say about the recording and its end."""
+        account = {"messages": f"{self._writer.count}", "lost_messages": f"{self._lost}"}
+        if self._outcome is None:
+            return account | {"outcome": "UNFINISHED", "outcome_text": "no final event was recorded"}
+        return account | {
+            "outcome": EventKind(self._outcome.kind).name,
+            "outcome_text": self._outcome.text,
+            "outcome_time": f"{Time.from_msg(self._outcome.header.stamp).nanoseconds / _NANOSECONDS:g}",
+        }
+
+    def _report(self) -> None:
+        status = DiagnosticStatus(name=f"{self.get_name()}: bag", hardware_id="roadmend", level=DiagnosticStatus.OK)
+        status.message = f"recording {len(self._recorded)} topics"
+        if self._lost or self._skipped:
+            status.level = DiagnosticStatus.WARN
+            status.message = f"{self._lost} messages lost, {len(self._skipped)} topics not recorded"
+        figures = {
+            "bag": str(self._writer.folder),
+            "topics": str(len(self._recorded)),
+            "messages": str(self._writer.count),
+            "bytes": str(self._writer.bytes),
+            "messages lost": str(self._lost),
+            "stamps from the wall clock": str(self._timekeeper.wall_stamps),
+        }
+        figures |= {f"lost on {name}": str(one.lost) for name, one in self._recorded.items() if one.lost}
+        figures |= {f"not recorded: {name}": why for name, why in self._skipped.items()}
+        status.values = [KeyValue(key=key, value=value) for key, value in figures.items()]
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = Time(nanoseconds=self._timekeeper.now_ns).to_msg()
+        self._to_diagnostics.publish(message)
+
+
+def _look_up(name: str, types: list[str]) -> tuple[Definition, Any]:
+    """Definition and class of a topic's messages."""
+    if len(types) != 1:
+        raise InputError(name, f"has several types, {' and '.join(types)}", "publish one of them elsewhere")
+    definition = find(types[0])
+    package, _, kind = definition.type_name.split("/")
+    try:
+        return definition, getattr(importlib.import_module(f"{package}.msg"), kind)
+    except (ImportError, AttributeError) as error:
+        raise InputError(name, f"its type cannot be imported ({error})", f"install the package {package}") from error
+
+
+def _request(offers: list[QoSProfile]) -> QoSProfile:
+    """What to ask for so that every publisher matches.
+
+    Keeps all: DDS then reports what it could not deliver, whereas a full keep-last queue drops without a word.
+    """
+    reliable = all(offer.reliability == ReliabilityPolicy.RELIABLE for offer in offers)
+    latched = all(offer.durability == DurabilityPolicy.TRANSIENT_LOCAL for offer in offers)
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_ALL,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
+
+
+def _offer(profile: QoSProfile) -> Qos:
+    return Qos(
+        profile.history.name.lower(),
+        profile.depth,
+        profile.reliability.name.lower(),
+        profile.durability.name.lower(),
+        profile.deadline.nanoseconds,
+        profile.lifespan.nanoseconds,
+        profile.liveliness.name.lower(),
+        profile.liveliness_lease_duration.nanoseconds,
+        profile.avoid_ros_namespace_conventions,
+    )
+
+
+def _pattern(name: str, text: str) -> re.Pattern[str]:
+    try:
+        return re.compile(text)
+    except re.error as error:
+        raise InputError(name, f"{text!r} is not a regular expression ({error})", "correct it") from error
+
+
+def _choice(name: str, value: str, choices: Sequence[str]) -> str:
+    if value not in choices:
+        raise InputError(name, f"{value!r} is unknown", f"choose one of {', '.join(choices)}")
+    return value
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node until it is told to stop."""
+    return run_node(RecorderNode, args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
