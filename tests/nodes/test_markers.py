@@ -317,8 +317,8 @@ def test_cadence_draws_the_first_tick_of_each_period() -> None:
     cadence, drawn = Cadence(10.0, 1.0), []
     for tick in range(21):
         stamp = tick * 50_000_000
-        if cadence.is_due(stamp) and cadence.may_draw(stamp, float(tick)):
-            cadence.drawn(stamp, float(tick), float(tick))
+        if cadence.is_due(stamp) and cadence.may_draw(float(tick)):
+            cadence.drawn(stamp, float(tick), 0.0)
             drawn.append(tick)
     assert drawn == list(range(0, 21, 2))
     cadence.restart()
@@ -327,9 +327,11 @@ def test_cadence_draws_the_first_tick_of_each_period() -> None:
 
 def test_cadence_stays_under_its_load() -> None:
     cadence = Cadence(10.0, 0.25)
-    cadence.drawn(0, 100.0, 101.0)
-    assert not cadence.may_draw(100_000_000, 103.9)
-    assert not cadence.may_draw(150_000_000, 103.9)
-    assert not cadence.may_draw(200_000_000, 103.9)
-    assert cadence.skipped == 2
-    assert cadence.may_draw(200_000_000, 104.0)
+    cadence.drawn(0, 101.0, 1.0)
+    assert not cadence.may_draw(103.9)
+    assert cadence.may_draw(104.0)
+    cadence.drawn(350_000_000, 104.1, 0.1)
+    assert cadence.left_out == 2
+    cadence.restart()
+    cadence.drawn(0, 105.0, 0.0)
+    assert cadence.left_out == 2

@@ -61,7 +61,7 @@ class Cadence:
 
     Args:
         rate: drawings a second of simulation time.
-        load: share of the wall time that drawing may take at most, in 0..1; where ticks come faster than that
+        load: share of one processor that drawing may take at most, in 0..1; where ticks come faster than that
             allows, some are left out.
     """
 
@@ -69,8 +69,7 @@ class Cadence:
         self.set(rate, load)
         self._due = -(2**62)
         self._free_at = 0.0
-        self._left_out = -1
-        self.skipped = 0
+        self.left_out = 0  # periods without a drawing so far
 
     def set(self, rate: float, load: float) -> None:
         """Change rate and load from the next tick on."""
@@ -81,19 +80,17 @@ class Cadence:
         """Whether the tick with this stamp [ns] should be drawn as far as simulation time goes."""
         return stamp >= self._due
 
-    def may_draw(self, stamp: int, now: float) -> bool:
-        """Whether a due tick may be drawn at wall time ``now`` [s]; counts those that may not."""
-        if now >= self._free_at:
-            return True
-        slot = stamp // self._period
-        self.skipped += slot != self._left_out
-        self._left_out = slot
-        return False
+    def may_draw(self, now: float) -> bool:
+        """Whether drawing at wall time ``now`` [s] stays under the load."""
+        return now >= self._free_at
 
-    def drawn(self, stamp: int, begin: float, end: float) -> None:
-        """The tick with this stamp [ns] was drawn from ``begin`` to ``end`` on the wall clock [s]."""
-        self._due = (stamp // self._period + 1) * self._period
-        self._free_at = end + (end - begin) * (1.0 / self._load - 1.0)
+    def drawn(self, stamp: int, now: float, cost: float) -> None:
+        """The tick with this stamp [ns] is drawn at wall time ``now`` [s], which took ``cost`` [s] of a processor."""
+        slot = stamp // self._period
+        if self._due >= 0:
+            self.left_out += max(slot - self._due // self._period, 0)
+        self._due = (slot + 1) * self._period
+        self._free_at = now + cost * (1.0 / self._load - 1.0)
 
     def restart(self) -> None:
         """Draw the next tick, whatever its stamp."""

@@ -9,10 +9,8 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from nav_msgs.msg import Odometry, Path
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
-from rclpy.clock import Clock, ClockType
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message
@@ -28,6 +26,7 @@ from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, ObjectList
 from roadmend.nodes import qos
 from roadmend.nodes.convert import MAP_FRAME, ego_of, nanoseconds_of, objects_of, route_of, trajectory_of
+from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.marker_map import map_markers
 from roadmend.nodes.marker_ticks import NANOSECONDS, Cadence, TickMemory
 from roadmend.nodes.markers import (
@@ -38,6 +37,7 @@ from roadmend.nodes.markers import (
     signal_markers,
     transform_of,
 )
+from roadmend.nodes.parameters import declare
 from roadmend.nodes.spinning import run_node
 
 MARKERS_OBJECTS = "markers/objects"
@@ -51,7 +51,6 @@ TF = "/tf"
 DEFAULT_SIZE = (4.8, 1.8)  # [m] of the ego until its route has told
 PATIENCE_S = 0.5  # [s] of simulation time for which a topic counts as present after its last message
 DISTANCE_EXACT = 60.0  # [m] up to which the distance is that between outlines
-DIAGNOSTICS_PERIOD_S = 1.0  # [s] of wall time
 
 _TICK_TOPICS = {
     qos.EGO: Odometry,
@@ -68,7 +67,7 @@ class VizParameters:
     rate: float = field(default=10.0, metadata={
         "low": 0.1, "high": 100.0, "text": "drawings a second of simulation time [Hz]"})  # fmt: skip
     load: float = field(default=0.5, metadata={
-        "low": 0.01, "high": 1.0, "text": "share of the wall time that drawing may take at most"})  # fmt: skip
+        "low": 0.01, "high": 1.0, "text": "share of one processor that drawing may take at most"})  # fmt: skip
     text_radius: float = field(default=40.0, metadata={
         "low": 0.0, "high": 1000.0, "text": "how near to the ego an object carries its id and speed [m]"})  # fmt: skip
 
@@ -86,7 +85,7 @@ class VizNode(Node):
         self._memory = TickMemory(tuple(_TICK_TOPICS))
         self._cadence = Cadence(self._parameters.rate, self._parameters.load)
         self._route: Route | None = None
-        self._map: msg.Map | None = None
+        self._map: bytes | None = None
         self._map_is_due = False
         self._final_draws = 0  # how many more times a message of the last tick is drawn at once
         self._drawn = 0
@@ -97,10 +96,10 @@ class VizNode(Node):
         for topic, kind in _TICK_TOPICS.items():
             self.create_subscription(kind, topic, partial(self._on_bytes, topic), qos.STREAM, raw=True)
         self.create_subscription(msg.Route, qos.ROUTE, self._on_route, qos.LATCHED)
-        self.create_subscription(msg.Map, qos.MAP, self._on_map, qos.LATCHED)
+        self.create_subscription(msg.Map, qos.MAP, self._on_map, qos.LATCHED, raw=True)
         self.create_subscription(msg.ScenarioEvent, qos.EVENTS, self._on_event, qos.EVENT)
-        wall = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(DIAGNOSTICS_PERIOD_S, self._on_second, clock=wall)
+        nearest_distance(EgoState.from_yaw(0.0, 0.0, 0.0, 0.0, 0.0, *DEFAULT_SIZE), ObjectList.empty())  # compile
+        self._diagnostics = DiagnosticsReporter(self, self._health)
 
     def _create_outputs(self) -> None:
         self._to_objects = self.create_publisher(MarkerArray, MARKERS_OBJECTS, qos.STREAM)
@@ -110,14 +109,15 @@ class VizNode(Node):
         self._to_plan = self.create_publisher(Path, PLAN, qos.STREAM)
         self._to_distance = self.create_publisher(Float64, DISTANCE, qos.STREAM)
         self._to_tf = self.create_publisher(TFMessage, TF, qos.STREAM)
-        self._to_diagnostics = self.create_publisher(DiagnosticArray, qos.DIAGNOSTICS, qos.DIAGNOSTIC)
 
     def _declare(self) -> VizParameters:
-        values = {}
-        for entry in fields(VizParameters):
-            span = FloatingPointRange(from_value=entry.metadata["low"], to_value=entry.metadata["high"])
-            descriptor = ParameterDescriptor(description=entry.metadata["text"], floating_point_range=[span])
-            values[entry.name] = self.declare_parameter(entry.name, entry.default, descriptor).value
+        values = {
+            entry.name: declare(
+                self, entry.name, entry.default, entry.metadata["text"],
+                low=entry.metadata["low"], high=entry.metadata["high"], read_only=False,
+            )
+            for entry in fields(VizParameters)
+        }  # fmt: skip
         self.add_on_set_parameters_callback(_refuse_non_finite)
         self.add_post_set_parameters_callback(self._on_parameters)
         return VizParameters(**values)
@@ -160,8 +160,8 @@ class VizNode(Node):
             return
         self._map_is_due = True
 
-    def _on_map(self, message: msg.Map) -> None:
-        self._map = message
+    def _on_map(self, data: bytes) -> None:
+        self._map = data
         self._map_is_due = True
 
     def _on_event(self, message: msg.ScenarioEvent) -> None:
@@ -180,12 +180,10 @@ class VizNode(Node):
         self._cadence.restart()
 
     def _draw(self, stamp: int, *, at_once: bool = False) -> None:
-        begin = time.monotonic()
         raw_ego = self._memory.at(qos.EGO, stamp)
-        if raw_ego is None or not (at_once or self._cadence.may_draw(stamp, begin)):
+        if raw_ego is None or not (at_once or self._cadence.may_draw(time.monotonic())):
             return
-        if self._map_is_due:
-            self._draw_map()
+        begin = time.thread_time()
         size = DEFAULT_SIZE if self._route is None else (self._route.ego_length, self._route.ego_width)
         odometry = deserialize_message(raw_ego, Odometry)
         ego = ego_of(odometry, *size)
@@ -195,9 +193,10 @@ class VizNode(Node):
             self._drawn += 1
         else:
             self._fault = "ego: a number is not finite"
-        end = time.monotonic()
-        self._last_draw_s = end - begin
-        self._cadence.drawn(stamp, begin, end)
+        self._last_draw_s = time.thread_time() - begin
+        self._cadence.drawn(stamp, time.monotonic(), self._last_draw_s)
+        if self._map_is_due:
+            self._draw_map()  # after the tick: it takes long, and thousands of ticks may pass meanwhile
 
     def _publish(self, ego: EgoState, header: Header, stamp: int) -> None:
         state = self._decoded(qos.REPAIR_STATE, stamp)
@@ -234,30 +233,28 @@ class VizNode(Node):
         """Publish lanes and route; latched, and complete in this one message."""
         self._map_is_due = False
         header = Header(stamp=self._stamp, frame_id=MAP_FRAME)
-        if self._map is not None:
-            header.stamp = self._map.header.stamp
+        lanes = None if self._map is None else deserialize_message(self._map, msg.Map)
+        if lanes is not None:
+            header.stamp = lanes.header.stamp
         try:
-            self._to_map.publish(map_markers(self._map, self._route, header))
+            self._to_map.publish(map_markers(lanes, self._route, header))
         except (ValueError, IndexError) as error:
             self._fault = str(error)
 
-    def _on_second(self) -> None:
+    def _health(self) -> Health:
         if self._map_is_due:
             self._draw_map()  # no tick has come since, so show at least where it will happen
-        status = DiagnosticStatus(name="viz_node: drawing", hardware_id="roadmend")
-        status.level, status.message = DiagnosticStatus.OK, f"{self._drawn} ticks drawn"
-        if self._fault:
-            status.level, status.message = DiagnosticStatus.WARN, self._fault
-        elif self._memory.newest(qos.EGO) is None:
-            status.message = f"waiting for {self.resolve_topic_name(qos.EGO)}"
-        figures = {
-            "ticks drawn": f"{self._drawn}",
-            "ticks left out to stay under load": f"{self._cadence.skipped}",
+        values = {
+            "ticks drawn": self._drawn,
+            "periods left out": self._cadence.left_out,
             "last drawing [ms]": f"{1e3 * self._last_draw_s:.2f}",
         }
-        status.values = [KeyValue(key=key, value=value) for key, value in figures.items()]
-        self._fault = ""
-        self._to_diagnostics.publish(DiagnosticArray(header=Header(stamp=self._stamp), status=[status]))
+        fault, self._fault = self._fault, ""
+        if fault:
+            return Health(Level.WARN, fault, values)
+        if self._memory.newest(qos.EGO) is None:
+            return Health(Level.OK, f"waiting for {self.resolve_topic_name(qos.EGO)}", values)
+        return Health(Level.OK, "drawing", values)
 
 
 def nearest_distance(ego: EgoState, objects: ObjectList) -> float:

@@ -1,0 +1,98 @@
+"""The Foxglove layout: its structure, and that every topic and field in it exists in the graph."""
+
+import importlib
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from nav_msgs.msg import Odometry
+from nav_msgs.msg import Path as PlannedPath
+from roadmend_msgs import msg
+from std_msgs.msg import Float64
+from visualization_msgs.msg import MarkerArray
+
+from roadmend.nodes import qos, viz
+
+LAYOUT = Path(__file__).parents[2] / "config" / "foxglove" / "roadmend.json"
+
+TYPES = {
+    qos.EGO: Odometry,
+    qos.REPAIR_STATE: msg.RepairState,
+    qos.EVENTS: msg.ScenarioEvent,
+    qos.DIAGNOSTICS: DiagnosticArray,
+    viz.DISTANCE: Float64,
+    viz.MARKERS_EGO: MarkerArray,
+    viz.MARKERS_MAP: MarkerArray,
+    viz.MARKERS_OBJECTS: MarkerArray,
+    viz.MARKERS_PLAN: MarkerArray,
+    viz.PLAN: PlannedPath,
+}
+TOPICS = {f"/{topic.removeprefix('/')}": kind for topic, kind in TYPES.items()}
+
+
+@pytest.fixture(scope="module")
+def layout() -> dict[str, Any]:
+    return json.loads(LAYOUT.read_text(encoding="utf-8"))
+
+
+def panels_of(node: Any) -> Iterator[str]:
+    """Panel ids in a mosaic, which is an id or a split of two mosaics."""
+    if isinstance(node, str):
+        yield node
+        return
+    assert set(node) <= {"direction", "first", "second", "splitPercentage"}
+    assert node["direction"] in {"row", "column"}
+    assert 0 < node["splitPercentage"] < 100
+    yield from panels_of(node["first"])
+    yield from panels_of(node["second"])
+
+
+def message_paths(layout: dict[str, Any]) -> Iterator[str]:
+    """Every topic, with or without a field, that any panel names."""
+    for name, panel in layout["configById"].items():
+        yield from panel.get("topics", {})
+        yield from (path["value"] for path in panel.get("paths", []))
+        yield from (panel[key] for key in ("topicPath", "topicToRender") if key in panel)
+        assert name.partition("!")[2]
+
+
+def test_top_level_is_what_foxglove_imports(layout: dict[str, Any]) -> None:
+    assert set(layout) == {"configById", "globalVariables", "userNodes", "playbackConfig", "layout"}
+    assert layout["playbackConfig"]["speed"] > 0
+
+
+def test_every_panel_is_placed_once_and_configured(layout: dict[str, Any]) -> None:
+    placed = list(panels_of(layout["layout"]))
+    for name, panel in layout["configById"].items():
+        if name.startswith("Tab!"):
+            assert 0 <= panel["activeTabIdx"] < len(panel["tabs"])
+            for tab in panel["tabs"]:
+                assert tab["title"]
+                placed += panels_of(tab["layout"])
+    assert sorted(placed) == sorted(layout["configById"])
+
+
+def test_every_topic_and_field_exists_in_the_graph(layout: dict[str, Any]) -> None:
+    paths = list(message_paths(layout))
+    assert len(paths) > 10
+    for path in paths:
+        topic, *fields = path.split(".")
+        assert topic in TOPICS, path
+        kind = TOPICS[topic]
+        for depth, name in enumerate(fields):
+            known = kind.get_fields_and_field_types()
+            assert name in known, path
+            if depth < len(fields) - 1:
+                package, kind_name = known[name].split("/")
+                kind = getattr(importlib.import_module(f"{package}.msg"), kind_name)
+
+
+def test_scene_follows_the_ego_and_shows_all_markers(layout: dict[str, Any]) -> None:
+    scene = layout["configById"]["3D!scene"]
+    assert scene["followTf"] == "base_link"
+    shown = {topic for topic, settings in scene["topics"].items() if settings["visible"]}
+    assert shown == {topic for topic, kind in TOPICS.items() if kind is MarkerArray}
+    assert {layer["frameId"] for layer in scene["layers"].values()} == {"map"}
