@@ -1,0 +1,91 @@
+"""A picture of a moment of a recorded episode, straight from its bag."""
+
+import bisect
+from pathlib import Path
+
+import numpy as np
+
+from roadmend.core.errors import InputError
+from roadmend.core.scene import ObjectList
+from roadmend.evaluation.bag_episode import BagEpisode, read_episode
+from roadmend.evaluation.scene_picture import SceneView, draw_scene
+from roadmend.evaluation.scene_timeline import Timeline
+
+BEFORE_THE_END_S = 1.0  # [s] the moment shown where nothing was repaired
+SLACK_S = 0.5  # [s] by which a moment asked for may lie outside the recording
+DPI = 120
+_SUFFIXES = frozenset({".png", ".svg", ".pdf"})
+
+
+def draw_bag(bag: Path, out: Path, at: float | None = None, span: float = 70.0) -> float:
+    """Draw one moment of a bag into a file.
+
+    Args:
+        bag: the bag's folder or its .mcap file.
+        out: where to write; .png, .svg or .pdf.
+        at: simulation time [s]; None picks the middle of the first intervention, or the last second but one where
+            there was none.
+        span: width of the scene [m].
+
+    Returns:
+        Simulation time of the tick that was drawn [s].
+
+    Raises:
+        InputError: the bag is unusable, ``at`` lies outside it, or ``out`` cannot be written.
+    """
+    if out.suffix not in _SUFFIXES:
+        raise InputError(
+            str(out), f"{out.suffix or 'no ending'} is no format for a picture", "write .png, .svg or .pdf"
+        )
+    episode = read_episode(bag)
+    timeline = episode.timeline()
+    stamp = _tick_at(episode, interesting_moment(timeline) if at is None else at)
+    view = view_of(episode, stamp, timeline)
+    try:
+        figure = draw_scene(view, span)
+    except ValueError as error:
+        raise InputError(str(bag), str(error), "name another moment") from error
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(out, dpi=DPI)
+    except OSError as error:
+        raise InputError(str(out), f"cannot be written ({error.strerror})", "name another file") from error
+    return view.time
+
+
+def interesting_moment(timeline: Timeline) -> float:
+    """The middle of the first intervention [s]; without any, a second before the end."""
+    spans = timeline.spans()
+    if spans:
+        return 0.5 * (spans[0][0] + spans[0][1])
+    return float(max(timeline.time[-1] - BEFORE_THE_END_S, timeline.time[0]))
+
+
+def view_of(episode: BagEpisode, stamp: int, timeline: Timeline | None = None) -> SceneView:
+    """What a picture of the tick with this stamp [ns] shows."""
+    route = episode.route
+    return SceneView(
+        scenario=route.scenario if route is not None and route.scenario else episode.path.stem,
+        time=stamp * 1e-9,
+        ego=episode.ego[stamp],
+        objects=episode.objects.get(stamp, ObjectList.empty()),
+        lanes=episode.lanes,
+        route=route,
+        trajectory=episode.trajectories.get(stamp),
+        repair=episode.repairs.get(stamp),
+        trail=episode.trail(stamp),
+        timeline=timeline,
+        outcome=episode.outcome,
+    )
+
+
+def _tick_at(episode: BagEpisode, time: float) -> int:
+    """Stamp [ns] of the tick nearest to a time [s]."""
+    stamps = episode.stamps
+    first, last = stamps[0] * 1e-9, stamps[-1] * 1e-9
+    if not first - SLACK_S <= time <= last + SLACK_S:
+        raise InputError("at", f"{time:g} s is outside the recording", f"name a time from {first:.2f} to {last:.2f} s")
+    wanted = round(time * 1e9)
+    place = bisect.bisect_left(stamps, wanted)
+    near = stamps[max(place - 1, 0) : place + 1]
+    return near[int(np.argmin([abs(stamp - wanted) for stamp in near]))]
