@@ -1,0 +1,37 @@
+"""The decision merger (ADReFT section 3.1.4): the one place where a proposal may replace the policy's command."""
+
+import math
+
+from roadmend.core.command import Command
+from roadmend.core.repair import Proposal
+
+
+def proposal_fault(proposal: Proposal) -> str:
+    """Why a proposal must not be merged, or an empty string.
+
+    A comparison with NaN is false, so an unnoticed NaN would pass as 'safe'. NaN is therefore a fault in every field,
+    with one exception: a method without any opinion says so with score and threshold NaN and the action 1, which no
+    repair can have (the strongest action of a repair is 0.8).
+    """
+    action, score, threshold = proposal.action, proposal.score, proposal.threshold
+    if math.isfinite(score) and math.isfinite(threshold):
+        if -1.0 <= action <= 1.0:
+            return ""
+        return f"action {action:g} is outside -1..1"
+    if action == 1.0 and math.isnan(score) and math.isnan(threshold):
+        return ""
+    return f"score {score:g} or threshold {threshold:g} is not finite"
+
+
+def merge(command: Command, proposal: Proposal) -> Command:
+    """The policy's own command object, or the proposed action where the method steps in and it means less thrust.
+
+    The acceleration is never raised, and ``change_lane`` is always the policy's.
+
+    Args:
+        command: a valid command of the policy.
+        proposal: a proposal in which ``proposal_fault`` finds nothing.
+    """
+    if proposal.score > proposal.threshold and command.action > proposal.action:
+        return Command.from_action(proposal.action, change_lane=command.change_lane)
+    return command
