@@ -1,0 +1,81 @@
+"""The paper's RuleRepair: time-to-collision to the object ahead on the planned path (ADReFT section 4.1)."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.core.command import Decision
+from roadmend.core.jit import compiled
+from roadmend.core.repair import Proposal, Trigger
+from roadmend.core.route import Route
+from roadmend.core.scene import Scene
+from roadmend.repair.actions import braking_action
+from roadmend.repair.parameters import RuleParameters
+from roadmend.repair.path import PathFinder, coordinates_on
+
+Floats = NDArray[np.float64]
+
+
+@compiled
+def object_ahead(
+    points: Floats, count: int, speed: float, ego_length: float, ego_width: float, side_margin: float,
+    x: Floats, y: Floats, yaw: Floats, other_speed: Floats, length: Floats, width: Floats,
+) -> tuple[int, float, float]:  # fmt: skip
+    """The nearest of N objects in the ego's swath: index (-1: none), gap along the path [m], closing speed [m/s]."""
+    found, least, closing = -1, math.inf, 0.0
+    for index in range(x.shape[0]):
+        s, d, turned = coordinates_on(points, count, x[index], y[index], yaw[index])
+        cosine, sine = abs(math.cos(turned)), abs(math.sin(turned))
+        half_length = 0.5 * (length[index] * cosine + width[index] * sine)
+        half_width = 0.5 * (length[index] * sine + width[index] * cosine)
+        if s <= 0.0 or s >= points[2, count - 1] or abs(d) > 0.5 * ego_width + half_width + side_margin:
+            continue
+        gap = max(0.0, s - 0.5 * ego_length - half_length)
+        if gap < least:
+            found, least, closing = index, gap, speed - other_speed[index] * math.cos(turned)
+    return found, least, closing
+
+
+class RuleRepair:
+    """Brakes where the time to collision with the object ahead is below a threshold; remembers nothing.
+
+    Score: 1 / (1 + TTC), TTC in seconds, 0 where nothing closes in; threshold: the same of the TTC threshold. A
+    trigger's weight is its score. The object ahead is the nearest one in the swath along the curved planned path.
+    """
+
+    name = "rule"
+
+    def __init__(self, parameters: RuleParameters | None = None) -> None:
+        self._parameters = parameters or RuleParameters()
+        self._threshold = 1.0 / (1.0 + self._parameters.time_to_collision)
+        self._idle = Proposal(0.0, self._threshold, 0.8)
+        self._finder = PathFinder()
+
+    def reset(self, route: Route) -> None:
+        """Begin an episode on ``route``."""
+        self._finder.reset(route)
+
+    def propose(self, scene: Scene, decision: Decision) -> Proposal:
+        """Judge the object ahead."""
+        ego, objects, parameters = scene.ego, scene.objects, self._parameters
+        if not len(objects):
+            return self._idle
+        path = self._finder.find(ego, decision.trajectory, 30.0 + ego.speed * parameters.time_to_collision)
+        index, gap, closing = object_ahead(
+            path.points, path.count, ego.speed, ego.length, ego.width, parameters.side_margin,
+            objects.x, objects.y, objects.yaw, objects.speed, objects.length, objects.width,
+        )  # fmt: skip
+        if index < 0 or closing <= 0.0:
+            return self._idle
+        time = gap / closing
+        score = 1.0 / (1.0 + time)
+        if score <= self._threshold:
+            return Proposal(score, self._threshold, 0.8)
+        number = int(objects.id[index])
+        needed = closing * closing / (2.0 * gap) if gap > 0.0 else math.inf
+        action = -1.0
+        if parameters.graded and math.isfinite(needed):
+            action = min(-0.2, braking_action(needed, parameters.full_brake))
+        reason = f"object {number} ahead: {gap:.1f} m, closing at {closing:.1f} m/s, {time:.1f} s to collision"
+        return Proposal(score, self._threshold, action, (Trigger(number, score),), reason)
