@@ -1,0 +1,102 @@
+"""Turns whatever arrives into something a method can work with, always toward braking."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.core.command import Command
+from roadmend.core.jit import compiled
+from roadmend.core.scene import EgoState
+
+Floats = NDArray[np.float64]
+
+FAR = 1e8  # [m] no map is larger; beyond it the squares of distances lose all precision
+WILD = 1e4  # accelerations [m/s2], yaw rates [rad/s] and yaws [rad] beyond this are noise
+UNEVEN = -1  # arrays that belong together differ in length
+
+
+def sanitise_command(command: Command, stop_brake: float) -> Command:
+    """The valid command nearest to what was asked that never accelerates more under any reading of it.
+
+    - NaN in a pedal, or an infinite throttle, is as good as no command: throttle 0, the brake of a controlled stop
+      or the brake that was asked for if that is harder, no lane change.
+    - A throttle above 1 is 1. A throttle below 0 is a wish to slow down: throttle 0, brake at least its magnitude.
+    - A brake above 1, or infinite, is 1. A brake below 0 is 0.
+    - With both pedals pressed the throttle is dropped.
+
+    Args:
+        command: what the policy asked for.
+        stop_brake: brake of a controlled stop, 0 .. 1.
+    """
+    throttle, brake = command.throttle, command.brake
+    if math.isnan(brake) or not math.isfinite(throttle):
+        asked = 0.0 if math.isnan(brake) else min(1.0, brake)
+        return Command(0.0, max(stop_brake, asked))
+    brake = min(1.0, max(0.0, brake))
+    if throttle < 0.0:
+        return Command(0.0, max(brake, min(1.0, -throttle)), command.change_lane)
+    if brake > 0.0:
+        return Command(0.0, brake, command.change_lane)
+    return Command(min(1.0, throttle), 0.0, command.change_lane)
+
+
+def is_usable_ego(ego: EgoState, time: float) -> bool:
+    """Whether the odometry and the stamp are finite and the ego has a size."""
+    total = time + ego.x + ego.y + ego.yaw + ego.speed + ego.yaw_rate + ego.length + ego.width
+    return math.isfinite(total) and abs(ego.x) < FAR and abs(ego.y) < FAR and ego.length > 0.0 and ego.width > 0.0
+
+
+@compiled
+def is_usable_plan(interval: float, x: Floats, y: Floats, yaw: Floats, speed: Floats) -> bool:
+    """Whether a trajectory has equally long arrays, only finite values and a positive interval."""
+    size = x.shape[0]
+    if y.shape[0] != size or yaw.shape[0] != size or speed.shape[0] != size or not 0.0 < interval < math.inf:
+        return False
+    for index in range(size):
+        if not (abs(x[index]) < FAR and abs(y[index]) < FAR and abs(yaw[index]) < WILD and abs(speed[index]) < WILD):
+            return False
+    return True
+
+
+@compiled
+def mark_usable(
+    keep: NDArray[np.bool_], number: NDArray[np.uint32], x: Floats, y: Floats, yaw: Floats, speed: Floats,
+    acceleration: Floats, yaw_rate: Floats, length: Floats, width: Floats,
+    max_length: float, max_width: float, max_speed: float,
+) -> int:  # fmt: skip
+    """Mark in ``keep`` which of N objects can be used; returns how many cannot, or UNEVEN.
+
+    Unusable is what has a value that is not finite or out of all reason, no size, or the id of a usable object that
+    stands before it in the list.
+    """
+    size = number.shape[0]
+    if not (
+        x.shape[0] == size and y.shape[0] == size and yaw.shape[0] == size and speed.shape[0] == size
+        and acceleration.shape[0] == size and yaw_rate.shape[0] == size and length.shape[0] == size
+        and width.shape[0] == size
+    ):  # fmt: skip
+        return UNEVEN
+    slots = 16
+    while slots < 2 * size:
+        slots *= 2
+    seen = np.full(slots, -1, dtype=np.int64)  # open addressing: linear in N, however long the list is
+    dropped = 0
+    for index in range(size):
+        keep[index] = (
+            abs(x[index]) < FAR and abs(y[index]) < FAR and abs(yaw[index]) < WILD
+            and abs(speed[index]) <= max_speed and abs(acceleration[index]) < WILD and abs(yaw_rate[index]) < WILD
+            and 0.0 < length[index] <= max_length and 0.0 < width[index] <= max_width
+        )  # fmt: skip
+        if keep[index]:
+            key = np.int64(number[index])
+            slot = (key * 2654435761) & (slots - 1)
+            while seen[slot] >= 0:
+                if seen[slot] == key:
+                    keep[index] = False
+                    break
+                slot = (slot + 1) & (slots - 1)
+            seen[slot] = key
+        if not keep[index]:
+            dropped += 1
+    return dropped
