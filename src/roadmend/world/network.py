@@ -17,6 +17,7 @@ from roadmend.world.scenario import (
     OnRampNetwork,
     SumoConfiguration,
 )
+from roadmend.world.user_configuration import network_of
 
 _BUILDER_VERSION = "1"  # raise when the same description shall give another network
 _NODE_TYPES = {
@@ -143,7 +144,7 @@ def network_file(network: Network) -> Path:
                 raise InputError("network.path", f"no such file {path}", "give the path of a SUMO .net.xml file")
             return path
         case SumoConfiguration():
-            return _network_of_configuration(Path(network.path))
+            return network_of(Path(network.path))
 
 
 def cache_folder() -> Path:
@@ -200,20 +201,3 @@ def _netconvert_version() -> str:
     from importlib.metadata import version  # noqa: PLC0415 - 20 ms that most runs do not need
 
     return version("eclipse-sumo")
-
-
-def _network_of_configuration(path: Path) -> Path:
-    if not path.is_file():
-        raise InputError(str(path), "no such file", "give the path of a SUMO .sumocfg file")
-    try:
-        root = ET.parse(path).getroot()
-    except ET.ParseError as error:
-        raise InputError(str(path), f"broken XML ({error})", "mend the SUMO configuration") from None
-    element = root.find(".//net-file")
-    value = "" if element is None else element.get("value", "")
-    if not value:
-        raise InputError(str(path), "names no net-file", "add <net-file value=.../> to its <input>")
-    network = path.parent / value
-    if not network.is_file():
-        raise InputError(str(path), f"net-file {value} does not exist", "mend the path in the configuration")
-    return network

@@ -94,7 +94,9 @@ Network = Annotated[
 class Ego(Model):
     """Task and size of the vehicle under test."""
 
-    route: list[str] = Field(description="road network edges in driving order")
+    route: list[str] = Field(
+        default=[], description="edges in driving order; with a SUMO configuration, none takes a route from its traffic"
+    )
     lane: int = Field(default=0, ge=0, le=20, description="first lane, 0 is the rightmost for vehicles")
     position: Metres = Field(default=5.0, description="[m] of the centre along the first edge at the start")
     speed: Speed = Field(default=0.0, description="[m/s] at the start")

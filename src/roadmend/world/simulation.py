@@ -26,9 +26,12 @@ from roadmend.world.participants import Participants
 from roadmend.world.road_network import RoadNetwork, read_network
 from roadmend.world.route_builder import BuiltRoute, build_route
 from roadmend.world.scenario import Pedestrian, Scenario, SumoConfiguration
+from roadmend.world.joining import join_traffic
 from roadmend.world.traffic_file import EGO, ego_type, traffic_xml
+from roadmend.world.user_configuration import private_copy
 
-INTERVAL = 0.05  # [s] between ticks: 20 Hz
+INTERVAL_NS = 50_000_000  # [ns] between ticks: 20 Hz
+INTERVAL = INTERVAL_NS * 1e-9  # [s]
 LATERAL_RESOLUTION = 0.8  # [m] SUMO's sublane model: partial overlap, bicycles beside cars, gradual lane changes
 
 _SIGNALS = {
@@ -63,24 +66,26 @@ class Simulation:
             SimulationError: SUMO refuses to start.
         """
         self.scenario = scenario
+        self._is_users = isinstance(scenario.network, SumoConfiguration)
         self.network: RoadNetwork = read_network(network_file(scenario.network))
-        self._has_ego = bool(scenario.ego.route) or not isinstance(scenario.network, SumoConfiguration)
-        built = build_route(self.network, scenario) if self._has_ego else None
+        # A route that is given is checked before SUMO starts; one from the traffic is known only after the warm-up.
+        built = build_route(self.network, scenario) if scenario.ego.route or not self._is_users else None
         self._files = tempfile.TemporaryDirectory(prefix="roadmend-")
         try:
             _start(self._arguments(report_collisions=report_collisions), scenario)
             self._warm_up()
-            if built is None:
-                self.scenario = scenario = _with_route_from_traffic(scenario)
+            if isinstance(scenario.network, SumoConfiguration):
+                self.scenario = scenario = join_traffic(scenario, self.network)
                 built = build_route(self.network, scenario)
+            assert built is not None
             self._built: BuiltRoute = built
             self._place_ego()
         except BaseException:
             self.close()
             raise
         environment = scenario.environment
-        limited = not isinstance(scenario.network, SumoConfiguration) or environment.sensing_range is not None
-        with_persons = isinstance(scenario.network, SumoConfiguration) or any(
+        limited = not self._is_users or environment.sensing_range is not None
+        with_persons = self._is_users or any(
             isinstance(actor, Pedestrian) for actor in scenario.actors
         )
         self._participants = Participants(
@@ -154,7 +159,7 @@ class Simulation:
 
     def _observe(self, events: tuple[Event, ...]) -> Tick:
         follower, scenario = self._follower, self.scenario
-        time = self._tick * INTERVAL
+        time = self._tick * INTERVAL_NS * 1e-9  # the float that a message's stamp gives back
         yaw_rate = math.remainder(follower.yaw - self._last_yaw, 2.0 * math.pi) / INTERVAL
         self._last_yaw = follower.yaw
         ego = EgoState.from_yaw(
@@ -194,9 +199,7 @@ class Simulation:
             "--collision.action", "warn" if report_collisions else "none",
         ]  # fmt: skip
         if isinstance(scenario.network, SumoConfiguration):
-            # The user's own outputs would land in the user's folders.
-            prefix = str(Path(self._files.name) / "out-")
-            return ["-c", scenario.network.path, "--output-prefix", prefix, "--log", f"{prefix}log", *arguments]
+            return [*private_copy(Path(scenario.network.path), Path(self._files.name)), *arguments]
         routes = Path(self._files.name) / "traffic.rou.xml"
         routes.write_text(traffic_xml(scenario, self.network), encoding="utf-8")
         if report_collisions:
@@ -221,15 +224,6 @@ class Simulation:
         libsumo.vehicle.add(EGO, "roadmend_ego", typeID="roadmend_ego", departPos=f"{scenario.ego.position:g}")
         libsumo.vehicle.setSpeedMode(EGO, 0)
         libsumo.vehicle.setLaneChangeMode(EGO, 0)
-
-
-def _with_route_from_traffic(scenario: Scenario) -> Scenario:
-    """Give the ego the longest route that is under way in the user's traffic, so that it always drives somewhere."""
-    routes = [libsumo.vehicle.getRoute(name) for name in libsumo.vehicle.getIDList() if libsumo.vehicle.getVehicleClass(name) == "passenger"]
-    if not routes:
-        raise InputError("ego.route", "no car is on the road to take a route from", "name the edges with --ego-route")
-    longest = max(routes, key=lambda route: (len(route), route))
-    return scenario.model_copy(update={"ego": scenario.ego.model_copy(update={"route": list(longest)})})
 
 
 def _start(arguments: list[str], scenario: Scenario) -> None:

@@ -56,7 +56,8 @@ def _add_vehicle(
         types.add(name)
         ET.SubElement(root, "vType", {"id": name} | attributes)
     # SUMO refuses an entry that is faster than the driver wants to go there.
-    wanted = min(edge.lanes[lane_number].speed_limit * float(attributes["speedFactor"]), float(attributes["maxSpeed"]))
+    factor, limit = float(attributes["speedFactor"]), edge.lanes[lane_number].speed_limit
+    wanted = min(limit * factor, float(attributes["maxSpeed"]), float(attributes["desiredMaxSpeed"]) * factor)
     element = ET.SubElement(
         root,
         "vehicle",

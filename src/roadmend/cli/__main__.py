@@ -1,0 +1,7 @@
+"""``python -m roadmend.cli``."""
+
+import sys
+
+from roadmend.cli.main import main
+
+sys.exit(main())

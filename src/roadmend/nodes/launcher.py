@@ -1,0 +1,241 @@
+"""Starts the graph for one episode as separate processes, supervises them and stops them cleanly."""
+
+import contextlib
+import json
+import os
+import signal
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+from roadmend.core.errors import InputError, RoadmendError
+from roadmend.nodes.children import Child, stop
+from roadmend.nodes.domain import own_domain
+
+POLL_S = 0.05
+RESTARTS_MAX = 5  # of one node in one run
+STOP_S = 2.8  # everything is gone this long after an interrupt [s]
+SIM_STOP_S = 0.8  # of which the simulator may take [s] to report the abort
+BAD_INPUT = 2  # exit code of a node that refuses its parameters
+_VERSIONED = ("libsumo", "eclipse-sumo", "numpy", "mcap", "rosbags", "ros-jazzy-rclpy")
+
+
+@dataclass(frozen=True)
+class GraphOptions:
+    """One run of the graph."""
+
+    scenario: Path
+    policy: str = "modular"
+    method: str = "rss"
+    clock: str = "lockstep"
+    rate: float = 1.0
+    seed: int = 0
+    bags: Path = Path("bags")
+    name: str = ""  # of the bag; made from scenario, policy and method if empty
+    record: bool = True
+    viz: bool = True
+    ros_arguments: tuple[str, ...] = ()  # passed on to every node
+
+
+@dataclass(frozen=True)
+class RunResult:
+    """What came out of one run."""
+
+    scenario: str
+    policy: str
+    method: str
+    clock: str
+    outcome: str
+    text: str
+    duration: float  # [s] simulated
+    ticks: int
+    min_distance: float | None  # [m]
+    interventions: int
+    intensity: float
+    dose: float  # [s]
+    watchdog_ticks: int
+    restarts: int
+    real_time_factor: float
+    digest: str
+    bag: str
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values, for JSON."""
+        return asdict(self)
+
+
+class Interrupted(RoadmendError):
+    """The user stopped the run; the bag is complete up to that point."""
+
+    def __init__(self, result: RunResult | None) -> None:
+        super().__init__("interrupted")
+        self.result = result
+
+
+def run_graph(options: GraphOptions, report: Callable[[str, float], None] = lambda _text, _time: None) -> RunResult:
+    """Run one episode in the graph.
+
+    Args:
+        options: what to run and how.
+        report: called with a word on the state and the wall time [s] since the start, several times a second.
+
+    Raises:
+        InputError: a node refuses its parameters, or the bag's place is taken.
+        RoadmendError: a node failed beyond repair.
+        Interrupted: SIGINT or SIGTERM arrived.
+    """
+    name = options.name or f"{options.scenario.stem}-{options.policy}-{options.method}-{time.strftime('%Y%m%d-%H%M%S')}"
+    bag = options.bags / name
+    if options.record and bag.exists():
+        raise InputError(str(bag), "exists already", "choose another --name or remove it")
+    with own_domain() as domain, tempfile.TemporaryDirectory(prefix="roadmend-run-") as folder, _signals() as stopped:
+        os.environ["ROS_DOMAIN_ID"], before = str(domain), os.environ.get("ROS_DOMAIN_ID")
+        os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        try:
+            return _Run(options, bag, Path(folder), report).supervise(stopped)
+        finally:
+            if before is None:
+                del os.environ["ROS_DOMAIN_ID"]
+            else:
+                os.environ["ROS_DOMAIN_ID"] = before
+
+
+class _Run:
+    def __init__(self, options: GraphOptions, bag: Path, folder: Path, report: Callable[[str, float], None]) -> None:
+        self._options = options
+        self._bag = bag
+        self._folder = folder
+        self._report = report
+        self._begun = time.monotonic()
+        observers = [*(["recorder_node"] if options.record else []), *(["viz_node"] if options.viz else [])]
+        self._sim = self._child(
+            "sim", scenario=str(options.scenario), clock=options.clock, rate=float(options.rate),
+            summary=str(folder / "sim.json"), wait_for=["policy_node", "repair_node", *observers],
+        )  # fmt: skip
+        self._observers: list[Child] = []
+        if options.record:
+            (folder / "run.json").write_text(json.dumps(self._provenance()), encoding="utf-8")
+            self._observers.append(
+                self._child(
+                    "recorder", may_restart=False, output=str(options.bags), name=bag.name,
+                    metadata=str(folder / "run.json"), attachments=[str(options.scenario)],
+                )
+            )  # fmt: skip
+        if options.viz:
+            self._observers.append(self._child("viz", may_restart=True))
+        self._drivers = [
+            self._child("policy", may_restart=True, policy=options.policy),
+            self._child(
+                "repair", may_restart=True, method=options.method, clock=options.clock, seed=options.seed,
+                summary=str(folder / "repair.json"),
+            ),
+        ]  # fmt: skip
+
+    def _child(self, node: str, *, may_restart: bool = False, **parameters: Any) -> Child:
+        arguments: list[str] = []
+        for name, value in parameters.items():
+            arguments += ["-p", f"{name}:={_as_yaml(value)}"]
+        command = [sys.executable, "-m", f"roadmend.nodes.{node}", "--ros-args", *arguments, *self._options.ros_arguments]
+        return Child(f"{node}_node", command, self._folder / f"{node}.log", may_restart)
+
+    def _provenance(self) -> dict[str, str]:
+        options = self._options
+        known = {"scenario_file": options.scenario.name, "policy": options.policy, "method": options.method}
+        known |= {"clock": options.clock, "seed": str(options.seed), "python": sys.version.split()[0]}
+        for package in _VERSIONED:
+            with contextlib.suppress(PackageNotFoundError):
+                known[package] = version(package)
+        return known
+
+    def supervise(self, stopped: Callable[[], bool]) -> RunResult:
+        everyone = [*self._observers, *self._drivers, self._sim]
+        try:
+            for child in everyone:
+                child.start()
+            while self._sim.exit_code is None:
+                if stopped():
+                    self._stop(interrupted=True)
+                    raise Interrupted(self._result() if (self._folder / "sim.json").exists() else None)
+                self._look_after([*self._observers, *self._drivers])
+                self._report("running", time.monotonic() - self._begun)
+                time.sleep(POLL_S)
+            self._stop(interrupted=False)
+        finally:
+            stop(everyone, time.monotonic() + 0.5)
+        if self._sim.exit_code:
+            self._raise(self._sim)
+        return self._result()
+
+    def _look_after(self, children: Sequence[Child]) -> None:
+        for child in children:
+            if child.exit_code is None:
+                continue
+            if child.exit_code == BAD_INPUT:
+                self._raise(child)
+            if not child.may_restart:
+                raise RoadmendError(f"{child.name} ended ({child.exit_code}): {child.last_words()}")
+            if child.restarts >= RESTARTS_MAX:
+                raise RoadmendError(f"{child.name} ended {RESTARTS_MAX + 1} times; last: {child.last_words()}")
+            child.restarts += 1
+            self._report(f"{child.name} ended ({child.exit_code}), restarted", time.monotonic() - self._begun)
+            child.start()
+
+    def _raise(self, child: Child) -> None:
+        text = child.last_words()
+        if child.exit_code == BAD_INPUT:
+            where, _, rest = text.partition(": ")
+            what, _, mend = rest.rpartition("; ")
+            raise InputError(where, what or rest, mend or f"see the parameters of {child.name}")
+        raise RoadmendError(f"{child.name} failed ({child.exit_code}): {text}")
+
+    def _stop(self, *, interrupted: bool) -> None:
+        deadline = time.monotonic() + STOP_S
+        if interrupted:
+            stop([self._sim], time.monotonic() + SIM_STOP_S)
+        # The recorder goes last: it takes in what the others still say.
+        recorder = [child for child in self._observers if child.name == "recorder_node"]
+        stop([*(child for child in self._observers if child not in recorder), *self._drivers], deadline - 1.2)
+        stop(recorder, deadline if interrupted else time.monotonic() + 30.0)
+
+    def _result(self) -> RunResult:
+        sim = json.loads((self._folder / "sim.json").read_text(encoding="utf-8"))
+        repair: dict[str, Any] = {}
+        with contextlib.suppress(OSError, json.JSONDecodeError):
+            repair = json.loads((self._folder / "repair.json").read_text(encoding="utf-8"))
+        options = self._options
+        return RunResult(
+            scenario=sim["scenario"], policy=options.policy, method=options.method, clock=options.clock,
+            outcome=sim["outcome"], text=sim["text"], duration=sim["duration"], ticks=sim["ticks"],
+            min_distance=sim["min_distance"], interventions=repair.get("interventions", 0),
+            intensity=repair.get("intensity", 0.0), dose=repair.get("dose", 0.0), watchdog_ticks=sim["watchdog_ticks"],
+            restarts=sum(child.restarts for child in [*self._observers, *self._drivers]),
+            real_time_factor=sim["real_time_factor"], digest=sim["digest"],
+            bag=str(self._bag) if options.record else "",
+        )  # fmt: skip
+
+
+def _as_yaml(value: Any) -> str:
+    """A parameter value as rcl's YAML reader takes it on the command line; texts are quoted so that they stay texts."""
+    return json.dumps(value)
+
+
+@contextlib.contextmanager
+def _signals() -> Iterator[Callable[[], bool]]:
+    """While this lasts, SIGINT and SIGTERM only set a flag."""
+    arrived: list[int] = []
+
+    def note(number: int, _frame: FrameType | None) -> None:
+        arrived.append(number)
+
+    previous = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield lambda: bool(arrived)
+    finally:
+        for number, handler in previous.items():
+            signal.signal(number, handler)

@@ -1,0 +1,48 @@
+"""Pairs the messages of one tick: they share one stamp."""
+
+from typing import Any
+
+
+class TickPairing:
+    """Collects messages by stamp until every expected part of a tick is there.
+
+    Ticks are handed out in order. A tick older than one that was handed out is of no use any more and is dropped.
+    """
+
+    def __init__(self, *parts: str) -> None:
+        self._parts = frozenset(parts)
+        self._ticks: dict[int, dict[str, Any]] = {}
+        self._arrival: dict[int, float] = {}
+
+    def add(self, stamp: int, part: str, message: Any, now: float) -> dict[str, Any] | None:
+        """Add one part of the tick ``stamp`` [ns] at wall time ``now`` [s]; returns the tick when it is complete."""
+        tick = self._ticks.get(stamp)
+        if tick is None:
+            tick = self._ticks[stamp] = {}
+            self._arrival[stamp] = now
+        tick[part] = message
+        if len(tick) < len(self._parts):
+            return None
+        self._forget_until(stamp)
+        return tick
+
+    def waiting(self) -> tuple[int, dict[str, Any], float] | None:
+        """The newest incomplete tick: its stamp [ns], its parts, and the wall time [s] of its first part."""
+        if not self._ticks:
+            return None
+        stamp = max(self._ticks)
+        return stamp, self._ticks[stamp], self._arrival[stamp]
+
+    def give_up(self, stamp: int) -> None:
+        """Drop a tick that will not be waited for, and all older ones."""
+        self._forget_until(stamp)
+
+    def clear(self) -> None:
+        """Drop everything."""
+        self._ticks.clear()
+        self._arrival.clear()
+
+    def _forget_until(self, stamp: int) -> None:
+        for old in [known for known in self._ticks if known <= stamp]:
+            del self._ticks[old]
+            del self._arrival[old]

@@ -1,0 +1,101 @@
+"""policy_node: scenes in, commands and planned trajectories out."""
+
+import sys
+import time
+from collections.abc import Sequence
+
+from nav_msgs.msg import Odometry
+from rclpy.node import Node
+from roadmend_msgs import msg
+
+from roadmend.core.command import Decision
+from roadmend.core.interfaces import Policy
+from roadmend.core.route import Route
+from roadmend.core.scene import Scene
+from roadmend.nodes import convert, qos
+from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
+from roadmend.nodes.pairing import TickPairing
+from roadmend.nodes.parameters import declare
+from roadmend.nodes.spinning import run_node
+from roadmend.policies.registry import POLICIES, make_policy
+
+
+class PolicyNode(Node):
+    """Runs one driving policy, tick by tick."""
+
+    def __init__(self) -> None:
+        super().__init__("policy_node")
+        name = declare(self, "policy", "modular", "driving policy to run", choices=sorted(POLICIES))
+        self._policy: Policy = make_policy(name)
+        self._route: Route | None = None
+        self._pairing = TickPairing("ego", "objects")
+        self._last_stamp = -1
+        self._last: Decision | None = None
+        self._failure = ""
+        self._decided = 0
+        self._command_publisher = self.create_publisher(msg.Command, qos.POLICY_COMMAND, qos.COMMAND)
+        self._trajectory_publisher = self.create_publisher(msg.Trajectory, qos.POLICY_TRAJECTORY, qos.STREAM)
+        self.create_subscription(msg.Route, qos.ROUTE, self._on_route, qos.LATCHED)
+        self.create_subscription(Odometry, qos.EGO, self._on_ego, qos.STREAM)
+        self.create_subscription(msg.ObjectList, qos.OBJECTS, self._on_objects, qos.STREAM)
+        self._diagnostics = DiagnosticsReporter(self, self._health)
+
+    def _on_route(self, message: msg.Route) -> None:
+        self._route = convert.route_of(message)
+        self._policy.reset(self._route)
+        self._last_stamp = -1
+        self._last = None
+        pending = self._pairing.waiting()
+        if pending is not None and len(pending[1]) == 2:
+            self._decide(pending[0], pending[1]["ego"], pending[1]["objects"])
+
+    def _on_ego(self, message: Odometry) -> None:
+        self._add("ego", message)
+
+    def _on_objects(self, message: msg.ObjectList) -> None:
+        self._add("objects", message)
+
+    def _add(self, part: str, message: Odometry | msg.ObjectList) -> None:
+        stamp = convert.nanoseconds_of(message.header.stamp)
+        tick = self._pairing.add(stamp, part, message, time.monotonic())
+        if tick is not None:
+            self._decide(stamp, tick["ego"], tick["objects"])
+
+    def _decide(self, stamp: int, ego: Odometry, objects: msg.ObjectList) -> None:
+        if self._route is None:
+            return  # the simulator repeats the first tick until it is answered
+        if stamp != self._last_stamp:
+            if stamp < self._last_stamp:
+                self._policy.reset(self._route)
+            try:
+                seen, signals = convert.objects_of(objects)
+                state = convert.ego_of(ego, self._route.ego_length, self._route.ego_width)
+                self._last = self._policy.step(Scene(stamp * 1e-9, state, seen, signals))
+            except Exception as error:  # noqa: BLE001 - a policy that fails must be seen, not end the node
+                self._failure = f"{type(error).__name__}: {error}"
+                self.get_logger().error(f"no decision at {stamp * 1e-9:.2f} s: {self._failure}", throttle_duration_sec=1.0)
+                return
+            self._failure = ""
+            self._last_stamp = stamp
+            self._decided += 1
+        if self._last is not None:
+            # A repeated tick gets the same answer again.
+            self._trajectory_publisher.publish(convert.trajectory_message_of(self._last.trajectory, objects.header))
+            self._command_publisher.publish(convert.command_message_of(self._last.command, objects.header))
+
+    def _health(self) -> Health:
+        values = {"policy": self._policy.name, "decisions": self._decided}
+        if self._failure:
+            return Health(Level.ERROR, f"the policy failed: {self._failure}", values)
+        if self._route is None:
+            return Health(Level.WARN, "waiting for a route", values)
+        return Health(Level.OK, "driving" if self._decided else "waiting for objects and odometry", values)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node until it is stopped."""
+    return run_node(PolicyNode, args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

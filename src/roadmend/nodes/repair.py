@@ -1,0 +1,301 @@
+"""repair_node: the last thing before the actuator. A lifecycle node that always answers, toward braking when in doubt."""
+
+import json
+import sys
+import time
+from collections.abc import Sequence
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+from nav_msgs.msg import Odometry
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.clock import Clock, ClockType
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.parameter import Parameter
+from roadmend_msgs import msg
+
+from roadmend.core.command import Decision
+from roadmend.core.errors import InputError
+from roadmend.core.repair import Repair, RepairStatus
+from roadmend.core.route import Route
+from roadmend.core.scene import Scene
+from roadmend.nodes import convert, qos
+from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
+from roadmend.nodes.pairing import TickPairing
+from roadmend.nodes.parameters import declare
+from roadmend.nodes.spinning import run_node
+from roadmend.nodes.tally import RepairTally
+from roadmend.repair.guard import GuardedRepairer
+from roadmend.repair.registry import METHODS, make_repairer
+
+WATCH_PERIOD_S = 0.01  # how often ages are looked at [s]
+IMPATIENT_S = 0.02  # lockstep: patience while the policy is known to be silent [s]
+REPEAT_S = 0.05  # real time: period of the stop command while nothing arrives [s]
+_PARTS = ("ego", "objects", "command", "trajectory")
+_COMPLAINTS = frozenset({RepairStatus.STALE_COMMAND, RepairStatus.STALE_OBJECTS, RepairStatus.MODEL_FAULT})
+
+
+class RepairNode(LifecycleNode):
+    """Intercepts the policy's command, repairs it with one method, and answers every tick."""
+
+    def __init__(self) -> None:
+        super().__init__("repair_node")
+        self.exit_code = 0
+        self.finished = False
+        self._declare_parameters()
+        self._repairer: GuardedRepairer | None = None
+        self._route: Route | None = None
+        self._pairing = TickPairing(*_PARTS)
+        self._tally = RepairTally()
+        self._active = False
+        self._started = False  # a complete tick has been answered in this episode
+        self._silent_since: str = ""  # what is missing, or empty
+        self._last_stamp = -1
+        self._last_answer = 0.0  # wall time [s]
+        self._last_arrival = 0.0  # wall time [s] of the last tick's first message
+        self._last_repair: Repair | None = None
+        self._last_header: Any = None
+        self._command_publisher = self.create_lifecycle_publisher(msg.Command, qos.REPAIR_COMMAND, qos.COMMAND)
+        self._state_publisher = self.create_lifecycle_publisher(msg.RepairState, qos.REPAIR_STATE, qos.STREAM)
+        self.create_subscription(msg.Route, qos.ROUTE, self._on_route, qos.LATCHED)
+        for part, kind, topic, profile in (
+            ("ego", Odometry, qos.EGO, qos.STREAM),
+            ("objects", msg.ObjectList, qos.OBJECTS, qos.STREAM),
+            ("command", msg.Command, qos.POLICY_COMMAND, qos.COMMAND),
+            ("trajectory", msg.Trajectory, qos.POLICY_TRAJECTORY, qos.STREAM),
+        ):
+            self.create_subscription(kind, topic, self._adder(part), profile)
+        # Steady time: ages are looked at while simulation time stands still.
+        self.create_timer(WATCH_PERIOD_S, self._watch, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._diagnostics = DiagnosticsReporter(self, self._health)
+        self.add_on_set_parameters_callback(self._on_parameters)
+        if self._autostart:
+            self._start_by_itself()
+
+    # -- configuration ------------------------------------------------------------------------------------------------
+
+    def _declare_parameters(self) -> None:
+        self._method = declare(self, "method", "rss", "repair method to run", choices=sorted(METHODS))
+        self._lockstep = (
+            declare(self, "clock", "lockstep", "how the simulator keeps time", choices=("lockstep", "realtime"))
+            == "lockstep"
+        )
+        self._seed = declare(self, "seed", 0, "seed of methods that draw numbers", low=0, high=2**31 - 1)
+        self._timeout = declare(
+            self, "input_timeout", 0.0, "[s] of wall time after which an input counts as late; 0: 2.0 in lockstep, 0.04 in real time",
+            low=0.0, high=60.0,
+        ) or (2.0 if self._lockstep else 0.04)  # fmt: skip
+        self._budget = declare(
+            self, "time_budget", 0.0, "[s] a method may take for a tick before the guard decides; 0: no limit in lockstep, 0.03 in real time",
+            low=0.0, high=10.0,
+        ) or (None if self._lockstep else 0.03)  # fmt: skip
+        self._autostart = declare(self, "autostart", True, "configure and activate without being asked")
+        self._summary = declare(self, "summary", "", "file for the tally of this run, written at the end; none if empty")
+        for name, entry in METHODS.items():
+            for field, info in entry.parameters.model_fields.items():
+                default = info.get_default(call_default_factory=True)
+                if isinstance(default, bool | int | float | str) and not isinstance(default, Enum):
+                    declare(self, f"{name}.{field}", default, info.description or field, read_only=False)
+
+    def _method_parameters(self, changed: Sequence[Parameter] = ()) -> dict[str, Any]:
+        prefix = f"{self._method}."
+        values = {
+            name.removeprefix(prefix): self.get_parameter(name).value
+            for name in (prefix + field for field in METHODS[self._method].parameters.model_fields)
+            if self.has_parameter(name)
+        }
+        return values | {
+            parameter.name.removeprefix(prefix): parameter.value
+            for parameter in changed
+            if parameter.name.startswith(prefix)
+        }
+
+    def _make_repairer(self, changed: Sequence[Parameter] = ()) -> GuardedRepairer:
+        guard = {} if self._budget is None else {"budget": self._budget}
+        return make_repairer(self._method, self._method_parameters(changed), self._seed, guard)
+
+    def _on_parameters(self, changed: list[Parameter]) -> SetParametersResult:
+        prefix = f"{self._method}."
+        if self._repairer is None or not any(parameter.name.startswith(prefix) for parameter in changed):
+            return SetParametersResult(successful=True)
+        try:
+            repairer = self._make_repairer(changed)
+        except InputError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        if self._route is not None:
+            repairer.reset(self._route)
+        self._repairer = repairer
+        return SetParametersResult(successful=True)
+
+    def _start_by_itself(self) -> None:
+        for transition in (self.trigger_configure, self.trigger_activate):
+            if transition() != TransitionCallbackReturn.SUCCESS:
+                self.finished = True
+                self.exit_code = 2
+                return
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Make the method; without one the node stays unconfigured and sends nothing, so the simulator brakes."""
+        try:
+            self._repairer = self._make_repairer()
+        except InputError as error:
+            self.get_logger().error(f"refuses to configure: {error}")
+            return TransitionCallbackReturn.FAILURE
+        if self._route is not None:
+            self._repairer.reset(self._route)
+        return super().on_configure(state)
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Begin to answer."""
+        self._active = True
+        self._last_arrival = time.monotonic()
+        return super().on_activate(state)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Stop answering. The simulator's watchdog then brakes; to drive unrepaired, run ``method: none``."""
+        self._active = False
+        return super().on_deactivate(state)
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Forget the method."""
+        self._repairer = None
+        return super().on_cleanup(state)
+
+    # -- input --------------------------------------------------------------------------------------------------------
+
+    def _on_route(self, message: msg.Route) -> None:
+        self._route = convert.route_of(message)
+        self._pairing.clear()
+        self._started = False
+        self._last_stamp = -1
+        if self._repairer is not None:
+            self._repairer.reset(self._route)
+
+    def _adder(self, part: str) -> Any:
+        def add(message: Any) -> None:
+            stamp = convert.nanoseconds_of(message.header.stamp)
+            now = self._last_arrival = time.monotonic()
+            if stamp == self._last_stamp and part == "objects" and self._last_repair is not None:
+                self._publish(self._last_repair, message.header)  # a repeated tick gets the same answer again
+                return
+            if stamp < self._last_stamp and part in ("ego", "objects"):
+                self._last_stamp = -1  # time ran backwards: the guard sees it and resets the method
+                self._pairing.clear()
+            if stamp <= self._last_stamp:
+                return
+            tick = self._pairing.add(stamp, part, message, now)
+            if tick is not None:
+                self._answer(stamp, tick)
+
+        return add
+
+    def _answer(self, stamp: int, tick: dict[str, Any]) -> None:
+        if not self._active or self._repairer is None or self._route is None:
+            return
+        try:
+            repair = self._repairer.step(self._scene(stamp, tick), self._decision(tick))
+        except ValueError as error:  # the arrays of the object list differ in length
+            repair = self._repairer.controlled_stop(RepairStatus.STALE_OBJECTS, str(error), None, self._decision(tick))
+        self._started = True
+        self._silent_since = ""
+        self._send(stamp, repair, tick["objects"].header)
+
+    def _scene(self, stamp: int, tick: dict[str, Any]) -> Scene | None:
+        if "ego" not in tick or "objects" not in tick or self._route is None:
+            return None
+        seen, signals = convert.objects_of(tick["objects"])
+        ego = convert.ego_of(tick["ego"], self._route.ego_length, self._route.ego_width)
+        return Scene(stamp * 1e-9, ego, seen, signals)
+
+    @staticmethod
+    def _decision(tick: dict[str, Any]) -> Decision | None:
+        if "command" not in tick or "trajectory" not in tick:
+            return None
+        return Decision(convert.command_of(tick["command"]), convert.trajectory_of(tick["trajectory"]))
+
+    # -- ages ---------------------------------------------------------------------------------------------------------
+
+    def _watch(self) -> None:
+        """Look for inputs that are late, and answer without them."""
+        if not self._active or self._repairer is None or (self._lockstep and not self._started):
+            return  # in lockstep the simulator repeats the first tick until the policy has joined
+        now = time.monotonic()
+        waiting = self._pairing.waiting()
+        if waiting is None:
+            if not self._lockstep and now - max(self._last_arrival, self._last_answer) > max(REPEAT_S, self._timeout):
+                self._silent_since = "odometry, objects"
+                self._repeat_stop(now)
+            return
+        stamp, tick, since = waiting
+        patience = IMPATIENT_S if self._silent_since and self._lockstep else self._timeout
+        if now - since < patience:
+            return
+        self._pairing.give_up(stamp)
+        missing = [part for part in _PARTS if part not in tick]
+        objects_missing = "ego" in missing or "objects" in missing
+        status = RepairStatus.STALE_OBJECTS if objects_missing else RepairStatus.STALE_COMMAND
+        if not self._started:
+            status = RepairStatus.STARTING
+        self._silent_since = ", ".join(missing)
+        reason = f"no {self._silent_since} within {patience:g} s"
+        try:
+            repair = self._repairer.controlled_stop(status, reason, self._scene(stamp, tick), self._decision(tick))
+        except ValueError as error:
+            repair = self._repairer.controlled_stop(status, f"{reason}; {error}")
+        self._send(stamp, repair, next(iter(tick.values())).header)
+
+    def _repeat_stop(self, now: float) -> None:
+        """Real time, and nothing arrives at all: silence never means go."""
+        if self._repairer is None or self._last_header is None:
+            return
+        age = now - self._last_arrival
+        repair = self._repairer.controlled_stop(RepairStatus.STALE_OBJECTS, f"nothing has arrived for {age:.2f} s")
+        self._tally.add(repair)
+        self._publish(repair, self._last_header)
+
+    # -- output -------------------------------------------------------------------------------------------------------
+
+    def _send(self, stamp: int, repair: Repair, header: Any) -> None:
+        self._last_stamp = stamp
+        self._last_repair = repair
+        self._tally.add(repair)
+        self._publish(repair, header)
+        if repair.status in _COMPLAINTS:
+            self.get_logger().warning(f"{repair.status.name}: {repair.reason}", throttle_duration_sec=1.0)
+
+    def _publish(self, repair: Repair, header: Any) -> None:
+        self._last_answer = time.monotonic()
+        self._last_header = header
+        self._command_publisher.publish(convert.command_message_of(repair.command, header))
+        self._state_publisher.publish(convert.repair_message_of(repair, self._method, header))
+
+    def _health(self) -> Health:
+        values = {"method": self._method, "active": self._active, **self._tally.values()}
+        if not self._active:
+            return Health(Level.WARN, "inactive: sends no commands, the simulator brakes", values)
+        if self._silent_since:
+            return Health(Level.ERROR, f"controlled stop: missing {self._silent_since}", values)
+        last = self._last_repair
+        if last is not None and last.status is RepairStatus.MODEL_FAULT:
+            return Health(Level.ERROR, last.reason, values)
+        if last is not None and last.status in (RepairStatus.INVALID_COMMAND, RepairStatus.INVALID_OBJECTS):
+            return Health(Level.WARN, last.reason, values)
+        return Health(Level.OK, "repairing" if self._started else "waiting for the first complete tick", values)
+
+    def close(self) -> None:
+        """Write the tally if a file was named."""
+        if self._summary:
+            path = Path(self._summary)
+            beside = path.with_name(f".{path.name}")
+            beside.write_text(json.dumps(self._tally.values(), indent=1), encoding="utf-8")
+            beside.replace(path)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node until it is stopped."""
+    return run_node(RepairNode, args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

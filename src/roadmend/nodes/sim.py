@@ -1,0 +1,270 @@
+"""sim_node: runs a scenario in SUMO, publishes what there is to see, drives the ego on the repaired command."""
+
+import json
+import math
+import os
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from nav_msgs.msg import Odometry
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from roadmend_msgs import msg
+from rosgraph_msgs.msg import Clock as ClockMessage
+
+from roadmend.core.command import Command
+from roadmend.core.outcome import Event, EventKind
+from roadmend.nodes import convert, qos
+from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
+from roadmend.nodes.parameters import declare
+from roadmend.nodes.spinning import run_node
+from roadmend.world.map_view import lanes_of
+from roadmend.world.runner import EpisodeSummary, TrajectoryDigest, add_tick
+from roadmend.world.scenario_file import load_scenario
+from roadmend.world.simulation import INTERVAL, INTERVAL_NS, Simulation, Tick
+
+WATCH_PERIOD_S = 0.01  # how often the lockstep watchdog looks [s]
+REPEAT_S = 0.25  # period in which the first tick is repeated until it is answered [s]
+LINGER_S = 0.3  # time for the last messages to leave [s]
+IMPATIENT_S = 0.05  # lockstep: time a command is waited for while the repair node is known to be silent [s]
+WATCHDOG_COMMAND = Command(0.0, 0.5)  # half brake: a controlled stop of 4 m/s2 on a dry road
+MAX_AGE_TICKS = 3  # real time: oldest tick whose command is still obeyed
+
+# Who must listen to what before an episode begins, so that nothing of it is lost.
+_LISTENERS = {
+    qos.EGO: ("policy_node", "repair_node", "recorder_node", "viz_node"),
+    qos.OBJECTS: ("policy_node", "repair_node", "recorder_node", "viz_node"),
+    qos.ROUTE: ("policy_node", "repair_node", "recorder_node", "viz_node"),
+    qos.MAP: ("recorder_node", "viz_node"),
+    qos.EVENTS: ("recorder_node", "viz_node"),
+    qos.POLICY_COMMAND: ("repair_node", "recorder_node"),
+    qos.POLICY_TRAJECTORY: ("repair_node", "recorder_node", "viz_node"),
+    qos.REPAIR_COMMAND: ("recorder_node",),
+    qos.REPAIR_STATE: ("recorder_node", "viz_node"),
+}
+
+
+class SimNode(Node):
+    """One episode: waits for the graph, ticks until a final event, then finishes."""
+
+    def __init__(self) -> None:
+        super().__init__("sim_node")
+        self.finished = False
+        self.exit_code = 0
+        path = declare(self, "scenario", "", "scenario file to run")
+        self._lockstep = (
+            declare(self, "clock", "lockstep", "how time passes", choices=("lockstep", "realtime")) == "lockstep"
+        )
+        self._rate = declare(self, "rate", 1.0, "real time: simulated seconds per wall second", low=0.01, high=100.0)
+        self._timeout = declare(
+            self, "command_timeout", 5.0, "[s] lockstep: wall time without a command after which the watchdog brakes",
+            low=0.05, high=600.0,
+        )  # fmt: skip
+        self._wait_for: list[str] = declare(
+            self, "wait_for", ["policy_node", "repair_node"], "nodes that must have joined before the episode begins"
+        )
+        self._summary_path = declare(self, "summary", "", "file for the summary of the episode; none if empty")
+        self._simulation = Simulation(load_scenario(Path(path)))
+        self._summary = EpisodeSummary(self._simulation.scenario.name)
+        self._digest = TrajectoryDigest()
+        self._tick: Tick | None = None
+        self._tick_at = 0.0  # wall time [s] at which the current tick was published
+        self._begun_at = 0.0  # wall time [s] of the first answer
+        self._watchdog = False
+        self._watchdog_ticks = 0
+        self._last_command: tuple[int, Command] | None = None
+        self._ended_at = 0.0
+        self._clock_publisher = self.create_publisher(ClockMessage, qos.CLOCK, qos.STREAM)
+        self._ego_publisher = self.create_publisher(Odometry, qos.EGO, qos.STREAM)
+        self._objects_publisher = self.create_publisher(msg.ObjectList, qos.OBJECTS, qos.STREAM)
+        self._event_publisher = self.create_publisher(msg.ScenarioEvent, qos.EVENTS, qos.EVENT)
+        self._route_publisher = self.create_publisher(msg.Route, qos.ROUTE, qos.LATCHED)
+        self._map_publisher = self.create_publisher(msg.Map, qos.MAP, qos.LATCHED)
+        self.create_subscription(msg.Command, qos.REPAIR_COMMAND, self._on_command, qos.COMMAND)
+        self._route_publisher.publish(convert.route_message_of(self._simulation.route, convert.header_of(0.0)))
+        self._map_publisher.publish(convert.map_message_of(lanes_of(self._simulation.network), convert.header_of(0.0)))
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._timer = self.create_timer(WATCH_PERIOD_S, self._watch, clock=steady)
+        self._real_time = None if self._lockstep else self.create_timer(INTERVAL / self._rate, self._beat, clock=steady)
+        self._diagnostics = DiagnosticsReporter(self, self._health)
+        self.get_logger().info(f"{self._summary.scenario}: waiting for {', '.join(self._wait_for) or 'nobody'}")
+
+    # -- start --------------------------------------------------------------------------------------------------------
+
+    def _missing(self) -> list[str]:
+        """Nodes that have not joined yet, each with the first topic it does not listen to."""
+        missing = {}
+        for topic, listeners in _LISTENERS.items():
+            wanted = [name for name in listeners if name in self._wait_for]
+            there = {info.node_name for info in self.get_subscriptions_info_by_topic(topic)}
+            for name in wanted:
+                if name not in there:
+                    missing.setdefault(name, f"{name} ({topic})")
+        if "repair_node" in self._wait_for and not self.count_publishers(qos.REPAIR_COMMAND):
+            missing.setdefault("repair_node", f"repair_node ({qos.REPAIR_COMMAND})")
+        return list(missing.values())
+
+    def _begin(self) -> None:
+        self._tick = self._simulation.first()
+        self._publish(self._tick)
+
+    # -- time ---------------------------------------------------------------------------------------------------------
+
+    def _watch(self) -> None:
+        now = time.monotonic()
+        if self._ended_at:
+            if now - self._ended_at > LINGER_S:
+                self.finished = True
+            return
+        if self._tick is None:
+            if not self._missing():
+                self._begin()
+            return
+        if not self._lockstep:
+            return
+        if self._tick.number == 0 and not self._watchdog:
+            if now - self._tick_at > REPEAT_S:
+                self._publish_scene(self._tick)
+                self._tick_at = now
+            return
+        if now - self._tick_at > (IMPATIENT_S if self._watchdog else self._timeout):
+            self._bite(f"no repaired command within {now - self._tick_at:.2f} s of wall time")
+
+    def _beat(self) -> None:
+        """Real time: the next tick is due, whatever has arrived."""
+        if self._tick is None or self._ended_at:
+            return
+        if self._tick.number == 0 and self._last_command is None:
+            self._publish_scene(self._tick)  # start-up is a state of its own: held until the first command
+            return
+        stamp, command = self._last_command or (-1, WATCHDOG_COMMAND)
+        age = self._tick.number - stamp // INTERVAL_NS
+        if stamp < 0 or age > MAX_AGE_TICKS:
+            self._bite(f"the newest repaired command is {age * INTERVAL:.2f} s old")
+        else:
+            self._advance(command, obeyed=True)
+
+    def _on_command(self, message: msg.Command) -> None:
+        if self._tick is None or self._ended_at:
+            return
+        stamp = convert.nanoseconds_of(message.header.stamp)
+        command = convert.command_of(message)
+        if command.fault:
+            self.get_logger().error(f"refused a command: {command.fault}", throttle_duration_sec=1.0)
+            return
+        if not self._lockstep:
+            if self._last_command is None or stamp >= self._last_command[0]:
+                self._last_command = (stamp, command)
+        elif stamp == self._tick.number * INTERVAL_NS:
+            self._advance(command, obeyed=True)
+
+    def _bite(self, reason: str) -> None:
+        """The watchdog: brake, and say so once."""
+        if not self._watchdog:
+            self._watchdog = True
+            self._announce(EventKind.WATCHDOG, f"{reason}: the simulator brakes")
+        self._watchdog_ticks += 1
+        self._advance(WATCHDOG_COMMAND, obeyed=False)
+
+    def _advance(self, command: Command, *, obeyed: bool) -> None:
+        tick = self._tick
+        if tick is None:
+            return
+        if obeyed and self._watchdog:
+            self._watchdog = False
+            self._announce(EventKind.RECOVERED, "repaired commands arrive again")
+        if not self._begun_at:
+            self._begun_at = time.monotonic()
+        add_tick(self._digest, tick, command)
+        self._tick = self._simulation.step(command)
+        self._publish(self._tick)
+        if self._tick.final is not None:
+            add_tick(self._digest, self._tick, Command(0.0, 0.0))
+            self._end()
+
+    # -- output -------------------------------------------------------------------------------------------------------
+
+    def _publish(self, tick: Tick) -> None:
+        self._publish_scene(tick)
+        self._summary.observe(tick)
+        for event in tick.events:
+            self._event_publisher.publish(convert.event_message_of(event))
+        self._tick_at = time.monotonic()
+
+    def _publish_scene(self, tick: Tick) -> None:
+        header = convert.header_of(tick.scene.time)
+        self._clock_publisher.publish(ClockMessage(clock=header.stamp))
+        self._ego_publisher.publish(convert.odometry_of(tick.scene.ego, header))
+        self._objects_publisher.publish(convert.object_message_of(tick.scene.objects, tick.scene.signals, header))
+
+    def _announce(self, kind: EventKind, text: str) -> None:
+        event = Event(self._tick.scene.time if self._tick is not None else 0.0, kind, text)
+        self._summary.events.append(event)
+        self._event_publisher.publish(convert.event_message_of(event))
+        self.get_logger().warning(f"{kind.name}: {text}")
+
+    def _end(self) -> None:
+        self._ended_at = time.monotonic()
+        self._summary.digest = self._digest.hexadecimal
+        self._write_summary()
+        summary = self._summary
+        self.get_logger().info(f"{summary.outcome.name} after {summary.duration:.2f} s: {summary.text}")
+
+    def _real_time_factor(self) -> float:
+        wall = (self._ended_at or time.monotonic()) - self._begun_at
+        return self._summary.duration / wall if self._begun_at and wall > 0.0 else 0.0
+
+    def _write_summary(self) -> None:
+        if not self._summary_path:
+            return
+        summary = self._summary
+        distance = summary.min_distance
+        content = {
+            "scenario": summary.scenario,
+            "outcome": summary.outcome.name,
+            "text": summary.text,
+            "ticks": summary.ticks,
+            "duration": summary.duration,
+            "min_distance": distance if math.isfinite(distance) else None,
+            "watchdog_ticks": self._watchdog_ticks,
+            "real_time_factor": self._real_time_factor(),
+            "digest": summary.digest,
+            "scenario_digest": self._simulation.scenario.digest,
+        }
+        path = Path(self._summary_path)
+        beside = path.with_name(f".{path.name}.{os.getpid()}")
+        beside.write_text(json.dumps(content, indent=1), encoding="utf-8")
+        beside.replace(path)
+
+    def _health(self) -> Health:
+        values = {
+            "scenario": self._summary.scenario,
+            "tick": self._tick.number if self._tick else 0,
+            "objects": len(self._tick.scene.objects) if self._tick else 0,
+            "real_time_factor": f"{self._real_time_factor():.2f}",
+            "watchdog_ticks": self._watchdog_ticks,
+        }
+        if self._tick is None:
+            return Health(Level.WARN, f"waiting for {', '.join(self._missing())}", values)
+        if self._watchdog:
+            return Health(Level.ERROR, "no repaired commands: the watchdog brakes", values)
+        return Health(Level.OK, self._summary.outcome.name if self._ended_at else "running", values)
+
+    def close(self) -> None:
+        """An episode that is stopped before its end is recorded as aborted."""
+        if not self._ended_at and self._tick is not None:
+            self._announce(EventKind.ABORTED, "stopped before the end")
+            self._summary.outcome, self._summary.text = EventKind.ABORTED, "stopped before the end"
+            self._end()
+        self._simulation.close()
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node until the episode is over or it is stopped."""
+    return run_node(SimNode, args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
