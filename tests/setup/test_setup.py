@@ -110,7 +110,7 @@ class TestWhichPython:
     def test_says_in_one_line_that_there_is_none(self, launcher, monkeypatch, tmp_path):
         monkeypatch.setenv("PATH", str(tmp_path))
         with pytest.raises(
-            launcher.SetupError, match=r"no Python 7\.2 or 7\.1 is on PATH; install one.*python7\.2-venv"
+            launcher.SetupError, match=r"no Python 7\.2 or 7\.1 is on PATH; install one.*python7\.1-venv"
         ):
             launcher.find_python(("7.2", "7.1"))
 
