@@ -43,18 +43,18 @@ class Qos:
         """The inverse of ``as_yaml``.
 
         Raises:
-            KeyError, TypeError: the shape is another one.
+            KeyError, TypeError, ValueError: the shape is another one.
         """
         return cls(
-            shape["history"],
-            shape["depth"],
-            shape["reliability"],
-            shape["durability"],
+            str(shape["history"]),
+            int(shape["depth"]),
+            str(shape["reliability"]),
+            str(shape["durability"]),
             _whole(shape["deadline"]),
             _whole(shape["lifespan"]),
-            shape["liveliness"],
+            str(shape["liveliness"]),
             _whole(shape["liveliness_lease_duration"]),
-            shape["avoid_ros_namespace_conventions"],
+            bool(shape["avoid_ros_namespace_conventions"]),
         )
 
 
@@ -68,7 +68,7 @@ def load(text: str) -> tuple[Qos, ...]:
     """The offers from the text of ``offered_qos_profiles``.
 
     Raises:
-        KeyError, TypeError, yaml.YAMLError: the text is not what ``dump`` writes.
+        KeyError, TypeError, ValueError, yaml.YAMLError: the text is not what ``dump`` writes.
     """
     return tuple(Qos.from_yaml(shape) for shape in yaml.safe_load(text) or ())
 
@@ -78,4 +78,4 @@ def _parts(nanoseconds: int) -> dict[str, int]:
 
 
 def _whole(parts: dict[str, int]) -> int:
-    return parts["sec"] * _SECOND + parts["nsec"]
+    return int(parts["sec"]) * _SECOND + int(parts["nsec"])  # a text times a second would fill the memory
