@@ -289,3 +289,14 @@ def test_arrays_that_cannot_be_written_to_are_fine():
     for name in ("id", "kind", "x", "y", "yaw", "speed", "acceleration", "yaw_rate", "length", "width"):
         getattr(scene.objects, name).flags.writeable = False
     assert guarded(NoRepair()).step(scene, keep_on(scene)).status == RepairStatus.PASS
+
+
+def test_a_warm_up_leaves_no_trace():
+    method = Scripted()
+    repairer = GuardedRepairer(method)
+    repairer.warm_up()
+    assert len(method.seen) == 1
+    assert step(repairer).status == RepairStatus.STARTING
+    repairer.reset(straight_route())
+    assert step(repairer).status == RepairStatus.RESET
+    assert step(repairer, time=0.05).status == RepairStatus.PASS

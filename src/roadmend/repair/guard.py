@@ -8,8 +8,8 @@ import numpy as np
 
 from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.repair import Proposal, Repair, RepairStatus
-from roadmend.core.route import Route
-from roadmend.core.scene import Scene
+from roadmend.core.route import Route, Stage
+from roadmend.core.scene import EgoState, ObjectList, Scene
 from roadmend.repair.merger import merge, proposal_fault
 from roadmend.repair.method import RepairMethod
 from roadmend.repair.none import NO_OPINION
@@ -58,6 +58,26 @@ class GuardedRepairer:
         """Begin an episode on ``route``; the first tick after it is reported as RESET."""
         self._route = route
         self._forget()
+
+    def warm_up(self) -> None:
+        """Compile and load everything before the first tick, which a time budget would else call a fault.
+
+        To be called between episodes: the guard then waits for a ``reset``.
+        """
+        x = np.array([0.0, 50.0, 100.0])
+        rest = np.zeros(1)
+        size = np.full(1, 2.0)
+        stage = Stage(x, np.zeros(3), np.full(3, 10.0))
+        self.reset(Route("warm-up", 4.5, 1.8, 90.0, 1.0, (stage,), (), ()))
+        objects = ObjectList(
+            np.ones(1, dtype=np.uint32), np.ones(1, dtype=np.uint8), np.full(1, 30.0), rest, rest, rest, rest, rest,
+            size, size,
+        )  # fmt: skip
+        ego = EgoState.from_yaw(10.0, 0.0, 0.0, 5.0, 0.0, 4.5, 1.8)
+        scene = Scene(0.0, ego, objects, np.zeros(0, dtype=np.uint8))
+        self.step(scene, Decision(Command(0.1, 0.0), _EMPTY))
+        self.controlled_stop(RepairStatus.STALE_COMMAND, scene=scene)
+        self._route = None
 
     def step(self, scene: Scene, decision: Decision) -> Repair:
         """Check one decision and repair it where needed."""
