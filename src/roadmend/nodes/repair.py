@@ -113,7 +113,9 @@ class RepairNode(LifecycleNode):
 
     def _make_repairer(self, changed: Sequence[Parameter] = ()) -> GuardedRepairer:
         guard = {} if self._budget is None else {"budget": self._budget}
-        return make_repairer(self._method, self._method_parameters(changed), self._seed, guard)
+        repairer = make_repairer(self._method, self._method_parameters(changed), self._seed, guard)
+        repairer.warm_up()  # compiling on the first tick would look like an overrun
+        return repairer
 
     def _on_parameters(self, changed: list[Parameter]) -> SetParametersResult:
         prefix = f"{self._method}."

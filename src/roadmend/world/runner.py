@@ -2,6 +2,7 @@
 
 import hashlib
 import struct
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -46,6 +47,7 @@ class EpisodeSummary:
     dose: float = 0.0  # [s] sum of |policy action - final action| * interval
     digest: str = ""
     events: list[Event] = field(default_factory=list)
+    loop_ended: float = 0.0  # [s] time.perf_counter() after the last tick, for benchmarks
     _change: float = 0.0
 
     def add(self, policy_action: float, final_action: float, *, intervened: bool) -> None:
@@ -98,6 +100,7 @@ def run_episode(
             add_tick(digest, tick, repair.command)
             tick = simulation.step(repair.command)
             summary.observe(tick)
+        summary.loop_ended = time.perf_counter()
         add_tick(digest, tick, Command(0.0, 0.0))
     summary.digest = digest.hexadecimal
     return summary

@@ -1,0 +1,67 @@
+"""Benchmark results on disk: JSON for programs, Markdown for people, with what made them."""
+
+import json
+import os
+import platform
+import subprocess
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+
+def provenance(command: str) -> dict[str, Any]:
+    """The command, the commit and the machine behind a figure."""
+    return {
+        "command": command,
+        "commit": _git("rev-parse", "HEAD"),
+        "dirty": bool(_git("status", "--porcelain", "--untracked-files=no")),
+        "machine": {
+            "processor": _processor(),
+            "cores": os.cpu_count(),
+            "system": f"{platform.system()} {platform.release()}",
+            "python": platform.python_version(),
+        },
+    }
+
+
+def write_report(folder: Path, name: str, title: str, content: Mapping[str, Any], rows: Sequence[Sequence[str]]) -> None:
+    """Write NAME.json and NAME.md; the first row is the heading.
+
+    Raises:
+        OSError: the folder cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    _write(folder / f"{name}.json", json.dumps(content, indent=2) + "\n")
+    made = content["provenance"]
+    machine = made["machine"]
+    lines = [f"# {title}", "", _line(rows[0]), _line(["---"] * len(rows[0])), *map(_line, rows[1:]), ""]
+    lines.append(f"Made by `{made['command']}` at commit {made['commit'][:12]}{' (changed)' if made['dirty'] else ''} on ")
+    lines[-1] += f"{machine['processor']}, {machine['cores']} cores, Python {machine['python']}."
+    _write(folder / f"{name}.md", "\n".join(lines) + "\n")
+
+
+def _line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cells) + " |"
+
+
+def _write(path: Path, text: str) -> None:
+    beside = path.with_name(f".{path.name}")
+    beside.write_text(text, encoding="utf-8")
+    beside.replace(path)
+
+
+def _git(*arguments: str) -> str:
+    try:
+        return subprocess.run(["git", *arguments], capture_output=True, text=True, check=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
+
+
+def _processor() -> str:
+    try:
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    except OSError:
+        pass
+    return platform.processor() or "unknown"

@@ -1,0 +1,37 @@
+import math
+
+import numpy as np
+import pytest
+
+from roadmend.core.route import Route, Stage
+
+
+def straight(y=0.0, length=100.0):
+    x = np.arange(0.0, length + 1.0, 10.0)
+    return Stage(x, np.full_like(x, y), np.full_like(x, 13.9))
+
+
+def test_pose_and_projection_are_inverse():
+    angles = np.linspace(0.0, math.pi / 2, 60)
+    stage = Stage(30 * np.sin(angles), 30 - 30 * np.cos(angles), np.full(60, 10.0))
+    for position in np.linspace(0.5, stage.length - 0.5, 17):
+        x, y, _ = stage.pose(position)
+        found, offset = stage.project(x, y, position)
+        assert found == pytest.approx(position, abs=1e-6)
+        assert offset == pytest.approx(0.0, abs=1e-6)
+
+
+def test_offset_is_positive_to_the_left():
+    assert straight().project(50.0, 2.0, 50.0) == (50.0, 2.0)
+    assert straight().project(50.0, -2.0, 50.0) == (50.0, -2.0)
+
+
+def test_the_line_goes_straight_on_beyond_its_ends():
+    assert straight().pose(120.0) == (120.0, 0.0, 0.0)
+    assert straight().pose(-10.0) == (-10.0, 0.0, 0.0)
+
+
+def test_locate_finds_the_nearest_stage():
+    route = Route("t", 4.7, 1.85, 90.0, 60.0, (straight(0.0), straight(3.2)), (), ())
+    assert route.locate(42.0, 3.0)[0] == 1
+    assert route.locate(42.0, 0.4)[:2] == (0, 42.0)

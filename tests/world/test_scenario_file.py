@@ -1,0 +1,102 @@
+"""Scenarios on disk: what is written reads back, and every fault is one line that names file, field and mend."""
+
+import json
+
+import pytest
+import yaml
+
+from roadmend.core.errors import InputError
+from roadmend.world.families import FAMILIES, sample_scenario
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_file import dump_scenario, load_scenario, save_scenario, scenario_schema
+
+
+@pytest.fixture
+def content():
+    return yaml.safe_load(dump_scenario(sample_scenario("S3", 7)))
+
+
+def fault_of(path, content):
+    path.write_text(content if isinstance(content, str) else yaml.safe_dump(content))
+    with pytest.raises(InputError) as caught:
+        load_scenario(path)
+    text = str(caught.value)
+    assert str(path) in text
+    assert "\n" not in text
+    return text
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_saved_scenario_reads_back_equal(family, tmp_path):
+    scenario = sample_scenario(family, 3)
+    save_scenario(scenario, tmp_path / "s.yaml")
+    assert load_scenario(tmp_path / "s.yaml") == scenario
+    assert load_scenario(tmp_path / "s.yaml").digest == scenario.digest
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_sampling_depends_on_family_and_seed_only(family):
+    assert sample_scenario(family, 5) == sample_scenario(family, 5)
+    assert sample_scenario(family, 5).digest != sample_scenario(family, 6).digest
+
+
+def test_an_unknown_family_names_the_known_ones():
+    with pytest.raises(InputError, match="S1, S2, S3, S4, S5"):
+        sample_scenario("S9", 1)
+
+
+def test_a_missing_file(tmp_path):
+    with pytest.raises(InputError, match="no such file"):
+        load_scenario(tmp_path / "none.yaml")
+
+
+def test_broken_yaml_names_the_line(tmp_path):
+    assert "line 3" in fault_of(tmp_path / "s.yaml", "name: x\nego: [1, 2\nactors: }")
+
+
+def test_an_empty_file(tmp_path):
+    assert "holds no fields" in fault_of(tmp_path / "s.yaml", "")
+
+
+def test_binary_content(tmp_path):
+    path = tmp_path / "s.yaml"
+    path.write_bytes(b"\xff\xfe\x00\x01")
+    with pytest.raises(InputError, match="cannot be read"):
+        load_scenario(path)
+
+
+def test_an_unknown_field_is_named(tmp_path, content):
+    content["weather_today"] = "fine"
+    assert "field weather_today is unknown" in fault_of(tmp_path / "s.yaml", content)
+
+
+def test_a_seed_that_is_text_is_refused(tmp_path, content):
+    content["seed"] = "seven"
+    assert 'field seed' in (text := fault_of(tmp_path / "s.yaml", content)) and '"seven"' in text
+
+
+def test_two_actors_of_one_name(tmp_path, content):
+    content["actors"].append(content["actors"][0])
+    assert "used twice" in fault_of(tmp_path / "s.yaml", content)
+
+
+def test_a_nested_field_is_named_with_its_place(tmp_path, content):
+    content["actors"][1]["depart"] = -1
+    assert "actors[1].vehicle.depart" in fault_of(tmp_path / "s.yaml", content)
+
+
+def test_not_a_number_is_no_number(tmp_path, content):
+    content["time_limit"] = float("nan")
+    assert "time_limit" in fault_of(tmp_path / "s.yaml", content)
+
+
+def test_nothing_half_written_where_the_folder_cannot_be_made(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be written"):
+        save_scenario(sample_scenario("S1", 1), tmp_path / "file" / "s.yaml")
+
+
+def test_the_schema_is_one(content):
+    schema = json.loads(json.dumps(scenario_schema()))
+    assert set(Scenario.model_fields) <= set(schema["properties"])
+    assert schema["additionalProperties"] is False
