@@ -1,0 +1,204 @@
+"""The recorder as a process of its own, recording another process."""
+
+import contextlib
+import json
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from mcap.exceptions import EndOfFile
+from mcap.records import Channel, Message
+from mcap.stream_reader import StreamReader
+from rosbags.highlevel import AnyReader
+
+from roadmend.recording.reader import BagReader
+
+pytestmark = pytest.mark.graph
+
+COUNT = 2000
+TICK_NS = 50_000_000
+STREAMS = ["/clock", "/ego", "/objects", "/policy/command", "/text", "/image"]
+
+
+@pytest.fixture
+def start(domain, tmp_path):
+    """Starts a Python process; what still runs after the test is killed."""
+    running = []
+
+    def run(*arguments, **options):
+        process = subprocess.Popen(
+            [sys.executable, *map(str, arguments)],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path, **options,
+        )  # fmt: skip
+        running.append(process)
+        return process
+
+    yield run
+    for process in running:
+        if process.poll() is None:
+            process.kill()
+            process.wait()
+        for stream in (process.stdin, process.stdout, process.stderr):
+            stream.close()
+
+
+@pytest.fixture
+def record(start, tmp_path):
+    """Starts a recorder that writes tmp_path/bag."""
+
+    def run(options=None, **parameters):
+        values = {"output": tmp_path, "name": "bag", **parameters}
+        pairs = [word for name, value in values.items() for word in ("-p", f"{name}:={value}")]
+        return start("-m", "roadmend.nodes.recorder", "--ros-args", *pairs, **(options or {}))
+
+    return run
+
+
+@pytest.fixture
+def publish(start):
+    return lambda *arguments: start(Path(__file__).with_name("publish.py"), *arguments)
+
+
+def stop(process, number=signal.SIGINT):
+    process.send_signal(number)
+    _, errors = process.communicate(timeout=20)
+    return process.returncode, errors
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_nothing_is_missing_at_full_speed(record, publish, tmp_path, number):
+    (tmp_path / "scenario.yaml").write_text("name: merge\n")
+    (tmp_path / "metadata.json").write_text(json.dumps({"seed": 7, "method": "rss"}))
+    recorder = record(metadata=tmp_path / "metadata.json", attachments=f"[{tmp_path / 'scenario.yaml'}]")
+    publisher = publish(COUNT, 0)
+    assert publisher.stdout.readline() == "connected\n"
+    assert publisher.stdout.readline() == "published\n"
+    assert stop(recorder, number)[0] == 0
+
+    bag = BagReader(tmp_path / "bag")
+    counts = {topic: bag.topics[topic].count for topic in [*STREAMS, "/route", "/events", "/wall"]}
+    assert counts == dict.fromkeys(STREAMS, COUNT) | {"/route": 1, "/events": 2, "/wall": 1}
+    assert "/diagnostics" in bag.topics
+    assert "/parameter_events" not in bag.topics
+    for topic in ("/clock", "/ego", "/objects", "/policy/command"):
+        assert [record.time_ns for record in bag.records([topic])] == [tick * TICK_NS for tick in range(COUNT)]
+    texts = [message.value.data.split()[0] for message in bag.messages(["/text"])]
+    assert sorted(texts, key=int) == [str(tick) for tick in range(COUNT)]
+    ticks = [int.from_bytes(bytes(message.value.data[:4]), "little") for message in bag.messages(["/image"])]
+    assert sorted(ticks) == list(range(COUNT))
+    assert [len(message.value.id) for message in bag.messages(["/objects"])] == [tick % 50 for tick in range(COUNT)]
+    (wall,) = bag.records(["/wall"])
+    assert wall.time_ns <= COUNT * TICK_NS  # its own stamp is of the wall clock
+    account = bag.metadata["roadmend"]
+    assert account == {
+        "seed": "7", "method": "rss", "messages": f"{bag.count}", "lost_messages": "0", "outcome": "COLLISION",
+        "outcome_text": "hit bus_1", "outcome_time": f"{COUNT * TICK_NS / 1e9:g}",
+    }  # fmt: skip
+    assert bag.attachments["scenario.yaml"].data == b"name: merge\n"
+    assert [offer.durability for offer in bag.topics["/route"].offers] == ["transient_local"]
+    with AnyReader([tmp_path / "bag"]) as reader:
+        assert sum(1 for _ in reader.messages()) == bag.count
+
+
+def test_diagnostics_tell_how_it_goes(record, publish, tmp_path):
+    recorder = record(exclude="^/image$")
+    publish(10, 0)  # waits for ever, but its topics are there
+    time.sleep(4)
+    assert stop(recorder)[0] == 0
+    bag = BagReader(tmp_path / "bag")
+    assert "/image" not in bag.topics
+    (status,) = list(bag.messages(["/diagnostics"]))[-1].value.status
+    values = {pair.key: pair.value for pair in status.values}
+    assert status.name == "recorder_node: bag"
+    assert status.level == 0
+    assert values["messages lost"] == "0"
+    assert int(values["messages"]) > 0
+    assert values["bag"] == str(tmp_path / "bag")
+    assert bag.metadata["roadmend"]["outcome"] == "UNFINISHED"
+
+
+def test_sigkill_loses_less_than_a_second(record, publish, tmp_path):
+    recorder = record()
+    publisher = publish(5000, 0.002)
+    assert publisher.stdout.readline() == "connected\n"
+    time.sleep(2.5)
+    killed = time.time_ns()
+    recorder.kill()
+    recorder.wait()
+    times, topics = [], {}
+    with (tmp_path / "bag" / "bag_0.mcap").open("rb") as stream, contextlib.suppress(EndOfFile):
+        for one in StreamReader(stream).records:
+            if isinstance(one, Channel):
+                topics[one.id] = one.topic
+            if isinstance(one, Message) and topics[one.channel_id] == "/text":
+                times.append(int(one.data[8:].rstrip(b"\0").split()[1]))
+    assert len(times) > 100
+    assert killed - max(times) < 1e9
+    assert not (tmp_path / "bag" / "metadata.yaml").exists()
+
+
+def test_a_later_publisher_that_offers_less_is_recorded_too(record, publish, tmp_path):
+    recorder = record(include="^/(text|clock|ego|objects|image|wall|events|route|policy/command)$")
+    publisher = publish(10, 0, "late")
+    assert [publisher.stdout.readline() for _ in range(3)] == ["connected\n", "published\n", "late\n"]
+    assert stop(recorder)[0] == 0
+    bag = BagReader(tmp_path / "bag")
+    texts = [message.value.data for message in bag.messages(["/text"])]
+    assert len(texts) == 11
+    assert texts[-1] == "late"
+
+
+def test_a_recorder_with_nothing_to_record_leaves_an_empty_bag(record, tmp_path):
+    recorder = record(include="^/nothing$")
+    while not (tmp_path / "bag").exists():
+        assert recorder.poll() is None
+        time.sleep(0.05)
+    time.sleep(0.5)
+    assert stop(recorder)[0] == 0
+    assert BagReader(tmp_path / "bag").count == 0
+
+
+@pytest.mark.parametrize(
+    ("parameters", "line"),
+    [
+        ({"include": "'['"}, "roadmend: include: '[' is not a regular expression"),
+        ({"exclude": "'('"}, "roadmend: exclude: '(' is not a regular expression"),
+        ({"compression": "gzip"}, "roadmend: compression: 'gzip' is unknown; choose one of zstd, lz4, none"),
+        ({"time_source": "gps"}, "roadmend: time_source: 'gps' is unknown; choose one of simulation, system"),
+        ({"metadata": "absent.json"}, "roadmend: absent.json: cannot be read (No such file or directory)"),
+        ({"attachments": "[absent.yaml]"}, "roadmend: absent.yaml: cannot be read (No such file or directory)"),
+        ({"output": "/dev/null"}, "roadmend: /dev/null/bag: cannot be written (Not a directory)"),
+        ({"chunk_size": "5"}, "chunk_size"),
+        ({"flush_interval": "-1.0"}, "flush_interval"),
+    ],
+)
+def test_bad_parameters_end_with_one_line_and_code_2(record, parameters, line):
+    recorder = record(**parameters)
+    _, errors = recorder.communicate(timeout=30)
+    assert recorder.returncode == 2
+    (last,) = errors.splitlines()[-1:]
+    assert line in last
+
+
+def test_a_full_disk_ends_the_recorder_with_one_line_and_code_1(record, publish, tmp_path):
+    limit = 2_000_000  # [bytes] that one file may have
+    limited = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))}
+    recorder = record(limited, compression="none")
+    publisher = publish(COUNT, 0)
+    assert publisher.stdout.readline() == "connected\n"
+    _, errors = recorder.communicate(timeout=30)
+    assert recorder.returncode == 1
+    assert errors.splitlines()[-1] == f"roadmend: {tmp_path}/bag/bag_0.mcap: cannot be written (File too large)"
+    assert not (tmp_path / "bag" / "metadata.yaml").exists()
+
+
+def test_an_existing_bag_is_not_overwritten(record, tmp_path):
+    (tmp_path / "bag").mkdir()
+    recorder = record()
+    _, errors = recorder.communicate(timeout=30)
+    assert recorder.returncode == 2
+    assert "bag: exists already; choose another name or remove it" in errors
