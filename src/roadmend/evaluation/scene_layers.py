@@ -128,12 +128,12 @@ def draw_trail(canvas: Canvas, trail: Trail) -> None:
     if len(points) < 2:
         return
     segments = np.stack((points[:-1], points[1:]), axis=1)
-    age = np.linspace(0.25, 1.0, len(segments))
-    colours = np.empty((len(segments), 4))
-    colours[:, :3] = np.where(trail.intervened[1:, None], to_rgb(REPAIRED_COLOUR), to_rgb(TRAIL_COLOUR))
-    colours[:, 3] = age
+    age = np.linspace(0.3, 1.0, len(segments))[:, None]
+    driver = np.where(trail.intervened[1:, None], to_rgb(REPAIRED_COLOUR), to_rgb(TRAIL_COLOUR))
+    # Mixed with the ground instead of transparent: overlapping ends would show as dots.
+    colours = age * driver + (1.0 - age) * np.array(to_rgb(ASPHALT))
     canvas.axes.add_collection(
-        LineCollection(list(segments), colors=colours, linewidths=2.2, zorder=3.0, capstyle="butt"), autolim=False
+        LineCollection(list(segments), colors=colours, linewidths=2.2, zorder=3.0, capstyle="round"), autolim=False
     )
 
 

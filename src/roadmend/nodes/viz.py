@@ -81,9 +81,9 @@ class VizNode(Node):
 
     def __init__(self) -> None:
         super().__init__("viz_node")
-        self._parameters = self._declare()
+        self._settings = self._declare()
         self._memory = TickMemory(tuple(_TICK_TOPICS))
-        self._cadence = Cadence(self._parameters.rate, self._parameters.load)
+        self._cadence = Cadence(self._settings.rate, self._settings.load)
         self._route: Route | None = None
         self._map: bytes | None = None
         self._map_is_due = False
@@ -125,8 +125,8 @@ class VizNode(Node):
     def _on_parameters(self, changed: list[Parameter]) -> None:
         names = {entry.name for entry in fields(VizParameters)}
         if any(parameter.name in names for parameter in changed):
-            self._parameters = VizParameters(**{name: self.get_parameter(name).value for name in names})
-            self._cadence.set(self._parameters.rate, self._parameters.load)
+            self._settings = VizParameters(**{name: self.get_parameter(name).value for name in names})
+            self._cadence.set(self._settings.rate, self._settings.load)
 
     def _on_bytes(self, topic: str, data: bytes) -> None:
         before = self._memory.newest(qos.EGO)
@@ -144,13 +144,17 @@ class VizNode(Node):
             self._draw(stamp)
 
     def _is_complete(self, stamp: int) -> bool:
-        """Whether every topic that is alive has sent its message of this tick."""
-        if self._memory.at(qos.EGO, stamp) is None or self._memory.at(qos.OBJECTS, stamp) is None:
-            return False
-        newest = self._memory.newest(qos.REPAIR_STATE)
-        if newest is None:
-            return False  # perhaps it is about to come; the next tick will tell
-        return newest < stamp - PATIENCE_S * NANOSECONDS or self._memory.at(qos.REPAIR_STATE, stamp) is not None
+        """Whether every topic that is alive has sent its message of this tick.
+
+        A topic that has never sent may be about to: such a tick is drawn when the next one begins.
+        """
+        for topic in _TICK_TOPICS:
+            newest = self._memory.newest(topic)
+            if newest is None:
+                return False
+            if newest > stamp - PATIENCE_S * NANOSECONDS and self._memory.at(topic, stamp) is None:
+                return False
+        return self._memory.at(qos.EGO, stamp) is not None
 
     def _on_route(self, message: msg.Route) -> None:
         try:
@@ -202,7 +206,7 @@ class VizNode(Node):
         state = self._decoded(qos.REPAIR_STATE, stamp)
         objects, signals = self._objects_at(stamp)
         triggers = frozenset() if state is None else frozenset(state.trigger_id)
-        things = object_markers(objects, ego, header, triggers=triggers, text_radius=self._parameters.text_radius)
+        things = object_markers(objects, ego, header, triggers=triggers, text_radius=self._settings.text_radius)
         if self._route is not None:
             things.markers.extend(signal_markers(self._route, signals, header))
         raw = self._decoded(qos.POLICY_TRAJECTORY, stamp)

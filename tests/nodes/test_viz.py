@@ -1,0 +1,230 @@
+"""viz_node between a pretended graph and a pretended display, in one process."""
+
+import os
+import time
+from array import array
+
+import numpy as np
+import pytest
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from nav_msgs.msg import Odometry, Path
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from roadmend_msgs import msg
+from std_msgs.msg import Float64
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import Marker, MarkerArray
+
+from roadmend.core.command import Trajectory
+from roadmend.core.outcome import Event, EventKind
+from roadmend.core.repair import RepairStatus
+from roadmend.core.route import Route, Stage
+from roadmend.core.scene import EgoState, ObjectKind, ObjectList
+from roadmend.nodes import qos, viz
+from roadmend.nodes.convert import (
+    event_message_of,
+    header_of,
+    object_message_of,
+    odometry_of,
+    route_message_of,
+    trajectory_message_of,
+)
+
+LIMIT_S = 10.0  # [s] for anything to arrive
+OUTPUTS = {
+    viz.MARKERS_OBJECTS: (MarkerArray, qos.STREAM),
+    viz.MARKERS_EGO: (MarkerArray, qos.STREAM),
+    viz.MARKERS_PLAN: (MarkerArray, qos.STREAM),
+    viz.MARKERS_MAP: (MarkerArray, qos.LATCHED),
+    viz.PLAN: (Path, qos.STREAM),
+    viz.DISTANCE: (Float64, qos.STREAM),
+    viz.TF: (TFMessage, qos.STREAM),
+    qos.DIAGNOSTICS: (DiagnosticArray, qos.DIAGNOSTIC),
+}
+
+
+class Theatre:
+    """Publishes what the graph would and keeps what comes back."""
+
+    def __init__(self) -> None:
+        self.node, self.viz = Node("pretended"), viz.VizNode()
+        self.got = {topic: [] for topic in OUTPUTS}
+        for topic, (kind, quality) in OUTPUTS.items():
+            self.node.create_subscription(kind, topic, self.got[topic].append, quality)
+        make = self.node.create_publisher
+        self.to = {
+            qos.EGO: make(Odometry, qos.EGO, qos.STREAM),
+            qos.OBJECTS: make(msg.ObjectList, qos.OBJECTS, qos.STREAM),
+            qos.POLICY_TRAJECTORY: make(msg.Trajectory, qos.POLICY_TRAJECTORY, qos.STREAM),
+            qos.REPAIR_STATE: make(msg.RepairState, qos.REPAIR_STATE, qos.STREAM),
+            qos.ROUTE: make(msg.Route, qos.ROUTE, qos.LATCHED),
+            qos.MAP: make(msg.Map, qos.MAP, qos.LATCHED),
+            qos.EVENTS: make(msg.ScenarioEvent, qos.EVENTS, qos.EVENT),
+        }
+        self.executor = EventsExecutor()
+        for node in (self.node, self.viz):
+            self.executor.add_node(node)
+        self.until(lambda: all(publisher.get_subscription_count() for publisher in self.to.values()))
+        names = [self.viz.resolve_topic_name(topic) for topic in OUTPUTS]
+        self.until(lambda: all(self.viz.count_subscribers(name) for name in names))
+
+    def until(self, done) -> None:
+        limit = time.monotonic() + LIMIT_S
+        while not done():
+            assert time.monotonic() < limit, "nothing came"
+            self.executor.spin_once(timeout_sec=0.02)
+
+    def settle(self, duration: float = 0.3) -> None:
+        end = time.monotonic() + duration
+        while time.monotonic() < end:
+            self.executor.spin_once(timeout_sec=0.02)
+
+    def tick(self, number: int, *, state: bool = True, objects: bool = True) -> None:
+        header = header_of(0.05 * number)
+        ego = EgoState.from_yaw(float(number), 0.0, 0.0, 5.0, 0.0, 4.0, 2.0)
+        self.to[qos.EGO].publish(odometry_of(ego, header))
+        if objects:
+            one, zero = np.ones(1), np.zeros(1)
+            cars = ObjectList(
+                np.array([7], dtype=np.uint32), np.array([ObjectKind.CAR], dtype=np.uint8),
+                np.array([number + 14.0]), zero, zero, one, zero, zero, 4.0 * one, 2.0 * one,
+            )  # fmt: skip
+            self.to[qos.OBJECTS].publish(object_message_of(cars, np.empty(0, dtype=np.uint8), header))
+        points = np.array([1.0, 2.0])
+        plan = Trajectory(0.5, points, 0.0 * points, 0.0 * points, points)
+        self.to[qos.POLICY_TRAJECTORY].publish(trajectory_message_of(plan, header))
+        if state:
+            self.to[qos.REPAIR_STATE].publish(
+                msg.RepairState(header=header, state=int(RepairStatus.REPAIRED), trigger_id=array("I", [7]))
+            )
+        self.settle(0.01)
+
+    def drawn(self, topic: str = viz.MARKERS_EGO) -> list[float]:
+        stamps = [message.markers[0].header.stamp for message in self.got[topic]]
+        return [stamp.sec + stamp.nanosec * 1e-9 for stamp in stamps]
+
+
+@pytest.fixture
+def stage(monkeypatch, tmp_path):
+    monkeypatch.setenv("ROS_LOG_DIR", str(tmp_path))
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+    # Domains are few: a namespace keeps other graphs on this machine out where two tests draw the same one.
+    rules = [f"__ns:=/test_{os.getpid()}", "/tf:=tf", "/diagnostics:=diagnostics"]
+    args = ["viz", "--ros-args", "-p", "load:=1.0", *(word for rule in rules for word in ("-r", rule))]
+    rclpy.init(domain_id=1 + (os.getpid() * 11 + worker) % 100, args=args)
+    try:
+        built = Theatre()
+        yield built
+        for node in (built.node, built.viz):
+            built.executor.remove_node(node)
+            node.destroy_node()
+        built.executor.shutdown()
+    finally:
+        rclpy.try_shutdown()
+
+
+def test_draws_at_its_rate_and_pairs_by_stamp(stage):
+    for number in range(9):
+        stage.tick(number)
+    stage.until(lambda: len(stage.drawn()) >= 5)
+    stage.settle()
+    for topic in (viz.MARKERS_EGO, viz.MARKERS_OBJECTS, viz.MARKERS_PLAN):
+        assert stage.drawn(topic) == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
+    transform = stage.got[viz.TF][2].transforms[0]
+    assert (transform.header.frame_id, transform.child_frame_id) == ("map", "base_link")
+    assert (transform.header.stamp.nanosec, transform.transform.translation.x) == (200_000_000, 4.0)
+    assert stage.got[viz.DISTANCE][0].data == pytest.approx(14.0 - 2.0 - 2.4)  # half the car, half the default ego
+    assert len(stage.got[viz.PLAN][0].poses) == 2
+    assert [marker.id for marker in stage.got[viz.MARKERS_OBJECTS][0].markers if marker.ns == "triggers"] == [7]
+
+
+def test_last_tick_is_drawn_when_the_final_event_comes(stage):
+    for number in range(4):
+        stage.tick(number)
+    stage.tick(5, state=False)
+    stage.to[qos.EVENTS].publish(event_message_of(Event(0.25, EventKind.COLLISION, "bang")))
+    stage.until(lambda: stage.drawn()[-1:] == [pytest.approx(0.25)])
+    assert any(marker.ns == "objects" for marker in stage.got[viz.MARKERS_OBJECTS][-1].markers)
+
+
+def test_without_repair_node_each_tick_is_drawn_when_the_next_begins(stage):
+    for number in range(4):
+        stage.tick(number, state=False)
+    stage.until(lambda: len(stage.drawn()) >= 2)
+    assert stage.drawn() == pytest.approx([0.0, 0.1])
+
+
+def test_a_tick_without_objects_is_drawn_without_them(stage):
+    stage.tick(0)
+    stage.tick(2, objects=False)
+    stage.tick(3)
+    stage.until(lambda: len(stage.drawn(viz.MARKERS_OBJECTS)) >= 2)
+    assert stage.drawn(viz.MARKERS_OBJECTS)[1] == pytest.approx(0.1)
+    assert [marker.action for marker in stage.got[viz.MARKERS_OBJECTS][1].markers] == [Marker.DELETEALL]
+
+
+def test_a_new_episode_is_drawn_from_its_first_tick(stage):
+    for number in range(10, 13):
+        stage.tick(number)
+    stage.tick(0)
+    stage.until(lambda: stage.drawn()[-1:] == [0.0])
+    assert stage.drawn() == pytest.approx([0.5, 0.6, 0.0])
+
+
+def test_map_is_drawn_once_and_again_when_it_changes(stage):
+    x, limit = np.array([0.0, 50.0]), np.full(2, 13.9)
+    route = Route("straight on", 4.0, 2.0, 40.0, 60.0, (Stage(x, np.zeros(2), limit),), (), ())
+    lanes = msg.Map(header=header_of(0.0), lane_begin=array("I", [0]), lane_kind=array("B", [0]),
+                    lane_width=array("f", [3.2]), x=array("d", [0.0, 50.0]), y=array("d", [0.0, 0.0]))  # fmt: skip
+    stage.to[qos.ROUTE].publish(route_message_of(route, header_of(0.0)))
+    stage.to[qos.MAP].publish(lanes)
+    stage.settle(0.1)
+    for number in range(4):
+        stage.tick(number)
+    stage.until(lambda: stage.got[viz.MARKERS_MAP])
+    assert len(stage.got[viz.MARKERS_MAP]) == 1
+    names = {marker.ns for marker in stage.got[viz.MARKERS_MAP][0].markers}
+    assert {"road", "edges", "route", "goal"} <= names
+    stage.to[qos.MAP].publish(lanes)
+    stage.until(lambda: len(stage.got[viz.MARKERS_MAP]) == 2)  # without a tick: the timer draws it
+
+
+def test_faults_in_the_input_are_reported_and_survived(stage):
+    stage.to[qos.MAP].publish(msg.Map(lane_begin=array("I", [0])))
+    header = header_of(0.0)
+    stage.to[qos.OBJECTS].publish(msg.ObjectList(header=header, id=array("I", [1, 2])))
+    stage.to[qos.EGO].publish(odometry_of(EgoState.from_yaw(0.0, 0.0, 0.0, 5.0, 0.0, 4.0, 2.0), header))
+    stage.to[qos.POLICY_TRAJECTORY].publish(msg.Trajectory(header=header))
+    stage.to[qos.REPAIR_STATE].publish(msg.RepairState(header=header))
+    stage.until(lambda: stage.drawn() == [0.0])
+    stage.until(lambda: any(b"\x01" in report.status[0].level for report in stage.got[qos.DIAGNOSTICS]))
+    warning = next(report for report in stage.got[qos.DIAGNOSTICS] if report.status[0].level == b"\x01")
+    assert "differ in length" in warning.status[0].message
+
+
+def test_an_ego_that_is_not_finite_draws_nothing(stage):
+    stage.tick(0)
+    lost = EgoState.from_yaw(float("nan"), 0.0, 0.0, 5.0, 0.0, 4.0, 2.0)
+    stage.to[qos.EGO].publish(odometry_of(lost, header_of(0.1)))
+    stage.tick(3)
+    stage.tick(4)
+    stage.until(lambda: len(stage.drawn()) >= 2)
+    assert stage.drawn() == pytest.approx([0.0, 0.2])
+
+
+def test_parameters_change_at_run_time_and_refuse_nonsense(stage):
+    def refused(name: str, value: float) -> bool:
+        return not stage.viz.set_parameters([Parameter(name, value=value)])[0].successful
+
+    assert refused("rate", 0.0)
+    assert refused("rate", float("nan"))
+    assert refused("load", 2.0)
+    assert refused("text_radius", -1.0)
+    assert not refused("rate", 20.0)
+    for number in range(3):
+        stage.tick(number)
+    stage.until(lambda: len(stage.drawn()) == 3)
+    assert stage.drawn() == pytest.approx([0.0, 0.05, 0.1])
