@@ -44,6 +44,8 @@ def test_far_outlines_get_a_lower_bound_of_their_distance():
     assert 10.0 <= bound <= exact
 
 
-@pytest.mark.parametrize(("given", "wrapped"), [(0.0, 0.0), (math.pi, math.pi), (-math.pi, math.pi), (3.5, 3.5 - 2 * math.pi)])
+@pytest.mark.parametrize(
+    ("given", "wrapped"), [(0.0, 0.0), (math.pi, math.pi), (-math.pi, math.pi), (3.5, 3.5 - 2 * math.pi)]
+)
 def test_wrap_angle(given, wrapped):
     assert wrap_angle(given) == pytest.approx(wrapped)

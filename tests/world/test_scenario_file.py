@@ -72,7 +72,9 @@ def test_an_unknown_field_is_named(tmp_path, content):
 
 def test_a_seed_that_is_text_is_refused(tmp_path, content):
     content["seed"] = "seven"
-    assert 'field seed' in (text := fault_of(tmp_path / "s.yaml", content)) and '"seven"' in text
+    text = fault_of(tmp_path / "s.yaml", content)
+    assert "field seed" in text
+    assert '"seven"' in text
 
 
 def test_two_actors_of_one_name(tmp_path, content):

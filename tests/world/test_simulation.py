@@ -67,7 +67,9 @@ def test_a_run_repeated_gives_the_same_digest_and_another_command_another(family
 
 
 def test_standing_still_ends_at_the_time_limit():
-    scenario = change(without_traffic("S3"), time_limit=1.0, ego=sample_scenario("S3", 0).ego.model_copy(update={"speed": 0.0}))
+    scenario = change(
+        without_traffic("S3"), time_limit=1.0, ego=sample_scenario("S3", 0).ego.model_copy(update={"speed": 0.0})
+    )
     with Simulation(scenario) as simulation:
         tick = simulation.first()
         while tick.final is None:
@@ -200,7 +202,9 @@ def test_an_impossible_actor_is_named():
 
 
 def test_a_pedestrian_needs_a_sidewalk():
-    scenario = next(s for n in range(50) for s in [sample_scenario("S1", n)] if any(a.type == "pedestrian" for a in s.actors))
+    scenario = next(
+        s for n in range(50) for s in [sample_scenario("S1", n)] if any(a.type == "pedestrian" for a in s.actors)
+    )
     bare = scenario.network.model_copy(update={"crossings": False})
     with pytest.raises(InputError, match="no sidewalk"):
         Simulation(change(scenario, network=bare))
@@ -208,7 +212,9 @@ def test_a_pedestrian_needs_a_sidewalk():
 
 def test_a_network_without_lanes_for_cars(tmp_path):
     path = tmp_path / "empty.net.xml"
-    path.write_text('<net version="1.20"><edge id="a"><lane id="a_0" index="0" allow="pedestrian" speed="1" length="9" shape="0,0 9,0"/></edge></net>')
+    path.write_text(
+        '<net version="1.20"><edge id="a"><lane id="a_0" index="0" allow="pedestrian" speed="1" length="9" shape="0,0 9,0"/></edge></net>'
+    )
     with pytest.raises(InputError, match="no lane for cars"):
         Simulation(change(without_traffic("S3"), network=NetworkFile(path=str(path))))
 

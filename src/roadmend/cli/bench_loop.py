@@ -52,7 +52,9 @@ class Ratio:
 
 
 @click.command()
-@click.option("--scenarios", default=4, show_default=True, type=click.IntRange(1, 100), help="Scenarios of each family.")
+@click.option(
+    "--scenarios", default=4, show_default=True, type=click.IntRange(1, 100), help="Scenarios of each family."
+)
 @click.option("--repeats", default=3, show_default=True, type=click.IntRange(1, 50), help="Pairs of graph and ring.")
 @click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Folder for loop.json and loop.md.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
@@ -175,10 +177,26 @@ def _rows(in_process: dict[str, Any], graph: dict[str, Any]) -> list[list[str]]:
     rows = [["what", "median", "spread", "per tick"]]
     for name, family in in_process["families"].items():
         cost = f"{family['microseconds_per_tick']:.0f} us, SUMO {family['bare_microseconds_per_tick']:.0f} us"
-        rows.append([f"{name} in process / bare SUMO", f"{family['ratio']['median']:.2f} x", spread(family["ratio"]), cost])
-    rows.append(["all in process / bare SUMO", f"{in_process['ratio']['median']:.2f} x", spread(in_process["ratio"]), ""])
-    rows.append(["lockstep graph / bare ring", f"{graph['ratio_to_ring']['median']:.2f} x", spread(graph["ratio_to_ring"]), ""])
-    for key, name in (("real_time_factor", "graph"), ("real_time_factor_recorded_with_viz", "graph with recorder and viz")):
+        rows.append(
+            [f"{name} in process / bare SUMO", f"{family['ratio']['median']:.2f} x", spread(family["ratio"]), cost]
+        )
+    rows.append(
+        ["all in process / bare SUMO", f"{in_process['ratio']['median']:.2f} x", spread(in_process["ratio"]), ""]
+    )
+    rows.append(
+        ["lockstep graph / bare ring", f"{graph['ratio_to_ring']['median']:.2f} x", spread(graph["ratio_to_ring"]), ""]
+    )
+    for key, name in (
+        ("real_time_factor", "graph"),
+        ("real_time_factor_recorded_with_viz", "graph with recorder and viz"),
+    ):
         factor = graph[key]
-        rows.append([f"{name}, real-time factor", f"{factor['median']:.1f} x", spread(factor), f"{1e3 * INTERVAL / factor['median']:.2f} ms"])
+        rows.append(
+            [
+                f"{name}, real-time factor",
+                f"{factor['median']:.1f} x",
+                spread(factor),
+                f"{1e3 * INTERVAL / factor['median']:.2f} ms",
+            ]
+        )
     return rows

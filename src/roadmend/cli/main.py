@@ -8,36 +8,36 @@ import click
 from roadmend import __version__
 from roadmend.core.errors import InputError, RoadmendError
 
+_COMMANDS = {
+    "run": ("roadmend.cli.run", "run", "Run one episode in the graph: SUMO, policy, repair and recorder."),
+    "demo": ("roadmend.cli.demo", "demo", "See a collision repaired: the main job, end to end."),
+    "sample": ("roadmend.cli.scenario", "sample", "Draw a scenario of one of the five families."),
+    "schema": ("roadmend.cli.scenario", "schema", "Print the JSON schema of a scenario file."),
+    "bench": ("roadmend.cli.bench", "bench", "Measure, in ratios."),
+    "picture": ("roadmend.cli.picture", "picture", "Draw the scene at one moment of a bag."),
+}
+
 
 class LazyGroup(click.Group):
     """Loads a command's module only when it is called: 'roadmend --help' must not wait for SUMO."""
 
-    commands_by_name = {
-        "run": ("roadmend.cli.run", "run", "Run one episode in the graph: SUMO, policy, repair and recorder."),
-        "demo": ("roadmend.cli.demo", "demo", "See a collision repaired: the main job, end to end."),
-        "sample": ("roadmend.cli.scenario", "sample", "Draw a scenario of one of the five families."),
-        "schema": ("roadmend.cli.scenario", "schema", "Print the JSON schema of a scenario file."),
-        "bench": ("roadmend.cli.bench", "bench", "Measure, in ratios."),
-        "picture": ("roadmend.cli.picture", "picture", "Draw the scene at one moment of a bag."),
-    }
-
-    def list_commands(self, ctx: click.Context) -> list[str]:
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click calls it so
         """Names in the order of the table."""
-        return [*self.commands_by_name]
+        return [*_COMMANDS]
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
         """Load one command."""
-        if cmd_name not in self.commands_by_name:
+        if cmd_name not in _COMMANDS:
             return None
-        module_name, name, _ = self.commands_by_name[cmd_name]
+        module_name, name, _ = _COMMANDS[cmd_name]
         module = __import__(module_name, fromlist=[name])
         command: click.Command = getattr(module, name)
         return command
 
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
         """The list of commands, without loading them."""
         with formatter.section("Commands"):
-            rows = [(name, text) for name, (_, _, text) in self.commands_by_name.items()]
+            rows = [(name, text) for name, (_, _, text) in _COMMANDS.items()]
             formatter.write_dl([*rows, ("test", "Check the project itself: import rules, lint, types, tests.")])
 
 

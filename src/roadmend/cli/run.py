@@ -10,7 +10,7 @@ from rich.console import Console
 
 from roadmend.cli.table import show_results
 from roadmend.core.errors import InputError
-from roadmend.nodes.launcher import GraphOptions, Interrupted, RunResult, run_graph
+from roadmend.nodes.launcher import GraphOptions, InterruptedRunError, RunResult, run_graph
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.registry import METHODS
 from roadmend.world.scenario import Ego, Scenario, SumoConfiguration
@@ -19,16 +19,47 @@ from roadmend.world.scenario_file import load_scenario, save_scenario
 
 @click.command(context_settings={"ignore_unknown_options": True})
 @click.option("--scenario", type=click.Path(path_type=Path), help="Scenario file (see 'roadmend sample').")
-@click.option("--sumocfg", type=click.Path(path_type=Path), help="A SUMO configuration of your own; an ego joins its traffic.")
-@click.option("--ego-route", help="With --sumocfg: edges of the ego's route, separated by spaces; one of the traffic's if not given.")
-@click.option("--warm-up", default=600.0, show_default=True, type=click.FloatRange(0.0), help="With --sumocfg: seconds of traffic before the ego enters.")
-@click.option("--time-limit", default=60.0, show_default=True, type=click.FloatRange(0.1), help="With --sumocfg: seconds to drive.")
+@click.option(
+    "--sumocfg", type=click.Path(path_type=Path), help="A SUMO configuration of your own; an ego joins its traffic."
+)
+@click.option(
+    "--ego-route",
+    help="With --sumocfg: edges of the ego's route, separated by spaces; one of the traffic's if not given.",
+)
+@click.option(
+    "--warm-up",
+    default=600.0,
+    show_default=True,
+    type=click.FloatRange(0.0),
+    help="With --sumocfg: seconds of traffic before the ego enters.",
+)
+@click.option(
+    "--time-limit",
+    default=60.0,
+    show_default=True,
+    type=click.FloatRange(0.1),
+    help="With --sumocfg: seconds to drive.",
+)
 @click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
 @click.option("--repair", "method", default="rss", show_default=True, type=click.Choice(sorted(METHODS)))
 @click.option("--clock", default="lockstep", show_default=True, type=click.Choice(["lockstep", "realtime"]))
-@click.option("--rate", default=1.0, show_default=True, type=click.FloatRange(0.01, 100.0), help="Real time: simulated seconds per second.")
-@click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1), help="Seed of repair methods that draw numbers.")
-@click.option("--out", default=Path("bags"), show_default=True, type=click.Path(path_type=Path), help="Folder for the bag.")
+@click.option(
+    "--rate",
+    default=1.0,
+    show_default=True,
+    type=click.FloatRange(0.01, 100.0),
+    help="Real time: simulated seconds per second.",
+)
+@click.option(
+    "--seed",
+    default=0,
+    show_default=True,
+    type=click.IntRange(0, 2**31 - 1),
+    help="Seed of repair methods that draw numbers.",
+)
+@click.option(
+    "--out", default=Path("bags"), show_default=True, type=click.Path(path_type=Path), help="Folder for the bag."
+)
 @click.option("--name", default="", help="Name of the bag.  [default: from scenario, policy, method and time]")
 @click.option("--record/--no-record", default=True, show_default=True)
 @click.option("--viz/--no-viz", default=True, show_default=True, help="Markers and frames for Foxglove.")
@@ -61,7 +92,7 @@ def run(
         )  # fmt: skip
         try:
             result = run_with_status(options)
-        except Interrupted as error:
+        except InterruptedRunError as error:
             if error.result is not None:
                 _show([error.result], as_json=as_json)
             raise

@@ -14,7 +14,9 @@ _FAMILY_HELP = "; ".join(f"{family.name} {family.title}" for family in FAMILIES.
 @click.command()
 @click.option("--family", required=True, type=click.Choice([*FAMILIES]), help=_FAMILY_HELP)
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
-@click.option("--out", type=click.Path(path_type=Path, dir_okay=False), help="File to write; standard output if not given.")
+@click.option(
+    "--out", type=click.Path(path_type=Path, dir_okay=False), help="File to write; standard output if not given."
+)
 def sample(family: str, seed: int, out: Path | None) -> None:
     """Draw a scenario of one of the five families."""
     scenario = sample_scenario(family, seed)

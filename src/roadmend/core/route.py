@@ -55,9 +55,7 @@ def point_at(x: Floats, y: Floats, s: Floats, position: float) -> tuple[float, f
 
 
 @compiled
-def project(
-    x: Floats, y: Floats, s: Floats, px: float, py: float, around: float, reach: float
-) -> tuple[float, float]:
+def project(x: Floats, y: Floats, s: Floats, px: float, py: float, around: float, reach: float) -> tuple[float, float]:
     """Arc length and signed offset [m] (left positive) of the nearest point of a polyline.
 
     Only arc lengths within ``reach`` of ``around`` are looked at, so that a route which crosses itself stays

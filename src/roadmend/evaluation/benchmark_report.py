@@ -24,7 +24,9 @@ def provenance(command: str) -> dict[str, Any]:
     }
 
 
-def write_report(folder: Path, name: str, title: str, content: Mapping[str, Any], rows: Sequence[Sequence[str]]) -> None:
+def write_report(
+    folder: Path, name: str, title: str, content: Mapping[str, Any], rows: Sequence[Sequence[str]]
+) -> None:
     """Write NAME.json and NAME.md; the first row is the heading.
 
     Raises:
@@ -35,7 +37,9 @@ def write_report(folder: Path, name: str, title: str, content: Mapping[str, Any]
     made = content["provenance"]
     machine = made["machine"]
     lines = [f"# {title}", "", _line(rows[0]), _line(["---"] * len(rows[0])), *map(_line, rows[1:]), ""]
-    lines.append(f"Made by `{made['command']}` at commit {made['commit'][:12]}{' (changed)' if made['dirty'] else ''} on ")
+    lines.append(
+        f"Made by `{made['command']}` at commit {made['commit'][:12]}{' (changed)' if made['dirty'] else ''} on "
+    )
     lines[-1] += f"{machine['processor']}, {machine['cores']} cores, Python {machine['python']}."
     _write(folder / f"{name}.md", "\n".join(lines) + "\n")
 

@@ -1,5 +1,6 @@
 """Messages to core types and back. The only place where the two meet."""
 
+import itertools
 import math
 from array import array
 from collections.abc import Sequence
@@ -107,9 +108,7 @@ def objects_of(message: msg.ObjectList) -> tuple[ObjectList, NDArray[np.uint8]]:
 
 def command_message_of(command: Command, header: Header) -> msg.Command:
     """A command as a message."""
-    return msg.Command(
-        header=header, throttle=command.throttle, brake=command.brake, change_lane=command.change_lane
-    )
+    return msg.Command(header=header, throttle=command.throttle, brake=command.brake, change_lane=command.change_lane)
 
 
 def command_of(message: msg.Command) -> Command:
@@ -172,11 +171,9 @@ def route_of(message: msg.Route) -> Route:
     x, y, limits = np.array(message.x), np.array(message.y), np.array(message.speed_limit)
     stages = tuple(
         Stage(x[begin:end].copy(), y[begin:end].copy(), limits[begin:end].copy())
-        for begin, end in zip(begins[:-1], begins[1:], strict=True)
+        for begin, end in itertools.pairwise(begins)
     )
-    windows = tuple(
-        Window(begin, end) for begin, end in zip(message.change_begin, message.change_end, strict=True)
-    )
+    windows = tuple(Window(begin, end) for begin, end in zip(message.change_begin, message.change_end, strict=True))
     zones = tuple(
         Zone(int(stage), begin, end, RightOfWay(rule), int(signal))
         for stage, begin, end, rule, signal in zip(

@@ -70,7 +70,7 @@ class RunResult:
         return asdict(self)
 
 
-class Interrupted(RoadmendError):
+class InterruptedRunError(RoadmendError):
     """The user stopped the run; the bag is complete up to that point."""
 
     def __init__(self, result: RunResult | None) -> None:
@@ -88,7 +88,7 @@ def run_graph(options: GraphOptions, report: Callable[[str, float], None] = lamb
     Raises:
         InputError: a node refuses its parameters, or the bag's place is taken.
         RoadmendError: a node failed beyond repair.
-        Interrupted: SIGINT or SIGTERM arrived.
+        InterruptedRunError: SIGINT or SIGTERM arrived.
     """
     name = options.name or f"{options.scenario.stem}-{options.policy}-{options.method}-{time.strftime('%Y%m%d-%H%M%S')}"
     bag = options.bags / name
@@ -141,7 +141,14 @@ class _Run:
         arguments: list[str] = []
         for name, value in parameters.items():
             arguments += ["-p", f"{name}:={_as_yaml(value)}"]
-        command = [sys.executable, "-m", f"roadmend.nodes.{node}", "--ros-args", *arguments, *self._options.ros_arguments]
+        command = [
+            sys.executable,
+            "-m",
+            f"roadmend.nodes.{node}",
+            "--ros-args",
+            *arguments,
+            *self._options.ros_arguments,
+        ]
         return Child(f"{node}_node", command, self._folder / f"{node}.log", may_restart)
 
     def _provenance(self) -> dict[str, str]:
@@ -161,7 +168,7 @@ class _Run:
             while self._sim.exit_code is None:
                 if stopped():
                     self._stop(interrupted=True)
-                    raise Interrupted(self._result() if (self._folder / "sim.json").exists() else None)
+                    raise InterruptedRunError(self._result() if (self._folder / "sim.json").exists() else None)
                 self._look_after([*self._observers, *self._drivers])
                 self._report("running", time.monotonic() - self._begun)
                 time.sleep(POLL_S)

@@ -54,9 +54,15 @@ def declare(
 def _set_range(descriptor: ParameterDescriptor, default: Any, low: float | None, high: float | None) -> None:
     if isinstance(default, int) and not isinstance(default, bool):
         descriptor.integer_range = [
-            IntegerRange(from_value=-(2**62) if low is None else int(low), to_value=2**62 if high is None else int(high), step=0)
+            IntegerRange(
+                from_value=-(2**62) if low is None else int(low), to_value=2**62 if high is None else int(high), step=0
+            )
         ]
     else:
         descriptor.floating_point_range = [
-            FloatingPointRange(from_value=-1e300 if low is None else float(low), to_value=1e300 if high is None else float(high), step=0.0)
+            FloatingPointRange(
+                from_value=-1e300 if low is None else float(low),
+                to_value=1e300 if high is None else float(high),
+                step=0.0,
+            )
         ]

@@ -73,7 +73,9 @@ class PolicyNode(Node):
                 self._last = self._policy.step(Scene(stamp * 1e-9, state, seen, signals))
             except Exception as error:  # noqa: BLE001 - a policy that fails must be seen, not end the node
                 self._failure = f"{type(error).__name__}: {error}"
-                self.get_logger().error(f"no decision at {stamp * 1e-9:.2f} s: {self._failure}", throttle_duration_sec=1.0)
+                self.get_logger().error(
+                    f"no decision at {stamp * 1e-9:.2f} s: {self._failure}", throttle_duration_sec=1.0
+                )
                 return
             self._failure = ""
             self._last_stamp = stamp

@@ -91,7 +91,9 @@ class RepairNode(LifecycleNode):
             low=0.0, high=10.0,
         ) or (None if self._lockstep else 0.03)  # fmt: skip
         self._autostart = declare(self, "autostart", True, "configure and activate without being asked")
-        self._summary = declare(self, "summary", "", "file for the tally of this run, written at the end; none if empty")
+        self._summary = declare(
+            self, "summary", "", "file for the tally of this run, written at the end; none if empty"
+        )
         for name, entry in METHODS.items():
             for field, info in entry.parameters.model_fields.items():
                 default = info.get_default(call_default_factory=True)
@@ -193,12 +195,17 @@ class RepairNode(LifecycleNode):
         return add
 
     def _answer(self, stamp: int, tick: dict[str, Any]) -> None:
-        if not self._active or self._repairer is None or self._route is None:
+        decision = self._decision(tick)
+        if not self._active or self._repairer is None or decision is None:
             return
         try:
-            repair = self._repairer.step(self._scene(stamp, tick), self._decision(tick))
+            scene = self._scene(stamp, tick)
         except ValueError as error:  # the arrays of the object list differ in length
-            repair = self._repairer.controlled_stop(RepairStatus.STALE_OBJECTS, str(error), None, self._decision(tick))
+            repair = self._repairer.controlled_stop(RepairStatus.STALE_OBJECTS, str(error), None, decision)
+        else:
+            if scene is None:
+                return  # no route yet; the simulator repeats the first tick
+            repair = self._repairer.step(scene, decision)
         self._started = True
         self._silent_since = ""
         self._send(stamp, repair, tick["objects"].header)

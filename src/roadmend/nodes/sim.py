@@ -95,7 +95,7 @@ class SimNode(Node):
 
     def _missing(self) -> list[str]:
         """Nodes that have not joined yet, each with the first topic it does not listen to."""
-        missing = {}
+        missing: dict[str, str] = {}
         for topic, listeners in _LISTENERS.items():
             wanted = [name for name in listeners if name in self._wait_for]
             there = {info.node_name for info in self.get_subscriptions_info_by_topic(topic)}

@@ -1,5 +1,6 @@
 """Counts what a repairer did over a run."""
 
+import math
 from collections import Counter
 
 from roadmend.core.repair import Repair, RepairStatus
@@ -21,7 +22,7 @@ class RepairTally:
         if repair.intervened:
             self._interventions += 1
             change = abs(repair.policy_action - repair.final_action)
-            self._change += change if change == change else 0.0  # NaN where the policy said nothing usable
+            self._change += 0.0 if math.isnan(change) else change  # NaN where the policy said nothing usable
 
     def values(self) -> dict[str, object]:
         """The counts as plain values."""

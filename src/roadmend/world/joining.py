@@ -35,14 +35,14 @@ def join_traffic(scenario: Scenario, network: RoadNetwork) -> Scenario:
 
 def _longest_route_under_way() -> list[str]:
     routes = [
-        libsumo.vehicle.getRoute(name)
+        list(libsumo.vehicle.getRoute(name))
         for name in libsumo.vehicle.getIDList()
         if libsumo.vehicle.getVehicleClass(name) == "passenger"
     ]
     if not routes:
         raise InputError("ego.route", "no car is on the road to take a route from", "name the edges with --ego-route")
     # Ties are broken by name, so that the choice does not depend on SUMO's order.
-    return list(max(routes, key=lambda route: (len(route), route)))
+    return max(routes, key=lambda route: (len(route), route))
 
 
 def _free_place(lane: str, length: float, wanted: float) -> float | None:

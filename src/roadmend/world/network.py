@@ -45,7 +45,9 @@ class PlainNetwork:
     def edge(self, name: str, begin: str, end: str, lanes: int, speed: float, **more: str) -> None:
         """A straight one-way road; ``speed`` is its limit [m/s]."""
         ET.SubElement(
-            self.edges, "edge", {"id": name, "from": begin, "to": end, "numLanes": str(lanes), "speed": f"{speed:.3f}"} | more
+            self.edges,
+            "edge",
+            {"id": name, "from": begin, "to": end, "numLanes": str(lanes), "speed": f"{speed:.3f}"} | more,
         )
 
     def connection(self, begin: str, end: str, from_lane: int, to_lane: int) -> None:

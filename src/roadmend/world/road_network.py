@@ -105,7 +105,9 @@ def _read(path: Path, _modified: int) -> RoadNetwork:
     if root.tag != "net":
         raise InputError(str(path), f"is no SUMO network (its root is <{root.tag}>)", "give a .net.xml file")
     for element in root.iterfind("edge"):
-        edge = Edge(element.attrib["id"], element.get("function", "normal"), tuple(map(_lane, element.iterfind("lane"))))
+        edge = Edge(
+            element.attrib["id"], element.get("function", "normal"), tuple(map(_lane, element.iterfind("lane")))
+        )
         edges[edge.id] = edge
     for element in root.iterfind("connection"):
         connection = _connection(element)

@@ -70,9 +70,17 @@ def build_route(network: RoadNetwork, scenario: Scenario) -> BuiltRoute:
     ego = scenario.ego
     first, last = edges[0].lanes[chains[0].lanes[0]], edges[-1].lanes[chains[-1].lanes[-1]]
     if ego.position > first.length:
-        raise InputError("ego.position", f"{ego.position:g} m is past the end of {edges[0].id} ({first.length:.1f} m)", "choose a smaller one")
+        raise InputError(
+            "ego.position",
+            f"{ego.position:g} m is past the end of {edges[0].id} ({first.length:.1f} m)",
+            "choose a smaller one",
+        )
     if ego.goal is not None and ego.goal > last.length:
-        raise InputError("ego.goal", f"{ego.goal:g} m is past the end of {edges[-1].id} ({last.length:.1f} m)", "choose a smaller one")
+        raise InputError(
+            "ego.goal",
+            f"{ego.goal:g} m is past the end of {edges[-1].id} ({last.length:.1f} m)",
+            "choose a smaller one",
+        )
     begin = edge_begins[-1][len(edges) - 1]
     goal = begin + (ego.goal if ego.goal is not None else max(last.length - 1.0, 0.5 * last.length))
     route = Route(
@@ -89,7 +97,9 @@ def _edges_of(network: RoadNetwork, scenario: Scenario) -> list[Edge]:
         check_edge(network, name, f"ego.route[{place}]")
     edges = [network.edges[name] for name in scenario.ego.route]
     if scenario.ego.lane >= len(edges[0].car_lanes):
-        raise InputError("ego.lane", f"{edges[0].id} has {len(edges[0].car_lanes)} lanes for cars", "count from 0 at the right")
+        raise InputError(
+            "ego.lane", f"{edges[0].id} has {len(edges[0].car_lanes)} lanes for cars", "count from 0 at the right"
+        )
     return edges
 
 
@@ -117,9 +127,13 @@ def _plan_lanes(network: RoadNetwork, edges: list[Edge], first_car_lane: int) ->
     changes = _changes_to_go(network, edges)
     if start not in changes:
         for index in range(len(edges) - 1):
-            if not any(_links(network, edges[index], lane, edges[index + 1]) for lane in range(len(edges[index].lanes))):
+            if not any(
+                _links(network, edges[index], lane, edges[index + 1]) for lane in range(len(edges[index].lanes))
+            ):
                 raise InputError(
-                    f"ego.route[{index + 1}]", f"no lane leads from {edges[index].id!r} to {edges[index + 1].id!r}", "choose edges that connect"
+                    f"ego.route[{index + 1}]",
+                    f"no lane leads from {edges[index].id!r} to {edges[index + 1].id!r}",
+                    "choose edges that connect",
                 )
         raise InputError("ego.route", "cannot be driven with lane changes alone", "choose edges that connect")
     chains: list[_Chain] = []
@@ -162,7 +176,9 @@ def _changes_to_go(network: RoadNetwork, edges: list[Edge]) -> dict[tuple[int, i
     return changes
 
 
-def _follow(network: RoadNetwork, edges: list[Edge], changes: dict[tuple[int, int], int], index: int, lane: int) -> _Chain:
+def _follow(
+    network: RoadNetwork, edges: list[Edge], changes: dict[tuple[int, int], int], index: int, lane: int
+) -> _Chain:
     lanes = [lane]
     for here in range(index, len(edges) - 1):
         links = _links(network, edges[here], lanes[-1], edges[here + 1])
@@ -265,8 +281,8 @@ def _window(edges: list[Edge], chain: _Chain, following: _Chain, begins: dict[in
             break
         last = edge
     begin = begins[first]
-    lane = edges[last].lanes[chain.lanes[last - chain.first]]
-    reserve = max(_CHANGE_LENGTH_MIN, _CHANGE_TIME * lane.speed_limit)
-    close = begins[last] + lane.length
+    final = edges[last].lanes[chain.lanes[last - chain.first]]
+    reserve = max(_CHANGE_LENGTH_MIN, _CHANGE_TIME * final.speed_limit)
+    close = begins[last] + final.length
     end = max(close - reserve * changes_left, begin + 0.25 * (close - begin))
     return Window(begin, end)

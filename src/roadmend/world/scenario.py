@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-FORMAT = "roadmend-scenario/1"
+FORMAT: Literal["roadmend-scenario/1"] = "roadmend-scenario/1"
 
 Identifier = Annotated[str, Field(pattern=r"^[A-Za-z0-9_.\-]+$", description="letters, digits, '_', '.' and '-'")]
 Metres = Annotated[float, Field(ge=0.0, le=100_000.0, allow_inf_nan=False)]
@@ -158,7 +158,10 @@ class Vehicle(Model):
     depart: Seconds = 0.0
     lane: int = Field(default=0, ge=0, le=20)
     position: Metres = Field(default=0.0, description="[m] of the front bumper along the first edge")
-    speed: Speed | None = Field(default=None, description="[m/s] at departure, at most what the driver wants to go there; that speed if not given")
+    speed: Speed | None = Field(
+        default=None,
+        description="[m/s] at departure, at most what the driver wants to go there; that speed if not given",
+    )
     speed_factor: float | None = Field(default=None, ge=0.3, le=2.0, description="of the speed limit; the driver's")
     manoeuvres: list[Manoeuvre] = []
 
@@ -194,7 +197,9 @@ class Environment(Model):
     weather: Weather = "clear"
     time_of_day: Literal["daytime", "nighttime"] = "daytime"
     friction: float | None = Field(default=None, gt=0.05, le=1.2, description="tyre-road friction; the weather's")
-    sensing_range: float | None = Field(default=None, gt=5.0, le=100_000.0, description="[m]; the weather's and light's")
+    sensing_range: float | None = Field(
+        default=None, gt=5.0, le=100_000.0, description="[m]; the weather's and light's"
+    )
 
     @property
     def effective_friction(self) -> float:

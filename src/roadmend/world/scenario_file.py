@@ -22,7 +22,9 @@ def load_scenario(path: Path) -> Scenario:
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise InputError(str(path), "no such file", "give the path of a scenario; 'roadmend sample' makes one") from None
+        raise InputError(
+            str(path), "no such file", "give the path of a scenario; 'roadmend sample' makes one"
+        ) from None
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(str(path), f"cannot be read ({error})", "give a readable UTF-8 text file") from None
     try:

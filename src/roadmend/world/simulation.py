@@ -20,13 +20,13 @@ from roadmend.core.outcome import Event, EventKind
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, Scene, Signal
 from roadmend.world.ego import LongitudinalDynamics, RouteFollower, VehicleParameters
+from roadmend.world.joining import join_traffic
 from roadmend.world.manoeuvres import ManoeuvreScript
 from roadmend.world.network import network_file
 from roadmend.world.participants import Participants
 from roadmend.world.road_network import RoadNetwork, read_network
 from roadmend.world.route_builder import BuiltRoute, build_route
 from roadmend.world.scenario import Pedestrian, Scenario, SumoConfiguration
-from roadmend.world.joining import join_traffic
 from roadmend.world.traffic_file import EGO, ego_type, traffic_xml
 from roadmend.world.user_configuration import private_copy
 
@@ -85,9 +85,7 @@ class Simulation:
             raise
         environment = scenario.environment
         limited = not self._is_users or environment.sensing_range is not None
-        with_persons = self._is_users or any(
-            isinstance(actor, Pedestrian) for actor in scenario.actors
-        )
+        with_persons = self._is_users or any(isinstance(actor, Pedestrian) for actor in scenario.actors)
         self._participants = Participants(
             EGO, INTERVAL, environment.effective_range if limited else math.inf, with_persons=with_persons
         )
@@ -163,7 +161,13 @@ class Simulation:
         yaw_rate = math.remainder(follower.yaw - self._last_yaw, 2.0 * math.pi) / INTERVAL
         self._last_yaw = follower.yaw
         ego = EgoState.from_yaw(
-            follower.x, follower.y, follower.yaw, self._dynamics.speed, yaw_rate, scenario.ego.length, scenario.ego.width
+            follower.x,
+            follower.y,
+            follower.yaw,
+            self._dynamics.speed,
+            yaw_rate,
+            scenario.ego.length,
+            scenario.ego.width,
         )
         seen = self._participants.observe(ego)
         nearest = float(seen.distances.min()) if len(seen.distances) else math.inf
@@ -185,7 +189,9 @@ class Simulation:
     def _signals(self) -> NDArray[np.uint8]:
         return np.array(
             [
-                _SIGNALS.get(libsumo.trafficlight.getRedYellowGreenState(link.traffic_light)[link.link_index], Signal.OFF)
+                _SIGNALS.get(
+                    libsumo.trafficlight.getRedYellowGreenState(link.traffic_light)[link.link_index], Signal.OFF
+                )
                 for link in self._built.signals
             ],
             dtype=np.uint8,

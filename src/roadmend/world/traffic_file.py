@@ -41,13 +41,21 @@ def _add_vehicle(
     for step, (name, following) in enumerate(zip(vehicle.route, vehicle.route[1:], strict=False)):
         lanes = range(len(network.edges[name].lanes))
         if not any(link.to_edge == following for lane in lanes for link in network.connections.get((name, lane), [])):
-            raise InputError(f"{where}.route[{step + 1}]", f"no lane leads from {name!r} to {following!r}", "choose edges that connect")
+            raise InputError(
+                f"{where}.route[{step + 1}]",
+                f"no lane leads from {name!r} to {following!r}",
+                "choose edges that connect",
+            )
     edge = network.edges[vehicle.route[0]]
     if vehicle.lane >= len(edge.car_lanes):
-        raise InputError(f"{where}.lane", f"{edge.id} has {len(edge.car_lanes)} lanes for cars", "count from 0 at the right")
+        raise InputError(
+            f"{where}.lane", f"{edge.id} has {len(edge.car_lanes)} lanes for cars", "count from 0 at the right"
+        )
     lane_number = edge.lane_number(vehicle.lane)
     if vehicle.position > edge.lanes[lane_number].length:
-        raise InputError(f"{where}.position", f"{vehicle.position:g} m is past the end of {edge.id}", "choose a smaller one")
+        raise InputError(
+            f"{where}.position", f"{vehicle.position:g} m is past the end of {edge.id}", "choose a smaller one"
+        )
     attributes = vehicle_type(vehicle.kind, vehicle.driver, scenario.environment, vehicle.speed_factor)
     name = type_name(vehicle.kind, vehicle.driver)
     if vehicle.speed_factor is not None:
@@ -81,7 +89,11 @@ def _add_pedestrian(root: ET.Element, network: RoadNetwork, person: Pedestrian, 
         if edge is None or edge.function != "normal":
             check_edge(network, name, f"{where}.route[{step}]")
         elif not any(lane.for_pedestrians_only for lane in edge.lanes):
-            raise InputError(f"{where}.route[{step}]", f"edge {name!r} has no sidewalk", "set network.crossings: true or choose another edge")
+            raise InputError(
+                f"{where}.route[{step}]",
+                f"edge {name!r} has no sidewalk",
+                "set network.crossings: true or choose another edge",
+            )
     name = f"pedestrian_{person.id}"
     ET.SubElement(root, "vType", {"id": name} | pedestrian_type(person.driver, person.speed))
     element = ET.SubElement(

@@ -59,7 +59,9 @@ def private_copy(path: Path, folder: Path) -> list[str]:
             names = [name.strip() for name in element.get(key, "").split(",") if name.strip()]
             for name in names:
                 if not (path.parent / name).is_file():
-                    raise InputError(str(path), f"{element.tag} {name} does not exist", "mend the path in the configuration")
+                    raise InputError(
+                        str(path), f"{element.tag} {name} does not exist", "mend the path in the configuration"
+                    )
             element.set(key, ",".join(str((path.parent / name).resolve()) for name in names))
     copy = folder / "user.sumocfg"
     ET.ElementTree(root).write(copy, encoding="unicode")

@@ -20,14 +20,15 @@ _COUNTS = {"light": (3, 8), "medium": (9, 16), "dense": (17, VEHICLES)}
 
 
 def _vehicle_slot(slot: str) -> dict[str, Dimension]:
-    return {
+    dimensions: dict[str, Dimension] = {
         f"{slot}.kind": _KIND,
         f"{slot}.driver": DRIVER,
         f"{slot}.lane": Uniform(0.0, 1.0),
         f"{slot}.offset": Uniform(-160.0, 180.0),
         f"{slot}.speed": Uniform(0.65, 1.05),
         f"{slot}.side": Uniform(0.0, 1.0),
-    } | slot_manoeuvre(slot, {"none": 0.76, "brake": 0.08, "cut_in_left": 0.08, "cut_in_right": 0.08})
+    }
+    return dimensions | slot_manoeuvre(slot, {"none": 0.76, "brake": 0.08, "cut_in_left": 0.08, "cut_in_right": 0.08})
 
 
 _SHARED: dict[str, Dimension] = {
@@ -107,7 +108,11 @@ def build_ramp(parameters: Parameters, name: str, seed: int) -> Scenario:
         kind = str(parameters[f"{slot}.kind"])
         if float(parameters[f"{slot}.side"]) < 0.12:
             speed = _speed(parameters, slot, ramp_limit)
-            places.append(Place(slot, ("ramp", 0), here.ahead + 0.5 * float(parameters[f"{slot}.offset"]), speed, body_length(kind)))
+            places.append(
+                Place(
+                    slot, ("ramp", 0), here.ahead + 0.5 * float(parameters[f"{slot}.offset"]), speed, body_length(kind)
+                )
+            )
             ways[slot] = ["ramp", "merge", "mainline"]
             continue
         # More of the traffic keeps to the right, where the ego must find its gap.
@@ -147,8 +152,8 @@ def _actors(
         actors.append(
             Vehicle(
                 id=place.slot,
-                kind=str(parameters[f"{place.slot}.kind"]),  # type: ignore[arg-type]
-                driver=str(parameters[f"{place.slot}.driver"]),  # type: ignore[arg-type]
+                kind=str(parameters[f"{place.slot}.kind"]),
+                driver=str(parameters[f"{place.slot}.driver"]),
                 route=ways[place.slot],
                 depart=0.0 if started else round((place.length + 0.5 - place.ahead) / max(place.speed, 1.0), 2),
                 lane=lane,

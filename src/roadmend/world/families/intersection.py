@@ -26,20 +26,21 @@ _ARM = Choice({"south": 0.12, "east": 0.28, "north": 0.32, "west": 0.28})
 
 
 def _vehicle_slot(slot: str) -> dict[str, Dimension]:
-    return {
+    dimensions: dict[str, Dimension] = {
         f"{slot}.kind": _KIND,
         f"{slot}.driver": DRIVER,
         f"{slot}.from": _ARM,
         f"{slot}.turn": Whole(0, 2),
         f"{slot}.arrival": Uniform(0.5, 22.0),
         f"{slot}.speed": Uniform(0.6, 1.1),
-    } | slot_manoeuvre(slot, {"none": 0.84, "brake": 0.08, "run": 0.08})
+    }
+    return dimensions | slot_manoeuvre(slot, {"none": 0.84, "brake": 0.08, "run": 0.08})
 
 
 def _pedestrian_slot(slot: str) -> dict[str, Dimension]:
     return {
         f"{slot}.driver": DRIVER,
-        f"{slot}.from": Choice({name: 0.25 for name in _BEARINGS}),
+        f"{slot}.from": Choice(dict.fromkeys(_BEARINGS, 0.25)),
         f"{slot}.turn": Whole(0, 2),
         f"{slot}.arrival": Uniform(0.0, 20.0),
         f"{slot}.speed": Uniform(0.8, 2.2),
@@ -83,7 +84,7 @@ def build_intersection(family: str, parameters: Parameters, name: str, seed: int
     control = str(parameters["control"])
     network = IntersectionNetwork(
         arms=[_arm(parameters, arm, target) for arm in arms],
-        control="priority" if control in ("minor", "major") else control,  # type: ignore[arg-type]
+        control="priority" if control in ("minor", "major") else control,
         crossings=bool(parameters["crossings"]),
         cycle=float(parameters["cycle"]),
     )
@@ -101,7 +102,7 @@ def build_intersection(family: str, parameters: Parameters, name: str, seed: int
     here = Place("ego", ("south", lane), ego.position + 0.5 * ego.length, ego.speed, ego.length)
     actors = [*_vehicles(parameters, arms, here), *_pedestrians(parameters, arms)]
     return Scenario(
-        name=name, family=family, seed=seed, time_limit=90.0, network=network, ego=ego, actors=actors,  # type: ignore[arg-type]
+        name=name, family=family, seed=seed, time_limit=90.0, network=network, ego=ego, actors=actors,
         environment=environment(parameters),
     )  # fmt: skip
 
@@ -173,8 +174,8 @@ def _vehicles(parameters: Parameters, arms: list[str], ego: Place) -> list[Actor
         actors.append(
             Vehicle(
                 id=place.slot,
-                kind=str(parameters[f"{place.slot}.kind"]),  # type: ignore[arg-type]
-                driver=str(parameters[f"{place.slot}.driver"]),  # type: ignore[arg-type]
+                kind=str(parameters[f"{place.slot}.kind"]),
+                driver=str(parameters[f"{place.slot}.driver"]),
                 route=[f"{arm}_in", f"{ways[place.slot]}_out"],
                 depart=0.0 if started else round((place.length + 0.5 - place.ahead) / max(place.speed, 1.0), 2),
                 lane=lane,
@@ -208,7 +209,7 @@ def _pedestrians(parameters: Parameters, arms: list[str]) -> list[Actor]:
         actors.append(
             Pedestrian(
                 id=slot,
-                driver=str(parameters[f"{slot}.driver"]),  # type: ignore[arg-type]
+                driver=str(parameters[f"{slot}.driver"]),
                 route=[f"{arm}_in", f"{_turn(arms, arm, int(parameters[f'{slot}.turn']))}_out"],
                 position=round(max(0.0, _ARM_LENGTH - _JUNCTION_RADIUS - 4.0 - way), 2),
                 speed=round(speed, 2),

@@ -17,7 +17,7 @@ DRIVER = Choice({"careful": 0.2, "normal": 0.45, "aggressive": 0.25, "reckless":
 def slot_manoeuvre(slot: str, weights: dict[str, float]) -> dict[str, Dimension]:
     """Dimensions of a slot's manoeuvre."""
     return {
-        f"{slot}.manoeuvre": Choice({name: weight for name, weight in weights.items()}),
+        f"{slot}.manoeuvre": Choice(dict(weights.items())),
         f"{slot}.when": Uniform(0.5, 10.0),
         f"{slot}.strength": Uniform(3.0, 8.0),
     }
@@ -41,9 +41,7 @@ def manoeuvres(parameters: Parameters, slot: str) -> list[Manoeuvre]:
 
 def environment(parameters: Parameters) -> Environment:
     """Weather and light."""
-    return Environment.model_validate(
-        {"weather": parameters["weather"], "time_of_day": parameters["time_of_day"]}
-    )
+    return Environment.model_validate({"weather": parameters["weather"], "time_of_day": parameters["time_of_day"]})
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,16 +72,20 @@ def make_room(places: Iterable[Place], fixed: Place | None) -> list[Place]:
         for place in (member for member in members if member.ahead >= split):
             if follower is not None:
                 needed = follower.ahead + place.length + _gap(follower.speed, place.speed)
-                place = replace(place, ahead=max(place.ahead, needed))
-            result.append(place)
-            follower = place
+                moved = replace(place, ahead=max(place.ahead, needed))
+            else:
+                moved = place
+            result.append(moved)
+            follower = moved
         leader = anchor
         for place in reversed([member for member in members if member.ahead < split]):
             if leader is not None:
                 allowed = leader.ahead - leader.length - _gap(place.speed, leader.speed)
-                place = replace(place, ahead=min(place.ahead, allowed))
-            result.append(place)
-            leader = place
+                moved = replace(place, ahead=min(place.ahead, allowed))
+            else:
+                moved = place
+            result.append(moved)
+            leader = moved
     return result
 
 
