@@ -59,7 +59,9 @@ def share_of_change(weight: float) -> float:
 
 
 @compiled
-def localise(samples: Floats, stages: Floats, parameters: Record, memory: Record, x: float, y: float, speed: float) -> None:
+def localise(
+    samples: Floats, stages: Floats, parameters: Record, memory: Record, x: float, y: float, speed: float
+) -> None:
     """Bring ``memory`` up to date with the ego's position [m] and speed [m/s].
 
     Sets stage, s, offset and, where the route has a next stage, s_next and offset_next; changing and progress say

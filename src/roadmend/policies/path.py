@@ -13,11 +13,11 @@ Floats = NDArray[np.float64]
 Record = NDArray[np.void]
 
 POINTS = 100
-_BEHIND = 3.0  # [m] of the path behind the ego's centre
+BEHIND = 3.0  # [m] of the path behind the ego's centre
 _AHEAD_MIN = 70.0  # [m]
 _AHEAD_TIME = 6.0  # [s] of driving that the path covers
 
-# Columns of a path; row i lies at (i * spacing - _BEHIND) metres ahead of the ego's centre.
+# Columns of a path; row i lies at (i * spacing - BEHIND) metres ahead of the ego's centre.
 X, Y, COS, SIN, HALF, SPEED = range(6)  # [m], [m], heading, heading, half width swept [m], allowed speed [m/s]
 
 # Columns of the table of occupancies
@@ -34,7 +34,7 @@ def blend(u: float) -> float:
 @compiled
 def path_spacing(speed: float) -> float:
     """Distance between the points of the path [m] at a speed of the ego [m/s]."""
-    return (max(_AHEAD_MIN, _AHEAD_TIME * speed + 20.0) + _BEHIND) / (POINTS - 1)
+    return (max(_AHEAD_MIN, _AHEAD_TIME * speed + 20.0) + BEHIND) / (POINTS - 1)
 
 
 @compiled
@@ -59,10 +59,12 @@ def build_path(
     swing = 0.125 * length * length
     fade = max(p.change_length_min, p.change_time * speed) * 0.5
     for index in range(POINTS):
-        ahead = index * spacing - _BEHIND
+        ahead = index * spacing - BEHIND
         x, y, yaw, curvature, allowed = road.pose_on(samples, first, count, m.s + ahead)
         if has_next and (changing or m.s + ahead > stages[stage, road.WINDOW_BEGIN]):
-            to_x, to_y, to_yaw, to_curvature, to_allowed = road.pose_on(samples, next_first, next_count, m.s_next + ahead)
+            to_x, to_y, to_yaw, to_curvature, to_allowed = road.pose_on(
+                samples, next_first, next_count, m.s_next + ahead
+            )
             allowed = min(allowed, to_allowed)
             if changing:
                 u = m.progress + ahead / m.change_length
@@ -89,15 +91,15 @@ def build_path(
 @compiled
 def speed_on(path: Floats, spacing: float, ahead: float) -> float:
     """Speed allowed [m/s] at a distance ahead of the ego's centre [m]."""
-    place = min(max((ahead + _BEHIND) / spacing, 0.0), POINTS - 1.001)
+    place = min(max((ahead + BEHIND) / spacing, 0.0), POINTS - 1.001)
     index = int(place)
-    return path[index, SPEED] + (place - index) * (path[index + 1, SPEED] - path[index, SPEED])
+    return float(path[index, SPEED] + (place - index) * (path[index + 1, SPEED] - path[index, SPEED]))
 
 
 @compiled
 def pose_ahead(path: Floats, spacing: float, ahead: float) -> tuple[float, float, float]:
     """x, y [m] and heading [rad] at a distance ahead of the ego's centre [m]."""
-    place = max((ahead + _BEHIND) / spacing, 0.0)
+    place = max((ahead + BEHIND) / spacing, 0.0)
     index = min(int(place), POINTS - 2)
     share = place - index
     x = path[index, X] + share * (path[index + 1, X] - path[index, X])
@@ -134,7 +136,7 @@ def standing_on(
         half = path[index, HALF] + margin
         extent = half_length + half * crossing + (sweep if crossing > 0.5 else 0.0)
         if abs(dx * cosine + dy * sine) < extent and abs(dy * cosine - dx * sine) < half_width + half * abs(parallel):
-            ahead = index * spacing - _BEHIND
+            ahead = index * spacing - BEHIND
             if high < low:
                 low, along_path = ahead - 0.5 * spacing, parallel
             high = ahead + 0.5 * spacing
@@ -145,7 +147,9 @@ def standing_on(
 
 
 @compiled
-def may_meet(path: Floats, spacing: float, forecast: Floats, half_length: float, half_width: float, margin: float) -> bool:
+def may_meet(
+    path: Floats, spacing: float, forecast: Floats, half_length: float, half_width: float, margin: float
+) -> bool:
     """Whether a forecast comes near the path at all: one coarse look before the fine one."""
     last = prediction.TIMES - 1
     x = 0.5 * (forecast[0, prediction.FX] + forecast[last, prediction.FX])
@@ -162,7 +166,7 @@ def may_meet(path: Floats, spacing: float, forecast: Floats, half_length: float,
 
 @compiled
 def occupy(
-    path: Floats, spacing: float, parameters: Record, row: Floats, forecast: Floats, margin: float, out: Floats
+    path: Floats, spacing: float, row: Floats, forecast: Floats, margin: float, out: Floats
 ) -> tuple[int, float]:
     """Fill ``out`` (TIMES, 2) with the stretch that an object covers at each time.
 

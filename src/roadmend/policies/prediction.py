@@ -69,7 +69,9 @@ def track(
     for index in range(count):
         v = speed[index]
         total = x[index] + y[index] + yaw[index] + v + acceleration[index] + yaw_rate[index]
-        usable = math.isfinite(total) and length[index] > 0.0 and width[index] > 0.0 and length[index] + width[index] < 1e3
+        usable = (
+            math.isfinite(total) and length[index] > 0.0 and width[index] > 0.0 and length[index] + width[index] < 1e3
+        )
         curvature = 0.0
         if usable and v > _SLOW:
             curvature = min(max(yaw_rate[index] / v, -_CURVATURE_MAX), _CURVATURE_MAX)

@@ -54,9 +54,7 @@ def _sample(stage: Stage, parameters: ModularParameters) -> Floats:
     table = np.empty((count, 5))
     _fill_shape(table, stage.x, stage.y, stage.s)
     segments = np.clip(np.searchsorted(stage.s, np.arange(count) * SPACING, side="right") - 1, 0, len(stage.s) - 1)
-    _fill_speed(
-        table, stage.speed_limit[segments], parameters.lateral_acceleration, parameters.deceleration
-    )
+    _fill_speed(table, stage.speed_limit[segments], parameters.lateral_acceleration, parameters.deceleration)
     return table
 
 
@@ -88,7 +86,7 @@ def _fill_speed(table: Floats, limit: Floats, lateral: float, deceleration: floa
 def pose_on(samples: Floats, first: int, count: int, position: float) -> tuple[float, float, float, float, float]:
     """x, y [m], heading [rad], curvature [1/m] and speed [m/s] at an arc length; beyond the ends straight on."""
     place = position / SPACING
-    index = min(max(int(math.floor(place)), 0), count - 2)
+    index = min(max(math.floor(place), 0), count - 2)
     share = place - index
     row = first + index
     inside = min(max(share, 0.0), 1.0)

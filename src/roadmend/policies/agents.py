@@ -1,0 +1,149 @@
+"""Who matters to the ego and in which role: ahead of it, about to enter its path, crossing it, or not at all."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.core.jit import compiled
+from roadmend.core.route import RightOfWay
+from roadmend.core.scene import Signal
+from roadmend.policies import following, prediction, road
+from roadmend.policies import path as way
+
+Floats = NDArray[np.float64]
+Record = NDArray[np.void]
+
+# Roles
+NOBODY, AHEAD, ENTERING, CROSSING = range(4)
+# Columns of the table of agents
+ROLE, ZONE, TRUSTED, GAP, BEGIN = range(5)  # role, row of the zone or -1, 0 or 1, [m] bumper to bumper, time index
+AGENT_COLUMNS = 5
+
+_SAME_WAY = 0.5  # cosine between headings from which two go the same way
+_STANDING = 0.3  # [m/s]
+_ONCOMING_HORIZON = 2.5  # [s] outside conflict zones
+_PEDESTRIAN_HORIZON = 2.5  # [s] outside conflict zones
+_MERGE_LENGTH = 15.0  # [m] behind a zone's end that belong to the conflict as well
+_STARTING = 0.4  # [m/s2] from which a driver is not about to give way
+
+_YIELD, _STOP = int(RightOfWay.YIELD), int(RightOfWay.STOP)
+_SIGNAL, _CROSSING = int(RightOfWay.SIGNAL), int(RightOfWay.CROSSING)
+_OFF = int(Signal.OFF)
+
+
+@compiled
+def gives_way(zones: Floats, index: int, signals: NDArray[np.uint8]) -> bool:
+    """Whether the ego must give way to vehicles in a zone."""
+    rule = int(zones[index, road.RULE])
+    if rule == _SIGNAL:
+        light = int(zones[index, road.SIGNAL])
+        return 0 <= light < signals.shape[0] and int(signals[light]) == _OFF
+    return rule in (_YIELD, _STOP)
+
+
+@compiled
+def zone_begin(zones: Floats, index: int, memory: Record) -> float:
+    """How far ahead of the ego's centre a zone begins [m]; infinity if it is not on the ego's way now."""
+    m = memory[0]
+    if zones[index, road.STAGE] == m.stage and m.changing == 0.0:
+        return float(zones[index, road.BEGIN] - m.s)
+    if zones[index, road.STAGE] == m.stage + 1.0 and m.changing > 0.0:
+        return float(zones[index, road.BEGIN] - m.s_next)
+    return math.inf
+
+
+@compiled
+def _zone_of(
+    zones: Floats, memory: Record, signals: NDArray[np.uint8], low: float, high: float, half: float, row: Floats
+) -> int:
+    """The first zone in which the ego gives way to an object that comes onto its path between two places [m]."""
+    for index in range(zones.shape[0]):
+        begin = zone_begin(zones, index, memory)
+        end = begin + zones[index, road.END] - zones[index, road.BEGIN]
+        if begin == math.inf or end < -half:
+            continue
+        if row[prediction.PEDESTRIAN] > 0.0:
+            fits = zones[index, road.RULE] == _CROSSING and high > begin - 1.0 and low < end + 1.0
+        else:
+            fits = gives_way(zones, index, signals) and high > begin - 2.0 and low < end + _MERGE_LENGTH
+        if fits:
+            return index
+    return -1
+
+
+@compiled
+def _gap_to(path: Floats, spacing: float, row: Floats, low: float, high: float, half: float) -> tuple[float, float]:
+    """Place of an object's centre along the path [m] and its distance to the ego's front [m], more exactly."""
+    first = low + 0.5 * spacing
+    place = min(max(round((0.5 * (low + high) - first) / spacing), 0), way.POINTS)
+    ahead = first + place * spacing
+    # The row of the path that lies there.
+    index = min(max(round((ahead + way.BEHIND) / spacing), 0), way.POINTS - 1)
+    cosine, sine = path[index, way.COS], path[index, way.SIN]
+    centre = ahead + (row[prediction.X] - path[index, way.X]) * cosine + (row[prediction.Y] - path[index, way.Y]) * sine
+    parallel = abs(math.cos(row[prediction.YAW]) * cosine + math.sin(row[prediction.YAW]) * sine)
+    across = math.sqrt(max(0.0, 1.0 - parallel * parallel))
+    extent = row[prediction.HALF_LENGTH] * parallel + row[prediction.HALF_WIDTH] * across
+    return centre, centre - extent - half
+
+
+@compiled
+def assess(
+    path: Floats, spacing: float, zones: Floats, parameters: Record, memory: Record, signals: NDArray[np.uint8],
+    tracks: Floats, ego_x: float, ego_y: float, ego_yaw: float, half: float,
+    forecasts: Floats, occupancies: Floats, agents: Floats,
+) -> None:  # fmt: skip
+    """Fill forecasts (M, TIMES, 6), occupancies (M, TIMES, 2) and agents (M, AGENT_COLUMNS) for M tracks.
+
+    Who must give way to the ego is trusted to do so as long as braking with parameter ``trust`` would do. ``half`` is
+    half the ego's length [m].
+    """
+    p, m = parameters[0], memory[0]
+    patience = min(1.0, m.waited / p.patience)
+    cosine, sine = math.cos(ego_yaw), math.sin(ego_yaw)
+    for index in range(tracks.shape[0]):
+        row, agent = tracks[index], agents[index]
+        agent[ROLE], agent[ZONE], agent[TRUSTED], agent[GAP], agent[BEGIN] = NOBODY, -1.0, 0.0, math.inf, -1.0
+        prediction.forecast(parameters, row, forecasts[index])
+        pedestrian = row[prediction.PEDESTRIAN] > 0.0
+        margin = p.pedestrian_margin if pedestrian else p.side_margin * (1.0 - 0.8 * patience)
+        if not way.may_meet(
+            path, spacing, forecasts[index], row[prediction.HALF_LENGTH], row[prediction.HALF_WIDTH], margin
+        ):
+            continue
+        begin, parallel = way.occupy(path, spacing, row, forecasts[index], margin, occupancies[index])
+        if begin < 0:
+            continue
+        agent[BEGIN] = begin
+        low, high = occupancies[index, begin, way.LOW], occupancies[index, begin, way.HIGH]
+        zone = _zone_of(zones, memory, signals, low, high, half, row)
+        agent[ZONE] = zone
+        dx, dy = row[prediction.X] - ego_x, row[prediction.Y] - ego_y
+        along, aside = dx * cosine + dy * sine, dy * cosine - dx * sine
+        same_way = math.cos(row[prediction.YAW] - ego_yaw) > 0.7
+        if along < -half and same_way and (zone < 0 or abs(aside) < 2.0):
+            continue  # behind the ego: keeps its own distance
+        speed = row[prediction.SPEED]
+        if begin == 0:
+            centre, gap = _gap_to(path, spacing, row, low, high, half)
+            if centre > 0.0 and (parallel > _SAME_WAY or speed < _STANDING):
+                agent[ROLE], agent[GAP] = AHEAD, gap
+                continue
+            if centre <= 0.0 and (parallel > _SAME_WAY or speed < _STANDING):
+                continue  # beside or behind, and not coming
+        time = prediction.time_at(begin)
+        agent[ROLE] = ENTERING if parallel > _SAME_WAY else CROSSING
+        if agent[ROLE] == ENTERING:
+            agent[GAP] = low - forecasts[index, begin, prediction.FWAY] - half
+        if zone >= 0:
+            continue
+        if (parallel > _SAME_WAY and time > p.cut_in_horizon) or (parallel < -_SAME_WAY and time > _ONCOMING_HORIZON):
+            agent[ROLE] = NOBODY
+        elif pedestrian:
+            agent[TRUSTED] = 1.0 if time > _PEDESTRIAN_HORIZON else 0.0
+        elif begin > 0:
+            left = forecasts[index, begin, prediction.FWAY] - 1.0
+            starting = row[prediction.ACCELERATION] > _STARTING and time < 2.5
+            if following.needed_deceleration(speed, left) < p.trust and not starting:
+                agent[TRUSTED] = 1.0

@@ -1,0 +1,88 @@
+"""Behaviour module: what applies now. Whom to follow, where to stop, whether to change lane, and the word for it."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.core.jit import compiled
+from roadmend.policies import agents as who
+from roadmend.policies import following, lane_change, prediction, right_of_way, rollout
+
+Floats = NDArray[np.float64]
+Record = NDArray[np.void]
+
+# What the policy is doing, as an index into WORDS; the first five are the reasons of right_of_way.
+WORDS = ("cruise", "signal", "stop", "yield", "crossing", "follow", "merge", "change", "evade")
+FOLLOW, MERGE, CHANGE, EVADE = range(5, 9)
+
+_SETTLING = 6.0  # [s] after a change during which the ego still catches up with the traffic
+_CUT_IN_BRAKING = 2.5  # [m/s2] hardest braking for somebody who may be about to enter the lane
+_NOTICED = 0.4  # [m/s2] by which a leader must slow the ego to be named
+
+
+@compiled
+def choose_leader(
+    parameters: Record, tracks: Floats, agents: Floats, speed: float, most: float
+) -> tuple[int, float, float]:
+    """Row of the vehicle ahead that asks for most braking (-1: none), its distance [m], and that acceleration [m/s2]."""
+    lead, gap, least = -1, math.inf, math.inf
+    for index in range(agents.shape[0]):
+        role = agents[index, who.ROLE]
+        if role == who.AHEAD or (
+            role == who.ENTERING
+            and prediction.time_at(int(agents[index, who.BEGIN])) <= parameters[0].cut_in_horizon
+            and agents[index, who.ZONE] < 0.0
+            and agents[index, who.GAP] > -3.0
+        ):
+            row = tracks[index]
+            other = row[prediction.SPEED]
+            braking = max(0.0, -row[prediction.ACCELERATION])
+            asked = following.behind_vehicle(parameters, speed, agents[index, who.GAP], other, braking, most)
+            if role == who.ENTERING:
+                asked = max(asked, -_CUT_IN_BRAKING)
+            if asked < least:
+                lead, gap, least = index, agents[index, who.GAP], asked
+    return lead, gap, least
+
+
+@compiled
+def decide(
+    samples: Floats, stages: Floats, zones: Floats, path: Floats, spacing: float, parameters: Record, memory: Record,
+    signals: NDArray[np.uint8], tracks: Floats, forecasts: Floats, occupancies: Floats, agents: Floats,
+    time: float, speed: float, half: float, half_width: float, interval: float, plan: Floats,
+) -> tuple[int, float, float, float, float, float, int, bool]:  # fmt: skip
+    """Decide what the planner has to keep to.
+
+    Returns:
+        Leader's row (-1: none), gap to it [m], its braking [m/s2], largest acceleration on a free road [m/s2], cap on
+        every acceleration [m/s2], place of the ego's centre to stop at [m ahead], index into WORDS, and whether to
+        begin the lane change now. ``plan`` is used as scratch.
+    """
+    p, m = parameters[0], memory[0]
+    merging = m.changing > 0.0 or time - m.changed_at < _SETTLING
+    most = p.merging_acceleration if merging else p.acceleration
+    lead, gap, least = choose_leader(parameters, tracks, agents, speed, most)
+    braking = max(0.0, -tracks[lead, prediction.ACCELERATION]) if lead >= 0 else 0.0
+    free = rollout.roll(
+        path, spacing, parameters, speed, most, lane_change.NO_CAP, math.inf, forecasts, lead, gap, braking, plan
+    )
+    word = 0
+    if lead >= 0 and least < free + 0.05 and least < most - _NOTICED:
+        word = FOLLOW
+    line, reason = right_of_way.stop_line(
+        zones, parameters, memory, signals, agents, occupancies, plan, speed, half, interval
+    )
+    if reason != right_of_way.FREE:
+        word = reason
+    change, cap, end, sought = lane_change.seek_gap(
+        samples, stages, path, spacing, parameters, memory, tracks, forecasts, plan, speed, half, half_width
+    )
+    if sought:
+        word = MERGE
+        if not change and speed < 0.5 and reason == right_of_way.FREE:
+            m.waited += interval
+    line = min(line, end)
+    if m.changing > 0.0 or change:
+        word = CHANGE
+    return lead, gap, braking, most, cap, line, word, change

@@ -1,0 +1,109 @@
+"""Planner module: a motion along the path that keeps to what was decided and meets nobody."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.core.jit import compiled
+from roadmend.policies import agents as who
+from roadmend.policies import following, prediction, rollout
+from roadmend.policies import path as way
+
+Floats = NDArray[np.float64]
+Record = NDArray[np.void]
+
+# Caps tried in turn when the plan meets somebody [m/s2]; the positive one is to clear the conflict by speeding up.
+_EVASIONS = (-1.0, -2.0, -3.0, 3.0, -4.5, -6.0, -8.0)
+_REAR_END = 0.25  # share of the ego's length: who hits it further back than this has run into it from behind
+_HURRY = 3.0  # [m/s2] deceleration beyond which jerk is not limited
+_RELEASE = 10.0  # [m/s3] limit of the jerk toward braking
+
+
+@compiled
+def _first_contact(
+    parameters: Record, memory: Record, agents: Floats, occupancies: Floats, plan: Floats, half: float
+) -> int:
+    """Index in time at which a plan first meets anybody who matters; TIMES if it meets nobody."""
+    p, m = parameters[0], memory[0]
+    margin = p.time_margin * (2.0 if m.evading > 0.0 else 1.0)
+    first = prediction.TIMES
+    for index in range(agents.shape[0]):
+        if agents[index, who.ROLE] < who.ENTERING or agents[index, who.TRUSTED] > 0.0:
+            continue
+        ego_index, other_index = rollout.contact(
+            plan, occupancies[index], 0.0, margin, half + p.front_margin, half + 0.3
+        )
+        if not 0 <= ego_index < first:
+            continue
+        if agents[index, who.ROLE] == who.ENTERING:
+            low, high = occupancies[index, other_index, way.LOW], occupancies[index, other_index, way.HIGH]
+            if 0.5 * (low + high) < plan[ego_index, rollout.AHEAD] - 2.0 * _REAR_END * half:
+                continue
+        first = ego_index
+    return first
+
+
+@compiled
+def plan_motion(
+    path: Floats, spacing: float, parameters: Record, memory: Record, agents: Floats, forecasts: Floats,
+    occupancies: Floats, lead: int, gap: float, braking: float, most: float, cap: float, line: float,
+    speed: float, half: float, plan: Floats,
+) -> tuple[float, bool]:  # fmt: skip
+    """Fill ``plan`` (TIMES, 2) with the best motion; returns its first acceleration [m/s2] and whether it evades.
+
+    The wanted motion comes first. If it meets somebody, mild to full braking is tried, and speeding up; the first
+    that meets nobody is taken, else the one that is slowest at the contact.
+    """
+    m = memory[0]
+    asked = rollout.roll(path, spacing, parameters, speed, most, cap, line, forecasts, lead, gap, braking, plan)
+    met = _first_contact(parameters, memory, agents, occupancies, plan, half)
+    if met >= prediction.TIMES:
+        m.evading = 0.0
+        return asked, False
+    other = np.empty_like(plan)
+    best_asked, slowest = asked, math.inf
+    for choice in range(len(_EVASIONS)):
+        limit = _EVASIONS[choice]
+        if limit > 0.0:
+            if line < math.inf:
+                continue
+            tried = rollout.roll(
+                path, spacing, parameters, speed, limit, limit, math.inf, forecasts, lead, gap, braking, other
+            )
+        else:
+            if limit > asked:
+                continue
+            tried = rollout.roll(
+                path, spacing, parameters, speed, most, limit, line, forecasts, lead, gap, braking, other
+            )
+        met = _first_contact(parameters, memory, agents, occupancies, other, half)
+        at_contact = -1.0 if met >= prediction.TIMES else other[met, rollout.SPEED]
+        if at_contact < slowest - 0.1:
+            slowest, best_asked = at_contact, tried
+            plan[:, :] = other
+        if at_contact < 0.0:
+            break
+    m.evading = 1.0
+    return best_asked, True
+
+
+@compiled
+def smooth(parameters: Record, memory: Record, asked: float, interval: float) -> float:
+    """Limit the jerk of the wanted acceleration [m/s2] outside emergencies."""
+    p, m = parameters[0], memory[0]
+    result = min(asked, m.wanted + p.jerk * interval)
+    if asked > -_HURRY:
+        result = max(result, min(m.wanted, 0.0) - _RELEASE * interval)
+    result = max(result, -following.HARDEST)
+    m.wanted = result
+    return float(result)
+
+
+@compiled
+def write_trajectory(path: Floats, spacing: float, plan: Floats, out: Floats) -> None:
+    """Turn the fine part of a plan into x, y, yaw and speed, the rows of ``out`` (4, FINE)."""
+    for index in range(prediction.FINE):
+        ahead = plan[index + 1, rollout.AHEAD]
+        out[0, index], out[1, index], out[2, index] = way.pose_ahead(path, spacing, ahead)
+        out[3, index] = plan[index + 1, rollout.SPEED]

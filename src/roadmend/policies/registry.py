@@ -1,0 +1,38 @@
+"""The driving policies by name."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from pydantic import ValidationError
+
+from roadmend.core.errors import InputError
+from roadmend.core.interfaces import Policy
+from roadmend.policies.modular import ModularPolicy
+from roadmend.policies.parameters import ModularParameters
+
+Values = Mapping[str, Any]
+
+
+def _modular(values: Values) -> Policy:
+    return ModularPolicy(ModularParameters.model_validate(dict(values)))
+
+
+POLICIES: dict[str, Callable[[Values], Policy]] = {
+    "modular": _modular,
+}
+
+
+def make_policy(name: str, parameters: Values | None = None) -> Policy:
+    """A policy by name; ``parameters`` replace single defaults.
+
+    Raises:
+        InputError: there is no such policy, or a parameter is unknown or out of range.
+    """
+    if name not in POLICIES:
+        raise InputError("policy", f"there is no {name!r}", f"choose one of {', '.join(POLICIES)}")
+    try:
+        return POLICIES[name](parameters or {})
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(["policy", name, *map(str, first["loc"])])
+        raise InputError(where, first["msg"], f"see config/policies/{name}.yaml for names and defaults") from None

@@ -1,0 +1,65 @@
+"""A plan over time: where the ego will be on its path under the laws of following, and whom it would meet."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.core.jit import compiled
+from roadmend.policies import following, prediction
+from roadmend.policies import path as way
+
+Floats = NDArray[np.float64]
+Record = NDArray[np.void]
+
+# Columns of a plan of shape (TIMES, 2)
+AHEAD, SPEED = range(2)  # [m] of the centre from where it is now, [m/s]
+
+
+@compiled
+def roll(
+    path: Floats, spacing: float, parameters: Record, speed: float, most: float, cap: float, line: float,
+    forecasts: Floats, lead: int, lead_gap: float, lead_braking: float, out: Floats,
+) -> float:  # fmt: skip
+    """Fill ``out`` with the motion that keeps to speeds, follows ``lead`` (-1: nobody) and stops at ``line`` [m].
+
+    ``most`` is the acceleration on a free road and ``cap`` an upper limit on top of every law [m/s2].
+    Returns the acceleration of the first step [m/s2].
+    """
+    ahead, v, asked = 0.0, speed, 0.0
+    out[0, AHEAD], out[0, SPEED] = 0.0, speed
+    for index in range(1, prediction.TIMES):
+        interval = prediction.FINE_INTERVAL if index <= prediction.FINE else prediction.COARSE_INTERVAL
+        wanted = following.toward_speed(parameters, path, spacing, ahead, v, most)
+        if line < 1e6:
+            wanted = min(wanted, following.up_to_line(parameters, v, line - ahead))
+        if lead >= 0:
+            before = forecasts[lead, index - 1]
+            gap = lead_gap + before[prediction.FWAY] - ahead
+            braking = lead_braking if index == 1 else 0.0
+            wanted = min(wanted, following.behind_vehicle(parameters, v, gap, before[prediction.FSPEED], braking, most))
+        wanted = min(wanted, cap)
+        if index == 1:
+            asked = wanted
+        after = max(0.0, v + wanted * interval)
+        ahead += 0.5 * (v + after) * interval
+        v = after
+        out[index, AHEAD], out[index, SPEED] = ahead, v
+    return asked
+
+
+@compiled
+def contact(plan: Floats, occupancy: Floats, before: float, after: float, front: float, rear: float) -> tuple[int, int]:
+    """First index in time at which a plan meets an object, and the object's index in time there; -1, -1 if never.
+
+    The object counts from ``after`` [s] later back to ``before`` [s] earlier than the ego is there. ``front`` and
+    ``rear`` [m] are how far the ego and its clearance reach from its centre.
+    """
+    for index in range(prediction.TIMES):
+        time = prediction.time_at(index)
+        low = plan[index, AHEAD] - rear
+        high = plan[index, AHEAD] + front
+        begin = prediction.index_before(max(0.0, time - before) + 1e-9)
+        end = prediction.index_before(time + after + 1e-9)
+        for other in range(begin, end + 1):
+            if occupancy[other, way.LOW] < high and occupancy[other, way.HIGH] > low:
+                return index, other
+    return -1, -1
