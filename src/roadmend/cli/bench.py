@@ -3,6 +3,7 @@
 import click
 
 from roadmend.cli.bench_loop import loop
+from roadmend.cli.bench_outcomes import outcomes
 
 
 @click.group()
@@ -11,3 +12,4 @@ def bench() -> None:
 
 
 bench.add_command(loop)
+bench.add_command(outcomes)

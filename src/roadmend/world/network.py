@@ -19,14 +19,16 @@ from roadmend.world.scenario import (
 )
 from roadmend.world.user_configuration import network_of
 
-_BUILDER_VERSION = "1"  # raise when the same description shall give another network
+_BUILDER_VERSION = "2"  # raise when the same description shall give another network
 _NODE_TYPES = {
     "priority": "priority",
     "right_before_left": "right_before_left",
     "allway_stop": "allway_stop",
     "traffic_light": "traffic_light",
 }
-_RAMP_ANGLE = math.radians(12.0)  # between ramp and highway
+_RAMP_ANGLE = math.radians(14.0)  # between the far end of a ramp and the highway
+_RAMP_POINTS = 16
+_LANE_WIDTH = 3.2  # [m] SUMO's default
 
 
 class PlainNetwork:
@@ -93,12 +95,13 @@ def describe_highway_exit(spec: HighwayExitNetwork) -> PlainNetwork:
     plain.node("widen", first, 0.0)
     plain.node("split", second, 0.0)
     plain.node("end", second + 300.0, 0.0)
-    dx, dy = spec.ramp_length * math.cos(_RAMP_ANGLE), spec.ramp_length * math.sin(_RAMP_ANGLE)
-    plain.node("ramp_end", second + dx, -dy)
+    side = -_LANE_WIDTH * spec.lanes
+    curve = [(second + x, side - y) for x, y in _ramp_curve(spec.ramp_length)]
+    plain.node("ramp_end", *curve[-1])
     plain.edge("approach", "begin", "widen", spec.lanes, spec.speed_limit)
     plain.edge("diverge", "widen", "split", spec.lanes + 1, spec.speed_limit)
     plain.edge("mainline", "split", "end", spec.lanes, spec.speed_limit)
-    plain.edge("ramp", "split", "ramp_end", 1, spec.ramp_speed_limit)
+    plain.edge("ramp", "split", "ramp_end", 1, spec.ramp_speed_limit, shape=_shape(curve))
     for lane in range(spec.lanes):
         plain.connection("approach", "diverge", lane, lane + 1)
         plain.connection("diverge", "mainline", lane + 1, lane)
@@ -114,10 +117,11 @@ def describe_on_ramp(spec: OnRampNetwork) -> PlainNetwork:
     plain.node("join", first, 0.0)
     plain.node("narrow", second, 0.0)
     plain.node("end", second + 300.0, 0.0)
-    dx, dy = spec.ramp_length * math.cos(_RAMP_ANGLE), spec.ramp_length * math.sin(_RAMP_ANGLE)
-    plain.node("ramp_begin", first - dx, -dy - 3.2 * (spec.lanes + 1) / 2.0)
+    side = -_LANE_WIDTH * spec.lanes
+    curve = [(first - x, side - y) for x, y in reversed(_ramp_curve(spec.ramp_length))]
+    plain.node("ramp_begin", *curve[0])
     plain.edge("approach", "begin", "join", spec.lanes, spec.speed_limit)
-    plain.edge("ramp", "ramp_begin", "join", 1, spec.ramp_speed_limit)
+    plain.edge("ramp", "ramp_begin", "join", 1, spec.ramp_speed_limit, shape=_shape(curve))
     plain.edge("merge", "join", "narrow", spec.lanes + 1, spec.speed_limit)
     plain.edge("mainline", "narrow", "end", spec.lanes, spec.speed_limit)
     for lane in range(spec.lanes):
@@ -125,6 +129,21 @@ def describe_on_ramp(spec: OnRampNetwork) -> PlainNetwork:
         plain.connection("merge", "mainline", lane + 1, lane)
     plain.connection("ramp", "merge", 0, 0)
     return plain
+
+
+def _ramp_curve(length: float) -> list[tuple[float, float]]:
+    """A clothoid-like bend [m] that begins along the highway and ends at the ramp's angle, away from it."""
+    points, x, y = [(0.0, 0.0)], 0.0, 0.0
+    step = length / _RAMP_POINTS
+    for index in range(_RAMP_POINTS):
+        heading = _RAMP_ANGLE * min(1.0, (index + 0.5) / (0.75 * _RAMP_POINTS))
+        x, y = x + step * math.cos(heading), y + step * math.sin(heading)
+        points.append((x, y))
+    return points
+
+
+def _shape(points: list[tuple[float, float]]) -> str:
+    return " ".join(f"{x:.3f},{y:.3f}" for x, y in points)
 
 
 def network_file(network: Network) -> Path:

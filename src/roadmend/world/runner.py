@@ -1,6 +1,7 @@
 """Runs whole episodes in this process: world, policy and repairer without ROS."""
 
 import hashlib
+import math
 import struct
 import time
 from collections.abc import Callable
@@ -47,11 +48,13 @@ class EpisodeSummary:
     dose: float = 0.0  # [s] sum of |policy action - final action| * interval
     digest: str = ""
     events: list[Event] = field(default_factory=list)
+    finite: bool = True  # whether every pose and command so far was a finite number
     loop_ended: float = 0.0  # [s] time.perf_counter() after the last tick, for benchmarks
     _change: float = 0.0
 
     def add(self, policy_action: float, final_action: float, *, intervened: bool) -> None:
         """Count one tick's command."""
+        self.finite = self.finite and math.isfinite(final_action)
         if intervened:
             self.interventions += 1
             self._change += abs(policy_action - final_action)
@@ -60,6 +63,8 @@ class EpisodeSummary:
 
     def observe(self, tick: Tick) -> None:
         """Count one tick's scene."""
+        ego = tick.scene.ego
+        self.finite = self.finite and math.isfinite(ego.x + ego.y + ego.yaw + ego.speed)
         self.ticks = tick.number
         self.duration = tick.scene.time
         self.min_distance = min(self.min_distance, tick.min_distance)

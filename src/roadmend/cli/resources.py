@@ -1,0 +1,20 @@
+"""Files that come with roadmend, from a source tree or from an installed package."""
+
+import sys
+from pathlib import Path
+
+from roadmend.core.errors import RoadmendError
+
+
+def config_folder() -> Path:
+    """The folder config/ of the project.
+
+    Raises:
+        RoadmendError: it is neither in the source tree nor installed.
+    """
+    candidates = [Path(__file__).parents[3] / "config"]
+    candidates += [parent / "share" / "roadmend" / "config" for parent in (Path(sys.prefix), *Path(__file__).parents)]
+    for folder in candidates:
+        if folder.is_dir():
+            return folder
+    raise RoadmendError("config/ is missing; run from a clone of the project or install the package with its data")
