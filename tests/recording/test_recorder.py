@@ -63,6 +63,17 @@ def publish(start):
     return lambda *arguments: start(Path(__file__).with_name("publish.py"), *arguments)
 
 
+def messages_in_cut(path):
+    """Topic and bytes of the messages that a file without an end holds so far; none while there is no file."""
+    topics = {}
+    with contextlib.suppress(EndOfFile, FileNotFoundError), path.open("rb") as stream:
+        for one in StreamReader(stream).records:
+            if isinstance(one, Channel):
+                topics[one.id] = one.topic
+            if isinstance(one, Message):
+                yield topics[one.channel_id], one.data
+
+
 def stop(process, number=signal.SIGINT):
     process.send_signal(number)
     _, errors = process.communicate(timeout=20)
@@ -106,8 +117,12 @@ def test_nothing_is_missing_at_full_speed(record, publish, tmp_path, number):
 
 def test_diagnostics_tell_how_it_goes(record, publish, tmp_path):
     recorder = record(exclude="^/image$")
-    publish(10, 0)  # waits for ever, but its topics are there
-    time.sleep(4)
+    publisher = publish(10, 0)  # waits for ever, but its topics are there
+    deadline = time.monotonic() + 30
+    while not any(topic == "/diagnostics" for topic, _ in messages_in_cut(tmp_path / "bag" / "bag_0.mcap")):
+        assert time.monotonic() < deadline
+        time.sleep(0.2)
+    publisher.kill()
     assert stop(recorder)[0] == 0
     bag = BagReader(tmp_path / "bag")
     assert "/image" not in bag.topics
@@ -129,13 +144,8 @@ def test_sigkill_loses_less_than_a_second(record, publish, tmp_path):
     killed = time.time_ns()
     recorder.kill()
     recorder.wait()
-    times, topics = [], {}
-    with (tmp_path / "bag" / "bag_0.mcap").open("rb") as stream, contextlib.suppress(EndOfFile):
-        for one in StreamReader(stream).records:
-            if isinstance(one, Channel):
-                topics[one.id] = one.topic
-            if isinstance(one, Message) and topics[one.channel_id] == "/text":
-                times.append(int(one.data[8:].rstrip(b"\0").split()[1]))
+    found = messages_in_cut(tmp_path / "bag" / "bag_0.mcap")
+    times = [int(data[8:].rstrip(b"\0").split()[1]) for topic, data in found if topic == "/text"]
     assert len(times) > 100
     assert killed - max(times) < 1e9
     assert not (tmp_path / "bag" / "metadata.yaml").exists()

@@ -31,8 +31,9 @@ from roadmend.recording.writer import BagOptions, BagWriter, Compression
 
 DISCOVERY_PERIOD_S = 0.1  # [s] between two looks at the graph
 DIAGNOSTICS_PERIOD_S = 1.0  # [s] of wall time
-DRAIN_QUIET_S = 0.2  # [s] without a message after which nothing more is expected
-DRAIN_LIMIT_S = 3.0  # [s] after which the bag is closed even though messages still come
+DRAIN_QUIET_S = 0.2  # [s] without a message after which nothing more is expected of publishers that have gone
+DRAIN_REPAIR_S = 3.3  # [s] the same for publishers that are there: Fast DDS repairs a loss every 3 s
+DRAIN_LIMIT_S = 5.0  # [s] after which the bag is closed even though messages still come
 METADATA_RECORD = "roadmend"
 _NANOSECONDS = 1_000_000_000
 
@@ -103,7 +104,7 @@ class RecorderNode(Node):
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DISCOVERY_PERIOD_S, self._discover, clock=wall)
         self.create_timer(settings.flush_interval, self._writer.flush_if_due, clock=wall)
-        self.create_timer(DIAGNOSTICS_PERIOD_S, self._report, clock=wall)
+        self._report_timer = self.create_timer(DIAGNOSTICS_PERIOD_S, self._report, clock=wall)
         self._discover()
 
     def close(self) -> None:
@@ -196,13 +197,21 @@ class RecorderNode(Node):
         )  # fmt: skip
 
     def _drain(self) -> None:
-        quiet_since = now = time.monotonic()
-        limit, count = now + DRAIN_LIMIT_S, self._writer.count
-        while now < limit and now - quiet_since < DRAIN_QUIET_S and self.executor is not None:
+        self._report_timer.cancel()
+        began = quiet_since = now = time.monotonic()
+        count, patience = self._writer.count, DRAIN_QUIET_S
+        while now - began < DRAIN_LIMIT_S and now - quiet_since < patience and self.executor is not None:
             self.executor.spin_once(timeout_sec=0.02)
             now = time.monotonic()
             if self._writer.count != count:
                 count, quiet_since = self._writer.count, now
+            patience = DRAIN_REPAIR_S if self._has_others() else DRAIN_QUIET_S
+
+    def _has_others(self) -> bool:
+        """Whether any node besides this one can still send."""
+        me = (self.get_name(), self.get_namespace())
+        infos = (info for name in self._recorded for info in self.get_publishers_info_by_topic(name))
+        return any((info.node_name, info.node_namespace) != me for info in infos)
 
     @property
     def _lost(self) -> int:
