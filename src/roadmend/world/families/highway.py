@@ -28,7 +28,7 @@ def _vehicle_slot(slot: str) -> dict[str, Dimension]:
         f"{slot}.speed": Uniform(0.65, 1.05),
         f"{slot}.side": Uniform(0.0, 1.0),
     }
-    return dimensions | slot_manoeuvre(slot, {"none": 0.76, "brake": 0.08, "cut_in_left": 0.08, "cut_in_right": 0.08})
+    return dimensions | slot_manoeuvre(slot, {"none": 0.7, "brake": 0.1, "cut_in_left": 0.1, "cut_in_right": 0.1})
 
 
 _SHARED: dict[str, Dimension] = {

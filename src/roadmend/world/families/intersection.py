@@ -34,7 +34,7 @@ def _vehicle_slot(slot: str) -> dict[str, Dimension]:
         f"{slot}.arrival": Uniform(0.5, 22.0),
         f"{slot}.speed": Uniform(0.6, 1.1),
     }
-    return dimensions | slot_manoeuvre(slot, {"none": 0.84, "brake": 0.08, "run": 0.08})
+    return dimensions | slot_manoeuvre(slot, {"none": 0.78, "brake": 0.1, "run": 0.12})
 
 
 def _pedestrian_slot(slot: str) -> dict[str, Dimension]:

@@ -18,14 +18,21 @@ def slot_manoeuvre(slot: str, weights: dict[str, float]) -> dict[str, Dimension]
     """Dimensions of a slot's manoeuvre."""
     return {
         f"{slot}.manoeuvre": Choice(dict(weights.items())),
+        f"{slot}.cue": Choice({"time": 0.4, "ego": 0.6}),
         f"{slot}.when": Uniform(0.5, 10.0),
+        f"{slot}.near": Uniform(8.0, 40.0),
         f"{slot}.strength": Uniform(3.0, 8.0),
     }
 
 
 def manoeuvres(parameters: Parameters, slot: str) -> list[Manoeuvre]:
     """The scripted misbehaviour of a slot."""
-    trigger = Trigger(time=float(parameters[f"{slot}.when"]))
+    by_time = parameters[f"{slot}.cue"] == "time"
+    trigger = (
+        Trigger(time=float(parameters[f"{slot}.when"]))
+        if by_time
+        else Trigger(ego_distance=float(parameters[f"{slot}.near"]))
+    )
     match parameters[f"{slot}.manoeuvre"]:
         case "brake":
             return [Brake(when=trigger, deceleration=float(parameters[f"{slot}.strength"]), speed=1.0, hold=2.0)]
