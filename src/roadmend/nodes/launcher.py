@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import shutil
 import signal
 import sys
 import tempfile
@@ -173,11 +174,15 @@ class _Run:
                 self._report("running", time.monotonic() - self._begun)
                 time.sleep(POLL_S)
             self._stop(interrupted=False)
+            if self._sim.exit_code:
+                self._raise(self._sim)
+            return self._result()
+        except InputError:
+            stop(everyone, time.monotonic() + STOP_S)
+            shutil.rmtree(self._bag, ignore_errors=True)  # of this run, and nothing was driven
+            raise
         finally:
             stop(everyone, time.monotonic() + 0.5)
-        if self._sim.exit_code:
-            self._raise(self._sim)
-        return self._result()
 
     def _look_after(self, children: Sequence[Child]) -> None:
         for child in children:

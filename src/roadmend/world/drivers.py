@@ -56,7 +56,7 @@ _HABITS: dict[str, dict[str, float | str]] = {
     "reckless": {
         "tau": 0.4, "sigma": 0.6, "minGap": 0.8, "speedFactor": 1.3, "lcAssertive": 5.0, "lcPushy": 1.0,
         "jmTimegapMinor": 0.3, "impatience": 1.0, "jmDriveAfterYellowTime": 5.0, "jmDriveAfterRedTime": 4.0,
-        "jmIgnoreFoeProb": 0.8, "jmIgnoreFoeSpeed": 70.0, "jmIgnoreJunctionFoeProb": 0.8,
+        "jmIgnoreFoeProb": 0.8, "jmIgnoreFoeSpeed": 70.0,
     },
 }  # fmt: skip
 

@@ -8,7 +8,7 @@ import libsumo
 from roadmend.world.scenario import Brake, CutIn, Manoeuvre, Scenario, Vehicle
 
 _SPEED_MODE_NORMAL = 31
-_SPEED_MODE_NO_RIGHT_OF_WAY = 31 - 8 + 32  # drives as if it had priority, inside the junction too
+_SPEED_MODE_NO_RIGHT_OF_WAY = 31 - 8  # gives way to nobody who is not in the junction yet
 _LANE_CHANGE_FORCED = 0  # SUMO obeys the request whatever is in the way
 _LANE_CHANGE_NORMAL = 1621
 _CUT_IN_TIME = 3.0  # [s] that a cut-in keeps its lane

@@ -23,7 +23,7 @@ from roadmend.world.ego import LongitudinalDynamics, RouteFollower, VehicleParam
 from roadmend.world.joining import join_traffic
 from roadmend.world.manoeuvres import ManoeuvreScript
 from roadmend.world.network import network_file
-from roadmend.world.participants import Participants
+from roadmend.world.participants import Observation, Participants
 from roadmend.world.road_network import RoadNetwork, read_network
 from roadmend.world.route_builder import BuiltRoute, build_route
 from roadmend.world.scenario import Pedestrian, Scenario, SumoConfiguration
@@ -32,6 +32,7 @@ from roadmend.world.user_configuration import private_copy
 
 INTERVAL_NS = 50_000_000  # [ns] between ticks: 20 Hz
 INTERVAL = INTERVAL_NS * 1e-9  # [s]
+STANDING = 0.05  # [m/s] below which the ego stands
 LATERAL_RESOLUTION = 0.8  # [m] SUMO's sublane model: partial overlap, bicycles beside cars, gradual lane changes
 
 _SIGNALS = {
@@ -171,8 +172,8 @@ class Simulation:
         )
         seen = self._participants.observe(ego)
         nearest = float(seen.distances.min()) if len(seen.distances) else math.inf
-        if nearest <= 0.0:
-            names = tuple(name for name, gap in zip(seen.names, seen.distances, strict=True) if gap <= 0.0)
+        names = self._hit(seen, ego.speed) if nearest <= 0.0 else ()
+        if names:
             numbers = tuple(self._participants.number_of(name) for name in names)
             text = f"the ego ({ego.speed:.1f} m/s) and {', '.join(names)} collided"
             self._final = Event(time, EventKind.COLLISION, text, numbers, names)
@@ -185,6 +186,17 @@ class Simulation:
         if self._final is not None:
             events = (*events, self._final)
         return Tick(self._tick, Scene(time, ego, seen.objects, self._signals()), nearest, events, self._final)
+
+    def _hit(self, seen: Observation, speed: float) -> tuple[str, ...]:
+        """Those whose outline meets the ego's.
+
+        SUMO's pedestrians walk through a car that stands on their way; that is a contact only while the ego moves.
+        """
+        return tuple(
+            name
+            for name, gap in zip(seen.names, seen.distances, strict=True)
+            if gap <= 0.0 and (speed > STANDING or not self._participants.is_pedestrian(name))
+        )
 
     def _signals(self) -> NDArray[np.uint8]:
         return np.array(
