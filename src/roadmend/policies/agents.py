@@ -17,14 +17,15 @@ Record = NDArray[np.void]
 # Roles
 NOBODY, AHEAD, ENTERING, CROSSING = range(4)
 # Columns of the table of agents
-ROLE, ZONE, TRUSTED, GAP, BEGIN = range(5)  # role, row of the zone or -1, 0 or 1, [m] bumper to bumper, time index
-AGENT_COLUMNS = 5
+# role, row of the zone or -1, 0 or 1, [m] bumper to bumper, time index on the path from, [m] clearance, cosine
+ROLE, ZONE, TRUSTED, GAP, BEGIN, CLEARANCE, PARALLEL = range(7)
+AGENT_COLUMNS = 7
 
-_SAME_WAY = 0.5  # cosine between headings from which two go the same way
 _STANDING = 0.3  # [m/s]
 _ONCOMING_HORIZON = 2.5  # [s] outside conflict zones
 _PEDESTRIAN_HORIZON = 2.5  # [s] outside conflict zones
 _MERGE_LENGTH = 15.0  # [m] behind a zone's end that belong to the conflict as well
+_SHORT_HORIZON = 16  # time index up to which others matter where the ego has to give way to nobody
 _STARTING = 0.4  # [m/s2] from which a driver is not about to give way
 
 _YIELD, _STOP = int(RightOfWay.YIELD), int(RightOfWay.STOP)
@@ -73,6 +74,17 @@ def _zone_of(
 
 
 @compiled
+def _has_to_yield(zones: Floats, memory: Record, signals: NDArray[np.uint8], reach: float, half: float) -> bool:
+    """Whether there is a zone within ``reach`` [m] ahead, or around the ego, in which it must give way to anybody."""
+    for index in range(zones.shape[0]):
+        begin = zone_begin(zones, index, memory)
+        near = begin < reach and begin + zones[index, road.END] - zones[index, road.BEGIN] > -half
+        if near and (zones[index, road.RULE] == _CROSSING or gives_way(zones, index, signals)):
+            return True
+    return False
+
+
+@compiled
 def _gap_to(path: Floats, spacing: float, row: Floats, low: float, high: float, half: float) -> tuple[float, float]:
     """Place of an object's centre along the path [m] and its distance to the ego's front [m], more exactly."""
     first = low + 0.5 * spacing
@@ -102,43 +114,48 @@ def assess(
     p, m = parameters[0], memory[0]
     patience = min(1.0, m.waited / p.patience)
     cosine, sine = math.cos(ego_yaw), math.sin(ego_yaw)
+    yields = _has_to_yield(zones, memory, signals, way.POINTS * spacing, half)
+    last = prediction.TIMES - 1 if yields else _SHORT_HORIZON
     for index in range(tracks.shape[0]):
         row, agent = tracks[index], agents[index]
         agent[ROLE], agent[ZONE], agent[TRUSTED], agent[GAP], agent[BEGIN] = NOBODY, -1.0, 0.0, math.inf, -1.0
+        agent[CLEARANCE], agent[PARALLEL] = p.front_margin, 0.0
         prediction.forecast(parameters, row, forecasts[index])
+        dx, dy = row[prediction.X] - ego_x, row[prediction.Y] - ego_y
+        along, aside = dx * cosine + dy * sine, dy * cosine - dx * sine
+        behind = along < -half and math.cos(row[prediction.YAW] - ego_yaw) > 0.7
+        if behind and (not yields or abs(aside) < 2.0):
+            continue  # keeps its own distance
         pedestrian = row[prediction.PEDESTRIAN] > 0.0
         margin = p.pedestrian_margin if pedestrian else p.side_margin * (1.0 - 0.8 * patience)
-        if not way.may_meet(
-            path, spacing, forecasts[index], row[prediction.HALF_LENGTH], row[prediction.HALF_WIDTH], margin
-        ):
-            continue
-        begin, parallel = way.occupy(path, spacing, row, forecasts[index], margin, occupancies[index])
+        if pedestrian:
+            agent[CLEARANCE] += p.pedestrian_margin
+        begin, parallel = way.occupy(path, spacing, row, forecasts[index], margin, last, occupancies[index])
         if begin < 0:
             continue
-        agent[BEGIN] = begin
+        agent[BEGIN], agent[PARALLEL] = begin, parallel
         low, high = occupancies[index, begin, way.LOW], occupancies[index, begin, way.HIGH]
         zone = _zone_of(zones, memory, signals, low, high, half, row)
         agent[ZONE] = zone
-        dx, dy = row[prediction.X] - ego_x, row[prediction.Y] - ego_y
-        along, aside = dx * cosine + dy * sine, dy * cosine - dx * sine
-        same_way = math.cos(row[prediction.YAW] - ego_yaw) > 0.7
-        if along < -half and same_way and (zone < 0 or abs(aside) < 2.0):
-            continue  # behind the ego: keeps its own distance
+        if behind and zone < 0:
+            continue
         speed = row[prediction.SPEED]
         if begin == 0:
             centre, gap = _gap_to(path, spacing, row, low, high, half)
-            if centre > 0.0 and (parallel > _SAME_WAY or speed < _STANDING):
+            if centre > 0.0 and (parallel > way.SAME_WAY or speed < _STANDING):
                 agent[ROLE], agent[GAP] = AHEAD, gap
                 continue
-            if centre <= 0.0 and (parallel > _SAME_WAY or speed < _STANDING):
+            if centre <= 0.0 and (parallel > way.SAME_WAY or speed < _STANDING):
                 continue  # beside or behind, and not coming
         time = prediction.time_at(begin)
-        agent[ROLE] = ENTERING if parallel > _SAME_WAY else CROSSING
+        agent[ROLE] = ENTERING if parallel > way.SAME_WAY else CROSSING
         if agent[ROLE] == ENTERING:
             agent[GAP] = low - forecasts[index, begin, prediction.FWAY] - half
         if zone >= 0:
             continue
-        if (parallel > _SAME_WAY and time > p.cut_in_horizon) or (parallel < -_SAME_WAY and time > _ONCOMING_HORIZON):
+        if (parallel > way.SAME_WAY and time > p.cut_in_horizon) or (
+            parallel < -way.SAME_WAY and time > _ONCOMING_HORIZON
+        ):
             agent[ROLE] = NOBODY
         elif pedestrian:
             agent[TRUSTED] = 1.0 if time > _PEDESTRIAN_HORIZON else 0.0

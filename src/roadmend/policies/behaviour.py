@@ -18,15 +18,17 @@ FOLLOW, MERGE, CHANGE, EVADE = range(5, 9)
 
 _SETTLING = 6.0  # [s] after a change during which the ego still catches up with the traffic
 _CUT_IN_BRAKING = 2.5  # [m/s2] hardest braking for somebody who may be about to enter the lane
+_SQUEEZE = 1.5  # [m] that the distance to somebody standing across the path shrinks with waiting
 _NOTICED = 0.4  # [m/s2] by which a leader must slow the ego to be named
 
 
 @compiled
 def choose_leader(
-    parameters: Record, tracks: Floats, agents: Floats, speed: float, most: float
+    parameters: Record, memory: Record, tracks: Floats, agents: Floats, speed: float, most: float
 ) -> tuple[int, float, float]:
     """Row of the vehicle ahead that asks for most braking (-1: none), its distance [m], and that acceleration [m/s2]."""
     lead, gap, least = -1, math.inf, math.inf
+    patience = _SQUEEZE * min(1.0, memory[0].waited / parameters[0].patience)
     for index in range(agents.shape[0]):
         role = agents[index, who.ROLE]
         if role == who.AHEAD or (
@@ -38,11 +40,14 @@ def choose_leader(
             row = tracks[index]
             other = row[prediction.SPEED]
             braking = max(0.0, -row[prediction.ACCELERATION])
-            asked = following.behind_vehicle(parameters, speed, agents[index, who.GAP], other, braking, most)
+            gap_here = agents[index, who.GAP]
+            if agents[index, who.PARALLEL] < 0.5:
+                gap_here += patience  # somebody stands across: with time the ego squeezes past
+            asked = following.behind_vehicle(parameters, speed, gap_here, other, braking, most)
             if role == who.ENTERING:
                 asked = max(asked, -_CUT_IN_BRAKING)
             if asked < least:
-                lead, gap, least = index, agents[index, who.GAP], asked
+                lead, gap, least = index, gap_here, asked
     return lead, gap, least
 
 
@@ -62,7 +67,7 @@ def decide(
     p, m = parameters[0], memory[0]
     merging = m.changing > 0.0 or time - m.changed_at < _SETTLING
     most = p.merging_acceleration if merging else p.acceleration
-    lead, gap, least = choose_leader(parameters, tracks, agents, speed, most)
+    lead, gap, least = choose_leader(parameters, memory, tracks, agents, speed, most)
     braking = max(0.0, -tracks[lead, prediction.ACCELERATION]) if lead >= 0 else 0.0
     free = rollout.roll(
         path, spacing, parameters, speed, most, lane_change.NO_CAP, math.inf, forecasts, lead, gap, braking, plan
@@ -80,9 +85,10 @@ def decide(
     )
     if sought:
         word = MERGE
-        if not change and speed < 0.5 and reason == right_of_way.FREE:
-            m.waited += interval
     line = min(line, end)
+    blocked = lead >= 0 and agents[lead, who.PARALLEL] < 0.5  # by somebody who stands across
+    if speed < 0.5 and reason == right_of_way.FREE and (blocked or (sought and not change)):
+        m.waited += interval
     if m.changing > 0.0 or change:
         word = CHANGE
     return lead, gap, braking, most, cap, line, word, change

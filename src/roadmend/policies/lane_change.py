@@ -36,11 +36,11 @@ def _neighbours(samples: Floats, stages: Floats, memory: Record, tracks: Floats,
     for index in range(tracks.shape[0]):
         row = tracks[index]
         s, offset = road.project_on(samples, first, count, row[prediction.X], row[prediction.Y], m.s_next, 200.0)
-        _, _, yaw, _, _ = road.pose_on(samples, first, count, s)
-        turned = row[prediction.YAW] - yaw
-        if row[prediction.SPEED] > 0.5 and math.cos(turned) < 0.3:
+        _, _, lane_cosine, lane_sine, _, _ = road.pose_on(samples, first, count, s)
+        cosine, sine = math.cos(row[prediction.YAW]), math.sin(row[prediction.YAW])
+        if row[prediction.SPEED] > 0.5 and cosine * lane_cosine + sine * lane_sine < 0.3:
             continue
-        drift = row[prediction.SPEED] * math.sin(turned) * _DRIFT_TIME
+        drift = row[prediction.SPEED] * (sine * lane_cosine - cosine * lane_sine) * _DRIFT_TIME
         reach = row[prediction.HALF_WIDTH] + half_width + 0.2
         if min(abs(offset), abs(offset + drift)) < reach or offset * (offset + drift) < 0.0:
             out[found, _TRACK], out[found, _PLACE], out[found, _HALF] = index, s - m.s_next, row[prediction.HALF_LENGTH]

@@ -74,7 +74,7 @@ def _drive(
         m.changing, m.progress, m.change_length, m.change_begin = 1.0, 0.0, 0.0, m.s
     asked, evades = planner.plan_motion(
         path, spacing, parameters, memory, agents, forecasts, occupancies, lead, gap, braking, most, cap, line,
-        speed, half, plan,
+        speed, half, zones, plan,
     )  # fmt: skip
     if evades:
         word = behaviour.EVADE

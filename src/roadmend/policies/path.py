@@ -5,7 +5,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from roadmend.core.geometry import wrap_angle
 from roadmend.core.jit import compiled
 from roadmend.policies import prediction, road
 
@@ -15,10 +14,14 @@ Record = NDArray[np.void]
 POINTS = 100
 BEHIND = 3.0  # [m] of the path behind the ego's centre
 _AHEAD_MIN = 70.0  # [m]
+_LOOK_AROUND = 5  # every so many points in time the whole path is searched for the place nearest to an object
+SAME_WAY = 0.5  # cosine between headings from which two go the same way
+_SLACK = 0.3  # [m] by which a look at the nearest place alone may be wrong
 _AHEAD_TIME = 6.0  # [s] of driving that the path covers
 
 # Columns of a path; row i lies at (i * spacing - BEHIND) metres ahead of the ego's centre.
-X, Y, COS, SIN, HALF, SPEED = range(6)  # [m], [m], heading, heading, half width swept [m], allowed speed [m/s]
+# Place [m], heading, half width swept [m], allowed speed [m/s], curvature [1/m].
+X, Y, COS, SIN, HALF, SPEED, BEND = range(7)
 
 # Columns of the table of occupancies
 LOW, HIGH = range(2)  # [m] ahead of the ego's centre; inf, -inf where the object is not on the path
@@ -41,13 +44,13 @@ def path_spacing(speed: float) -> float:
 def build_path(
     samples: Floats, stages: Floats, parameters: Record, memory: Record, speed: float, length: float, width: float
 ) -> Floats:
-    """The path from just behind the ego on, shape (POINTS, 6); lateral errors fade out along it.
+    """The path from just behind the ego on, shape (POINTS, 7); lateral errors fade out along it.
 
     ``length`` and ``width`` are the ego's [m]. The swept half width grows in curves because the ego's corners swing
     out.
     """
     p, m = parameters[0], memory[0]
-    out = np.empty((POINTS, 6), dtype=np.float64)
+    out = np.empty((POINTS, 7), dtype=np.float64)
     spacing = path_spacing(speed)
     stage = int(m.stage)
     first, count = int(stages[stage, road.FIRST]), int(stages[stage, road.COUNT])
@@ -60,24 +63,26 @@ def build_path(
     fade = max(p.change_length_min, p.change_time * speed) * 0.5
     for index in range(POINTS):
         ahead = index * spacing - BEHIND
-        x, y, yaw, curvature, allowed = road.pose_on(samples, first, count, m.s + ahead)
+        x, y, cosine, sine, curvature, allowed = road.pose_on(samples, first, count, m.s + ahead)
         if has_next and (changing or m.s + ahead > stages[stage, road.WINDOW_BEGIN]):
-            to_x, to_y, to_yaw, to_curvature, to_allowed = road.pose_on(
+            to_x, to_y, to_cosine, to_sine, to_curvature, to_allowed = road.pose_on(
                 samples, next_first, next_count, m.s_next + ahead
             )
             allowed = min(allowed, to_allowed)
             if changing:
-                u = m.progress + ahead / m.change_length
+                u = min(max(m.progress + ahead / m.change_length, 0.0), 1.0)
                 weight = blend(u)
                 side_x, side_y = to_x - x, to_y - y
-                inside = min(max(u, 0.0), 1.0)
-                slope = 30.0 * inside * inside * (1.0 - inside) * (1.0 - inside) / m.change_length
-                across = math.cos(yaw) * side_y - math.sin(yaw) * side_x
+                slope = 30.0 * u * u * (1.0 - u) * (1.0 - u) / m.change_length
+                rise = slope * (cosine * side_y - sine * side_x)
                 x += weight * side_x
                 y += weight * side_y
-                yaw += weight * wrap_angle(to_yaw - yaw) + math.atan(slope * across)
+                along_x = cosine + weight * (to_cosine - cosine)
+                along_y = sine + weight * (to_sine - sine)
+                cosine, sine = along_x - rise * along_y, along_y + rise * along_x
+                scale = 1.0 / math.sqrt(cosine * cosine + sine * sine)
+                cosine, sine = cosine * scale, sine * scale
                 curvature += weight * (to_curvature - curvature)
-        cosine, sine = math.cos(yaw), math.sin(yaw)
         if not changing and m.offset != 0.0:
             left = m.offset * (1.0 - blend(ahead / fade))
             x -= left * sine
@@ -85,6 +90,7 @@ def build_path(
         out[index, X], out[index, Y], out[index, COS], out[index, SIN] = x, y, cosine, sine
         out[index, HALF] = 0.5 * width + swing * abs(curvature)
         out[index, SPEED] = allowed
+        out[index, BEND] = abs(curvature)
     return out
 
 
@@ -110,27 +116,50 @@ def pose_ahead(path: Floats, spacing: float, ahead: float) -> tuple[float, float
 
 
 @compiled
-def standing_on(
-    path: Floats, spacing: float, x: float, y: float, cosine: float, sine: float,
+def _nearest(path: Floats, spacing: float, x: float, y: float, hint: int, everywhere: bool) -> tuple[int, float]:  # noqa: FBT001
+    """Index of the point of the path nearest to a place [m], and the distance [m].
+
+    Walks downhill from ``hint``; with ``everywhere`` the whole path is looked at as well, in leaps over what must be
+    further away.
+    """
+    best = hint
+    dx, dy = path[best, X] - x, path[best, Y] - y
+    least = dx * dx + dy * dy
+    for step in (1, -1):
+        index = best + step
+        while 0 <= index < POINTS:
+            dx, dy = path[index, X] - x, path[index, Y] - y
+            square = dx * dx + dy * dy
+            if square >= least:
+                break
+            best, least = index, square
+            index += step
+    distance = math.sqrt(least)
+    if everywhere:
+        index = 0
+        while index < POINTS:
+            dx, dy = path[index, X] - x, path[index, Y] - y
+            away = math.sqrt(dx * dx + dy * dy)
+            if away < distance:
+                best, distance = index, away
+            index += max(1, int((away - distance) / spacing))
+    return best, distance
+
+
+@compiled
+def _cover(
+    path: Floats, spacing: float, place: int, x: float, y: float, cosine: float, sine: float,
     half_length: float, half_width: float, sweep: float, margin: float,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Stretch of the path [m ahead] that a rectangle covers, and the cosine between its heading and the path's there.
+    """Stretch of the path [m ahead] around point ``place`` that a rectangle covers, and the cosine of the headings.
 
-    ``sweep`` [m] lengthens rectangles that cross the path on both ends, so that samples in time leave no holes.
+    ``sweep`` [m] lengthens rectangles that cross the path at both ends, so that samples in time leave no holes.
     Returns inf, -inf and 0 where the rectangle keeps clear.
     """
     low, high, along_path = math.inf, -math.inf, 0.0
-    reach = math.hypot(half_length + sweep + 1.3 + margin, half_width + 1.3 + margin)
-    near = (reach + spacing) * (reach + spacing)
-    index = 0
-    while index < POINTS:
+    around = int((half_length + sweep + half_width + 2.0 + margin) / spacing) + 1
+    for index in range(max(0, place - around), min(POINTS, place + around + 1)):
         dx, dy = path[index, X] - x, path[index, Y] - y
-        square = dx * dx + dy * dy
-        if square > near:
-            if high > low:
-                break
-            index += max(1, int((math.sqrt(square) - reach) / spacing))
-            continue
         parallel = path[index, COS] * cosine + path[index, SIN] * sine
         crossing = abs(path[index, COS] * sine - path[index, SIN] * cosine)
         half = path[index, HALF] + margin
@@ -142,47 +171,52 @@ def standing_on(
             high = ahead + 0.5 * spacing
         elif high > low:
             break
-        index += 1
     return low, high, along_path
 
 
 @compiled
-def may_meet(
-    path: Floats, spacing: float, forecast: Floats, half_length: float, half_width: float, margin: float
-) -> bool:
-    """Whether a forecast comes near the path at all: one coarse look before the fine one."""
-    last = prediction.TIMES - 1
-    x = 0.5 * (forecast[0, prediction.FX] + forecast[last, prediction.FX])
-    y = 0.5 * (forecast[0, prediction.FY] + forecast[last, prediction.FY])
-    reach = 0.5 * forecast[last, prediction.FWAY] + half_length + half_width + 1.5 + margin
-    index = 0
-    while index < POINTS:
-        away = math.hypot(path[index, X] - x, path[index, Y] - y)
-        if away <= reach:
-            return True
-        index += max(1, int((away - reach) / spacing))
-    return False
-
-
-@compiled
 def occupy(
-    path: Floats, spacing: float, row: Floats, forecast: Floats, margin: float, out: Floats
+    path: Floats, spacing: float, row: Floats, forecast: Floats, margin: float, last: int, out: Floats
 ) -> tuple[int, float]:
-    """Fill ``out`` (TIMES, 2) with the stretch that an object covers at each time.
+    """Fill ``out`` (TIMES, 2) with the stretch that an object covers at each time up to index ``last``.
 
+    Whoever is on the path from the beginning and goes its way is not followed further: its gap says more.
     Returns the first time index at which it is on the path (-1: never) and the cosine between headings there.
     """
     begin, parallel = -1, 0.0
+    half_length, half_width = row[prediction.HALF_LENGTH], row[prediction.HALF_WIDTH]
+    fastest = max(forecast[0, prediction.FSPEED], forecast[prediction.TIMES - 1, prediction.FSPEED])
+    longest = half_length + 0.5 * fastest * prediction.COARSE_INTERVAL
+    reach = math.hypot(longest + 1.3 + margin, half_width + 1.3 + margin)
+    place, looked, clear = 0, 0.0, 0.0  # way of the object at the last look [m], how far it may move from there [m]
     for index in range(prediction.TIMES):
+        driven = forecast[index, prediction.FWAY]
+        out[index, LOW], out[index, HIGH] = math.inf, -math.inf
+        if index > last or driven - looked < clear:
+            continue
+        if index > 1 and driven == looked:
+            out[index] = out[index - 1]  # it stands
+            continue
+        x, y = forecast[index, prediction.FX], forecast[index, prediction.FY]
+        cosine, sine = forecast[index, prediction.FCOS], forecast[index, prediction.FSIN]
+        place, distance = _nearest(path, spacing, x, y, place, clear > 0.0 or index % _LOOK_AROUND == 0)
+        looked, clear = driven, distance - reach
+        if clear > 0.0:
+            continue
         interval = prediction.FINE_INTERVAL if index <= prediction.FINE else prediction.COARSE_INTERVAL
         sweep = 0.5 * forecast[index, prediction.FSPEED] * interval if index > 0 else 0.0
-        low, high, along_path = standing_on(
-            path, spacing,
-            forecast[index, prediction.FX], forecast[index, prediction.FY],
-            forecast[index, prediction.FCOS], forecast[index, prediction.FSIN],
-            row[prediction.HALF_LENGTH], row[prediction.HALF_WIDTH], sweep, margin,
+        # Beside the path: the rectangle's extent across it, and how far the path bends within the rectangle's length.
+        along = abs(path[place, COS] * cosine + path[place, SIN] * sine)
+        across = abs(path[place, COS] * sine - path[place, SIN] * cosine)
+        extent = half_width * along + (half_length + sweep) * across + path[place, HALF] + margin
+        if distance > extent + _SLACK + 0.5 * path[place, BEND] * (half_length + 2.0) * (half_length + 2.0):
+            continue
+        low, high, along_path = _cover(
+            path, spacing, place, x, y, cosine, sine, half_length, half_width, sweep, margin
         )  # fmt: skip
         out[index, LOW], out[index, HIGH] = low, high
         if begin < 0 and high > low:
             begin, parallel = index, along_path
+            if begin == 0 and parallel > SAME_WAY:
+                last = 0
     return begin, parallel

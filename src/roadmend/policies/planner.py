@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from roadmend.core.jit import compiled
 from roadmend.policies import agents as who
-from roadmend.policies import following, prediction, rollout
+from roadmend.policies import following, prediction, road, rollout
 from roadmend.policies import path as way
 
 Floats = NDArray[np.float64]
@@ -16,6 +16,7 @@ Record = NDArray[np.void]
 # Caps tried in turn when the plan meets somebody [m/s2]; the positive one is to clear the conflict by speeding up.
 _EVASIONS = (-1.0, -2.0, -3.0, 3.0, -4.5, -6.0, -8.0)
 _REAR_END = 0.25  # share of the ego's length: who hits it further back than this has run into it from behind
+_ENTERED = 1.0  # [m] behind a line from which the front is inside
 _HURRY = 3.0  # [m/s2] deceleration beyond which jerk is not limited
 _RELEASE = 10.0  # [m/s3] limit of the jerk toward braking
 
@@ -32,7 +33,13 @@ def _first_contact(
         if agents[index, who.ROLE] < who.ENTERING or agents[index, who.TRUSTED] > 0.0:
             continue
         ego_index, other_index = rollout.contact(
-            plan, occupancies[index], 0.0, margin, half + p.front_margin, half + 0.3
+            plan,
+            occupancies[index],
+            int(agents[index, who.BEGIN]),
+            0.0,
+            margin,
+            half + agents[index, who.CLEARANCE],
+            half + 0.3,
         )
         if not 0 <= ego_index < first:
             continue
@@ -45,10 +52,21 @@ def _first_contact(
 
 
 @compiled
+def _inside_zone(zones: Floats, memory: Record, half: float) -> bool:
+    """Whether the ego's front has entered a conflict zone that its rear has not left: no place to stand."""
+    for index in range(zones.shape[0]):
+        begin = who.zone_begin(zones, index, memory)
+        end = begin + zones[index, road.END] - zones[index, road.BEGIN]
+        if begin < math.inf and begin - half < -_ENTERED and end > -half:
+            return True
+    return False
+
+
+@compiled
 def plan_motion(
     path: Floats, spacing: float, parameters: Record, memory: Record, agents: Floats, forecasts: Floats,
     occupancies: Floats, lead: int, gap: float, braking: float, most: float, cap: float, line: float,
-    speed: float, half: float, plan: Floats,
+    speed: float, half: float, zones: Floats, plan: Floats,
 ) -> tuple[float, bool]:  # fmt: skip
     """Fill ``plan`` (TIMES, 2) with the best motion; returns its first acceleration [m/s2] and whether it evades.
 
@@ -62,11 +80,12 @@ def plan_motion(
         m.evading = 0.0
         return asked, False
     other = np.empty_like(plan)
+    inside = line == math.inf or _inside_zone(zones, memory, half)
     best_asked, slowest = asked, math.inf
     for choice in range(len(_EVASIONS)):
         limit = _EVASIONS[choice]
         if limit > 0.0:
-            if line < math.inf:
+            if not inside:
                 continue
             tried = rollout.roll(
                 path, spacing, parameters, speed, limit, limit, math.inf, forecasts, lead, gap, braking, other

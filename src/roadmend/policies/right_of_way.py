@@ -51,7 +51,13 @@ def _conflict(
         if agents[index, who.ZONE] != zone or agents[index, who.ROLE] < who.ENTERING:
             continue
         ego_index, other_index = rollout.contact(
-            plan, occupancies[index], p.gap_before * share, p.gap_after * share, half + p.front_margin, half + 0.3
+            plan,
+            occupancies[index],
+            int(agents[index, who.BEGIN]),
+            p.gap_before * share,
+            p.gap_after * share,
+            half + agents[index, who.CLEARANCE],
+            half + 0.3,
         )
         if ego_index >= 0:
             nearest = min(nearest, occupancies[index, other_index, way.LOW])

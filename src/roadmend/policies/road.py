@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from roadmend.core.geometry import wrap_angle
 from roadmend.core.jit import compiled
 from roadmend.core.route import Route, Stage
 from roadmend.policies.parameters import ModularParameters
@@ -17,7 +16,7 @@ SPACING = 1.0  # [m] between the samples of a stage
 _CURVE_REACH = 2  # samples to either side over which curvature is measured
 
 # Columns of Road.samples
-X, Y, YAW, CURVATURE, SPEED = range(5)  # [m], [m], [rad], [1/m], [m/s]
+X, Y, COS, SIN, CURVATURE, SPEED = range(6)  # [m], [m], heading, heading, [1/m], [m/s]
 # Columns of Road.stages
 FIRST, COUNT, LENGTH, WINDOW_BEGIN, WINDOW_END = range(5)  # sample, samples, [m], [m], [m]
 # Columns of Road.zones
@@ -51,7 +50,7 @@ class Road:
 
 def _sample(stage: Stage, parameters: ModularParameters) -> Floats:
     count = max(2, math.ceil(stage.length / SPACING) + 1)
-    table = np.empty((count, 5))
+    table = np.empty((count, 6))
     _fill_shape(table, stage.x, stage.y, stage.s)
     segments = np.clip(np.searchsorted(stage.s, np.arange(count) * SPACING, side="right") - 1, 0, len(stage.s) - 1)
     _fill_speed(table, stage.speed_limit[segments], parameters.lateral_acceleration, parameters.deceleration)
@@ -68,8 +67,9 @@ def _fill_shape(table: Floats, x: Floats, y: Floats, s: Floats) -> None:
     table[-1, X] += beyond * (x[-1] - x[-2]) / before
     table[-1, Y] += beyond * (y[-1] - y[-2]) / before
     dx, dy = np.gradient(table[:, X]), np.gradient(table[:, Y])
-    table[:, YAW] = np.arctan2(dy, dx)
-    turned = np.unwrap(table[:, YAW])
+    headings = np.arctan2(dy, dx)
+    table[:, COS], table[:, SIN] = np.cos(headings), np.sin(headings)
+    turned = np.unwrap(headings)
     low, high = np.maximum(np.arange(count) - _CURVE_REACH, 0), np.minimum(np.arange(count) + _CURVE_REACH, count - 1)
     table[:, CURVATURE] = (turned[high] - turned[low]) / ((high - low) * SPACING)
 
@@ -83,8 +83,10 @@ def _fill_speed(table: Floats, limit: Floats, lateral: float, deceleration: floa
 
 
 @compiled
-def pose_on(samples: Floats, first: int, count: int, position: float) -> tuple[float, float, float, float, float]:
-    """x, y [m], heading [rad], curvature [1/m] and speed [m/s] at an arc length; beyond the ends straight on."""
+def pose_on(
+    samples: Floats, first: int, count: int, position: float
+) -> tuple[float, float, float, float, float, float]:
+    """x, y [m], cosine and sine of the heading, curvature [1/m] and speed [m/s] at an arc length; beyond the ends straight on."""
     place = position / SPACING
     index = min(max(math.floor(place), 0), count - 2)
     share = place - index
@@ -92,9 +94,12 @@ def pose_on(samples: Floats, first: int, count: int, position: float) -> tuple[f
     inside = min(max(share, 0.0), 1.0)
     x = samples[row, X] + share * (samples[row + 1, X] - samples[row, X])
     y = samples[row, Y] + share * (samples[row + 1, Y] - samples[row, Y])
-    yaw = samples[row, YAW] + inside * wrap_angle(samples[row + 1, YAW] - samples[row, YAW])
+    cosine = samples[row, COS] + inside * (samples[row + 1, COS] - samples[row, COS])
+    sine = samples[row, SIN] + inside * (samples[row + 1, SIN] - samples[row, SIN])
+    scale = 1.0 / math.sqrt(cosine * cosine + sine * sine)
     curvature = samples[row, CURVATURE] + inside * (samples[row + 1, CURVATURE] - samples[row, CURVATURE])
-    return x, y, yaw, curvature, samples[row, SPEED] + inside * (samples[row + 1, SPEED] - samples[row, SPEED])
+    speed = samples[row, SPEED] + inside * (samples[row + 1, SPEED] - samples[row, SPEED])
+    return x, y, cosine * scale, sine * scale, curvature, speed
 
 
 @compiled

@@ -47,10 +47,12 @@ def roll(
 
 
 @compiled
-def contact(plan: Floats, occupancy: Floats, before: float, after: float, front: float, rear: float) -> tuple[int, int]:
+def contact(
+    plan: Floats, occupancy: Floats, first: int, before: float, after: float, front: float, rear: float
+) -> tuple[int, int]:
     """First index in time at which a plan meets an object, and the object's index in time there; -1, -1 if never.
 
-    The object counts from ``after`` [s] later back to ``before`` [s] earlier than the ego is there. ``front`` and
+    The object is on the path from index ``first`` on and counts from ``after`` [s] later back to ``before`` [s] earlier than the ego is there. ``front`` and
     ``rear`` [m] are how far the ego and its clearance reach from its centre.
     """
     for index in range(prediction.TIMES):
@@ -59,7 +61,7 @@ def contact(plan: Floats, occupancy: Floats, before: float, after: float, front:
         high = plan[index, AHEAD] + front
         begin = prediction.index_before(max(0.0, time - before) + 1e-9)
         end = prediction.index_before(time + after + 1e-9)
-        for other in range(begin, end + 1):
+        for other in range(max(begin, first), end + 1):
             if occupancy[other, way.LOW] < high and occupancy[other, way.HIGH] > low:
                 return index, other
     return -1, -1
