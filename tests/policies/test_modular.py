@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from .proving_ground import TICK, Body, drive, road, scene_at, straight, two_lanes, walker, zone
 
 from roadmend.core.command import Decision
 from roadmend.core.route import RightOfWay, Route
 from roadmend.core.scene import Signal
 from roadmend.policies.modular import ModularPolicy
+
+from .proving_ground import TICK, Body, drive, road, scene_at, straight, two_lanes, walker, zone
 
 NORTH, SOUTH = 0.5 * math.pi, -0.5 * math.pi
 

@@ -78,7 +78,7 @@ def _drive(
     )  # fmt: skip
     if evades:
         word = behaviour.EVADE
-    wanted = planner.smooth(parameters, memory, asked, interval)
+    wanted = planner.smooth(parameters, memory, asked, speed, interval)
     throttle, brake = controller.control(parameters, memory, wanted, speed, interval)
     planner.write_trajectory(path, spacing, plan, trajectory)
     return throttle, brake, change, word

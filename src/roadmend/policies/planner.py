@@ -18,7 +18,9 @@ _EVASIONS = (-1.0, -2.0, -3.0, 3.0, -4.5, -6.0, -8.0)
 _REAR_END = 0.25  # share of the ego's length: who hits it further back than this has run into it from behind
 _ENTERED = 1.0  # [m] behind a line from which the front is inside
 _HURRY = 3.0  # [m/s2] deceleration beyond which jerk is not limited
-_RELEASE = 10.0  # [m/s3] limit of the jerk toward braking
+_APPLYING = 10.0  # [m/s3] limit of the jerk toward braking
+_LETTING_GO = 20.0  # [m/s3] and of the jerk out of it
+_STANDING = 0.1  # [m/s]
 
 
 @compiled
@@ -108,12 +110,16 @@ def plan_motion(
 
 
 @compiled
-def smooth(parameters: Record, memory: Record, asked: float, interval: float) -> float:
-    """Limit the jerk of the wanted acceleration [m/s2] outside emergencies."""
+def smooth(parameters: Record, memory: Record, asked: float, speed: float, interval: float) -> float:
+    """Limit the jerk of the wanted acceleration [m/s2] outside emergencies.
+
+    Brakes are let go of faster than they are applied.
+    """
     p, m = parameters[0], memory[0]
-    result = min(asked, m.wanted + p.jerk * interval)
+    before = max(m.wanted, 0.0) if speed < _STANDING else m.wanted
+    result = min(asked, before + (_LETTING_GO if before < 0.0 else p.jerk) * interval)
     if asked > -_HURRY:
-        result = max(result, min(m.wanted, 0.0) - _RELEASE * interval)
+        result = max(result, min(before, 0.0) - _APPLYING * interval)
     result = max(result, -following.HARDEST)
     m.wanted = result
     return float(result)
