@@ -93,17 +93,20 @@ def start_run(path, bags, *more):
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
+def parent_of(pid):
+    return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1])
+
+
 def node_process(run, node):
-    """The process of one node of a run: the child of the launcher that writes the node's log."""
+    """The process of one node of a run: the grandchild of the launcher that writes the node's log."""
     for _ in range(200):
         for folder in Path("/proc").glob("[0-9]*"):
             try:
-                parent = int((folder / "stat").read_text().rpartition(")")[2].split()[1])
                 log = Path(os.readlink(folder / "fd" / "1")).name
+                if log == f"{node}.log" and parent_of(parent_of(folder.name)) == run.pid:
+                    return int(folder.name)
             except (OSError, ValueError, IndexError):
                 continue
-            if parent == run.pid and log == f"{node}.log":
-                return int(folder.name)
         time.sleep(0.05)
     pytest.fail(f"no process of {node}")
 

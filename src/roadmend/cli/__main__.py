@@ -4,4 +4,5 @@ import sys
 
 from roadmend.cli.main import main
 
-sys.exit(main())
+if __name__ == "__main__":  # the forked nodes import this module under another name
+    sys.exit(main())

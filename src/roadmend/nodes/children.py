@@ -1,16 +1,23 @@
-"""Node processes: started in their own session, watched, restarted, and gone when the launcher is."""
+"""Node processes: forked from a server that has everything imported, watched, restarted, gone with the launcher."""
 
 import ctypes
+import importlib
+import multiprocessing
 import os
 import signal
-import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 _DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of prctl(2)
+_context = multiprocessing.get_context("forkserver")
+# Imports are most of a node's start. The server does them once; each node, and each restart, is then a fork away.
+_context.set_forkserver_preload(
+    [f"roadmend.nodes.{node}" for node in ("sim", "policy", "repair", "recorder", "viz")]
+)
 
 
 @dataclass
@@ -18,32 +25,32 @@ class Child:
     """One node process and its log file."""
 
     name: str
-    command: Sequence[str]
+    module: str
+    arguments: Sequence[str]
+    environment: Mapping[str, str]
     log: Path
     may_restart: bool
     restarts: int = 0
-    process: subprocess.Popen[bytes] | None = None
-    started_at: float = field(default=0.0)
+    process: BaseProcess | None = field(default=None)
 
     def start(self) -> None:
         """Start the process; what it prints goes to its log."""
-        with self.log.open("ab") as log:
-            self.process = subprocess.Popen(
-                self.command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, start_new_session=True,
-                preexec_fn=_die_with_parent if sys.platform == "linux" else None,  # noqa: PLW1509 - no threads here
-                env=os.environ | {"PYTHONUNBUFFERED": "1"},
-            )  # fmt: skip
-        self.started_at = time.monotonic()
+        self.process = _context.Process(
+            target=_become_node,
+            args=(self.module, [self.name, *self.arguments], dict(self.environment), str(self.log)),
+            name=self.name,
+        )
+        self.process.start()
 
     @property
     def exit_code(self) -> int | None:
-        """The exit code, or None while the process runs."""
-        return None if self.process is None else self.process.poll()
+        """The exit code (minus the signal where one ended it), or None while the process runs."""
+        return None if self.process is None else self.process.exitcode
 
     def interrupt(self) -> None:
         """Ask the process to stop."""
-        if self.process is not None and self.process.poll() is None:
-            self.process.send_signal(signal.SIGINT)
+        if self.process is not None and self.process.pid is not None and self.process.exitcode is None:
+            os.kill(self.process.pid, signal.SIGINT)
 
     def last_words(self) -> str:
         """The last line that the process printed for people."""
@@ -62,13 +69,20 @@ def stop(children: Sequence[Child], deadline: float) -> None:
     for child in children:
         if child.process is None:
             continue
-        try:
-            child.process.wait(max(0.05, deadline - time.monotonic()))
-        except subprocess.TimeoutExpired:
+        child.process.join(max(0.05, deadline - time.monotonic()))
+        if child.process.exitcode is None:
             child.process.kill()
-            child.process.wait()
+            child.process.join()
 
 
-def _die_with_parent() -> None:
-    """Runs in the child before it becomes the node: no orphans when the launcher is killed."""
-    ctypes.CDLL(None).prctl(_DEATH_SIGNAL, signal.SIGTERM)
+def _become_node(module: str, arguments: list[str], environment: dict[str, str], log: str) -> None:
+    """Runs in the child: a session, an output and an environment of its own, then the node's main."""
+    os.setsid()
+    if sys.platform == "linux":
+        # The server goes when the launcher goes, however that ends, and takes the nodes with it.
+        ctypes.CDLL(None).prctl(_DEATH_SIGNAL, signal.SIGTERM)
+    with Path(log).open("ab", buffering=0) as file:
+        os.dup2(file.fileno(), 1)
+        os.dup2(file.fileno(), 2)
+    os.environ.update(environment)
+    sys.exit(importlib.import_module(module).main(arguments))

@@ -96,20 +96,16 @@ def run_graph(options: GraphOptions, report: Callable[[str, float], None] = lamb
     if options.record and bag.exists():
         raise InputError(str(bag), "exists already", "choose another --name or remove it")
     with own_domain() as domain, tempfile.TemporaryDirectory(prefix="roadmend-run-") as folder, _signals() as stopped:
-        os.environ["ROS_DOMAIN_ID"], before = str(domain), os.environ.get("ROS_DOMAIN_ID")
-        os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        try:
-            return _Run(options, bag, Path(folder), report).supervise(stopped)
-        finally:
-            if before is None:
-                del os.environ["ROS_DOMAIN_ID"]
-            else:
-                os.environ["ROS_DOMAIN_ID"] = before
+        return _Run(options, bag, Path(folder), domain, report).supervise(stopped)
 
 
 class _Run:
-    def __init__(self, options: GraphOptions, bag: Path, folder: Path, report: Callable[[str, float], None]) -> None:
+    def __init__(
+        self, options: GraphOptions, bag: Path, folder: Path, domain: int, report: Callable[[str, float], None]
+    ) -> None:
         self._options = options
+        reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        self._environment = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": reach}
         self._bag = bag
         self._folder = folder
         self._report = report
@@ -142,15 +138,14 @@ class _Run:
         arguments: list[str] = []
         for name, value in parameters.items():
             arguments += ["-p", f"{name}:={_as_yaml(value)}"]
-        command = [
-            sys.executable,
-            "-m",
+        return Child(
+            f"{node}_node",
             f"roadmend.nodes.{node}",
-            "--ros-args",
-            *arguments,
-            *self._options.ros_arguments,
-        ]
-        return Child(f"{node}_node", command, self._folder / f"{node}.log", may_restart)
+            ["--ros-args", *arguments, *self._options.ros_arguments],
+            self._environment,
+            self._folder / f"{node}.log",
+            may_restart,
+        )
 
     def _provenance(self) -> dict[str, str]:
         options = self._options

@@ -1,6 +1,7 @@
 """Start, spin and stop a node: the part that is the same for every node process."""
 
 import contextlib
+import gc
 import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -65,6 +66,10 @@ def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> 
             return 1
         finally:
             rclpy.try_shutdown()
+            # Say goodbye to DDS now: a forked process ends without the interpreter's own clean-up, and whoever is not
+            # told waits for a node that has gone.
+            rclpy.get_default_context().destroy()
+            gc.collect()
 
 
 def _run(factory: Callable[[], Node], stop: StopFlag) -> int:

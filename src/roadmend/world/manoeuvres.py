@@ -6,11 +6,14 @@ from dataclasses import dataclass
 import libsumo
 
 from roadmend.world.scenario import Brake, CutIn, Manoeuvre, Scenario, Vehicle
+from roadmend.world.traffic_file import EGO
 
 _SPEED_MODE_NORMAL = 31
-_SPEED_MODE_NO_RIGHT_OF_WAY = 31 - 8  # gives way to nobody who is not in the junction yet
+_SPEED_MODE_NO_RIGHT_OF_WAY = 31 - 8 - 16  # gives way to nobody who is not in the junction yet, sees no red light
+_RUN_ACCELERATION = 4.0  # [m/s2] of a driver in haste
 _LANE_CHANGE_FORCED = 0  # SUMO obeys the request whatever is in the way
 _LANE_CHANGE_NORMAL = 1621
+_SAME_LANE = 1.6  # [m] half a lane
 _CUT_IN_TIME = 3.0  # [s] that a cut-in keeps its lane
 
 
@@ -33,28 +36,30 @@ class ManoeuvreScript:
         ]
         self._running: list[_Running] = []
 
-    def step(self, time: float, ego_x: float, ego_y: float, present: frozenset[str] | set[str]) -> None:
-        """Start what is due at ``time`` [s] with the ego at a point [m], end what is over."""
+    def step(self, time: float, ego: tuple[float, float, float], present: set[str]) -> None:
+        """Start what is due at ``time`` [s] with the ego at a pose ([m], [m], [rad]), end what is over."""
         if self._running:
             self._end(time, present)
         if not self._waiting:
             return
         still = []
         for vehicle, manoeuvre in self._waiting:
-            if vehicle in present and self._due(time, ego_x, ego_y, vehicle, manoeuvre):
+            if vehicle in present and self._due(time, ego, vehicle, manoeuvre):
                 self._running.append(_Running(time + _start(vehicle, manoeuvre), vehicle, manoeuvre))
             else:
                 still.append((vehicle, manoeuvre))
         self._waiting = still
 
     @staticmethod
-    def _due(time: float, ego_x: float, ego_y: float, vehicle: str, manoeuvre: Manoeuvre) -> bool:
+    def _due(time: float, ego: tuple[float, float, float], vehicle: str, manoeuvre: Manoeuvre) -> bool:
         if manoeuvre.when.time is not None:
             return time >= manoeuvre.when.time
         x, y = libsumo.vehicle.getPosition(vehicle)
-        return math.hypot(x - ego_x, y - ego_y) <= (manoeuvre.when.ego_distance or 0.0)
+        dx, dy = x - ego[0], y - ego[1]
+        ahead = math.cos(ego[2]) * dx + math.sin(ego[2]) * dy > 0.0
+        return ahead and math.hypot(dx, dy) <= (manoeuvre.when.ego_distance or 0.0)
 
-    def _end(self, time: float, present: frozenset[str] | set[str]) -> None:
+    def _end(self, time: float, present: set[str]) -> None:
         still = []
         for running in self._running:
             if running.vehicle not in present:
@@ -68,7 +73,20 @@ class ManoeuvreScript:
                 libsumo.vehicle.setLaneChangeMode(running.vehicle, _LANE_CHANGE_NORMAL)
             else:
                 libsumo.vehicle.setSpeedMode(running.vehicle, _SPEED_MODE_NORMAL)
+                factor = libsumo.vehicle.getSpeedFactor(running.vehicle) / running.manoeuvre.haste
+                libsumo.vehicle.setSpeedFactor(running.vehicle, factor)
         self._running = still
+
+
+def _sideways(vehicle: str, manoeuvre: CutIn) -> int:
+    """Lanes to move to the left."""
+    if manoeuvre.direction != "ego":
+        return 1 if manoeuvre.direction == "left" else -1
+    heading = math.radians(90.0 - libsumo.vehicle.getAngle(vehicle))
+    x, y = libsumo.vehicle.getPosition(vehicle)
+    ego_x, ego_y = libsumo.vehicle.getPosition(EGO)
+    offset = math.cos(heading) * (ego_y - y) - math.sin(heading) * (ego_x - x)  # [m] of the ego to the left
+    return 0 if abs(offset) < _SAME_LANE else 1 if offset > 0.0 else -1
 
 
 def _start(vehicle: str, manoeuvre: Manoeuvre) -> float:
@@ -79,11 +97,13 @@ def _start(vehicle: str, manoeuvre: Manoeuvre) -> float:
         libsumo.vehicle.slowDown(vehicle, min(speed, manoeuvre.speed), duration)
         return float(duration + manoeuvre.hold)
     if isinstance(manoeuvre, CutIn):
-        lane = libsumo.vehicle.getLaneIndex(vehicle) + (1 if manoeuvre.direction == "left" else -1)
-        edge = libsumo.vehicle.getRoadID(vehicle)
-        if 0 <= lane < libsumo.edge.getLaneNumber(edge):
+        here, edge = libsumo.vehicle.getLaneIndex(vehicle), libsumo.vehicle.getRoadID(vehicle)
+        lane = here + _sideways(vehicle, manoeuvre)
+        if lane != here and 0 <= lane < libsumo.edge.getLaneNumber(edge):
             libsumo.vehicle.setLaneChangeMode(vehicle, _LANE_CHANGE_FORCED)
             libsumo.vehicle.changeLane(vehicle, lane, _CUT_IN_TIME)
         return _CUT_IN_TIME
     libsumo.vehicle.setSpeedMode(vehicle, _SPEED_MODE_NO_RIGHT_OF_WAY)
+    libsumo.vehicle.setSpeedFactor(vehicle, libsumo.vehicle.getSpeedFactor(vehicle) * manoeuvre.haste)
+    libsumo.vehicle.setAccel(vehicle, max(_RUN_ACCELERATION, libsumo.vehicle.getAccel(vehicle)))
     return manoeuvre.hold

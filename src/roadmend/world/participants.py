@@ -46,6 +46,7 @@ class Observation:
     """Everybody at one tick."""
 
     objects: ObjectList  # those within the sensing range
+    everybody: ObjectList  # in the order of ``names``
     names: tuple[str, ...]  # SUMO's names, in the order of ``distances``
     distances: Floats  # [m] of every participant's outline to the ego's; exact below NEAR
 
@@ -99,11 +100,12 @@ class Participants:
         self._yaw = yaw
         distances = outline_distances(ego.x, ego.y, ego.yaw, ego.length, ego.width, x, y, yaw, length, width, NEAR)
         objects = ObjectList(number, kind, x, y, yaw, raw[:, 3].copy(), raw[:, 4].copy(), turn, length, width)
+        seen = objects
         if math.isfinite(self._range):
             near = np.hypot(x - ego.x, y - ego.y) <= self._range
             if not near.all():
-                objects = objects.select(near)
-        return Observation(objects, self._names, distances)
+                seen = objects.select(near)
+        return Observation(seen, objects, self._names, distances)
 
     def _renew(self, names: tuple[str, ...]) -> None:
         """Somebody came or went: look up the newcomers and carry the rest over."""

@@ -106,7 +106,7 @@ class Ego(Model):
 
 
 class Trigger(Model):
-    """When a manoeuvre begins: at a time, or when the ego comes near. Exactly one of the two."""
+    """When a manoeuvre begins: at a time, or when the ego comes near from behind. Exactly one of the two."""
 
     time: Seconds | None = Field(default=None, description="[s] since the start of the episode")
     ego_distance: Metres | None = Field(default=None, description="[m] between the centres")
@@ -133,14 +133,15 @@ class CutIn(Model):
 
     action: Literal["cut_in"] = "cut_in"
     when: Trigger
-    direction: Literal["left", "right"]
+    direction: Literal["left", "right", "ego"] = Field(description="ego: towards the ego's lane")
 
 
 class RunRightOfWay(Model):
-    """Drive on at junctions as if nobody else were there."""
+    """Drive on at junctions, red lights too, as if nobody else were there."""
 
     action: Literal["run"] = "run"
     when: Trigger
+    haste: float = Field(default=1.0, ge=0.5, le=2.0, description="factor on the driver's wanted speed meanwhile")
     hold: Seconds = Field(default=10.0, description="[s] how long")
 
 

@@ -19,6 +19,7 @@ from roadmend.core.errors import InputError, SimulationError
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, Scene, Signal
+from roadmend.world.courtesy import Courtesy
 from roadmend.world.ego import LongitudinalDynamics, RouteFollower, VehicleParameters
 from roadmend.world.joining import join_traffic
 from roadmend.world.manoeuvres import ManoeuvreScript
@@ -90,6 +91,7 @@ class Simulation:
         self._participants = Participants(
             EGO, INTERVAL, environment.effective_range if limited else math.inf, with_persons=with_persons
         )
+        self._courtesy = Courtesy()
         self._script = ManoeuvreScript(scenario)
         self._dynamics = LongitudinalDynamics(VehicleParameters(), environment.effective_friction, scenario.ego.speed)
         self._follower = RouteFollower(built.route, built.start_position)
@@ -139,7 +141,8 @@ class Simulation:
             events = (Event(self._tick * INTERVAL, EventKind.CHANGE_LANE, f"to stage {follower.stage + 1}"),)
         follower.advance(dynamics.step(command, INTERVAL, follower.curvature))
         self._tick += 1
-        self._script.step(self._tick * INTERVAL, follower.x, follower.y, set(self._participants.present))
+        pose = (follower.x, follower.y, follower.yaw)
+        self._script.step(self._tick * INTERVAL, pose, set(self._participants.present))
         self._step_sumo()
         return self._observe(events)
 
@@ -171,6 +174,7 @@ class Simulation:
             scenario.ego.width,
         )
         seen = self._participants.observe(ego)
+        self._courtesy.step(ego, seen.names, seen.everybody)
         nearest = float(seen.distances.min()) if len(seen.distances) else math.inf
         names = self._hit(seen, ego.speed) if nearest <= 0.0 else ()
         if names:

@@ -16,6 +16,7 @@ from roadmend.world.space import Choice, Dimension, Parameters, Uniform, Whole
 
 VEHICLES = 28  # slots
 _KIND = Choice({"car": 0.66, "truck": 0.2, "bus": 0.04, "motorcycle": 0.1})
+_MANOEUVRES = {"none": 0.52, "brake": 0.14, "cut_in": 0.17, "swoop": 0.17}
 _COUNTS = {"light": (3, 8), "medium": (9, 16), "dense": (17, VEHICLES)}
 
 
@@ -28,7 +29,7 @@ def _vehicle_slot(slot: str) -> dict[str, Dimension]:
         f"{slot}.speed": Uniform(0.65, 1.05),
         f"{slot}.side": Uniform(0.0, 1.0),
     }
-    return dimensions | slot_manoeuvre(slot, {"none": 0.7, "brake": 0.1, "cut_in_left": 0.1, "cut_in_right": 0.1})
+    return dimensions | slot_manoeuvre(slot, _MANOEUVRES)
 
 
 _SHARED: dict[str, Dimension] = {

@@ -34,7 +34,7 @@ def _vehicle_slot(slot: str) -> dict[str, Dimension]:
         f"{slot}.arrival": Uniform(0.5, 22.0),
         f"{slot}.speed": Uniform(0.6, 1.1),
     }
-    return dimensions | slot_manoeuvre(slot, {"none": 0.78, "brake": 0.1, "run": 0.12})
+    return dimensions | slot_manoeuvre(slot, {"none": 0.62, "brake": 0.1, "run": 0.28})
 
 
 def _pedestrian_slot(slot: str) -> dict[str, Dimension]:
@@ -61,8 +61,8 @@ SPACE: dict[str, Dimension] = {
     "crossings": Choice({True: 0.5, False: 0.5}),
     "density": Choice({"light": 0.3, "medium": 0.4, "dense": 0.3}),
     "fill": Uniform(0.0, 1.0),
-    "ego_distance": Uniform(45.0, 90.0),
-    "ego_speed": Uniform(0.4, 0.9),
+    "ego_distance": Uniform(30.0, 90.0),
+    "ego_speed": Uniform(0.5, 1.0),
     "ego_lane": Whole(0, 1),
     **WEATHER,
     **{key: value for index in range(VEHICLES) for key, value in _vehicle_slot(f"v{index}").items()},

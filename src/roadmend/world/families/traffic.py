@@ -8,20 +8,21 @@ from roadmend.world.scenario import Brake, CutIn, Environment, Manoeuvre, RunRig
 from roadmend.world.space import Choice, Dimension, Parameters, Uniform
 
 WEATHER: dict[str, Dimension] = {
-    "weather": Choice({"clear": 0.45, "cloudy": 0.1, "overcast": 0.1, "rainy": 0.2, "foggy": 0.1, "snowy": 0.05}),
-    "time_of_day": Choice({"daytime": 0.75, "nighttime": 0.25}),
+    "weather": Choice({"clear": 0.3, "cloudy": 0.1, "overcast": 0.1, "rainy": 0.22, "foggy": 0.14, "snowy": 0.14}),
+    "time_of_day": Choice({"daytime": 0.65, "nighttime": 0.35}),
 }
-DRIVER = Choice({"careful": 0.2, "normal": 0.45, "aggressive": 0.25, "reckless": 0.1})
+DRIVER = Choice({"careful": 0.15, "normal": 0.35, "aggressive": 0.3, "reckless": 0.2})
 
 
 def slot_manoeuvre(slot: str, weights: dict[str, float]) -> dict[str, Dimension]:
     """Dimensions of a slot's manoeuvre."""
     return {
         f"{slot}.manoeuvre": Choice(dict(weights.items())),
-        f"{slot}.cue": Choice({"time": 0.4, "ego": 0.6}),
+        f"{slot}.cue": Choice({"time": 0.2, "ego": 0.8}),
         f"{slot}.when": Uniform(0.5, 10.0),
-        f"{slot}.near": Uniform(8.0, 40.0),
+        f"{slot}.near": Uniform(6.0, 26.0),
         f"{slot}.strength": Uniform(3.0, 8.0),
+        f"{slot}.haste": Uniform(1.0, 1.7),
     }
 
 
@@ -36,12 +37,13 @@ def manoeuvres(parameters: Parameters, slot: str) -> list[Manoeuvre]:
     match parameters[f"{slot}.manoeuvre"]:
         case "brake":
             return [Brake(when=trigger, deceleration=float(parameters[f"{slot}.strength"]), speed=1.0, hold=2.0)]
-        case "cut_in_left":
-            return [CutIn(when=trigger, direction="left")]
-        case "cut_in_right":
-            return [CutIn(when=trigger, direction="right")]
+        case "cut_in":
+            return [CutIn(when=trigger, direction="ego")]
+        case "swoop":
+            braking = Brake(when=trigger, deceleration=float(parameters[f"{slot}.strength"]), speed=4.0, hold=1.5)
+            return [CutIn(when=trigger, direction="ego"), braking]
         case "run":
-            return [RunRightOfWay(when=trigger, hold=15.0)]
+            return [RunRightOfWay(when=trigger, hold=15.0, haste=float(parameters[f"{slot}.haste"]))]
         case _:
             return []
 
