@@ -14,7 +14,7 @@ Record = NDArray[np.void]
 POINTS = 100
 BEHIND = 3.0  # [m] of the path behind the ego's centre
 _AHEAD_MIN = 70.0  # [m]
-_LOOK_AROUND = 5  # every so many points in time the whole path is searched for the place nearest to an object
+_LOOK_AROUND = 9  # every so many points in time the whole path is searched for the place nearest to an object
 SAME_WAY = 0.5  # cosine between headings from which two go the same way
 _SLACK = 0.3  # [m] by which a look at the nearest place alone may be wrong
 _AHEAD_TIME = 6.0  # [s] of driving that the path covers
@@ -147,6 +147,22 @@ def _nearest(path: Floats, spacing: float, x: float, y: float, hint: int, everyw
 
 
 @compiled
+def _is_covered(
+    path: Floats, index: int, x: float, y: float, cosine: float, sine: float,
+    half_length: float, half_width: float, sweep: float, margin: float,
+) -> bool:  # fmt: skip
+    """Whether the ego's width at a point of the path meets a rectangle, lengthened by ``sweep`` if it crosses."""
+    dx, dy = path[index, X] - x, path[index, Y] - y
+    parallel = abs(path[index, COS] * cosine + path[index, SIN] * sine)
+    crossing = abs(path[index, COS] * sine - path[index, SIN] * cosine)
+    half = path[index, HALF] + margin
+    extent = half_length + half * crossing + (sweep if crossing > 0.5 else 0.0)
+    if abs(dx * cosine + dy * sine) >= extent:
+        return False
+    return bool(abs(dy * cosine - dx * sine) < half_width + half * parallel)
+
+
+@compiled
 def _cover(
     path: Floats, spacing: float, place: int, x: float, y: float, cosine: float, sine: float,
     half_length: float, half_width: float, sweep: float, margin: float,
@@ -156,22 +172,23 @@ def _cover(
     ``sweep`` [m] lengthens rectangles that cross the path at both ends, so that samples in time leave no holes.
     Returns inf, -inf and 0 where the rectangle keeps clear.
     """
-    low, high, along_path = math.inf, -math.inf, 0.0
-    around = int((half_length + sweep + half_width + 2.0 + margin) / spacing) + 1
-    for index in range(max(0, place - around), min(POINTS, place + around + 1)):
-        dx, dy = path[index, X] - x, path[index, Y] - y
-        parallel = path[index, COS] * cosine + path[index, SIN] * sine
-        crossing = abs(path[index, COS] * sine - path[index, SIN] * cosine)
-        half = path[index, HALF] + margin
-        extent = half_length + half * crossing + (sweep if crossing > 0.5 else 0.0)
-        if abs(dx * cosine + dy * sine) < extent and abs(dy * cosine - dx * sine) < half_width + half * abs(parallel):
-            ahead = index * spacing - BEHIND
-            if high < low:
-                low, along_path = ahead - 0.5 * spacing, parallel
-            high = ahead + 0.5 * spacing
-        elif high > low:
-            break
-    return low, high, along_path
+    shape = (x, y, cosine, sine, half_length, half_width, sweep, margin)
+    first = place
+    if not _is_covered(path, place, *shape):
+        # Not where it is nearest: perhaps with a corner, where the path bends.
+        around = int((half_length + sweep + half_width + 2.0 + margin) / spacing) + 1
+        first, end = max(0, place - around), min(POINTS, place + around + 1)
+        while first < end and not _is_covered(path, first, *shape):
+            first += 1
+        if first == end:
+            return math.inf, -math.inf, 0.0
+    last = first
+    while first > 0 and _is_covered(path, first - 1, *shape):
+        first -= 1
+    while last + 1 < POINTS and _is_covered(path, last + 1, *shape):
+        last += 1
+    parallel = path[first, COS] * cosine + path[first, SIN] * sine
+    return (first - 0.5) * spacing - BEHIND, (last + 0.5) * spacing - BEHIND, parallel
 
 
 @compiled
