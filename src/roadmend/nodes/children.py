@@ -1,23 +1,21 @@
 """Node processes: forked from a server that has everything imported, watched, restarted, gone with the launcher."""
 
-import ctypes
 import importlib
 import multiprocessing
 import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from multiprocessing import connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
-_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of prctl(2)
 _context = multiprocessing.get_context("forkserver")
 # Imports are most of a node's start. The server does them once; each node, and each restart, is then a fork away.
-_context.set_forkserver_preload(
-    [f"roadmend.nodes.{node}" for node in ("sim", "policy", "repair", "recorder", "viz")]
-)
+_context.set_forkserver_preload([f"roadmend.nodes.{node}" for node in ("sim", "policy", "repair", "recorder", "viz")])
 
 
 @dataclass
@@ -78,11 +76,17 @@ def stop(children: Sequence[Child], deadline: float) -> None:
 def _become_node(module: str, arguments: list[str], environment: dict[str, str], log: str) -> None:
     """Runs in the child: a session, an output and an environment of its own, then the node's main."""
     os.setsid()
-    if sys.platform == "linux":
-        # The server goes when the launcher goes, however that ends, and takes the nodes with it.
-        ctypes.CDLL(None).prctl(_DEATH_SIGNAL, signal.SIGTERM)
+    threading.Thread(target=_end_with_launcher, daemon=True).start()
     with Path(log).open("ab", buffering=0) as file:
         os.dup2(file.fileno(), 1)
         os.dup2(file.fileno(), 2)
     os.environ.update(environment)
     sys.exit(importlib.import_module(module).main(arguments))
+
+
+def _end_with_launcher() -> None:
+    """Waits for the launcher's death, however it comes, and stops this process then."""
+    launcher = multiprocessing.parent_process()
+    if launcher is not None:
+        connection.wait([launcher.sentinel])
+        os.kill(os.getpid(), signal.SIGTERM)
