@@ -127,7 +127,7 @@ def assess(
         if behind and (not yields or abs(aside) < 2.0):
             continue  # keeps its own distance
         pedestrian = row[prediction.PEDESTRIAN] > 0.0
-        margin = p.pedestrian_margin if pedestrian else p.side_margin * (1.0 - 0.8 * patience)
+        margin = (p.pedestrian_margin if pedestrian else p.side_margin) * (1.0 - 0.8 * patience)
         if pedestrian:
             agent[CLEARANCE] += p.pedestrian_margin
         begin, parallel = way.occupy(path, spacing, row, forecasts[index], margin, last, occupancies[index])

@@ -78,6 +78,8 @@ def _drive(
     )  # fmt: skip
     if evades:
         word = behaviour.EVADE
+        if speed < 0.5:
+            m.waited += interval
     wanted = planner.smooth(parameters, memory, asked, speed, interval)
     throttle, brake = controller.control(parameters, memory, wanted, speed, interval)
     planner.write_trajectory(path, spacing, plan, trajectory)
