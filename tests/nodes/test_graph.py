@@ -89,7 +89,7 @@ def test_a_taken_bag_is_not_overwritten(scenario_file, tmp_path):
 
 def start_run(path, bags, *more):
     command = [sys.executable, "-m", "roadmend.cli", "run", "--scenario", str(path), "--out", str(bags), "--name", "bag"]
-    command += ["--no-viz", "--clock", "realtime", "--json", *more]
+    command += ["--no-viz", "--clock", "realtime", "--rate", "0.5", "--json", *more]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
@@ -123,7 +123,7 @@ def wait_until_driving(bags):
 
 def standing_in(scenario_file):
     """Long enough to break things in."""
-    return scenario_file("S3", 3, time_limit=14.0)
+    return scenario_file("S3", 3, time_limit=7.0)
 
 
 def test_a_killed_policy_means_a_controlled_stop_until_it_is_back(scenario_file, tmp_path):

@@ -151,7 +151,8 @@ def test_plans_are_continuous_in_space_and_time(policy):
         plan = decision.trajectory
         steps = np.hypot(np.diff(plan.x), np.diff(plan.y))
         assert np.all(steps <= np.maximum(plan.speed[:-1], plan.speed[1:]) * plan.interval * 1.1 + 0.05)
-        assert abs(plan.x[0] - x - speed * plan.interval) < 0.6
+        # Between two plans the last one is given again, so it may be one tick old.
+        assert abs(plan.x[0] - x - speed * plan.interval) < 0.6 + 0.05 * speed
         assert np.all(np.abs(np.diff(np.unwrap(plan.yaw))) < 0.2)
 
 

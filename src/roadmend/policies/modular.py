@@ -37,12 +37,15 @@ _MEMORY: dict[str, float] = {
 def _drive(
     samples: Floats, stages: Floats, zones: Floats, parameters: Record, memory: Record,
     known: NDArray[np.uint32], known_curvature: Floats,
-    time: float, interval: float, x: float, y: float, yaw: float, speed: float, length: float, width: float,
+    time: float, interval: float, tick: float, x: float, y: float, yaw: float, speed: float, length: float, width: float,
     numbers: NDArray[np.uint32], kind: NDArray[np.uint8], object_x: Floats, object_y: Floats, object_yaw: Floats,
     object_speed: Floats, object_acceleration: Floats, object_yaw_rate: Floats,
     object_length: Floats, object_width: Floats, signals: NDArray[np.uint8], trajectory: Floats,
 ) -> tuple[float, float, bool, int]:  # fmt: skip
-    """One tick through all modules; returns throttle, brake, whether to change lane and the word's index."""
+    """A new plan: one pass through all modules, ``interval`` [s] after the last and ``tick`` [s] after the last tick.
+
+    Returns throttle, brake, whether to change lane and the word's index.
+    """
     m = memory[0]
     half = 0.5 * length
     stage = m.stage
@@ -81,9 +84,15 @@ def _drive(
         if speed < 0.5:
             m.waited += interval
     wanted = planner.smooth(parameters, memory, asked, speed, interval)
-    throttle, brake = controller.control(parameters, memory, wanted, speed, interval)
+    throttle, brake = controller.control(parameters, memory, wanted, speed, tick)
     planner.write_trajectory(path, spacing, plan, trajectory)
     return throttle, brake, change, word
+
+
+@compiled
+def _hold(parameters: Record, memory: Record, speed: float, tick: float) -> tuple[float, float]:
+    """Throttle and brake at a tick between two plans."""
+    return controller.control(parameters, memory, memory[0].wanted, speed, tick)
 
 
 class ModularPolicy:
@@ -103,6 +112,8 @@ class ModularPolicy:
         self._known_curvature = np.zeros(prediction.REMEMBERED)
         self._road: Road | None = None
         self._time = math.nan
+        self._planned_at = math.nan
+        self._trajectory = Trajectory.empty()
 
     def reset(self, route: Route) -> None:
         """Begin an episode on ``route``; all memory of earlier ones is dropped."""
@@ -111,7 +122,7 @@ class ModularPolicy:
 
     def _forget(self) -> None:
         self._memory[0] = tuple(_MEMORY.values())
-        self._time = math.nan
+        self._time = self._planned_at = math.nan
 
     def step(self, scene: Scene) -> Decision:
         """Decide for one tick; brakes where the ego's own state is unusable or no route has come yet."""
@@ -124,14 +135,19 @@ class ModularPolicy:
                 self._forget()
             interval = _INTERVAL
         self._time = scene.time
+        since = scene.time - self._planned_at
+        if since < self.parameters.planning_interval - 1e-6:
+            throttle, brake = _hold(self._packed, self._memory, ego.speed, interval)
+            return Decision(Command(throttle, brake), self._trajectory)
+        self._planned_at = scene.time
         points = np.empty((4, prediction.FINE))
         throttle, brake, change, word = _drive(
             road.samples, road.stages, road.zones, self._packed, self._memory, self._known, self._known_curvature,
-            scene.time, interval, ego.x, ego.y, ego.yaw, ego.speed, ego.length, ego.width,
+            scene.time, interval if math.isnan(since) else since, interval, ego.x, ego.y, ego.yaw, ego.speed, ego.length, ego.width,
             objects.id, objects.kind, objects.x, objects.y, objects.yaw, objects.speed, objects.acceleration,
             objects.yaw_rate, objects.length, objects.width, scene.signals, points,
         )  # fmt: skip
-        return Decision(
-            Command(throttle, brake, change),
-            Trajectory(prediction.FINE_INTERVAL, points[0], points[1], points[2], points[3], behaviour.WORDS[word]),
+        self._trajectory = Trajectory(
+            prediction.FINE_INTERVAL, points[0], points[1], points[2], points[3], behaviour.WORDS[word]
         )
+        return Decision(Command(throttle, brake, change), self._trajectory)

@@ -79,6 +79,9 @@ class ModularParameters(Parameters):
     change_horizon: float = Field(8.0, ge=1.0, le=15.0, description="how far ahead gaps are looked for [s]")
 
     # Planner
+    planning_interval: float = Field(
+        0.1, ge=0.01, le=0.5, description="a new plan this often; the controller works at every tick [s]"
+    )
     side_margin: float = Field(0.25, ge=0.0, le=1.0, description="lateral clearance to vehicles [m]")
     pedestrian_margin: float = Field(0.6, ge=0.0, le=3.0, description="lateral clearance to pedestrians [m]")
     front_margin: float = Field(0.6, ge=0.0, le=3.0, description="clearance ahead in the collision check [m]")

@@ -1,6 +1,7 @@
 """Scripted misbehaviour of single actors, on top of what SUMO's drivers do by themselves."""
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import libsumo
@@ -36,12 +37,12 @@ class ManoeuvreScript:
         ]
         self._running: list[_Running] = []
 
-    def step(self, time: float, ego: tuple[float, float, float], present: set[str]) -> None:
+    def step(self, time: float, ego: tuple[float, float, float], present: Collection[str]) -> None:
         """Start what is due at ``time`` [s] with the ego at a pose ([m], [m], [rad]), end what is over."""
-        if self._running:
-            self._end(time, present)
-        if not self._waiting:
+        if not self._running and not self._waiting:
             return
+        present = frozenset(present)
+        self._end(time, present)
         still = []
         for vehicle, manoeuvre in self._waiting:
             if vehicle in present and self._due(time, ego, vehicle, manoeuvre):
@@ -59,7 +60,7 @@ class ManoeuvreScript:
         ahead = math.cos(ego[2]) * dx + math.sin(ego[2]) * dy > 0.0
         return ahead and math.hypot(dx, dy) <= (manoeuvre.when.ego_distance or 0.0)
 
-    def _end(self, time: float, present: set[str]) -> None:
+    def _end(self, time: float, present: frozenset[str]) -> None:
         still = []
         for running in self._running:
             if running.vehicle not in present:

@@ -15,20 +15,36 @@ from roadmend.world.drivers import KINDS, PEDESTRIAN_LENGTH, PEDESTRIAN_WIDTH
 Floats = NDArray[np.float64]
 
 NEAR = 10.0  # [m] gap below which distances are exact
+AROUND = 40.0  # [m] centre to centre; everybody within is watched for contact, seen or not
 
 
 @compiled
-def _to_map_frame(
-    raw: Floats, lengths: Floats, previous_yaw: Floats, interval: float, x: Floats, y: Floats, yaw: Floats, turn: Floats
-) -> None:
-    """SUMO's front bumper and degrees clockwise from north -> centre and radians counter-clockwise from east."""
+def _measure(
+    raw: Floats, lengths: Floats, widths: Floats, previous_yaw: Floats, interval: float,
+    ego_x: float, ego_y: float, ego_yaw: float, ego_length: float, ego_width: float, out: Floats,
+) -> float:  # fmt: skip
+    """SUMO's rows into columns of the project's frame; returns the smallest distance to the ego [m].
+
+    ``raw`` (N x 5) holds front bumper x and y [m], degrees clockwise from north, speed and acceleration. ``out``
+    (7 x N) receives centre x and y [m], yaw [rad], speed, acceleration, yaw rate [rad/s] and distance [m].
+    """
     for index in range(raw.shape[0]):
         heading = wrap_angle(math.radians(90.0 - raw[index, 2]))
-        yaw[index] = heading
-        x[index] = raw[index, 0] - 0.5 * lengths[index] * math.cos(heading)
-        y[index] = raw[index, 1] - 0.5 * lengths[index] * math.sin(heading)
+        out[0, index] = raw[index, 0] - 0.5 * lengths[index] * math.cos(heading)
+        out[1, index] = raw[index, 1] - 0.5 * lengths[index] * math.sin(heading)
+        out[2, index] = heading
+        out[3, index] = raw[index, 3]
+        out[4, index] = raw[index, 4]
         before = previous_yaw[index]
-        turn[index] = 0.0 if math.isnan(before) else wrap_angle(heading - before) / interval
+        out[5, index] = 0.0 if math.isnan(before) else wrap_angle(heading - before) / interval
+    distances = outline_distances(
+        ego_x, ego_y, ego_yaw, ego_length, ego_width, out[0], out[1], out[2], lengths, widths, NEAR
+    )
+    nearest = np.inf
+    for index in range(raw.shape[0]):
+        out[6, index] = distances[index]
+        nearest = min(nearest, distances[index])
+    return nearest
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,12 +59,13 @@ class _Fixed:
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """Everybody at one tick."""
+    """Everybody around the ego at one tick."""
 
     objects: ObjectList  # those within the sensing range
-    everybody: ObjectList  # in the order of ``names``
-    names: tuple[str, ...]  # SUMO's names, in the order of ``distances``
-    distances: Floats  # [m] of every participant's outline to the ego's; exact below NEAR
+    around: ObjectList  # those within the sensing range or AROUND, in the order of ``names``
+    names: tuple[str, ...]  # SUMO's
+    distances: Floats  # [m] of their outlines to the ego's; exact below NEAR
+    nearest: float  # [m] the smallest of these, infinite if there is nobody
 
 
 class Participants:
@@ -63,11 +80,7 @@ class Participants:
         self._names: tuple[str, ...] = ()
         self._static = (np.empty(0, np.uint32), np.empty(0, np.uint8), np.empty(0), np.empty(0))
         self._yaw = np.empty(0)
-
-    @property
-    def present(self) -> tuple[str, ...]:
-        """SUMO's names of those who were there at the last tick."""
-        return self._names
+        self.present: tuple[str, ...] = ()  # SUMO's names of all vehicles at the last tick, the ego's too
 
     def number_of(self, name: str) -> int:
         """The object id of a participant."""
@@ -79,36 +92,49 @@ class Participants:
 
     def observe(self, ego: EgoState) -> Observation:
         """Read everybody's state as it is after the last SUMO step."""
-        vehicle = libsumo.vehicle
+        names, values = self._read(ego.x, ego.y)
+        if names != self._names:
+            self._renew(names)
+        count = len(names)
+        raw = np.array(values).reshape(count, 5)
+        number, kind, length, width = self._static
+        columns = np.empty((7, count))
+        nearest = _measure(
+            raw, length, width, self._yaw, self._interval, ego.x, ego.y, ego.yaw, ego.length, ego.width, columns
+        )
+        x, y, yaw, speed, acceleration, turn, distances = columns
+        self._yaw = yaw
+        around = ObjectList(number, kind, x, y, yaw, speed, acceleration, turn, length, width)
+        objects = around
+        if self._range < AROUND:
+            objects = around.select(np.hypot(x - ego.x, y - ego.y) <= self._range)
+        return Observation(objects, around, names, distances, nearest)
+
+    def _read(self, x: float, y: float) -> tuple[tuple[str, ...], list[float]]:
+        """Names and SUMO's values (five each) of those within reach of a point [m]."""
+        vehicle, reach = libsumo.vehicle, max(self._range, AROUND) ** 2
         position, angle, speed, acceleration = (
             vehicle.getPosition, vehicle.getAngle, vehicle.getSpeed, vehicle.getAcceleration,
         )  # fmt: skip
-        names = [name for name in vehicle.getIDList() if name != self._ego_name]
-        rows = [(*position(name), angle(name), speed(name), acceleration(name)) for name in names]
+        names: list[str] = []
+        values: list[float] = []
+        self.present = present = vehicle.getIDList()
+        for name in present:
+            there_x, there_y = position(name)
+            if (there_x - x) ** 2 + (there_y - y) ** 2 <= reach and name != self._ego_name:
+                names.append(name)
+                values += (there_x, there_y, angle(name), speed(name), acceleration(name))
         if self._with_persons:
             person = libsumo.person
             for name in person.getIDList():
-                names.append(name)
-                rows.append((*person.getPosition(name), person.getAngle(name), person.getSpeed(name), 0.0))
-        if tuple(names) != self._names:
-            self._renew(tuple(names))
-        raw = np.array(rows) if rows else np.empty((0, 5))
-        number, kind, length, width = self._static
-        count = len(names)
-        x, y, yaw, turn = np.empty(count), np.empty(count), np.empty(count), np.empty(count)
-        _to_map_frame(raw, length, self._yaw, self._interval, x, y, yaw, turn)
-        self._yaw = yaw
-        distances = outline_distances(ego.x, ego.y, ego.yaw, ego.length, ego.width, x, y, yaw, length, width, NEAR)
-        objects = ObjectList(number, kind, x, y, yaw, raw[:, 3].copy(), raw[:, 4].copy(), turn, length, width)
-        seen = objects
-        if math.isfinite(self._range):
-            near = np.hypot(x - ego.x, y - ego.y) <= self._range
-            if not near.all():
-                seen = objects.select(near)
-        return Observation(seen, objects, self._names, distances)
+                there_x, there_y = person.getPosition(name)
+                if (there_x - x) ** 2 + (there_y - y) ** 2 <= reach:
+                    names.append(name)
+                    values += (there_x, there_y, person.getAngle(name), person.getSpeed(name), 0.0)
+        return tuple(names), values
 
     def _renew(self, names: tuple[str, ...]) -> None:
-        """Somebody came or went: look up the newcomers and carry the rest over."""
+        """Somebody came or went: look up newcomers and carry the rest over; a number stays with its name."""
         before = dict(zip(self._names, self._yaw, strict=True))
         for name in names:
             if name not in self._fixed:

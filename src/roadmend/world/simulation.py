@@ -21,6 +21,7 @@ from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, Scene, Signal
 from roadmend.world.courtesy import Courtesy
 from roadmend.world.ego import LongitudinalDynamics, RouteFollower, VehicleParameters
+from roadmend.world.ego_in_sumo import EgoInSumo
 from roadmend.world.joining import join_traffic
 from roadmend.world.manoeuvres import ManoeuvreScript
 from roadmend.world.network import network_file
@@ -28,7 +29,7 @@ from roadmend.world.participants import Observation, Participants
 from roadmend.world.road_network import RoadNetwork, read_network
 from roadmend.world.route_builder import BuiltRoute, build_route
 from roadmend.world.scenario import Pedestrian, Scenario, SumoConfiguration
-from roadmend.world.traffic_file import EGO, ego_type, traffic_xml
+from roadmend.world.traffic_file import EGO, traffic_xml
 from roadmend.world.user_configuration import private_copy
 
 INTERVAL_NS = 50_000_000  # [ns] between ticks: 20 Hz
@@ -40,6 +41,9 @@ _SIGNALS = {
     "G": Signal.GREEN, "g": Signal.GREEN, "y": Signal.YELLOW, "Y": Signal.YELLOW, "r": Signal.RED, "R": Signal.RED,
     "u": Signal.RED, "s": Signal.GREEN, "o": Signal.OFF, "O": Signal.OFF,
 }  # fmt: skip
+
+
+_NO_SIGNALS = np.empty(0, dtype=np.uint8)
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +85,7 @@ class Simulation:
                 built = build_route(self.network, scenario)
             assert built is not None
             self._built: BuiltRoute = built
-            self._place_ego()
+            self._body = EgoInSumo(scenario, INTERVAL)
         except BaseException:
             self.close()
             raise
@@ -123,7 +127,7 @@ class Simulation:
 
     def first(self) -> Tick:
         """The scene before anything has moved."""
-        self._step_sumo()
+        self._step_sumo(0.0)
         started = Event(0.0, EventKind.STARTED, f"{self.scenario.name}: {self.route.length:.0f} m to go")
         return self._observe((started,))
 
@@ -139,22 +143,17 @@ class Simulation:
         events: tuple[Event, ...] = ()
         if command.change_lane and follower.begin_change(dynamics.speed):
             events = (Event(self._tick * INTERVAL, EventKind.CHANGE_LANE, f"to stage {follower.stage + 1}"),)
-        follower.advance(dynamics.step(command, INTERVAL, follower.curvature))
+        distance = dynamics.step(command, INTERVAL, follower.curvature)
+        follower.advance(distance)
         self._tick += 1
         pose = (follower.x, follower.y, follower.yaw)
-        self._script.step(self._tick * INTERVAL, pose, set(self._participants.present))
-        self._step_sumo()
+        self._script.step(self._tick * INTERVAL, pose, self._participants.present)
+        self._step_sumo(distance)
         return self._observe(events)
 
-    def _step_sumo(self) -> None:
-        follower = self._follower
-        front = 0.5 * self.scenario.ego.length
+    def _step_sumo(self, distance: float) -> None:
         try:
-            libsumo.vehicle.moveToXY(
-                EGO, "", -1,
-                follower.x + front * math.cos(follower.yaw), follower.y + front * math.sin(follower.yaw),
-                (90.0 - math.degrees(follower.yaw)) % 360.0, 2,
-            )  # fmt: skip
+            self._body.follow(self._follower, distance)
             libsumo.simulation.step()
         except (libsumo.TraCIException, libsumo.FatalTraCIError) as error:
             raise SimulationError(f"SUMO failed at {self._tick * INTERVAL:.2f} s: {error}") from None
@@ -174,9 +173,8 @@ class Simulation:
             scenario.ego.width,
         )
         seen = self._participants.observe(ego)
-        self._courtesy.step(ego, seen.names, seen.everybody)
-        nearest = float(seen.distances.min()) if len(seen.distances) else math.inf
-        names = self._hit(seen, ego.speed) if nearest <= 0.0 else ()
+        self._courtesy.step(ego, seen.names, seen.around)
+        names = self._hit(seen, ego.speed) if seen.nearest <= 0.0 else ()
         if names:
             numbers = tuple(self._participants.number_of(name) for name in names)
             text = f"the ego ({ego.speed:.1f} m/s) and {', '.join(names)} collided"
@@ -189,7 +187,7 @@ class Simulation:
             self._final = Event(time, EventKind.TIMEOUT, f"time limit of {scenario.time_limit:g} s passed")
         if self._final is not None:
             events = (*events, self._final)
-        return Tick(self._tick, Scene(time, ego, seen.objects, self._signals()), nearest, events, self._final)
+        return Tick(self._tick, Scene(time, ego, seen.objects, self._signals()), seen.nearest, events, self._final)
 
     def _hit(self, seen: Observation, speed: float) -> tuple[str, ...]:
         """Those whose outline meets the ego's.
@@ -203,6 +201,8 @@ class Simulation:
         )
 
     def _signals(self) -> NDArray[np.uint8]:
+        if not self._built.signals:
+            return _NO_SIGNALS
         return np.array(
             [
                 _SIGNALS.get(
@@ -234,18 +234,6 @@ class Simulation:
         if isinstance(self.scenario.network, SumoConfiguration):
             begin = libsumo.simulation.getTime()
             libsumo.simulation.step(begin + self.scenario.network.warm_up)
-
-    def _place_ego(self) -> None:
-        scenario = self.scenario
-        libsumo.vehicletype.copy("DEFAULT_VEHTYPE", "roadmend_ego")
-        attributes = ego_type(scenario)
-        libsumo.vehicletype.setVehicleClass("roadmend_ego", attributes["vClass"])
-        libsumo.vehicletype.setLength("roadmend_ego", scenario.ego.length)
-        libsumo.vehicletype.setWidth("roadmend_ego", scenario.ego.width)
-        libsumo.route.add("roadmend_ego", list(scenario.ego.route))
-        libsumo.vehicle.add(EGO, "roadmend_ego", typeID="roadmend_ego", departPos=f"{scenario.ego.position:g}")
-        libsumo.vehicle.setSpeedMode(EGO, 0)
-        libsumo.vehicle.setLaneChangeMode(EGO, 0)
 
 
 def _start(arguments: list[str], scenario: Scenario) -> None:

@@ -28,11 +28,6 @@ def traffic_xml(scenario: Scenario, network: RoadNetwork) -> str:
     return ET.tostring(root, encoding="unicode")
 
 
-def ego_type(scenario: Scenario) -> dict[str, str]:
-    """Attributes of the ego's SUMO vehicle type."""
-    return {"vClass": "passenger", "length": f"{scenario.ego.length:g}", "width": f"{scenario.ego.width:g}"}
-
-
 def _add_vehicle(
     root: ET.Element, types: set[str], scenario: Scenario, network: RoadNetwork, vehicle: Vehicle, where: str
 ) -> None:
