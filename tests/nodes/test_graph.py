@@ -28,7 +28,9 @@ def messages(bag, *topics):
 
 
 @pytest.mark.parametrize(("family", "seed", "method"), [("S1", 4, "rss"), ("S5", 8, "predictive"), ("S4", 2, "random")])
-def test_the_lockstep_graph_is_bit_identical_to_the_in_process_runner(family, seed, method, scenario_file, tmp_path, domain):
+def test_the_lockstep_graph_is_bit_identical_to_the_in_process_runner(
+    family, seed, method, scenario_file, tmp_path, domain
+):
     path = scenario_file(family, seed)
     graph = run_graph(GraphOptions(path, method=method, seed=3, bags=tmp_path, record=False, viz=False))
     alone = run_episode(load_scenario(path), make_policy("modular"), make_repairer(method, seed=3))
@@ -88,7 +90,18 @@ def test_a_taken_bag_is_not_overwritten(scenario_file, tmp_path):
 
 
 def start_run(path, bags, *more):
-    command = [sys.executable, "-m", "roadmend.cli", "run", "--scenario", str(path), "--out", str(bags), "--name", "bag"]
+    command = [
+        sys.executable,
+        "-m",
+        "roadmend.cli",
+        "run",
+        "--scenario",
+        str(path),
+        "--out",
+        str(bags),
+        "--name",
+        "bag",
+    ]
     command += ["--no-viz", "--clock", "realtime", "--rate", "0.5", "--json", *more]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
@@ -102,7 +115,7 @@ def node_process(run, node):
     for _ in range(200):
         for folder in Path("/proc").glob("[0-9]*"):
             try:
-                log = Path(os.readlink(folder / "fd" / "1")).name
+                log = (folder / "fd" / "1").readlink().name
                 if log == f"{node}.log" and parent_of(parent_of(folder.name)) == run.pid:
                     return int(folder.name)
             except (OSError, ValueError, IndexError):

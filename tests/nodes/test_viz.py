@@ -27,10 +27,10 @@ from roadmend.nodes.convert import (
     event_message_of,
     header_of,
     object_message_of,
-    odometry_of,
     route_message_of,
     trajectory_message_of,
 )
+from roadmend.nodes.odometry import OdometryWriter
 
 LIMIT_S = 10.0  # [s] for anything to arrive
 OUTPUTS = {
@@ -84,7 +84,7 @@ class Theatre:
     def tick(self, number: int, *, state: bool = True, objects: bool = True) -> None:
         header = header_of(0.05 * number)
         ego = EgoState.from_yaw(float(number), 0.0, 0.0, 5.0, 0.0, 4.0, 2.0)
-        self.to[qos.EGO].publish(odometry_of(ego, header))
+        self.to[qos.EGO].publish(OdometryWriter().fill(ego, header))
         if objects:
             one, zero = np.ones(1), np.zeros(1)
             cars = ObjectList(
@@ -196,7 +196,7 @@ def test_faults_in_the_input_are_reported_and_survived(stage):
     stage.to[qos.MAP].publish(msg.Map(lane_begin=array("I", [0])))
     header = header_of(0.0)
     stage.to[qos.OBJECTS].publish(msg.ObjectList(header=header, id=array("I", [1, 2])))
-    stage.to[qos.EGO].publish(odometry_of(EgoState.from_yaw(0.0, 0.0, 0.0, 5.0, 0.0, 4.0, 2.0), header))
+    stage.to[qos.EGO].publish(OdometryWriter().fill(EgoState.from_yaw(0.0, 0.0, 0.0, 5.0, 0.0, 4.0, 2.0), header))
     stage.to[qos.POLICY_TRAJECTORY].publish(msg.Trajectory(header=header))
     stage.to[qos.REPAIR_STATE].publish(msg.RepairState(header=header))
     stage.until(lambda: stage.drawn() == [0.0])
@@ -208,7 +208,7 @@ def test_faults_in_the_input_are_reported_and_survived(stage):
 def test_an_ego_that_is_not_finite_draws_nothing(stage):
     stage.tick(0)
     lost = EgoState.from_yaw(float("nan"), 0.0, 0.0, 5.0, 0.0, 4.0, 2.0)
-    stage.to[qos.EGO].publish(odometry_of(lost, header_of(0.1)))
+    stage.to[qos.EGO].publish(OdometryWriter().fill(lost, header_of(0.1)))
     stage.tick(3)
     stage.tick(4)
     stage.until(lambda: len(stage.drawn()) >= 2)

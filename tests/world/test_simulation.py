@@ -111,7 +111,7 @@ def test_objects_are_centred_on_sumos_outlines():
         for _ in range(40):
             tick = simulation.step(Command(0.0, 0.3))
         objects = tick.scene.objects
-        names = {simulation._participants.number_of(name): name for name in simulation._participants.present}
+        names = {simulation._participants.number_of(name): name for name in simulation._participants._names}
         assert len(objects) >= 2
         for index, number in enumerate(objects.id):
             name = names[int(number)]

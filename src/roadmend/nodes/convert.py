@@ -48,17 +48,6 @@ def _floats(values: "array[float]") -> NDArray[np.float64]:
     return np.frombuffer(values, dtype=np.float64) if len(values) else np.empty(0, dtype=np.float64)
 
 
-def odometry_of(ego: EgoState, header: Header) -> Odometry:
-    """The ego as nav_msgs/Odometry: pose of base_link in map, twist in base_link."""
-    message = Odometry(header=header, child_frame_id=BASE_FRAME)
-    position, orientation = message.pose.pose.position, message.pose.pose.orientation
-    position.x, position.y = ego.x, ego.y
-    orientation.z, orientation.w = ego.orientation_z, ego.orientation_w
-    message.twist.twist.linear.x = ego.speed
-    message.twist.twist.angular.z = ego.yaw_rate
-    return message
-
-
 def ego_of(message: Odometry, length: float, width: float) -> EgoState:
     """The ego from odometry; its size [m] comes from the route message."""
     position, orientation = message.pose.pose.position, message.pose.pose.orientation

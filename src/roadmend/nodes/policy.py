@@ -14,6 +14,7 @@ from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.nodes import convert, qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
+from roadmend.nodes.odometry import ego_of_bytes, stamp_of_bytes
 from roadmend.nodes.pairing import TickPairing
 from roadmend.nodes.parameters import declare
 from roadmend.nodes.spinning import run_node
@@ -36,7 +37,7 @@ class PolicyNode(Node):
         self._command_publisher = self.create_publisher(msg.Command, qos.POLICY_COMMAND, qos.COMMAND)
         self._trajectory_publisher = self.create_publisher(msg.Trajectory, qos.POLICY_TRAJECTORY, qos.STREAM)
         self.create_subscription(msg.Route, qos.ROUTE, self._on_route, qos.LATCHED)
-        self.create_subscription(Odometry, qos.EGO, self._on_ego, qos.STREAM)
+        self.create_subscription(Odometry, qos.EGO, self._on_ego, qos.STREAM, raw=True)
         self.create_subscription(msg.ObjectList, qos.OBJECTS, self._on_objects, qos.STREAM)
         self._diagnostics = DiagnosticsReporter(self, self._health)
 
@@ -49,19 +50,18 @@ class PolicyNode(Node):
         if pending is not None and len(pending[1]) == 2:
             self._decide(pending[0], pending[1]["ego"], pending[1]["objects"])
 
-    def _on_ego(self, message: Odometry) -> None:
-        self._add("ego", message)
+    def _on_ego(self, data: bytes) -> None:
+        self._add("ego", stamp_of_bytes(data), data)
 
     def _on_objects(self, message: msg.ObjectList) -> None:
-        self._add("objects", message)
+        self._add("objects", convert.nanoseconds_of(message.header.stamp), message)
 
-    def _add(self, part: str, message: Odometry | msg.ObjectList) -> None:
-        stamp = convert.nanoseconds_of(message.header.stamp)
+    def _add(self, part: str, stamp: int, message: bytes | msg.ObjectList) -> None:
         tick = self._pairing.add(stamp, part, message, time.monotonic())
         if tick is not None:
             self._decide(stamp, tick["ego"], tick["objects"])
 
-    def _decide(self, stamp: int, ego: Odometry, objects: msg.ObjectList) -> None:
+    def _decide(self, stamp: int, ego: bytes, objects: msg.ObjectList) -> None:
         if self._route is None:
             return  # the simulator repeats the first tick until it is answered
         if stamp != self._last_stamp:
@@ -69,7 +69,7 @@ class PolicyNode(Node):
                 self._policy.reset(self._route)
             try:
                 seen, signals = convert.objects_of(objects)
-                state = convert.ego_of(ego, self._route.ego_length, self._route.ego_width)
+                state = ego_of_bytes(ego, self._route.ego_length, self._route.ego_width)
                 self._last = self._policy.step(Scene(stamp * 1e-9, state, seen, signals))
             except Exception as error:  # noqa: BLE001 - a policy that fails must be seen, not end the node
                 self._failure = f"{type(error).__name__}: {error}"

@@ -22,6 +22,7 @@ from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.nodes import convert, qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
+from roadmend.nodes.odometry import ego_of_bytes, stamp_of_bytes
 from roadmend.nodes.pairing import TickPairing
 from roadmend.nodes.parameters import declare
 from roadmend.nodes.spinning import run_node
@@ -59,8 +60,8 @@ class RepairNode(LifecycleNode):
         self._command_publisher = self.create_lifecycle_publisher(msg.Command, qos.REPAIR_COMMAND, qos.COMMAND)
         self._state_publisher = self.create_lifecycle_publisher(msg.RepairState, qos.REPAIR_STATE, qos.STREAM)
         self.create_subscription(msg.Route, qos.ROUTE, self._on_route, qos.LATCHED)
+        self.create_subscription(Odometry, qos.EGO, self._on_ego, qos.STREAM, raw=True)
         for part, kind, topic, profile in (
-            ("ego", Odometry, qos.EGO, qos.STREAM),
             ("objects", msg.ObjectList, qos.OBJECTS, qos.STREAM),
             ("command", msg.Command, qos.POLICY_COMMAND, qos.COMMAND),
             ("trajectory", msg.Trajectory, qos.POLICY_TRAJECTORY, qos.STREAM),
@@ -176,23 +177,28 @@ class RepairNode(LifecycleNode):
         if self._repairer is not None:
             self._repairer.reset(self._route)
 
+    def _on_ego(self, data: bytes) -> None:
+        self._add("ego", stamp_of_bytes(data), data)
+
     def _adder(self, part: str) -> Any:
         def add(message: Any) -> None:
-            stamp = convert.nanoseconds_of(message.header.stamp)
-            now = self._last_arrival = time.monotonic()
-            if stamp == self._last_stamp and part == "objects" and self._last_repair is not None:
-                self._publish(self._last_repair, message.header)  # a repeated tick gets the same answer again
-                return
-            if stamp < self._last_stamp and part in ("ego", "objects"):
-                self._last_stamp = -1  # time ran backwards: the guard sees it and resets the method
-                self._pairing.clear()
-            if stamp <= self._last_stamp:
-                return
-            tick = self._pairing.add(stamp, part, message, now)
-            if tick is not None:
-                self._answer(stamp, tick)
+            self._add(part, convert.nanoseconds_of(message.header.stamp), message)
 
         return add
+
+    def _add(self, part: str, stamp: int, message: Any) -> None:
+        now = self._last_arrival = time.monotonic()
+        if stamp == self._last_stamp and part == "objects" and self._last_repair is not None:
+            self._publish(self._last_repair, message.header)  # a repeated tick gets the same answer again
+            return
+        if stamp < self._last_stamp and part in ("ego", "objects"):
+            self._last_stamp = -1  # time ran backwards: the guard sees it and resets the method
+            self._pairing.clear()
+        if stamp <= self._last_stamp:
+            return
+        tick = self._pairing.add(stamp, part, message, now)
+        if tick is not None:
+            self._answer(stamp, tick)
 
     def _answer(self, stamp: int, tick: dict[str, Any]) -> None:
         decision = self._decision(tick)
@@ -214,7 +220,7 @@ class RepairNode(LifecycleNode):
         if "ego" not in tick or "objects" not in tick or self._route is None:
             return None
         seen, signals = convert.objects_of(tick["objects"])
-        ego = convert.ego_of(tick["ego"], self._route.ego_length, self._route.ego_width)
+        ego = ego_of_bytes(tick["ego"], self._route.ego_length, self._route.ego_width)
         return Scene(stamp * 1e-9, ego, seen, signals)
 
     @staticmethod
@@ -252,7 +258,7 @@ class RepairNode(LifecycleNode):
             repair = self._repairer.controlled_stop(status, reason, self._scene(stamp, tick), self._decision(tick))
         except ValueError as error:
             repair = self._repairer.controlled_stop(status, f"{reason}; {error}")
-        self._send(stamp, repair, next(iter(tick.values())).header)
+        self._send(stamp, repair, convert.header_of(stamp * 1e-9))
 
     def _repeat_stop(self, now: float) -> None:
         """Real time, and nothing arrives at all: silence never means go."""

@@ -18,6 +18,7 @@ from roadmend.core.command import Command
 from roadmend.core.outcome import Event, EventKind
 from roadmend.nodes import convert, qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
+from roadmend.nodes.odometry import OdometryWriter
 from roadmend.nodes.parameters import declare
 from roadmend.nodes.spinning import run_node
 from roadmend.world.map_view import lanes_of
@@ -76,6 +77,7 @@ class SimNode(Node):
         self._watchdog_ticks = 0
         self._last_command: tuple[int, Command] | None = None
         self._ended_at = 0.0
+        self._odometry = OdometryWriter()
         self._clock_publisher = self.create_publisher(ClockMessage, qos.CLOCK, qos.STREAM)
         self._ego_publisher = self.create_publisher(Odometry, qos.EGO, qos.STREAM)
         self._objects_publisher = self.create_publisher(msg.ObjectList, qos.OBJECTS, qos.STREAM)
@@ -195,9 +197,10 @@ class SimNode(Node):
 
     def _publish_scene(self, tick: Tick) -> None:
         header = convert.header_of(tick.scene.time)
-        self._clock_publisher.publish(ClockMessage(clock=header.stamp))
-        self._ego_publisher.publish(convert.odometry_of(tick.scene.ego, header))
+        self._ego_publisher.publish(self._odometry.fill(tick.scene.ego, header))
         self._objects_publisher.publish(convert.object_message_of(tick.scene.objects, tick.scene.signals, header))
+        # Last, because nobody on the command path waits for it.
+        self._clock_publisher.publish(ClockMessage(clock=header.stamp))
 
     def _announce(self, kind: EventKind, text: str) -> None:
         event = Event(self._tick.scene.time if self._tick is not None else 0.0, kind, text)
