@@ -68,11 +68,15 @@ def _episode(job: _Job) -> EpisodeSummary:
 @click.command()
 @click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
 @click.option("--repair", "method", default="none", show_default=True, type=click.Choice(sorted(METHODS)))
-@click.option("--scenarios", default=200, show_default=True, type=click.IntRange(1, 100_000), help="Scenarios of each family.")
+@click.option(
+    "--scenarios", default=200, show_default=True, type=click.IntRange(1, 100_000), help="Scenarios of each family."
+)
 @click.option("--first-seed", default=0, show_default=True, type=click.IntRange(0, 2**30))
 @click.option("--repeat/--no-repeat", default=True, show_default=True, help="Run each twice and compare the digests.")
 @click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
-@click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Folder for outcomes.json and outcomes.md.")
+@click.option(
+    "--out", type=click.Path(path_type=Path, file_okay=False), help="Folder for outcomes.json and outcomes.md."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def outcomes(
     policy: str, method: str, scenarios: int, first_seed: int, workers: int, out: Path | None, *, repeat: bool,

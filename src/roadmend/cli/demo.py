@@ -18,7 +18,9 @@ _METHODS = ("none", "rss")
 
 
 @click.command()
-@click.option("--out", default=Path("bags"), show_default=True, type=click.Path(path_type=Path), help="Folder for the bags.")
+@click.option(
+    "--out", default=Path("bags"), show_default=True, type=click.Path(path_type=Path), help="Folder for the bags."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the results as JSON.")
 def demo(out: Path, *, as_json: bool) -> None:
     """Drive scenarios with the bare policy and with repair, as real node processes, and compare.
@@ -42,7 +44,9 @@ def demo(out: Path, *, as_json: bool) -> None:
         show_results(results, Console())
         _explain(results)
     if not repaired:
-        raise RoadmendError("in no scenario did the bare policy collide and the repaired one arrive; please report this")
+        raise RoadmendError(
+            "in no scenario did the bare policy collide and the repaired one arrive; please report this"
+        )
 
 
 def _explain(results: list[RunResult]) -> None:

@@ -9,9 +9,13 @@ from roadmend.evaluation.bag_picture import draw_bag
 
 @click.command()
 @click.argument("bag", type=click.Path(path_type=Path))
-@click.option("--out", default=Path("scene.png"), show_default=True, type=click.Path(path_type=Path), help="PNG, SVG or PDF.")
+@click.option(
+    "--out", default=Path("scene.png"), show_default=True, type=click.Path(path_type=Path), help="PNG, SVG or PDF."
+)
 @click.option("--at", type=click.FloatRange(0.0), help="Simulation time [s].  [default: the first intervention]")
-@click.option("--span", default=70.0, show_default=True, type=click.FloatRange(10.0, 2000.0), help="Width of the scene [m].")
+@click.option(
+    "--span", default=70.0, show_default=True, type=click.FloatRange(10.0, 2000.0), help="Width of the scene [m]."
+)
 def picture(bag: Path, out: Path, at: float | None, span: float) -> None:
     """Draw the scene and the time line at one moment of a bag."""
     moment = draw_bag(bag, out, at, span)

@@ -8,7 +8,7 @@ from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from roadmend_msgs import msg
 
-from roadmend.core.command import Decision
+from roadmend.core.command import Decision, Trajectory
 from roadmend.core.interfaces import Policy
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
@@ -32,6 +32,8 @@ class PolicyNode(Node):
         self._pairing = TickPairing("ego", "objects")
         self._last_stamp = -1
         self._last: Decision | None = None
+        self._sent: Trajectory | None = None
+        self._message = msg.Trajectory()
         self._failure = ""
         self._decided = 0
         self._command_publisher = self.create_publisher(msg.Command, qos.POLICY_COMMAND, qos.COMMAND)
@@ -82,7 +84,11 @@ class PolicyNode(Node):
             self._decided += 1
         if self._last is not None:
             # A repeated tick gets the same answer again.
-            self._trajectory_publisher.publish(convert.trajectory_message_of(self._last.trajectory, objects.header))
+            if self._last.trajectory is not self._sent:  # the policy gives the same plan until it has a new one
+                self._sent = self._last.trajectory
+                self._message = convert.trajectory_message_of(self._sent, objects.header)
+            self._message.header = objects.header
+            self._trajectory_publisher.publish(self._message)
             self._command_publisher.publish(convert.command_message_of(self._last.command, objects.header))
 
     def _health(self) -> Health:

@@ -1,5 +1,6 @@
 """repair_node: the last thing before the actuator. A lifecycle node that always answers, toward braking when in doubt."""
 
+import contextlib
 import json
 import sys
 import time
@@ -53,6 +54,7 @@ class RepairNode(LifecycleNode):
         self._started = False  # a complete tick has been answered in this episode
         self._silent_since: str = ""  # what is missing, or empty
         self._last_stamp = -1
+        self._prepared: tuple[int, Scene | None] = (-1, None)
         self._last_answer = 0.0  # wall time [s]
         self._last_arrival = 0.0  # wall time [s] of the last tick's first message
         self._last_repair: Repair | None = None
@@ -199,13 +201,24 @@ class RepairNode(LifecycleNode):
         tick = self._pairing.add(stamp, part, message, now)
         if tick is not None:
             self._answer(stamp, tick)
+        elif part in {"ego", "objects"}:
+            self._prepare(stamp)
+
+    def _prepare(self, stamp: int) -> None:
+        """Build the scene while the policy still thinks about it."""
+        waiting = self._pairing.waiting()
+        if waiting is not None and waiting[0] == stamp and {"ego", "objects"} <= waiting[1].keys():
+            with contextlib.suppress(ValueError):  # said when the tick is answered
+                self._prepared = (stamp, self._scene(stamp, waiting[1]))
 
     def _answer(self, stamp: int, tick: dict[str, Any]) -> None:
         decision = self._decision(tick)
         if not self._active or self._repairer is None or decision is None:
             return
         try:
-            scene = self._scene(stamp, tick)
+            prepared, scene = self._prepared
+            if prepared != stamp or scene is None:
+                scene = self._scene(stamp, tick)
         except ValueError as error:  # the arrays of the object list differ in length
             repair = self._repairer.controlled_stop(RepairStatus.STALE_OBJECTS, str(error), None, decision)
         else:
@@ -274,8 +287,8 @@ class RepairNode(LifecycleNode):
     def _send(self, stamp: int, repair: Repair, header: Any) -> None:
         self._last_stamp = stamp
         self._last_repair = repair
-        self._tally.add(repair)
         self._publish(repair, header)
+        self._tally.add(repair)
         if repair.status in _COMPLAINTS:
             self.get_logger().warning(f"{repair.status.name}: {repair.reason}", throttle_duration_sec=1.0)
 

@@ -179,9 +179,10 @@ class SimNode(Node):
             self._announce(EventKind.RECOVERED, "repaired commands arrive again")
         if not self._begun_at:
             self._begun_at = time.monotonic()
-        add_tick(self._digest, tick, command)
         self._tick = self._simulation.step(command)
         self._publish(self._tick)
+        # Book-keeping comes after the messages have left: the others work meanwhile.
+        add_tick(self._digest, tick, command)
         if self._tick.final is not None:
             add_tick(self._digest, self._tick, Command(0.0, 0.0))
             self._end()

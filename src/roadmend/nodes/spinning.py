@@ -13,6 +13,7 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
 
 from roadmend.core.errors import InputError, RoadmendError
 
@@ -78,8 +79,9 @@ def _run(factory: Callable[[], Node], stop: StopFlag) -> int:
     executor.add_node(node)
     try:
         # spin() without a time-out never calls back in this build of the executor.
+        never: Future[None] = Future()
         while not stop.is_set and not getattr(node, "finished", False):
-            executor.spin_once(timeout_sec=POLL_S)
+            executor.spin_until_future_complete(never, timeout_sec=POLL_S)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:
