@@ -16,6 +16,7 @@ from roadmend.core.scene import EgoState, ObjectKind, ObjectList
 
 Floats = NDArray[np.float64]
 
+PEDESTRIAN = int(ObjectKind.PEDESTRIAN)
 STANDING = 0.5  # [m/s] below which the ego counts as standing
 _REACH = 14.0  # [m] between the centres within which drivers are looked at
 _MARGIN = 0.4  # [m] that they keep
@@ -48,28 +49,49 @@ def _will_touch(
     return False
 
 
+@compiled
+def _who_waits(
+    ego_x: float, ego_y: float, ego_yaw: float, ego_length: float, ego_width: float, kind: NDArray[np.uint8],
+    x: Floats, y: Floats, yaw: Floats, speed: Floats, turn: Floats, length: Floats, width: Floats,
+) -> NDArray[np.intp]:  # fmt: skip
+    """Indices of those who would touch the ego if it stood and they drove on."""
+    corners = np.empty((4, 2), dtype=np.float64)
+    fill_corners(corners, ego_x, ego_y, ego_yaw, ego_length, ego_width)
+    found = np.empty(x.shape[0], dtype=np.intp)
+    count = 0
+    for index in range(x.shape[0]):
+        if (
+            kind[index] != PEDESTRIAN
+            and math.hypot(x[index] - ego_x, y[index] - ego_y) < _REACH
+            and _will_touch(
+                x[index], y[index], yaw[index], speed[index], turn[index], length[index], width[index], corners
+            )
+        ):
+            found[count] = index
+            count += 1
+    return found[:count]
+
+
 class Courtesy:
     """Makes drivers wait for a standing ego, and lets them go again."""
 
     def __init__(self) -> None:
         self._waiting: set[str] = set()
 
-    def step(self, ego: EgoState, names: tuple[str, ...], everybody: ObjectList) -> None:
+    def step(self, ego: EgoState, names: tuple[str, ...], around: ObjectList) -> None:
         """Look at everybody once; ``names`` are SUMO's, in the order of the list."""
         if ego.speed >= STANDING:
             if self._waiting:
                 self._release(self._waiting & set(names))
             return
-        corners = np.empty((4, 2))
-        fill_corners(corners, ego.x, ego.y, ego.yaw, ego.length, ego.width)
-        wait: set[str] = set()
-        near = np.hypot(everybody.x - ego.x, everybody.y - ego.y) < _REACH
-        for index in np.flatnonzero(near & (everybody.kind != ObjectKind.PEDESTRIAN)):
-            body = (everybody.length[index], everybody.width[index])
-            motion = (everybody.speed[index], everybody.yaw_rate[index])
-            if _will_touch(everybody.x[index], everybody.y[index], everybody.yaw[index], *motion, *body, corners):
-                wait.add(names[index])
-        for name in wait - self._waiting:
+        indices = _who_waits(
+            ego.x, ego.y, ego.yaw, ego.length, ego.width, around.kind, around.x, around.y, around.yaw, around.speed,
+            around.yaw_rate, around.length, around.width,
+        )  # fmt: skip
+        wait = {names[index] for index in indices}
+        if wait == self._waiting:
+            return
+        for name in sorted(wait - self._waiting):
             libsumo.vehicle.setSpeed(name, 0.0)
         self._release((self._waiting - wait) & set(names))
         self._waiting = wait
@@ -77,4 +99,4 @@ class Courtesy:
     def _release(self, names: set[str]) -> None:
         for name in sorted(names):
             libsumo.vehicle.setSpeed(name, -1.0)
-        self._waiting -= names
+        self._waiting = self._waiting - names

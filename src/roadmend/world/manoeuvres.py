@@ -1,11 +1,12 @@
 """Scripted misbehaviour of single actors, on top of what SUMO's drivers do by themselves."""
 
 import math
-from collections.abc import Collection
 from dataclasses import dataclass
 
 import libsumo
 
+from roadmend.core.scene import ObjectList
+from roadmend.world.participants import Observation
 from roadmend.world.scenario import Brake, CutIn, Manoeuvre, Scenario, Vehicle
 from roadmend.world.traffic_file import EGO
 
@@ -36,32 +37,47 @@ class ManoeuvreScript:
             for manoeuvre in actor.manoeuvres
         ]
         self._running: list[_Running] = []
+        self._names: tuple[str, ...] = ()
+        self._places: dict[str, int] = {}
 
-    def step(self, time: float, ego: tuple[float, float, float], present: Collection[str]) -> None:
-        """Start what is due at ``time`` [s] with the ego at a pose ([m], [m], [rad]), end what is over."""
+    def step(self, time: float, ego: tuple[float, float, float], seen: Observation | None) -> None:
+        """Start what is due at ``time`` [s] with the ego at a pose ([m], [m], [rad]), end what is over.
+
+        ``seen`` is the last observation; an actor that is not in it is not near the ego.
+        """
         if not self._running and not self._waiting:
             return
-        present = frozenset(present)
-        self._end(time, present)
+        if self._running:
+            self._end(time)
+        if not self._waiting or seen is None:
+            return
+        if seen.names is not self._names:
+            self._names = seen.names
+            self._places = {name: place for place, name in enumerate(seen.names)}
         still = []
         for vehicle, manoeuvre in self._waiting:
-            if vehicle in present and self._due(time, ego, vehicle, manoeuvre):
+            if self._due(time, ego, vehicle, manoeuvre, seen.around) and vehicle in libsumo.vehicle.getIDList():
                 self._running.append(_Running(time + _start(vehicle, manoeuvre), vehicle, manoeuvre))
             else:
                 still.append((vehicle, manoeuvre))
         self._waiting = still
 
-    @staticmethod
-    def _due(time: float, ego: tuple[float, float, float], vehicle: str, manoeuvre: Manoeuvre) -> bool:
-        if manoeuvre.when.time is not None:
-            return time >= manoeuvre.when.time
-        x, y = libsumo.vehicle.getPosition(vehicle)
-        dx, dy = x - ego[0], y - ego[1]
-        ahead = math.cos(ego[2]) * dx + math.sin(ego[2]) * dy > 0.0
-        return ahead and math.hypot(dx, dy) <= (manoeuvre.when.ego_distance or 0.0)
+    def _due(
+        self, time: float, ego: tuple[float, float, float], vehicle: str, manoeuvre: Manoeuvre, around: ObjectList
+    ) -> bool:
+        when = manoeuvre.when
+        if when.ego_distance is None:
+            return when.time is not None and time >= when.time
+        place = self._places.get(vehicle)
+        if place is None:
+            return False
+        dx, dy = around.x[place] - ego[0], around.y[place] - ego[1]
+        near = dx * dx + dy * dy <= when.ego_distance * when.ego_distance
+        return bool(near and math.cos(ego[2]) * dx + math.sin(ego[2]) * dy > 0.0)
 
-    def _end(self, time: float, present: frozenset[str]) -> None:
+    def _end(self, time: float) -> None:
         still = []
+        present = frozenset(libsumo.vehicle.getIDList())
         for running in self._running:
             if running.vehicle not in present:
                 continue

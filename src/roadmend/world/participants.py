@@ -80,7 +80,6 @@ class Participants:
         self._names: tuple[str, ...] = ()
         self._static = (np.empty(0, np.uint32), np.empty(0, np.uint8), np.empty(0), np.empty(0))
         self._yaw = np.empty(0)
-        self.present: tuple[str, ...] = ()  # SUMO's names of all vehicles at the last tick, the ego's too
 
     def number_of(self, name: str) -> int:
         """The object id of a participant."""
@@ -108,7 +107,7 @@ class Participants:
         objects = around
         if self._range < AROUND:
             objects = around.select(np.hypot(x - ego.x, y - ego.y) <= self._range)
-        return Observation(objects, around, names, distances, nearest)
+        return Observation(objects, around, self._names, distances, nearest)
 
     def _read(self, x: float, y: float) -> tuple[tuple[str, ...], list[float]]:
         """Names and SUMO's values (five each) of those within reach of a point [m]."""
@@ -118,8 +117,7 @@ class Participants:
         )  # fmt: skip
         names: list[str] = []
         values: list[float] = []
-        self.present = present = vehicle.getIDList()
-        for name in present:
+        for name in vehicle.getIDList():
             there_x, there_y = position(name)
             if (there_x - x) ** 2 + (there_y - y) ** 2 <= reach and name != self._ego_name:
                 names.append(name)

@@ -109,7 +109,9 @@ class Trigger(Model):
     """When a manoeuvre begins: at a time, or when the ego comes near from behind. Exactly one of the two."""
 
     time: Seconds | None = Field(default=None, description="[s] since the start of the episode")
-    ego_distance: Metres | None = Field(default=None, description="[m] between the centres")
+    ego_distance: float | None = Field(
+        default=None, ge=0.0, le=40.0, description="[m] between the centres, the actor ahead of the ego"
+    )
 
     @model_validator(mode="after")
     def _one_of_two(self) -> "Trigger":

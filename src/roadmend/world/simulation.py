@@ -102,6 +102,7 @@ class Simulation:
         self._tick = 0
         self._last_yaw = self._follower.yaw
         self._final: Event | None = None
+        self._seen: Observation | None = None
 
     @property
     def route(self) -> Route:
@@ -147,7 +148,7 @@ class Simulation:
         follower.advance(distance)
         self._tick += 1
         pose = (follower.x, follower.y, follower.yaw)
-        self._script.step(self._tick * INTERVAL, pose, self._participants.present)
+        self._script.step(self._tick * INTERVAL, pose, self._seen)
         self._step_sumo(distance)
         return self._observe(events)
 
@@ -172,7 +173,7 @@ class Simulation:
             scenario.ego.length,
             scenario.ego.width,
         )
-        seen = self._participants.observe(ego)
+        seen = self._seen = self._participants.observe(ego)
         self._courtesy.step(ego, seen.names, seen.around)
         names = self._hit(seen, ego.speed) if seen.nearest <= 0.0 else ()
         if names:
