@@ -18,6 +18,7 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
+from roadmend.cli.table import wide_console
 from roadmend.core.errors import RoadmendError
 from roadmend.evaluation.benchmark_report import provenance, write_report
 from roadmend.nodes.domain import own_domain
@@ -78,7 +79,7 @@ def loop(scenarios: int, repeats: int, out: Path | None, *, as_json: bool) -> No
     table = Table(*rows[0], box=None, header_style="bold")
     for row in rows[1:]:
         table.add_row(*row)
-    Console().print(table)
+    wide_console().print(table)
 
 
 def _in_process(scenarios: int, advance: Callable[[], None]) -> dict[str, Any]:

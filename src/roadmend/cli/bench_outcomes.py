@@ -15,6 +15,7 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
+from roadmend.cli.table import wide_console
 from roadmend.core.outcome import EventKind
 from roadmend.evaluation.benchmark_report import provenance, write_report
 from roadmend.policies.registry import POLICIES, make_policy
@@ -110,7 +111,7 @@ def outcomes(
         table = Table(*rows[0], box=None, header_style="bold")
         for row in rows[1:]:
             table.add_row(*row)
-        Console().print(table)
+        wide_console().print(table)
         for fault in faults:
             click.echo(fault, err=True)
     return 1 if faults else 0

@@ -6,11 +6,10 @@ import time
 from pathlib import Path
 
 import click
-from rich.console import Console
 
 from roadmend.cli.resources import config_folder
 from roadmend.cli.run import run_with_status
-from roadmend.cli.table import show_results
+from roadmend.cli.table import show_results, wide_console
 from roadmend.core.errors import RoadmendError
 from roadmend.nodes.launcher import GraphOptions, RunResult
 
@@ -41,7 +40,7 @@ def demo(out: Path, *, as_json: bool) -> None:
         json.dump([result.as_dict() for result in results], sys.stdout, indent=2)
         sys.stdout.write("\n")
     else:
-        show_results(results, Console())
+        show_results(results, wide_console())
         _explain(results)
     if not repaired:
         raise RoadmendError(
@@ -50,7 +49,9 @@ def demo(out: Path, *, as_json: bool) -> None:
 
 
 def _explain(results: list[RunResult]) -> None:
-    console = Console()
+    console = wide_console()
     shown = next((result for result in results if result.interventions and result.outcome == "GOAL"), results[-1])
-    console.print(f"\nLook at it: [bold]./roadmend picture {shown.bag}[/], or open the .mcap in Foxglove with")
-    console.print("the layout config/foxglove/roadmend.json.", highlight=False)
+    console.print(f"\nA picture of the moment: [bold]./roadmend picture {shown.bag}[/]", highlight=False)
+    console.print(
+        "Or open the bag's .mcap in Foxglove, with the layout config/foxglove/roadmend.json.", highlight=False
+    )

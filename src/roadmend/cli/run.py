@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from roadmend.cli.table import show_results
+from roadmend.cli.table import show_results, wide_console
 from roadmend.core.errors import InputError
 from roadmend.nodes.launcher import GraphOptions, InterruptedRunError, RunResult, run_graph
 from roadmend.policies.registry import POLICIES
@@ -127,4 +127,4 @@ def _show(results: list[RunResult], *, as_json: bool) -> None:
         json.dump([result.as_dict() for result in results], sys.stdout, indent=2)
         sys.stdout.write("\n")
         return
-    show_results(results, Console())
+    show_results(results, wide_console())

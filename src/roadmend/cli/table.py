@@ -1,5 +1,6 @@
 """Results of runs as a table for people."""
 
+import sys
 from collections.abc import Sequence
 
 from rich.console import Console
@@ -10,13 +11,18 @@ from roadmend.nodes.launcher import RunResult
 _STYLES = {"GOAL": "green", "COLLISION": "red", "TIMEOUT": "yellow", "OFF_ROUTE": "yellow", "ABORTED": "yellow"}
 
 
+def wide_console() -> Console:
+    """Standard output: as wide as the terminal, and wide enough for any row where there is none."""
+    return Console(width=None if sys.stdout.isatty() else 200)
+
+
 def show_results(results: Sequence[RunResult], console: Console) -> None:
     """Print one row a run."""
     table = Table(box=None, pad_edge=False, header_style="bold")
     for title in ("scenario", "method", "outcome"):
-        table.add_column(title)
-    for title in ("min distance", "interventions", "intensity", "real-time factor"):
-        table.add_column(title, justify="right")
+        table.add_column(title, no_wrap=True)
+    for title in ("min\ndistance", "inter-\nventions", "intensity", "real-time\nfactor"):
+        table.add_column(title, justify="right", no_wrap=True)
     table.add_column("bag", overflow="fold")
     for result in results:
         distance = "-" if result.min_distance is None else f"{result.min_distance:.2f} m"

@@ -11,11 +11,12 @@ import numba
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+_MARK = b"roadmend.core.jit"  # who imports this file has kernels
 _PACKAGE = Path(__file__).parents[1]
 
 
 def _cache_folder() -> Path:
-    """Folder for machine code made from the sources as they are now.
+    """Folder for machine code made from the kernels' sources as they are now.
 
     Numba looks only at the file of a kernel, not at those of the kernels that it calls, and would go on with stale
     code after an edit there.
@@ -24,8 +25,9 @@ def _cache_folder() -> Path:
     for folder, _, names in sorted(os.walk(_PACKAGE)):
         for name in sorted(names):
             if name.endswith(".py"):
-                status = (Path(folder) / name).stat()
-                digest.update(f"{folder}/{name} {status.st_mtime_ns} {status.st_size}\n".encode())
+                content = (Path(folder) / name).read_bytes()
+                if _MARK in content:
+                    digest.update(content)
     return Path(__file__).parent / "__pycache__" / f"kernels-{digest.hexdigest()[:16]}"
 
 
