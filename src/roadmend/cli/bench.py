@@ -4,6 +4,7 @@ import click
 
 from roadmend.cli.bench_loop import loop
 from roadmend.cli.bench_outcomes import outcomes
+from roadmend.cli.bench_readme import readme
 
 
 @click.group()
@@ -13,3 +14,4 @@ def bench() -> None:
 
 bench.add_command(loop)
 bench.add_command(outcomes)
+bench.add_command(readme)

@@ -12,7 +12,7 @@ from roadmend.evaluation.bag_picture import draw_bag
 @click.option(
     "--out", default=Path("scene.png"), show_default=True, type=click.Path(path_type=Path), help="PNG, SVG or PDF."
 )
-@click.option("--at", type=click.FloatRange(0.0), help="Simulation time [s].  [default: the first intervention]")
+@click.option("--at", type=click.FloatRange(0.0), help="Simulation time [s].  [default: the longest intervention]")
 @click.option(
     "--span", default=70.0, show_default=True, type=click.FloatRange(10.0, 2000.0), help="Width of the scene [m]."
 )

@@ -23,7 +23,7 @@ def draw_bag(bag: Path, out: Path, at: float | None = None, span: float = 70.0) 
     Args:
         bag: the bag's folder or its .mcap file.
         out: where to write; .png, .svg or .pdf.
-        at: simulation time [s]; None picks the middle of the first intervention, or the last second but one where
+        at: simulation time [s]; None picks the middle of the longest intervention, or the last second but one where
             there was none.
         span: width of the scene [m].
 
@@ -54,10 +54,11 @@ def draw_bag(bag: Path, out: Path, at: float | None = None, span: float = 70.0) 
 
 
 def interesting_moment(timeline: Timeline) -> float:
-    """The middle of the first intervention [s]; without any, a second before the end."""
+    """The middle of the longest intervention [s]; without any, a second before the end."""
     spans = timeline.spans()
     if spans:
-        return 0.5 * (spans[0][0] + spans[0][1])
+        begin, end = max(spans, key=lambda span: span[1] - span[0])
+        return 0.5 * (begin + end)
     return float(max(timeline.time[-1] - BEFORE_THE_END_S, timeline.time[0]))
 
 
