@@ -38,6 +38,11 @@ _PARTS = ("ego", "objects", "command", "trajectory")
 _COMPLAINTS = frozenset({RepairStatus.STALE_COMMAND, RepairStatus.STALE_OBJECTS, RepairStatus.MODEL_FAULT})
 
 
+def _bound(constraints: Sequence[Any], name: str) -> float | None:
+    """A bound of a parameter model's field: what its constraints give under ``ge`` or ``le``."""
+    return next((getattr(entry, name) for entry in constraints if getattr(entry, name, None) is not None), None)
+
+
 class RepairNode(LifecycleNode):
     """Intercepts the policy's command, repairs it with one method, and answers every tick."""
 
@@ -101,7 +106,13 @@ class RepairNode(LifecycleNode):
             for field, info in entry.parameters.model_fields.items():
                 default = info.get_default(call_default_factory=True)
                 if isinstance(default, bool | int | float | str) and not isinstance(default, Enum):
-                    declare(self, f"{name}.{field}", default, info.description or field, read_only=False)
+                    numeric = not isinstance(default, bool | str)
+                    declare(
+                        self, f"{name}.{field}", default, info.description or field,
+                        low=_bound(info.metadata, "ge") if numeric else None,
+                        high=_bound(info.metadata, "le") if numeric else None,
+                        read_only=False,
+                    )  # fmt: skip
 
     def _method_parameters(self, changed: Sequence[Parameter] = ()) -> dict[str, Any]:
         prefix = f"{self._method}."
