@@ -25,7 +25,7 @@ from roadmend.nodes.domain import own_domain
 from roadmend.nodes.launcher import GraphOptions, run_graph
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
-from roadmend.world.bare import time_bare_stepping
+from roadmend.world.bare import recorded_orders, time_bare_stepping
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Scenario
@@ -90,8 +90,10 @@ def _in_process(scenarios: int, advance: Callable[[], None]) -> dict[str, Any]:
     for family in FAMILIES:
         ratios, costs, bare_costs = [], [], []
         for scenario in _dense(family, scenarios):
+            with recorded_orders() as script:
+                run_episode(scenario, policy, repairer)
             ticks, stepping = _time_loop(scenario, policy, repairer)
-            bare = time_bare_stepping(scenario, ticks)
+            bare = time_bare_stepping(scenario, script)
             ratios.append(stepping / bare)
             costs.append(stepping / ticks)
             bare_costs.append(bare / ticks)

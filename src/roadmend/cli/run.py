@@ -16,6 +16,8 @@ from roadmend.repair.registry import METHODS
 from roadmend.world.scenario import Ego, Scenario, SumoConfiguration
 from roadmend.world.scenario_file import load_scenario, save_scenario
 
+_SCENARIO_FIELDS = ("ego.", "actors[", "network.")
+
 
 @click.command(context_settings={"ignore_unknown_options": True})
 @click.option("--scenario", type=click.Path(path_type=Path), help="Scenario file (see 'roadmend sample').")
@@ -92,6 +94,10 @@ def run(
         )  # fmt: skip
         try:
             result = run_with_status(options)
+        except InputError as error:
+            if error.where.startswith(_SCENARIO_FIELDS):  # the nodes know a copy of the file
+                raise InputError(f"{scenario or sumocfg}: {error.where}", error.what, error.mend) from None
+            raise
         except InterruptedRunError as error:
             if error.result is not None:
                 _show([error.result], as_json=as_json)

@@ -3,6 +3,7 @@
 import importlib
 import multiprocessing
 import os
+import re
 import signal
 import sys
 import threading
@@ -16,6 +17,8 @@ from pathlib import Path
 _context = multiprocessing.get_context("forkserver")
 # Imports are most of a node's start. The server does them once; each node, and each restart, is then a fork away.
 _context.set_forkserver_preload([f"roadmend.nodes.{node}" for node in ("sim", "policy", "repair", "recorder", "viz")])
+
+_LOG_HEAD = re.compile(r"^\[[A-Z]+\] \[[0-9.]+\] \[([^]]*)\]: ")  # what ROS puts before a logged line
 
 
 @dataclass
@@ -57,7 +60,7 @@ class Child:
         except OSError:
             return ""
         spoken = [line for line in lines if line.strip() and not line.startswith((" ", "\t"))]
-        return spoken[-1].removeprefix("roadmend: ") if spoken else ""
+        return _LOG_HEAD.sub(r"\1: ", spoken[-1]).removeprefix("roadmend: ") if spoken else ""
 
 
 def stop(children: Sequence[Child], deadline: float) -> None:

@@ -155,8 +155,16 @@ def route_message_of(route: Route, header: Header) -> msg.Route:
 
 
 def route_of(message: msg.Route) -> Route:
-    """A route from a message."""
+    """A route from a message.
+
+    Raises:
+        ValueError: the arrays do not fit together, a stage has less than two points, or a rule is unknown.
+    """
     begins = [*message.stage_begin, len(message.x)]
+    if not len(message.x) == len(message.y) == len(message.speed_limit):
+        raise ValueError("route: the arrays of its points differ in length")
+    if len(begins) < 2 or begins[0] != 0 or any(end - begin < 2 for begin, end in itertools.pairwise(begins)):
+        raise ValueError("route: it needs stages of at least two points each, one after another")
     x, y, limits = np.array(message.x), np.array(message.y), np.array(message.speed_limit)
     stages = tuple(
         Stage(x[begin:end].copy(), y[begin:end].copy(), limits[begin:end].copy())

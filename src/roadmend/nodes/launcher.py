@@ -197,8 +197,10 @@ class _Run:
         text = child.last_words()
         if child.exit_code == BAD_INPUT:
             where, _, rest = text.partition(": ")
-            what, _, mend = rest.rpartition("; ")
-            raise InputError(where, what or rest, mend or f"see the parameters of {child.name}")
+            what, separator, mend = rest.rpartition("; ")
+            if not separator:
+                what, mend = rest, f"see the parameters of {child.name}"
+            raise InputError(where, what, mend)
         raise RoadmendError(f"{child.name} failed ({child.exit_code}): {text}")
 
     def _stop(self, *, interrupted: bool) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 class TickPairing:
     """Collects messages by stamp until every expected part of a tick is there.
 
-    Ticks are handed out in order. A tick older than one that was handed out is of no use any more and is dropped.
+    When a tick is handed out, older ones that still lack a part are of no use any more and are dropped.
     """
 
     def __init__(self, *parts: str) -> None:

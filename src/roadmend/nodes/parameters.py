@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
-from rclpy.exceptions import InvalidParameterValueException
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
 
 from roadmend.core.errors import InputError
@@ -34,7 +34,7 @@ def declare(
         read_only: whether it keeps the value it had at the start.
 
     Raises:
-        InputError: the value given is outside the range or not among the choices.
+        InputError: the value given is of another type, outside the range or not among the choices.
     """
     descriptor = ParameterDescriptor(description=description, read_only=read_only)
     if choices:
@@ -43,8 +43,8 @@ def declare(
         _set_range(descriptor, default, low, high)
     try:
         value = node.declare_parameter(name, default, descriptor).value
-    except InvalidParameterValueException as error:
-        given = " ".join(str(error).split())
+    except (InvalidParameterValueException, InvalidParameterTypeException) as error:
+        given = " ".join(str(error).split()).removesuffix(f": {name}")
         raise InputError(f"parameter {name}", given, f"it is: {description}") from None
     if choices and value not in choices:
         raise InputError(f"parameter {name}", f"{value!r} is not allowed", f"choose one of {', '.join(choices)}")

@@ -44,13 +44,17 @@ class PolicyNode(Node):
         self._diagnostics = DiagnosticsReporter(self, self._health)
 
     def _on_route(self, message: msg.Route) -> None:
-        self._route = convert.route_of(message)
-        self._policy.reset(self._route)
         self._last_stamp = -1
         self._last = None
-        pending = self._pairing.waiting()
-        if pending is not None and len(pending[1]) == 2:
-            self._decide(pending[0], pending[1]["ego"], pending[1]["objects"])
+        try:
+            self._route = convert.route_of(message)
+            self._policy.reset(self._route)
+        except Exception as error:  # noqa: BLE001 - a policy that fails must be seen, not end the node
+            self._route = None
+            self._failure = f"{type(error).__name__}: {error}"
+            self.get_logger().error(f"no route to drive: {self._failure}")
+        else:
+            self._failure = ""
 
     def _on_ego(self, data: bytes) -> None:
         self._add("ego", stamp_of_bytes(data), data)
@@ -67,9 +71,9 @@ class PolicyNode(Node):
         if self._route is None:
             return  # the simulator repeats the first tick until it is answered
         if stamp != self._last_stamp:
-            if stamp < self._last_stamp:
-                self._policy.reset(self._route)
             try:
+                if stamp < self._last_stamp:
+                    self._policy.reset(self._route)
                 seen, signals = convert.objects_of(objects)
                 state = ego_of_bytes(ego, self._route.ego_length, self._route.ego_width)
                 self._last = self._policy.step(Scene(stamp * 1e-9, state, seen, signals))

@@ -53,6 +53,7 @@ class RepairNode(LifecycleNode):
         self._declare_parameters()
         self._repairer: GuardedRepairer | None = None
         self._route: Route | None = None
+        self._route_fault = ""
         self._pairing = TickPairing(*_PARTS)
         self._tally = RepairTally()
         self._active = False
@@ -61,7 +62,7 @@ class RepairNode(LifecycleNode):
         self._last_stamp = -1
         self._prepared: tuple[int, Scene | None] = (-1, None)
         self._last_answer = 0.0  # wall time [s]
-        self._last_arrival = 0.0  # wall time [s] of the last tick's first message
+        self._last_arrival = 0.0  # wall time [s] of the last message of a tick to come
         self._last_repair: Repair | None = None
         self._last_header: Any = None
         self._command_publisher = self.create_lifecycle_publisher(msg.Command, qos.REPAIR_COMMAND, qos.COMMAND)
@@ -175,6 +176,12 @@ class RepairNode(LifecycleNode):
         self._active = False
         return super().on_deactivate(state)
 
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Stop answering for good, whatever state it was in."""
+        if self._active:
+            self.on_deactivate(state)
+        return super().on_shutdown(state)
+
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Forget the method."""
         self._repairer = None
@@ -183,10 +190,16 @@ class RepairNode(LifecycleNode):
     # -- input --------------------------------------------------------------------------------------------------------
 
     def _on_route(self, message: msg.Route) -> None:
-        self._route = convert.route_of(message)
         self._pairing.clear()
+        self._prepared = (-1, None)
         self._started = False
         self._last_stamp = -1
+        try:
+            self._route, self._route_fault = convert.route_of(message), ""
+        except ValueError as error:  # without a route nothing is answered, so the simulator holds the vehicle
+            self._route, self._route_fault = None, str(error)
+            self.get_logger().error(f"unusable: {error}")
+            return
         if self._repairer is not None:
             self._repairer.reset(self._route)
 
@@ -200,15 +213,17 @@ class RepairNode(LifecycleNode):
         return add
 
     def _add(self, part: str, stamp: int, message: Any) -> None:
-        now = self._last_arrival = time.monotonic()
+        now = time.monotonic()
         if stamp == self._last_stamp and part == "objects" and self._last_repair is not None:
             self._publish(self._last_repair, message.header)  # a repeated tick gets the same answer again
             return
         if stamp < self._last_stamp and part in ("ego", "objects"):
             self._last_stamp = -1  # time ran backwards: the guard sees it and resets the method
             self._pairing.clear()
+            self._prepared = (-1, None)
         if stamp <= self._last_stamp:
             return
+        self._last_arrival = now
         tick = self._pairing.add(stamp, part, message, now)
         if tick is not None:
             self._answer(stamp, tick)
@@ -313,6 +328,8 @@ class RepairNode(LifecycleNode):
         values = {"method": self._method, "active": self._active, **self._tally.values()}
         if not self._active:
             return Health(Level.WARN, "inactive: sends no commands, the simulator brakes", values)
+        if self._route_fault:
+            return Health(Level.ERROR, self._route_fault, values)
         if self._silent_since:
             return Health(Level.ERROR, f"controlled stop: missing {self._silent_since}", values)
         last = self._last_repair

@@ -156,6 +156,10 @@ class SimNode(Node):
         if command.fault:
             self.get_logger().error(f"refused a command: {command.fault}", throttle_duration_sec=1.0)
             return
+        if stamp > self._tick.number * INTERVAL_NS:
+            # Obeyed, it would count as fresh for as long as its stamp lies ahead.
+            self.get_logger().error("refused a command for a tick that has not been yet", throttle_duration_sec=1.0)
+            return
         if not self._lockstep:
             if self._last_command is None or stamp >= self._last_command[0]:
                 self._last_command = (stamp, command)

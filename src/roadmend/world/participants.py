@@ -20,13 +20,14 @@ AROUND = 40.0  # [m] centre to centre; everybody within is watched for contact, 
 
 @compiled
 def _measure(
-    raw: Floats, lengths: Floats, widths: Floats, previous_yaw: Floats, interval: float,
+    raw: Floats, lengths: Floats, widths: Floats, before: Floats, interval: float,
     ego_x: float, ego_y: float, ego_yaw: float, ego_length: float, ego_width: float, out: Floats,
 ) -> float:  # fmt: skip
     """SUMO's rows into columns of the project's frame; returns the smallest distance to the ego [m].
 
-    ``raw`` (N x 5) holds front bumper x and y [m], degrees clockwise from north, speed and acceleration. ``out``
-    (7 x N) receives centre x and y [m], yaw [rad], speed, acceleration, yaw rate [rad/s] and distance [m].
+    ``raw`` (N x 4) holds front bumper x and y [m], degrees clockwise from north and speed [m/s]. ``out`` (7 x N)
+    receives centre x and y [m], yaw [rad], speed, acceleration [m/s2], yaw rate [rad/s] and distance [m]; ``before``
+    (2 x N) holds yaw and speed of the last tick, NaN for newcomers.
     """
     for index in range(raw.shape[0]):
         heading = wrap_angle(math.radians(90.0 - raw[index, 2]))
@@ -34,9 +35,9 @@ def _measure(
         out[1, index] = raw[index, 1] - 0.5 * lengths[index] * math.sin(heading)
         out[2, index] = heading
         out[3, index] = raw[index, 3]
-        out[4, index] = raw[index, 4]
-        before = previous_yaw[index]
-        out[5, index] = 0.0 if math.isnan(before) else wrap_angle(heading - before) / interval
+        is_new = math.isnan(before[0, index])
+        out[4, index] = 0.0 if is_new else (raw[index, 3] - before[1, index]) / interval
+        out[5, index] = 0.0 if is_new else wrap_angle(heading - before[0, index]) / interval
     distances = outline_distances(
         ego_x, ego_y, ego_yaw, ego_length, ego_width, out[0], out[1], out[2], lengths, widths, NEAR
     )
@@ -79,7 +80,7 @@ class Participants:
         self._fixed: dict[str, _Fixed] = {}
         self._names: tuple[str, ...] = ()
         self._static = (np.empty(0, np.uint32), np.empty(0, np.uint8), np.empty(0), np.empty(0))
-        self._yaw = np.empty(0)
+        self._before = np.empty((2, 0))  # yaw [rad] and speed [m/s] at the last tick
 
     def number_of(self, name: str) -> int:
         """The object id of a participant."""
@@ -95,14 +96,14 @@ class Participants:
         if names != self._names:
             self._renew(names)
         count = len(names)
-        raw = np.array(values).reshape(count, 5)
+        raw = np.array(values).reshape(count, 4)
         number, kind, length, width = self._static
         columns = np.empty((7, count))
         nearest = _measure(
-            raw, length, width, self._yaw, self._interval, ego.x, ego.y, ego.yaw, ego.length, ego.width, columns
+            raw, length, width, self._before, self._interval, ego.x, ego.y, ego.yaw, ego.length, ego.width, columns
         )
         x, y, yaw, speed, acceleration, turn, distances = columns
-        self._yaw = yaw
+        self._before = columns[2:4]
         around = ObjectList(number, kind, x, y, yaw, speed, acceleration, turn, length, width)
         objects = around
         if self._range < AROUND:
@@ -110,30 +111,28 @@ class Participants:
         return Observation(objects, around, self._names, distances, nearest)
 
     def _read(self, x: float, y: float) -> tuple[tuple[str, ...], list[float]]:
-        """Names and SUMO's values (five each) of those within reach of a point [m]."""
+        """Names and SUMO's values (four each) of those within reach of a point [m]."""
         vehicle, reach = libsumo.vehicle, max(self._range, AROUND) ** 2
-        position, angle, speed, acceleration = (
-            vehicle.getPosition, vehicle.getAngle, vehicle.getSpeed, vehicle.getAcceleration,
-        )  # fmt: skip
+        position, angle, speed = vehicle.getPosition, vehicle.getAngle, vehicle.getSpeed
         names: list[str] = []
         values: list[float] = []
         for name in vehicle.getIDList():
             there_x, there_y = position(name)
             if (there_x - x) ** 2 + (there_y - y) ** 2 <= reach and name != self._ego_name:
                 names.append(name)
-                values += (there_x, there_y, angle(name), speed(name), acceleration(name))
+                values += (there_x, there_y, angle(name), speed(name))
         if self._with_persons:
             person = libsumo.person
             for name in person.getIDList():
                 there_x, there_y = person.getPosition(name)
                 if (there_x - x) ** 2 + (there_y - y) ** 2 <= reach:
                     names.append(name)
-                    values += (there_x, there_y, person.getAngle(name), person.getSpeed(name), 0.0)
+                    values += (there_x, there_y, person.getAngle(name), person.getSpeed(name))
         return tuple(names), values
 
     def _renew(self, names: tuple[str, ...]) -> None:
         """Somebody came or went: look up newcomers and carry the rest over; a number stays with its name."""
-        before = dict(zip(self._names, self._yaw, strict=True))
+        before = {name: place for place, name in enumerate(self._names)}
         for name in names:
             if name not in self._fixed:
                 self._fixed[name] = self._look_up(name)
@@ -144,7 +143,11 @@ class Participants:
             np.array([entry.length for entry in fixed], dtype=np.float64),
             np.array([entry.width for entry in fixed], dtype=np.float64),
         )
-        self._yaw = np.array([before.get(name, math.nan) for name in names], dtype=np.float64)
+        carried = np.full((2, len(names)), math.nan)
+        for place, name in enumerate(names):
+            if name in before:
+                carried[:, place] = self._before[:, before[name]]
+        self._before = carried
         self._names = names
 
     def _look_up(self, name: str) -> _Fixed:

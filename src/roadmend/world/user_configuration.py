@@ -1,6 +1,5 @@
 """A user's SUMO configuration, made fit to run here: same input, none of its output."""
 
-import os
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -8,6 +7,8 @@ from roadmend.core.errors import InputError
 
 _INPUT_FILES = frozenset({"net-file", "route-files", "additional-files", "weight-files", "taz-files", "load-state"})
 _DROPPED = ("output", "report", "gui_only", "gui-only")  # sections whose effects belong to the user's own runs
+
+_DEPTH = 64  # no folder lies deeper; to climb beyond the root is harmless
 
 
 def read_configuration(path: Path) -> ET.Element:
@@ -44,7 +45,8 @@ def private_copy(path: Path, folder: Path) -> list[str]:
     """SUMO arguments that run a configuration without writing next to it.
 
     The copy in ``folder`` has absolute input paths and no output sections. Detectors in additional files still name
-    output files, relative to their own place; the prefix leads those into ``folder`` as well.
+    output files, relative to their own place, which may be any folder; SUMO puts the prefix before the file's name,
+    and this one climbs to the root from wherever that is and leads into ``folder``.
 
     Raises:
         InputError: the configuration cannot be read or names files that do not exist.
@@ -65,5 +67,5 @@ def private_copy(path: Path, folder: Path) -> list[str]:
             element.set(key, ",".join(str((path.parent / name).resolve()) for name in names))
     copy = folder / "user.sumocfg"
     ET.ElementTree(root).write(copy, encoding="unicode")
-    prefix = os.path.relpath(folder, path.parent.resolve()) + "/out-"
+    prefix = "../" * _DEPTH + str(folder.resolve()).lstrip("/") + "/out-"
     return ["-c", str(copy), "--output-prefix", prefix]
