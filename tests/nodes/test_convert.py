@@ -1,0 +1,200 @@
+"""What goes into a message comes out of it again, bit for bit."""
+
+import math
+from array import array
+
+import numpy as np
+import pytest
+from rclpy.serialization import deserialize_message, serialize_message
+from roadmend_msgs import msg
+
+from roadmend.core.command import Command, Trajectory
+from roadmend.core.outcome import Event, EventKind
+from roadmend.core.repair import Repair, RepairStatus, Trigger
+from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
+from roadmend.core.scene import EgoState, ObjectList
+from roadmend.nodes import convert
+from roadmend.nodes.odometry import OdometryWriter
+from roadmend.world.map_view import DrawnLane, LaneKind
+
+COLUMNS = ("x", "y", "yaw", "speed", "acceleration", "yaw_rate", "length", "width")
+NUMBERS = np.random.default_rng(4)
+
+
+def sent(message):
+    """A message as it arrives: through bytes."""
+    return deserialize_message(serialize_message(message), type(message))
+
+
+def header():
+    return convert.header_of(1.25)
+
+
+def objects_of_random(count):
+    return ObjectList(
+        np.arange(1, count + 1, dtype=np.uint32), (np.arange(count) % 7).astype(np.uint8),
+        *NUMBERS.normal(size=(len(COLUMNS), count)),
+    )  # fmt: skip
+
+
+def route():
+    def stage(points):
+        x = np.cumsum(NUMBERS.uniform(1.0, 2.0, points))
+        return Stage(x, NUMBERS.normal(size=points), NUMBERS.uniform(5.0, 30.0, points))
+
+    zones = tuple(
+        Zone(number % 3, 10.0 + number, 20.0 + number, rule, number - 1) for number, rule in enumerate(RightOfWay)
+    )
+    stages, windows = (stage(4), stage(2), stage(7)), (Window(1.0, 2.0), Window(0.5, 1.5))
+    return Route("some-name", 4.7, 1.85, 12.5, 60.0, stages, windows, zones)
+
+
+@pytest.mark.parametrize("time", [0.0, 0.05, 1.0, 3.0 * 0.05, 86_400.0, 12345 * 50_000_000 * 1e-9])
+def test_a_stamp_gives_back_the_tick(time):
+    assert convert.nanoseconds_of(convert.stamp_of(time)) == round(time * 1e9)
+    assert round(time * 1e9) % 50_000_000 == 0
+
+
+def test_a_header_names_frame_and_time():
+    made = convert.header_of(2.5)
+    assert (made.frame_id, made.stamp.sec, made.stamp.nanosec) == ("map", 2, 500_000_000)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 1.0, -3.0, math.pi])
+def test_the_ego_is_the_same_after_the_journey(yaw):
+    ego = EgoState.from_yaw(1.1, -2.2, yaw, 3.3, 0.4, 4.7, 1.85)
+    assert convert.ego_of(sent(OdometryWriter().fill(ego, header())), 4.7, 1.85) == ego
+
+
+@pytest.mark.parametrize("count", [0, 1, 20, 300])
+def test_objects_are_the_same_after_the_journey(count):
+    objects, signals = objects_of_random(count), np.array([2, 0, 3], dtype=np.uint8)
+    back, back_signals = convert.objects_of(sent(convert.object_message_of(objects, signals, header())))
+    for name in ("id", "kind", *COLUMNS):
+        mine, other = getattr(objects, name), getattr(back, name)
+        assert (mine.dtype, mine.tobytes()) == (other.dtype, other.tobytes()), name
+    assert back_signals.tolist() == [2, 0, 3]
+
+
+@pytest.mark.parametrize("column", ["id", "kind", *COLUMNS])
+@pytest.mark.parametrize("change", [-1, 1])
+def test_objects_with_an_array_of_another_length_raise(column, change):
+    message = convert.object_message_of(objects_of_random(3), np.empty(0, dtype=np.uint8), header())
+    values = getattr(message, column)
+    setattr(message, column, values[:-1] if change < 0 else array(values.typecode, [*values, values[0]]))
+    with pytest.raises(ValueError, match="differ in length"):
+        convert.objects_of(sent(message))
+
+
+@pytest.mark.parametrize("command", [Command(0.3, 0.0), Command(0.0, 1.0, change_lane=True), Command(math.inf, -7.0)])
+def test_a_command_is_the_same_after_the_journey(command):
+    assert convert.command_of(sent(convert.command_message_of(command, header()))) == command
+
+
+def test_not_a_number_stays_one_for_the_guard_to_see():
+    assert convert.command_of(sent(convert.command_message_of(Command(math.nan, 0.0), header()))).fault
+
+
+@pytest.mark.parametrize("points", [0, 1, 40])
+def test_a_trajectory_is_the_same_after_the_journey(points):
+    plan = Trajectory(0.1, *NUMBERS.normal(size=(4, points)), "yield")
+    back = convert.trajectory_of(sent(convert.trajectory_message_of(plan, header())))
+    assert (back.interval, back.behaviour, len(back)) == (0.1, "yield", points)
+    for name in ("x", "y", "yaw", "speed"):
+        assert getattr(back, name).tobytes() == getattr(plan, name).tobytes()
+
+
+def test_a_route_is_the_same_after_the_journey():
+    mine = route()
+    back = convert.route_of(sent(convert.route_message_of(mine, header())))
+    for name in ("scenario", "ego_length", "ego_width", "goal", "time_limit", "windows", "zones", "length"):
+        assert getattr(back, name) == getattr(mine, name), name
+    assert len(back.stages) == 3
+    for one, other in zip(mine.stages, back.stages, strict=True):
+        for name in ("x", "y", "speed_limit", "s"):
+            assert getattr(one, name).tobytes() == getattr(other, name).tobytes(), name
+
+
+@pytest.mark.parametrize(
+    "column",
+    [
+        "x",
+        "y",
+        "speed_limit",
+        "change_begin",
+        "change_end",
+        "zone_stage",
+        "zone_begin",
+        "zone_end",
+        "zone_rule",
+        "zone_signal",
+    ],
+)
+def test_a_route_with_an_array_cut_short_raises(column):
+    message = convert.route_message_of(route(), header())
+    setattr(message, column, getattr(message, column)[:-1])
+    with pytest.raises(ValueError):
+        convert.route_of(sent(message))
+
+
+@pytest.mark.parametrize("begins", [[], [1, 4, 6], [0, 4, 5], [0, 6, 4], [0, 4, 13], [0, 4, 99]])
+def test_a_route_whose_stages_are_no_lines_raises(begins):
+    message = convert.route_message_of(route(), header())
+    message.stage_begin = array("I", begins)
+    with pytest.raises(ValueError, match="two points"):
+        convert.route_of(sent(message))
+
+
+def test_a_route_with_an_unknown_rule_raises():
+    message = convert.route_message_of(route(), header())
+    message.zone_rule = array("B", [9] * 5)
+    with pytest.raises(ValueError, match="9"):
+        convert.route_of(sent(message))
+
+
+@pytest.mark.parametrize("status", RepairStatus)
+def test_a_repair_arrives_complete(status):
+    triggers = (Trigger(7, 0.9), Trigger(4_000_000_000, 0.1))
+    repair = Repair(Command(0.0, 0.6), status, 0.8, 0.5, 0.3, -0.6, True, 3, triggers, "object 7 ahead")
+    back = sent(convert.repair_message_of(repair, "rss", header()))
+    assert (back.state, back.method, back.reason) == (int(status), "rss", "object 7 ahead")
+    assert (back.score, back.threshold) == (0.8, 0.5)
+    assert (back.policy_action, back.repair_action, back.final_action) == (0.3, -0.6, -0.6)
+    assert (back.intervened, back.dropped_objects) == (True, 3)
+    assert (list(back.trigger_id), list(back.trigger_weight)) == ([7, 4_000_000_000], [0.9, 0.1])
+
+
+def test_an_action_that_is_not_finite_becomes_no_number():
+    repair = Repair(Command(0.0, 0.5), RepairStatus.INVALID_COMMAND, math.nan, math.nan, math.inf, -math.inf, True)
+    back = sent(convert.repair_message_of(repair, "none", header()))
+    assert math.isnan(back.policy_action)
+    assert math.isnan(back.repair_action)
+    assert back.final_action == -0.5
+
+
+@pytest.mark.parametrize("status", RepairStatus)
+def test_states_mirror_the_message(status):
+    assert getattr(msg.RepairState, status.name) == status
+
+
+@pytest.mark.parametrize("kind", EventKind)
+def test_an_event_arrives_complete(kind):
+    back = sent(convert.event_message_of(Event(2.5, kind, "bang", (3, 4), ("v1", "v2"))))
+    assert back.kind == getattr(msg.ScenarioEvent, kind.name) == kind
+    assert (back.header.stamp.sec, back.text) == (2, "bang")
+    assert (list(back.object_id), list(back.object_name)) == ([3, 4], ["v1", "v2"])
+
+
+def test_a_map_arrives_complete():
+    shapes = [NUMBERS.normal(size=(points, 2)) for points in (2, 5, 3)]
+    lanes = [DrawnLane(kind, 3.0 + kind, shape) for kind, shape in zip(LaneKind, shapes, strict=True)]
+    back = sent(convert.map_message_of(lanes, header()))
+    assert list(back.lane_begin) == [0, 2, 7]
+    assert list(back.lane_kind) == [msg.Map.KIND_ROAD, msg.Map.KIND_JUNCTION, msg.Map.KIND_WALK]
+    assert list(back.lane_width) == [3.0, 4.0, 5.0]
+    assert np.column_stack([back.x, back.y]).tobytes() == np.concatenate(shapes).tobytes()
+
+
+def test_a_map_without_lanes_is_empty():
+    back = sent(convert.map_message_of([], header()))
+    assert len(back.lane_begin) == len(back.x) == 0

@@ -1,0 +1,126 @@
+"""The launcher's judgement about its children, without starting any."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from roadmend.core.errors import InputError, RoadmendError
+from roadmend.nodes.children import Child
+from roadmend.nodes.launcher import BAD_INPUT, RESTARTS_MAX, GraphOptions, _as_yaml, _Run, run_graph
+
+
+@pytest.fixture
+def run(tmp_path):
+    options = GraphOptions(Path("s.yaml"), bags=tmp_path / "bags", name="bag")
+    return _Run(options, tmp_path / "bags" / "bag", tmp_path, 7, lambda *_: None)
+
+
+def ended(tmp_path, code, printed, *, may_restart=False):
+    """A child that has ended and printed something."""
+    log = tmp_path / "child.log"
+    log.write_text(printed)
+    child = Child("sim_node", "roadmend.nodes.sim", [], {}, log, may_restart)
+    child.process = SimpleNamespace(exitcode=code, pid=None)
+    child.start = lambda: None
+    return child
+
+
+@pytest.mark.parametrize(
+    ("printed", "words"),
+    [
+        ("", ""),
+        ("\n\n", ""),
+        ("roadmend: a.yaml: no such file; make one\n", "a.yaml: no such file; make one"),
+        ("starting\nlast\n\n", "last"),
+        ("Traceback (most recent call last):\n  File x, line 3\n    fail()\nValueError: bad\n", "ValueError: bad"),
+        ("Fatal\n\tat 0x123\n  frame\n", "Fatal"),
+        ("[ERROR] [1795263315.175758146] [repair_node]: refuses: a; b\n", "repair_node: refuses: a; b"),
+        ("[1, 2] is a list\n", "[1, 2] is a list"),
+    ],
+)
+def test_the_last_words_are_the_last_line_meant_for_people(tmp_path, printed, words):
+    assert ended(tmp_path, 1, printed).last_words() == words
+
+
+def test_a_child_that_never_wrote_has_no_last_words(tmp_path):
+    assert Child("a", "b", [], {}, tmp_path / "none.log", False).last_words() == ""
+
+
+def test_last_words_that_are_no_text_do_no_harm(tmp_path):
+    child = ended(tmp_path, 1, "")
+    child.log.write_bytes(b"\xff\xfe broken\n")
+    assert "broken" in child.last_words()
+
+
+@pytest.mark.parametrize(
+    ("printed", "parts"),
+    [
+        ("a.yaml: field seed: no number; see the schema", ("a.yaml", "field seed: no number", "see the schema")),
+        ("ego.lane: a; b; choose", ("ego.lane", "a; b", "choose")),
+        ("parameter x: too large", ("parameter x", "too large", "see the parameters of sim_node")),
+        ("out of order", ("out of order", "", "see the parameters of sim_node")),
+    ],
+)
+def test_a_node_that_refuses_its_input_is_an_input_error_with_its_words(run, tmp_path, printed, parts):
+    with pytest.raises(InputError) as caught:
+        run._raise(ended(tmp_path, BAD_INPUT, f"noise\nroadmend: {printed}\n"))
+    assert (caught.value.where, caught.value.what, caught.value.mend) == parts
+
+
+def test_a_node_that_crashes_is_named_with_code_and_last_words(run, tmp_path):
+    with pytest.raises(RoadmendError, match=r"sim_node failed \(-11\): Segmentation fault") as caught:
+        run._raise(ended(tmp_path, -11, "Segmentation fault\n"))
+    assert not isinstance(caught.value, InputError)
+
+
+def test_a_node_that_keeps_dying_ends_the_run(run, tmp_path):
+    child = ended(tmp_path, 1, "ValueError: still broken\n", may_restart=True)
+    for restarts in range(1, RESTARTS_MAX + 1):
+        run._look_after([child])
+        assert child.restarts == restarts
+    with pytest.raises(RoadmendError, match=f"sim_node ended {RESTARTS_MAX + 1} times; last: ValueError: still broken"):
+        run._look_after([child])
+
+
+def test_a_node_that_may_not_be_restarted_ends_the_run_at_once(run, tmp_path):
+    with pytest.raises(RoadmendError, match=r"sim_node ended \(1\): disk full"):
+        run._look_after([ended(tmp_path, 1, "disk full\n")])
+
+
+def test_a_node_that_refuses_its_input_is_not_restarted(run, tmp_path):
+    child = ended(tmp_path, BAD_INPUT, "roadmend: parameter x: a; b\n", may_restart=True)
+    with pytest.raises(InputError, match="parameter x: a; b"):
+        run._look_after([child])
+    assert child.restarts == 0
+
+
+def test_a_node_that_runs_is_left_alone(run, tmp_path):
+    child = ended(tmp_path, None, "", may_restart=True)
+    run._look_after([child])
+    assert child.restarts == 0
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [("on", '"on"'), ("1", '"1"'), (2.0, "2.0"), (3, "3"), (True, "true"), (["a", "b"], '["a", "b"]')],
+)
+def test_parameters_keep_their_type_on_the_command_line(value, text):
+    assert _as_yaml(value) == text
+
+
+def test_the_recorder_is_waited_for_and_without_observers_nobody_is(run, tmp_path):
+    def waited_for(one):
+        return next(word for word in one._sim.arguments if word.startswith("wait_for:="))
+
+    assert waited_for(run) == 'wait_for:=["policy_node", "repair_node", "recorder_node", "viz_node"]'
+    bare = _Run(GraphOptions(Path("s.yaml"), record=False, viz=False), tmp_path, tmp_path, 7, lambda *_: None)
+    assert waited_for(bare) == 'wait_for:=["policy_node", "repair_node"]'
+    assert bare._observers == []
+
+
+def test_a_bag_that_is_there_already_is_refused_before_anything_starts(tmp_path, monkeypatch):
+    monkeypatch.setattr("roadmend.nodes.launcher._Run", lambda *_: pytest.fail("started"))
+    (tmp_path / "bag").mkdir()
+    with pytest.raises(InputError, match="exists already; choose another --name"):
+        run_graph(GraphOptions(Path("s.yaml"), bags=tmp_path, name="bag"))

@@ -1,0 +1,617 @@
+"""repair_node in this process: every fault has its answer, its name, and a way out."""
+
+import json
+import math
+import time
+from array import array
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import rclpy
+from nav_msgs.msg import Odometry
+from rclpy.experimental import EventsExecutor
+from rclpy.lifecycle import TransitionCallbackReturn
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.serialization import serialize_message
+from roadmend_msgs import msg
+
+from roadmend.core.command import Command, Trajectory
+from roadmend.core.errors import InputError
+from roadmend.core.repair import RepairStatus
+from roadmend.core.route import Route, Stage
+from roadmend.core.scene import EgoState, ObjectList
+from roadmend.nodes import convert, qos
+from roadmend.nodes import repair as module
+from roadmend.nodes.diagnostics import Level
+from roadmend.nodes.odometry import OdometryWriter
+from roadmend.repair.rule import RuleRepair
+
+PARTS = ("ego", "objects", "trajectory", "command")
+STOP = -0.5  # action of a controlled stop
+
+
+class Tape:
+    """Stands before a publisher and keeps what it lets through."""
+
+    def __init__(self, publisher):
+        self._publisher, self.got = publisher, []
+
+    def publish(self, message):
+        if self._publisher.is_activated:
+            self.got.append(message)
+
+
+class Bench:
+    """A repair node whose inputs and whose wall clock are in the test's hands."""
+
+    def __init__(self, node, clock):
+        self.node, self.clock = node, clock
+        self.commands = node._command_publisher = Tape(node._command_publisher)
+        self.states = node._state_publisher = Tape(node._state_publisher)
+
+    def route(self, **changes):
+        x = np.linspace(0.0, 500.0, 11)
+        stage = Stage(x, 0.0 * x, np.full(11, 15.0))
+        message = convert.route_message_of(
+            Route("test", 4.7, 1.85, 480.0, 60.0, (stage,), (), ()), convert.header_of(0.0)
+        )
+        for name, value in changes.items():
+            setattr(message, name, value)
+        self.node._on_route(message)
+
+    def send(self, number, *parts, command=None, objects=None, speed=10.0, ego=None):
+        header = convert.header_of(0.05 * number)
+        for part in parts:
+            if part == "ego":
+                ego = ego or EgoState.from_yaw(50.0 + 0.5 * number, 0.0, 0.0, speed, 0.0, 4.7, 1.85)
+                self.node._on_ego(serialize_message(OdometryWriter().fill(ego, header)))
+                continue
+            if part == "objects":
+                message = objects if isinstance(objects, msg.ObjectList) else objects_message(objects or [])
+                message.header = header
+            elif part == "command":
+                message = convert.command_message_of(command or Command(0.2, 0.0), header)
+            else:
+                message = convert.trajectory_message_of(Trajectory.empty(), header)
+            self.node._adder(part)(message)
+
+    def tick(self, number, without=(), **what):
+        """One tick of all inputs but some; returns the states said meanwhile."""
+        before = len(self.states.got)
+        self.send(number, *(part for part in PARTS if part not in without), **what)
+        return self.states.got[before:]
+
+    def wait(self, duration):
+        """Let wall time pass; returns the states said meanwhile."""
+        before = len(self.states.got)
+        for _ in range(round(duration / 0.01)):
+            self.clock.now += 0.01
+            self.node._watch()
+        return self.states.got[before:]
+
+    def start(self, ticks=2):
+        self.route()
+        for number in range(ticks):
+            self.tick(number)
+        assert self.states.got[-1].state == RepairStatus.PASS
+
+    @property
+    def health(self):
+        return self.node._health()
+
+
+def objects_message(rows):
+    """Rows of (id, x, y, speed, length)."""
+    columns = np.array(rows, dtype=np.float64).reshape(-1, 5).T
+    zero = np.zeros(columns.shape[1])
+    objects = ObjectList(
+        columns[0].astype(np.uint32), np.ones(columns.shape[1], dtype=np.uint8), columns[1], columns[2], zero, columns[3],
+        zero, zero, columns[4], zero + 1.8,
+    )  # fmt: skip
+    return convert.object_message_of(objects, np.empty(0, dtype=np.uint8), convert.header_of(0.0))
+
+
+@pytest.fixture
+def bench(domain, tmp_path, monkeypatch):
+    """Makes a node with parameters; at its end all is gone."""
+    monkeypatch.setenv("ROS_LOG_DIR", str(tmp_path))
+    clock = SimpleNamespace(now=1000.0)
+    made = []
+
+    def make(**parameters):
+        words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={json.dumps(value)}")]
+        rclpy.init(args=["test", "--ros-args", *words], domain_id=domain)
+        node = module.RepairNode()
+        made.append(node)
+        monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: clock.now))
+        return Bench(node, clock)
+
+    yield make
+    for node in made:
+        node.destroy_node()
+    rclpy.try_shutdown()
+
+
+def state_of(node):
+    return node._state_machine.current_state[1]
+
+
+def consistent(bench):
+    """Every state has its command: same stamp, same action, and a valid one."""
+    for state, command in zip(bench.states.got, bench.commands.got, strict=True):
+        assert state.header.stamp == command.header.stamp
+        assert state.final_action == command.throttle - command.brake
+        assert convert.command_of(command).fault == ""
+    return True
+
+
+# -- life cycle --------------------------------------------------------------------------------------------------------
+
+
+def test_it_goes_through_every_transition_and_answers_only_while_active(bench):
+    there = bench(autostart=False)
+    node = there.node
+    assert state_of(node) == "unconfigured"
+    for transition, state, answers in (
+        (node.trigger_configure, "inactive", False),
+        (node.trigger_activate, "active", True),
+        (node.trigger_deactivate, "inactive", False),
+        (node.trigger_activate, "active", True),
+        (node.trigger_deactivate, "inactive", False),
+        (node.trigger_cleanup, "unconfigured", False),
+        (node.trigger_configure, "inactive", False),
+        (node.trigger_activate, "active", True),
+        (node.trigger_shutdown, "finalized", False),
+    ):
+        assert transition() == TransitionCallbackReturn.SUCCESS
+        assert state_of(node) == state
+        there.route()
+        said = there.tick(0) + there.tick(1) + there.wait(5.0)
+        assert bool(said) == answers, transition
+        assert (there.health.level is Level.WARN) == (not answers)
+    assert consistent(there)
+
+
+def test_by_default_it_starts_by_itself(bench):
+    assert state_of(bench().node) == "active"
+
+
+def test_a_method_that_cannot_be_made_is_a_refusal_to_configure(bench, monkeypatch, capfd):
+    def broken(*_):
+        raise InputError("model.safetensors", "no such file", "train one")
+
+    there = bench(autostart=False)
+    monkeypatch.setattr(module, "make_repairer", broken)
+    assert there.node.trigger_configure() == TransitionCallbackReturn.FAILURE
+    assert state_of(there.node) == "unconfigured"
+    assert "refuses to configure: model.safetensors: no such file; train one" in capfd.readouterr().err
+    there.route()
+    assert there.tick(0) == [] == there.wait(5.0)
+    monkeypatch.undo()
+    assert there.node.trigger_configure() == TransitionCallbackReturn.SUCCESS
+
+
+def test_a_refusal_under_autostart_ends_the_node_with_the_code_for_bad_input(bench, monkeypatch):
+    monkeypatch.setattr(module, "make_repairer", lambda *_: (_ for _ in ()).throw(InputError("a", "b", "c")))
+    node = bench().node
+    assert (node.finished, node.exit_code, state_of(node)) == (True, 2, "unconfigured")
+
+
+@pytest.mark.parametrize(
+    "parameter", ["rss.rho:=-1.0", "rss.rho:=fast", "method:=prayer", "time_budget:=-1.0", "seed:=-1"]
+)
+def test_a_bad_parameter_ends_the_process_with_code_2_and_one_line(parameter, domain, tmp_path, monkeypatch, capfd):
+    monkeypatch.setenv("ROS_LOG_DIR", str(tmp_path))
+    assert module.main(["repair_node", "--ros-args", "-p", parameter]) == 2
+    complaint = capfd.readouterr().err.splitlines()
+    assert len(complaint) == 1
+    assert complaint[0].startswith(f"roadmend: parameter {parameter.partition(':')[0]}: ")
+    assert "; " in complaint[0]
+
+
+def test_the_tally_is_written_at_the_end(bench, tmp_path):
+    there = bench(summary=str(tmp_path / "repair.json"))
+    there.start(5)
+    there.node.close()
+    told = json.loads((tmp_path / "repair.json").read_text())
+    assert told["answers"] == 5
+    assert told["state.RESET"] == 1
+    assert told["state.PASS"] == 4
+
+
+# -- parameters at run time --------------------------------------------------------------------------------------------
+
+
+def test_a_parameter_of_the_method_can_be_changed_at_run_time(bench):
+    there = bench()
+    there.start()
+    result = there.node.set_parameters([Parameter("rss.rho", value=1.5)])[0]
+    assert result.successful
+    assert there.node._repairer._method._parameters.rho == 1.5
+    assert [state.state for state in there.tick(2)] == [RepairStatus.RESET]  # it has the route, and begins anew on it
+    assert [state.state for state in there.tick(3)] == [RepairStatus.PASS]
+
+
+@pytest.mark.parametrize(
+    ("parameter", "value", "reason"),
+    [
+        ("rss.rho", -1.0, "out of range"), ("rss.rho", 3.1, "out of range"), ("rss.rho", math.nan, ""),
+        ("rss.rho", "fast", "type"), ("method", "none", "read-only"), ("clock", "realtime", "read-only"),
+    ],
+)  # fmt: skip
+def test_a_bad_value_at_run_time_is_refused_with_a_reason_and_changes_nothing(bench, parameter, value, reason):
+    there = bench()
+    there.start()
+    before = there.node._repairer
+    result = there.node.set_parameters([Parameter(parameter, value=value)])[0]
+    assert not result.successful
+    assert result.reason
+    assert reason in result.reason
+    assert there.node._repairer is before
+    assert there.node.get_parameter("rss.rho").value == 0.5
+    assert [state.state for state in there.tick(2)] == [RepairStatus.PASS]
+
+
+def test_parameters_of_a_method_that_does_not_run_disturb_nothing(bench):
+    there = bench()
+    before = there.node._repairer
+    assert there.node.set_parameters([Parameter("rule.time_to_collision", value=2.0)])[0].successful
+    assert there.node._repairer is before
+
+
+# -- a tick ------------------------------------------------------------------------------------------------------------
+
+
+def test_a_good_command_goes_through_untouched(bench):
+    there = bench()
+    there.route()
+    there.tick(0)
+    assert there.states.got[0].state == RepairStatus.RESET  # a new episode
+    (state,) = there.tick(1, command=Command(0.37, 0.0, change_lane=True))
+    assert (state.state, state.intervened, state.final_action) == (RepairStatus.PASS, False, 0.37)
+    assert there.commands.got[-1].change_lane
+    assert there.health.level is Level.OK
+
+
+def test_a_dangerous_command_is_repaired_and_the_state_names_why(bench):
+    there = bench()
+    there.start()
+    (state,) = there.tick(2, objects=[(7, 62.0, 0.0, 0.0, 4.0)])
+    assert (state.state, state.intervened, list(state.trigger_id)) == (RepairStatus.REPAIRED, True, [7])
+    assert state.final_action < -0.5
+    assert "object 7" in state.reason
+    assert consistent(there)
+
+
+@pytest.mark.parametrize("objects", [[], [(7, 62.0, 0.0, 0.0, 4.0)]])
+def test_a_tick_sent_twice_gets_the_same_answer_and_counts_once(bench, objects):
+    there = bench()
+    there.start()
+    first = there.tick(2, objects=objects)
+    again = there.tick(2, objects=objects)
+    assert len(first) == len(again) == 1
+    assert first == again
+    assert there.node._tally.values()["answers"] == 3
+
+
+def test_before_the_route_nothing_is_answered_because_the_simulator_repeats(bench):
+    there = bench()
+    assert there.tick(0) == []
+    there.route()
+    assert [state.state for state in there.tick(0)] == [RepairStatus.RESET]
+
+
+@pytest.mark.parametrize(
+    "order", [("command", "trajectory", "objects", "ego"), ("objects", "command", "ego", "trajectory")]
+)
+def test_the_order_in_which_a_tick_arrives_does_not_matter(bench, order):
+    there = bench()
+    there.start()
+    there.send(2, *order, objects=[(7, 62.0, 0.0, 0.0, 4.0)])
+    other = there.tick(3, objects=[(7, 62.5, 0.0, 0.0, 4.0)])
+    assert [state.state for state in there.states.got[-2:]] == [RepairStatus.REPAIRED] * 2
+    assert other[0].final_action == there.states.got[-2].final_action
+
+
+# -- faults ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("missing", [("command",), ("trajectory",), ("command", "trajectory")])
+def test_a_missing_command_is_a_controlled_stop_until_commands_come_again(bench, missing):
+    there = bench()
+    there.start()
+    assert there.tick(2, without=missing) == []
+    assert there.wait(1.9) == []
+    (state,) = there.wait(0.2)
+    assert (state.state, state.final_action, state.intervened) == (RepairStatus.STALE_COMMAND, STOP, True)
+    assert all(part in state.reason for part in missing)
+    assert (there.health.level, there.commands.got[-1].throttle) == (Level.ERROR, 0.0)
+    for number in range(3, 8):  # while it is known to be silent there is no waiting of two seconds
+        there.tick(number, without=missing)
+        assert [state.state for state in there.wait(0.03)] == [RepairStatus.STALE_COMMAND]
+    (state,) = there.tick(8)
+    assert (state.state, state.final_action) == (RepairStatus.PASS, 0.2)
+    assert there.health.level is Level.OK
+    assert there.tick(9, without=missing) == there.wait(1.9) == []  # patient again
+    assert consistent(there)
+
+
+def test_a_command_that_comes_after_its_tick_was_answered_is_not_obeyed(bench):
+    there = bench()
+    there.start()
+    there.tick(2, without=("command",))
+    assert len(there.wait(2.1)) == 1
+    before = len(there.commands.got)
+    there.send(2, "command")
+    there.wait(1.0)
+    assert len(there.commands.got) == before
+
+
+@pytest.mark.parametrize("missing", [("objects",), ("ego",), ("ego", "objects")])
+def test_missing_objects_or_odometry_are_a_controlled_stop_until_they_come_again(bench, missing):
+    there = bench()
+    there.start()
+    there.tick(2, without=missing)
+    (state,) = there.wait(2.1)
+    assert (state.state, state.final_action) == (RepairStatus.STALE_OBJECTS, STOP)
+    assert all(part in state.reason for part in missing)
+    assert there.health.level is Level.ERROR
+    (state,) = there.tick(3)
+    assert state.state == RepairStatus.PASS
+    assert consistent(there)
+
+
+def test_a_stop_brakes_harder_than_usual_where_somebody_is_close(bench):
+    there = bench()
+    there.start()
+    there.tick(2, without=("command",), objects=[(7, 62.0, 0.0, 0.0, 4.0)])
+    (state,) = there.wait(2.1)
+    assert state.state == RepairStatus.STALE_COMMAND
+    assert -1.0 <= state.final_action < STOP
+    assert "rss" in state.reason
+
+
+def test_a_stop_never_brakes_less_than_the_policy_asked(bench):
+    there = bench()
+    there.start()
+    there.tick(2, without=("objects",), command=Command(0.0, 0.9))
+    (state,) = there.wait(2.1)
+    assert (state.state, state.final_action, state.intervened) == (RepairStatus.STALE_OBJECTS, -0.9, False)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        Command(math.nan, 0.0), Command(0.0, math.nan), Command(math.inf, 0.0), Command(0.0, math.inf), Command(0.5, 0.5),
+        Command(1.01, 0.0), Command(-0.01, 0.0), Command(0.0, 1.01), Command(0.0, -0.01),
+    ],
+)  # fmt: skip
+def test_an_invalid_command_is_sanitised_and_never_reaches_the_vehicle(bench, command):
+    there = bench()
+    there.start()
+    (state,) = there.tick(2, command=command)
+    assert state.state == RepairStatus.INVALID_COMMAND
+    sent = convert.command_of(there.commands.got[-1])
+    assert sent.fault == ""
+    assert sent.throttle <= (command.throttle if math.isfinite(command.throttle) else 0.0) or sent.throttle == 0.0
+    assert state.reason
+    assert there.health.level is Level.WARN
+    assert [state.state for state in there.tick(3)] == [RepairStatus.PASS]
+
+
+def test_bad_objects_are_dropped_and_counted_and_the_rest_is_used(bench):
+    there = bench()
+    there.start()
+    rows = [
+        (1, math.nan, 0.0, 0.0, 4.0), (7, 62.0, 0.0, 0.0, 4.0), (7, 90.0, 0.0, 0.0, 4.0), (3, 80.0, 0.0, 0.0, -4.0),
+        (4, 90.0, 3.0, math.inf, 4.0),
+    ]  # fmt: skip
+    (state,) = there.tick(2, objects=rows)
+    assert (state.state, state.dropped_objects) == (RepairStatus.INVALID_OBJECTS, 4)
+    assert list(state.trigger_id) == [7]
+    assert state.final_action < -0.5
+    assert there.health.level is Level.WARN
+
+
+def test_more_objects_than_ever_seen_are_all_looked_at(bench):
+    there = bench()
+    there.start()
+    far = [(100 + number, 5000.0 + 10.0 * number, 300.0, 0.0, 4.0) for number in range(3000)]
+    (state,) = there.tick(2, objects=[*far, (7, 62.0, 0.0, 0.0, 4.0)])
+    assert (state.state, state.dropped_objects, list(state.trigger_id)) == (RepairStatus.REPAIRED, 0, [7])
+
+
+def test_objects_whose_arrays_do_not_fit_are_as_good_as_none(bench):
+    there = bench()
+    there.start()
+    message = objects_message([(7, 62.0, 0.0, 0.0, 4.0)])
+    message.speed = array("d", [1.0, 2.0])
+    (state,) = there.tick(2, objects=message)
+    assert (state.state, state.final_action) == (RepairStatus.STALE_OBJECTS, STOP)
+    assert "differ in length" in state.reason
+
+
+def test_odometry_that_is_not_finite_is_as_good_as_none(bench):
+    there = bench()
+    there.start()
+    (state,) = there.tick(2, ego=EgoState.from_yaw(math.nan, 0.0, 0.0, 5.0, 0.0, 4.7, 1.85))
+    assert (state.state, state.final_action) == (RepairStatus.STALE_OBJECTS, STOP)
+
+
+@pytest.mark.parametrize("to", [0, 2])
+def test_stamps_that_run_backwards_reset_the_method_and_are_answered(bench, to):
+    there = bench()
+    there.start(6)
+    (state,) = there.tick(to)
+    assert state.state == RepairStatus.RESET
+    assert "memory cleared" in state.reason
+    assert [state.state for state in there.tick(to + 1)] == [RepairStatus.PASS]
+
+
+def test_a_clock_that_jumps_ahead_resets_the_method(bench):
+    there = bench()
+    there.start()
+    assert [state.state for state in there.tick(100)] == [RepairStatus.RESET]
+
+
+def test_a_new_route_begins_a_new_episode(bench):
+    there = bench()
+    there.start(6)
+    there.tick(6, without=("command",))  # never answered
+    there.route()
+    assert there.wait(5.0) == []  # the simulator repeats the first tick
+    assert [state.state for state in there.tick(0)] == [RepairStatus.RESET]
+
+
+def test_a_broken_route_is_reported_and_nothing_is_driven_on_it(bench):
+    there = bench()
+    there.start()
+    there.route(y=array("d", [0.0, 1.0]))
+    assert there.health.level is Level.ERROR
+    assert "differ in length" in there.health.message
+    assert there.tick(0) == [] == there.wait(5.0)
+    there.route()
+    assert [state.state for state in there.tick(0)] == [RepairStatus.RESET]
+    assert there.health.level is Level.OK
+
+
+def test_a_method_that_raises_is_replaced_by_the_rule_guard(bench, monkeypatch):
+    there = bench(method="rule")
+    there.start()
+
+    def fail(*_):
+        raise RuntimeError("out of tune")
+
+    monkeypatch.setattr(RuleRepair, "propose", fail)
+    (calm,) = there.tick(2)
+    (close,) = there.tick(3, objects=[(7, 62.0, 0.0, 0.0, 4.0)])
+    assert calm.state == close.state == RepairStatus.MODEL_FAULT
+    assert "out of tune" in calm.reason
+    assert calm.final_action == 0.2
+    assert close.final_action < -0.5
+    assert there.health.level is Level.ERROR
+    monkeypatch.undo()
+    assert [state.state for state in there.tick(4)] == [RepairStatus.PASS]
+
+
+def test_a_method_that_takes_too_long_is_replaced_by_the_rule_guard(bench, monkeypatch):
+    there = bench(method="rule", time_budget=0.05)
+    there.start()
+    propose = RuleRepair.propose
+
+    def dawdle(*args):
+        time.sleep(0.06)
+        return propose(*args)
+
+    monkeypatch.setattr(RuleRepair, "propose", dawdle)
+    (state,) = there.tick(2)
+    assert state.state == RepairStatus.MODEL_FAULT
+    assert "ms of 50.0 ms" in state.reason
+
+
+# -- real time ---------------------------------------------------------------------------------------------------------
+
+
+def test_in_real_time_a_late_command_is_missed_at_once(bench):
+    there = bench(clock="realtime", time_budget=10.0)
+    there.start()
+    there.tick(2, without=("command",))
+    assert there.wait(0.03) == []
+    (state,) = there.wait(0.02)
+    assert (state.state, state.final_action) == (RepairStatus.STALE_COMMAND, STOP)
+
+
+def test_in_real_time_a_policy_that_is_not_there_yet_is_a_start_not_an_emergency(bench):
+    there = bench(clock="realtime", time_budget=10.0)
+    there.route()
+    there.tick(0, without=("command", "trajectory"))
+    (state,) = there.wait(0.05)
+    assert (state.state, state.final_action) == (RepairStatus.STARTING, STOP)
+
+
+def test_in_real_time_silence_never_means_go(bench):
+    there = bench(clock="realtime", time_budget=10.0)
+    there.start()
+    states = there.wait(1.0)
+    assert 14 <= len(states) <= 20
+    assert {(state.state, state.final_action) for state in states} == {(int(RepairStatus.STALE_OBJECTS), STOP)}
+    assert "nothing has arrived" in states[-1].reason
+    assert there.health.level is Level.ERROR
+    assert [state.state for state in there.tick(2)] == [RepairStatus.PASS]
+    assert there.health.level is Level.OK
+
+
+def test_in_real_time_old_commands_that_keep_coming_are_silence_too(bench):
+    there = bench(clock="realtime", time_budget=10.0)
+    there.start()
+    states = []
+    for _ in range(50):
+        there.send(0, "command", "trajectory")
+        states += there.wait(0.02)
+    assert len(states) >= 14
+    assert {state.state for state in states} == {int(RepairStatus.STALE_OBJECTS)}
+
+
+def test_in_lockstep_the_simulator_sets_the_pace_and_silence_is_no_fault(bench):
+    there = bench()
+    there.start()
+    assert there.wait(10.0) == []
+
+
+# -- over DDS ----------------------------------------------------------------------------------------------------------
+
+
+def test_over_dds_it_answers_while_active_and_sends_nothing_while_inactive(domain, tmp_path, monkeypatch):
+    monkeypatch.setenv("ROS_LOG_DIR", str(tmp_path))
+    rclpy.init(args=["test"], domain_id=domain)
+    executor = EventsExecutor()
+    node, other = module.RepairNode(), Node("pretended")
+    for one in (node, other):
+        executor.add_node(one)
+    got = []
+    try:
+        other.create_subscription(msg.Command, qos.REPAIR_COMMAND, got.append, qos.COMMAND)
+        to = {
+            "ego": other.create_publisher(Odometry, qos.EGO, qos.STREAM),
+            "objects": other.create_publisher(msg.ObjectList, qos.OBJECTS, qos.STREAM),
+            "command": other.create_publisher(msg.Command, qos.POLICY_COMMAND, qos.COMMAND),
+            "trajectory": other.create_publisher(msg.Trajectory, qos.POLICY_TRAJECTORY, qos.STREAM),
+        }
+        there = Bench.__new__(Bench)
+        there.node = node
+        there.route()
+
+        def until(done, limit=10.0):
+            end = time.monotonic() + limit
+            while not done() and time.monotonic() < end:
+                executor.spin_once(timeout_sec=0.02)
+            return done()
+
+        assert until(lambda: all(publisher.get_subscription_count() for publisher in to.values()))
+        assert until(lambda: node.count_subscribers(qos.REPAIR_COMMAND))
+
+        def tick(number):
+            header = convert.header_of(0.05 * number)
+            to["ego"].publish(OdometryWriter().fill(EgoState.from_yaw(50.0, 0.0, 0.0, 5.0, 0.0, 4.7, 1.85), header))
+            to["objects"].publish(msg.ObjectList(header=header))
+            to["trajectory"].publish(convert.trajectory_message_of(Trajectory.empty(), header))
+            to["command"].publish(convert.command_message_of(Command(0.25, 0.0), header))
+
+        tick(0)
+        assert until(lambda: got)
+        assert (got[0].throttle, got[0].brake) == (0.25, 0.0)
+        node.trigger_deactivate()
+        tick(1)
+        assert not until(lambda: len(got) > 1, limit=0.5)
+        node.trigger_activate()
+        tick(2)
+        assert until(lambda: len(got) > 1)
+        assert convert.nanoseconds_of(got[-1].header.stamp) == 100_000_000
+    finally:
+        for one in (node, other):
+            executor.remove_node(one)
+            one.destroy_node()
+        executor.shutdown()
+        rclpy.try_shutdown()
