@@ -1,6 +1,7 @@
 """``roadmend run``: one episode in the graph."""
 
 import json
+import re
 import sys
 import tempfile
 from pathlib import Path
@@ -13,8 +14,8 @@ from roadmend.core.errors import InputError
 from roadmend.nodes.launcher import GraphOptions, InterruptedRunError, RunResult, run_graph
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.registry import METHODS
-from roadmend.world.scenario import Ego, Scenario, SumoConfiguration
-from roadmend.world.scenario_file import load_scenario, save_scenario
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_file import load_scenario, parse_scenario, save_scenario
 
 _SCENARIO_FIELDS = ("ego.", "actors[", "network.")
 
@@ -108,10 +109,14 @@ def run(
 def _for_configuration(path: Path, ego_route: str | None, warm_up: float, time_limit: float) -> Scenario:
     if not path.is_file():
         raise InputError(str(path), "no such file", "give the path of a SUMO .sumocfg file")
-    network = SumoConfiguration(path=str(path.resolve()), warm_up=warm_up)
-    name = "".join(letter if letter.isalnum() or letter in "_.-" else "_" for letter in path.parent.resolve().name)
-    ego = Ego(route=ego_route.split() if ego_route else [], speed=0.0)
-    return Scenario(name=name or "sumocfg", time_limit=time_limit, network=network, ego=ego)
+    name = re.sub(r"[^A-Za-z0-9_.-]", "_", path.parent.resolve().name)
+    content = {
+        "name": name or "sumocfg",
+        "time_limit": time_limit,
+        "network": {"kind": "sumocfg", "path": str(path.resolve()), "warm_up": warm_up},
+        "ego": {"route": ego_route.split() if ego_route else [], "speed": 0.0},
+    }
+    return parse_scenario(content, str(path))
 
 
 def run_with_status(options: GraphOptions, label: str = "") -> RunResult:
