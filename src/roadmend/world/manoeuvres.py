@@ -22,6 +22,7 @@ _CUT_IN_TIME = 3.0  # [s] that a cut-in keeps its lane
 @dataclass
 class _Running:
     until: float  # [s]
+    slow_at: float  # [s] a braking vehicle has its low speed and keeps it from then on
     vehicle: str
     manoeuvre: Manoeuvre
 
@@ -57,7 +58,9 @@ class ManoeuvreScript:
         still = []
         for vehicle, manoeuvre in self._waiting:
             if self._due(time, ego, vehicle, manoeuvre, seen.around) and vehicle in libsumo.vehicle.getIDList():
-                self._running.append(_Running(time + _start(vehicle, manoeuvre), vehicle, manoeuvre))
+                until = time + _start(vehicle, manoeuvre)
+                slow_at = until - manoeuvre.hold if isinstance(manoeuvre, Brake) else math.inf
+                self._running.append(_Running(until, slow_at, vehicle, manoeuvre))
             else:
                 still.append((vehicle, manoeuvre))
         self._waiting = still
@@ -82,6 +85,10 @@ class ManoeuvreScript:
             if running.vehicle not in present:
                 continue
             if time < running.until:
+                if time >= running.slow_at and isinstance(running.manoeuvre, Brake):
+                    slow = min(running.manoeuvre.speed, libsumo.vehicle.getSpeed(running.vehicle))
+                    libsumo.vehicle.setSpeed(running.vehicle, slow)
+                    running.slow_at = math.inf
                 still.append(running)
                 continue
             if isinstance(running.manoeuvre, Brake):
@@ -121,6 +128,7 @@ def _start(vehicle: str, manoeuvre: Manoeuvre) -> float:
             libsumo.vehicle.changeLane(vehicle, lane, _CUT_IN_TIME)
         return _CUT_IN_TIME
     libsumo.vehicle.setSpeedMode(vehicle, _SPEED_MODE_NO_RIGHT_OF_WAY)
-    libsumo.vehicle.setSpeedFactor(vehicle, libsumo.vehicle.getSpeedFactor(vehicle) * manoeuvre.haste)
+    factor = libsumo.vehicle.getSpeedFactor(vehicle)
     libsumo.vehicle.setAccel(vehicle, max(_RUN_ACCELERATION, libsumo.vehicle.getAccel(vehicle)))
+    libsumo.vehicle.setSpeedFactor(vehicle, factor * manoeuvre.haste)  # last: setAccel puts the type's own back
     return manoeuvre.hold
