@@ -1,0 +1,173 @@
+"""A SUMO configuration of the user's own: its network, its traffic, and not one file left beside it."""
+
+import shutil
+
+import libsumo
+import pytest
+
+from roadmend.core.command import Command
+from roadmend.core.errors import InputError
+from roadmend.core.outcome import EventKind
+from roadmend.world.network import network_file
+from roadmend.world.scenario import Arm, Ego, IntersectionNetwork, Scenario, SumoConfiguration
+from roadmend.world.simulation import Simulation
+
+CONFIGURATION = """<configuration>
+    <input>
+        <net-file value="town.net.xml"/>
+        <route-files value="demand.rou.xml"/>
+        <additional-files value="detectors/loops.add.xml, near.add.xml"/>
+    </input>
+    <output><fcd-output value="fcd.xml"/><tripinfo-output value="trips.xml"/></output>
+    <report><log value="town.log"/></report>
+    <time><begin value="100"/><end value="4000"/></time>
+</configuration>"""
+DEMAND = """<routes>
+    <vType id="slow" maxSpeed="9"/>
+    <flow id="ew" type="slow" begin="100" end="4000" period="9" from="east_in" to="west_out"/>
+    <flow id="ns" type="slow" begin="100" end="4000" period="7" from="north_in" to="south_out"/>
+    <person id="walker" depart="100"><walk from="north_in" to="east_out"/></person>
+</routes>"""
+LOOP = '<additional><e1Detector id="{name}" lane="east_in_1" pos="50" freq="10" file="{file}"/></additional>'
+
+
+@pytest.fixture
+def town(tmp_path):
+    """A configuration with detectors that write, beside it and in a folder below."""
+    arms = [
+        Arm(name=name, bearing=bearing, length=120.0, major=name in ("east", "west"))
+        for name, bearing in (("south", -90.0), ("east", 0.0), ("north", 90.0), ("west", 180.0))
+    ]
+    folder = tmp_path / "a town" / "of mine"
+    (folder / "detectors").mkdir(parents=True)
+    shutil.copy(network_file(IntersectionNetwork(arms=arms, crossings=True)), folder / "town.net.xml")
+    (folder / "town.sumocfg").write_text(CONFIGURATION)
+    (folder / "demand.rou.xml").write_text(DEMAND)
+    (folder / "near.add.xml").write_text(LOOP.format(name="near", file="near.xml"))
+    (folder / "detectors" / "loops.add.xml").write_text(LOOP.format(name="far", file="far.xml"))
+    return folder / "town.sumocfg"
+
+
+def scenario_on(town, *route, warm_up=30.0, time_limit=3.0, **ego):
+    network = SumoConfiguration(path=str(town), warm_up=warm_up)
+    return Scenario(name="town", time_limit=time_limit, network=network, ego=Ego(route=list(route), **ego))
+
+
+def contents(folder):
+    return {path: path.stat().st_mtime_ns for path in folder.rglob("*") if path.is_file()}
+
+
+def drive(scenario, watch=lambda _simulation, _tick: None):
+    with Simulation(scenario) as simulation:
+        tick = simulation.first()
+        while tick.final is None:
+            watch(simulation, tick)
+            tick = simulation.step(Command(0.2 if tick.scene.ego.speed < 5.0 else 0.0, 0.0))
+        return simulation, tick
+
+
+@pytest.mark.parametrize("route", [("south_in", "north_out"), ()])
+def test_it_runs_on_an_own_route_or_one_of_the_traffic_and_leaves_no_file(town, tmp_path, route, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    before = contents(tmp_path)
+    simulation, tick = drive(scenario_on(town, *route))
+    assert tick.final.kind is EventKind.TIMEOUT
+    assert contents(tmp_path) == before
+    chosen = simulation.scenario.ego.route
+    assert tuple(chosen) == route if route else chosen in (["east_in", "west_out"], ["north_in", "south_out"])
+
+
+def test_the_object_list_holds_everybody(town):
+    seen = []
+
+    def watch(simulation, tick):
+        everybody = {*libsumo.vehicle.getIDList(), *libsumo.person.getIDList()} - {"ego"}
+        listed = {name for name in everybody if simulation._participants.number_of(name) in set(tick.scene.objects.id)}
+        assert listed == everybody
+        assert len(tick.scene.objects) == len(everybody)
+        seen.append(everybody)
+
+    drive(scenario_on(town, "south_in", "north_out"), watch)
+    assert max(map(len, seen)) >= 5
+    assert any("walker" in everybody for everybody in seen)
+
+
+def test_the_ego_enters_where_there_is_room(town):
+    gaps = []
+    drive(scenario_on(town, "east_in", "west_out", time_limit=0.2), lambda _, tick: gaps.append(tick.min_distance))
+    assert gaps[0] > 5.0
+
+
+def test_the_traffic_has_been_under_way_for_as_long_as_asked(town):
+    times = []
+    drive(
+        scenario_on(town, "south_in", "north_out", warm_up=42.0), lambda *_: times.append(libsumo.simulation.getTime())
+    )
+    assert times[0] == pytest.approx(142.0, abs=1.1)
+
+
+def test_the_same_seed_gives_the_same_traffic(town):
+    def places():
+        seen = []
+        drive(scenario_on(town, "south_in", "north_out"), lambda _, tick: seen.append(tick.scene.objects.x.tobytes()))
+        return seen
+
+    assert places() == places()
+
+
+@pytest.mark.parametrize("place", ["shallow", "deep/er/and/deeper/still"])
+def test_detectors_that_write_far_away_are_caught_too(town, tmp_path, place):
+    there = tmp_path / place
+    there.mkdir(parents=True)
+    (town.parent / "near.add.xml").write_text(LOOP.format(name="near", file=there / "absolute.xml"))
+    before = contents(tmp_path)
+    drive(scenario_on(town, "south_in", "north_out", time_limit=0.5))
+    assert contents(tmp_path) == before
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("town.net.xml", "none.net.xml"), "net-file none.net.xml does not exist; mend the path"),
+        (("demand.rou.xml", "none.rou.xml"), "route-files none.rou.xml does not exist; mend the path"),
+        (("near.add.xml", "none.add.xml"), "additional-files none.add.xml does not exist; mend the path"),
+        (('<net-file value="town.net.xml"/>', ""), "names no net-file; add"),
+        (("</input>", ""), "broken XML"),
+        (("<time>", '<time><step-method value="leap"/>'), "SUMO refuses it"),
+    ],
+)
+def test_a_configuration_that_cannot_run_is_named_with_the_reason(town, change, words):
+    town.write_text(CONFIGURATION.replace(*change))
+    with pytest.raises(InputError, match=words) as caught:
+        Simulation(scenario_on(town, "south_in", "north_out"))
+    assert str(town) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("route", "words"),
+    [
+        (("south_in", "nowhere"), r"ego\.route\[1\]: there is no edge 'nowhere'"),
+        (("south_in", "north_in"), "no lane leads from 'south_in' to 'north_in'"),
+    ],
+)
+def test_a_route_that_cannot_be_is_named_before_anything_runs(town, route, words):
+    with pytest.raises(InputError, match=words):
+        Simulation(scenario_on(town, *route))
+
+
+def test_without_traffic_there_is_no_route_to_take(town):
+    (town.parent / "demand.rou.xml").write_text("<routes/>")
+    with pytest.raises(InputError, match=r"ego\.route: no car is on the road to take a route from; name the edges"):
+        Simulation(scenario_on(town))
+
+
+def test_where_there_is_never_room_the_ego_stays_out_and_says_so(town):
+    jam = "".join(
+        f'<vehicle id="jam{number}" depart="100" departLane="1" departPos="{8 * number + 6}">'
+        '<route edges="south_in"/><stop lane="south_in_1" endPos="95" until="9999"/></vehicle>'
+        for number in range(11)
+    )
+    (town.parent / "demand.rou.xml").write_text(f"<routes>{jam}</routes>")
+    with pytest.raises(InputError, match="no room for the ego on south_in within 120 s; begin on another edge"):
+        Simulation(scenario_on(town, "south_in", "north_out"))
