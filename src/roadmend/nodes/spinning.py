@@ -77,6 +77,7 @@ def _run(factory: Callable[[], Node], stop: StopFlag) -> int:
     node = factory()
     executor = EventsExecutor()
     executor.add_node(node)
+    gc.freeze()  # what is there now stays: the collector need not walk through all of numba again and again
     try:
         # spin() without a time-out never calls back in this build of the executor.
         never: Future[None] = Future()
