@@ -70,6 +70,7 @@ def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> 
             # Say goodbye to DDS now: a forked process ends without the interpreter's own clean-up, and whoever is not
             # told waits for a node that has gone.
             rclpy.get_default_context().destroy()
+            gc.unfreeze()
             gc.collect()
 
 
