@@ -202,3 +202,15 @@ def test_nothing_is_left_when_the_launcher_is_killed(scenario_file, tmp_path):
             return
         time.sleep(0.1)
     pytest.fail(f"still there: {left}")
+
+
+def test_interrupted_after_a_node_died_the_bag_still_reads(scenario_file, tmp_path):
+    """A killed node says no goodbye; the recorder must not wait for it until it is killed itself."""
+    run = start_run(scenario_file("S3", 3, time_limit=60.0), tmp_path)
+    wait_until_driving(tmp_path)
+    os.kill(node_process(run, "policy"), signal.SIGKILL)
+    time.sleep(0.5)
+    run.send_signal(signal.SIGINT)
+    run.communicate(timeout=30)
+    assert run.returncode == 130
+    assert messages(tmp_path / "bag", "/events")[-1][1].kind == 5  # ABORTED

@@ -22,6 +22,7 @@ from roadmend.nodes.domain import own_domain
 POLL_S = 0.05
 RESTARTS_MAX = 5  # of one node in one run
 STOP_S = 2.8  # everything is gone this long after an interrupt [s]
+DRAIN_S = 1.0  # for the recorder, which is stopped after all others, even if one of them went without a goodbye [s]
 SIM_STOP_S = 0.8  # of which the simulator may take [s] to report the abort
 BAD_INPUT = 2  # exit code of a node that refuses its parameters
 _VERSIONED = ("libsumo", "eclipse-sumo", "numpy", "mcap", "rosbags", "ros-jazzy-rclpy")
@@ -121,7 +122,7 @@ class _Run:
             self._observers.append(
                 self._child(
                     "recorder", may_restart=False, output=str(options.bags), name=bag.name,
-                    metadata=str(folder / "run.json"), attachments=[str(options.scenario)],
+                    metadata=str(folder / "run.json"), attachments=[str(options.scenario)], drain_limit=DRAIN_S,
                 )
             )  # fmt: skip
         if options.viz:

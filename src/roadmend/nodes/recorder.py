@@ -33,7 +33,6 @@ DISCOVERY_PERIOD_S = 0.1  # [s] between two looks at the graph
 DIAGNOSTICS_PERIOD_S = 1.0  # [s] of wall time
 DRAIN_QUIET_S = 0.2  # [s] without a message after which nothing more is expected of publishers that have gone
 DRAIN_REPAIR_S = 3.3  # [s] the same for publishers that are there: Fast DDS repairs a loss every 3 s
-DRAIN_LIMIT_S = 5.0  # [s] after which the bag is closed even though messages still come
 METADATA_RECORD = "roadmend"
 _NANOSECONDS = 1_000_000_000
 
@@ -56,6 +55,9 @@ class RecorderParameters:
         "text": "size at which a chunk is written [bytes]", "low": 1 << 12, "high": 1 << 28})  # fmt: skip
     flush_interval: float = field(default=0.25, metadata={
         "text": "wall time after which a chunk is written even if small [s]", "low": 0.01, "high": 10.0})  # fmt: skip
+    drain_limit: float = field(default=5.0, metadata={
+        "text": "wall time after which the bag is closed even if messages still come [s]",
+        "low": 0.2, "high": 60.0})  # fmt: skip
     metadata: str = field(default="", metadata={"text": "JSON file with an object that goes into the bag's metadata"})
     attachments: tuple[str, ...] = field(default=("",), metadata={"text": "files that go into the bag"})
 
@@ -96,6 +98,7 @@ class RecorderNode(Node):
         for attachment in attachments:
             self._writer.add_attachment(attachment.name, attachment.media_type, attachment.data)
         self._writer.flush()
+        self._drain_limit = settings.drain_limit
         self._recorded: dict[str, _Recorded] = {}
         self._skipped: dict[str, str] = {}  # topic and why
         self._outcome: ScenarioEvent | None = None
@@ -200,7 +203,7 @@ class RecorderNode(Node):
         self._report_timer.cancel()
         began = quiet_since = now = time.monotonic()
         count, patience = self._writer.count, DRAIN_QUIET_S
-        while now - began < DRAIN_LIMIT_S and now - quiet_since < patience and self.executor is not None:
+        while now - began < self._drain_limit and now - quiet_since < patience and self.executor is not None:
             self.executor.spin_once(timeout_sec=0.02)
             now = time.monotonic()
             if self._writer.count != count:
