@@ -81,7 +81,7 @@ def test_standing_still_ends_at_the_time_limit():
 
 
 def test_collisions_are_those_that_sumo_reports():
-    """Our outlines against SUMO's own detection: the same partner, at most a quarter of a second apart."""
+    """Our outlines against SUMO's own detection: the same partner, at most half a second apart."""
     met = shared = 0
     for family in FAMILIES:
         for seed in range(12):
@@ -92,13 +92,14 @@ def test_collisions_are_those_that_sumo_reports():
                     for collision in libsumo.simulation.getCollisions():
                         if "ego" in (collision.collider, collision.victim):
                             other = collision.victim if collision.collider == "ego" else collision.collider
-                            reported.setdefault(other, tick.number)
+                            reported.setdefault(other, (tick.number, tick.min_distance))
                 if tick.final.kind is EventKind.COLLISION:
                     met += 1
                     shared += bool(reported)
-                    # On lanes SUMO measures along and across the lane, whatever the heading, hence a little early.
+                    # On lanes SUMO measures along and across the lane, whatever the heading, hence a little early
+                    # where one is turned: during lane changes.
                     assert set(reported) <= set(tick.final.object_names)
-                    assert all(tick.number - at <= 5 for at in reported.values())
+                    assert all(tick.number - at <= 10 and gap < 0.7 for at, gap in reported.values())
                 else:
                     assert not reported, f"{family}-{seed}: SUMO saw {reported}"
     assert met >= 10

@@ -14,6 +14,7 @@ _COMMANDS = {
     "sample": ("roadmend.cli.scenario", "sample", "Draw a scenario of one of the five families."),
     "schema": ("roadmend.cli.scenario", "schema", "Print the JSON schema of a scenario file."),
     "bench": ("roadmend.cli.bench", "bench", "Measure, in ratios."),
+    "search": ("roadmend.cli.search", "search", "Find scenarios in which a policy under repair collides."),
     "picture": ("roadmend.cli.picture", "picture", "Draw the scene at one moment of a bag."),
 }
 

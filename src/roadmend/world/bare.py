@@ -11,7 +11,7 @@ from roadmend.world.scenario import Scenario
 from roadmend.world.simulation import Simulation
 
 _SETTERS = (
-    "changeLane", "moveToXY", "setAccel", "setLaneChangeMode", "setSpeed", "setSpeedFactor", "setSpeedMode", "slowDown",
+    "changeLane", "changeSublane", "moveToXY", "setAccel", "setDecel", "setLaneChangeMode", "setSpeed", "setSpeedFactor", "setSpeedMode", "slowDown",
 )  # fmt: skip
 
 Call = tuple[Callable[..., Any], tuple[Any, ...]]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import libsumo
 
 from roadmend.core.scene import ObjectList
+from roadmend.world.ego import GRAVITY
 from roadmend.world.participants import Observation
 from roadmend.world.scenario import Brake, CutIn, Manoeuvre, Scenario, Vehicle
 from roadmend.world.traffic_file import EGO
@@ -25,6 +26,7 @@ class _Running:
     slow_at: float  # [s] a braking vehicle has its low speed and keeps it from then on
     vehicle: str
     manoeuvre: Manoeuvre
+    deceleration: float  # [m/s2] that the driver brakes with otherwise
 
 
 class ManoeuvreScript:
@@ -37,6 +39,7 @@ class ManoeuvreScript:
             if isinstance(actor, Vehicle)
             for manoeuvre in actor.manoeuvres
         ]
+        self._grip = scenario.environment.effective_friction * GRAVITY  # [m/s2]
         self._running: list[_Running] = []
         self._names: tuple[str, ...] = ()
         self._places: dict[str, int] = {}
@@ -58,9 +61,10 @@ class ManoeuvreScript:
         still = []
         for vehicle, manoeuvre in self._waiting:
             if self._due(time, ego, vehicle, manoeuvre, seen.around) and vehicle in libsumo.vehicle.getIDList():
-                until = time + _start(vehicle, manoeuvre)
+                deceleration = libsumo.vehicle.getDecel(vehicle)
+                until = time + _start(vehicle, manoeuvre, self._grip)
                 slow_at = until - manoeuvre.hold if isinstance(manoeuvre, Brake) else math.inf
-                self._running.append(_Running(until, slow_at, vehicle, manoeuvre))
+                self._running.append(_Running(until, slow_at, vehicle, manoeuvre, deceleration))
             else:
                 still.append((vehicle, manoeuvre))
         self._waiting = still
@@ -93,6 +97,7 @@ class ManoeuvreScript:
                 continue
             if isinstance(running.manoeuvre, Brake):
                 libsumo.vehicle.setSpeed(running.vehicle, -1.0)
+                _set_deceleration(running.vehicle, running.deceleration)
             elif isinstance(running.manoeuvre, CutIn):
                 libsumo.vehicle.setLaneChangeMode(running.vehicle, _LANE_CHANGE_NORMAL)
             else:
@@ -113,11 +118,20 @@ def _sideways(vehicle: str, manoeuvre: CutIn) -> int:
     return 0 if abs(offset) < _SAME_LANE else 1 if offset > 0.0 else -1
 
 
-def _start(vehicle: str, manoeuvre: Manoeuvre) -> float:
-    """Begin a manoeuvre; returns how long it lasts [s]."""
+def _set_deceleration(vehicle: str, deceleration: float) -> None:
+    """How hard a vehicle may brake [m/s2]; SUMO puts the type's speed factor back with it, which is not meant."""
+    factor = libsumo.vehicle.getSpeedFactor(vehicle)
+    libsumo.vehicle.setDecel(vehicle, deceleration)
+    libsumo.vehicle.setSpeedFactor(vehicle, factor)
+
+
+def _start(vehicle: str, manoeuvre: Manoeuvre, grip: float) -> float:
+    """Begin a manoeuvre on a road that transmits ``grip`` [m/s2]; returns how long it lasts [s]."""
     if isinstance(manoeuvre, Brake):
         speed = libsumo.vehicle.getSpeed(vehicle)
-        duration = max(0.1, (speed - manoeuvre.speed) / manoeuvre.deceleration)
+        deceleration = min(manoeuvre.deceleration, grip)
+        _set_deceleration(vehicle, max(deceleration, libsumo.vehicle.getDecel(vehicle)))
+        duration = max(0.1, (speed - manoeuvre.speed) / deceleration)
         libsumo.vehicle.slowDown(vehicle, min(speed, manoeuvre.speed), duration)
         return float(duration + manoeuvre.hold)
     if isinstance(manoeuvre, CutIn):
@@ -126,6 +140,9 @@ def _start(vehicle: str, manoeuvre: Manoeuvre) -> float:
         if lane != here and 0 <= lane < libsumo.edge.getLaneNumber(edge):
             libsumo.vehicle.setLaneChangeMode(vehicle, _LANE_CHANGE_FORCED)
             libsumo.vehicle.changeLane(vehicle, lane, _CUT_IN_TIME)
+            # By itself the sublane model keeps its lateral gaps and gives the change up beside the ego.
+            width = libsumo.lane.getWidth(libsumo.vehicle.getLaneID(vehicle))
+            libsumo.vehicle.changeSublane(vehicle, (lane - here) * width)
         return _CUT_IN_TIME
     libsumo.vehicle.setSpeedMode(vehicle, _SPEED_MODE_NO_RIGHT_OF_WAY)
     factor = libsumo.vehicle.getSpeedFactor(vehicle)

@@ -1,0 +1,124 @@
+"""``roadmend search``: find scenarios in which a policy under repair collides."""
+
+import json
+import os
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import click
+import yaml
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from roadmend.cli.table import wide_console
+from roadmend.core.errors import InputError
+from roadmend.policies.registry import POLICIES
+from roadmend.repair.registry import METHODS
+from roadmend.search.campaign import Campaign, Tally, run_campaign, tally
+from roadmend.search.evaluation import Subject
+from roadmend.search.ledger import Entry, Ledger
+from roadmend.search.registry import TECHNIQUES, read_technique_parameters
+from roadmend.search.workers import open_evaluator
+from roadmend.world.families import FAMILIES
+
+_FAMILY_HELP = "; ".join(f"{family.name} {family.title}" for family in FAMILIES.values())
+
+
+@click.command()
+@click.option("--family", required=True, type=click.Choice([*FAMILIES]), help=_FAMILY_HELP)
+@click.option("--technique", default="avfuzzer", show_default=True, type=click.Choice([*TECHNIQUES]))
+@click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
+@click.option("--repair", "method", default="none", show_default=True, type=click.Choice(sorted(METHODS)))
+@click.option(
+    "--budget",
+    default=200,
+    show_default=True,
+    type=click.IntRange(1, 1_000_000),
+    help="Scenarios to run in all, those of earlier calls included.",
+)
+@click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
+@click.option(
+    "--parameters",
+    "file",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="YAML file with parameters of the technique (see config/search).",
+)
+@click.option(
+    "--out",
+    required=True,
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Folder for the ledger and the scenarios found; a search that is there goes on.",
+)
+@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def search(
+    family: str, technique: str, policy: str, method: str, budget: int, seed: int, file: Path | None, out: Path,
+    workers: int, *, as_json: bool,
+) -> int:  # fmt: skip
+    """Find scenarios in which a policy under repair collides; exit code 1 if a scenario could not be run.
+
+    The same settings give the same scenarios, whatever the number of workers. Every one that ends in a collision is
+    written to the folder, with the command that shows it again in ledger.jsonl.
+    """
+    chosen = read_technique_parameters(technique, _read(file))
+    campaign = Campaign(Subject(family, policy, method, seed), technique, chosen)
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    with Ledger(out, campaign.settings) as ledger:
+        with Progress(*columns, console=Console(stderr=True)) as progress:
+            violations = tally(ledger.entries).violations
+            task = progress.add_task(_label(violations), total=budget, completed=min(budget, len(ledger.entries)))
+
+            def report(entry: Entry) -> None:
+                nonlocal violations
+                violations += entry.evaluation.is_violation
+                progress.update(task, advance=1, description=_label(violations))
+
+            with open_evaluator(campaign.subject, workers) as evaluator:
+                run_campaign(campaign, ledger, evaluator, budget, report)
+        found = tally(ledger.entries)
+    if as_json:
+        click.echo(json.dumps({**campaign.settings, **asdict(found), "folder": str(out)}, indent=2))
+    else:
+        _show(campaign, found)
+    return 1 if found.crashes else 0
+
+
+def _label(violations: int) -> str:
+    return f"{violations} violation{'' if violations == 1 else 's'}"
+
+
+def _read(path: Path | None) -> dict[str, Any]:
+    if path is None:
+        return {}
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(str(path), f"cannot be read ({error})", "give a readable YAML file") from None
+    except yaml.YAMLError:
+        raise InputError(str(path), "broken YAML", "mend the file") from None
+    if not isinstance(content, dict) or not all(isinstance(name, str) for name in content):
+        raise InputError(str(path), "holds no parameters", "give names and values, see config/search")
+    return content
+
+
+def _show(campaign: Campaign, found: Tally) -> None:
+    titles = (
+        "family",
+        "technique",
+        "policy",
+        "repair",
+        "evaluated",
+        "violations",
+        "distinct",
+        "first after",
+        "crashes",
+    )
+    table = Table(*titles, box=None, pad_edge=False, header_style="bold")
+    subject = campaign.subject
+    table.add_row(
+        subject.family, campaign.technique, subject.policy, subject.method, str(found.evaluated),
+        str(found.violations), str(found.distinct), str(found.first_violation or "-"), str(found.crashes),
+    )  # fmt: skip
+    wide_console().print(table)

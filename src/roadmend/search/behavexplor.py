@@ -1,0 +1,97 @@
+"""BehAVExplor (Cheng et al., ISSTA 2023): a corpus of seeds that is fed by new behaviour and by nearness to violations.
+
+As in the paper: behaviours are clustered, a mutant joins the corpus if its behaviour is new or it came nearer to a
+violation than its seed, violations themselves do not; seeds are picked by energy, which rewards what their mutants
+brought; seeds near a violation are mutated a little, others a lot. Ours: leader clustering over resampled motion.
+"""
+
+import math
+import random
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pydantic import Field
+
+from roadmend.search.clusters import LeaderClusters
+from roadmend.search.evaluation import Trial
+from roadmend.search.moves import mutate
+from roadmend.search.technique import TechniqueParameters
+from roadmend.world.space import Parameters, Space, sample
+
+
+class BehAVExplorParameters(TechniqueParameters):
+    """What can be set."""
+
+    initial: int = Field(24, ge=1, le=10_000, description="random points that the corpus starts from")
+    batch: int = Field(8, ge=1, le=1000, description="mutants evaluated side by side")
+    corpus: int = Field(200, ge=1, le=100_000, description="seeds kept; those of least energy are dropped")
+    radius: float = Field(0.15, gt=0.0, le=10.0, description="feature difference within which behaviours are alike")
+    novelty: float = Field(0.6, ge=0.0, le=1.0, description="share of the radius from which a behaviour is new")
+    diversity_weight: float = Field(1.0, ge=0.0, le=100.0, description="energy for the newest behaviour")
+    violation_weight: float = Field(2.0, ge=0.0, le=100.0, description="energy for the nearest miss")
+    violation_scale: float = Field(3.0, gt=0.0, le=100.0, description="fitness at which that has fallen to 1/e [m]")
+    decay: float = Field(0.8, gt=0.0, le=1.0, description="factor on a seed's energy for a mutant that brought nothing")
+    rate: float = Field(0.05, gt=0.0, le=1.0, description="probability that a dimension of a mutant is moved")
+    least_strength: float = Field(0.05, gt=0.0, le=1.0, description="mutation strength at a violation's edge")
+    most_strength: float = Field(0.4, gt=0.0, le=1.0, description="mutation strength far from violations")
+
+
+@dataclass(slots=True)
+class _Seed:
+    parameters: Parameters
+    fitness: float
+    energy: float
+
+
+class BehAVExplor:
+    """A fuzzer over one corpus."""
+
+    def __init__(self, space: Space, generator: random.Random, parameters: BehAVExplorParameters) -> None:
+        self._space, self._generator, self._parameters = space, generator, parameters
+        self._clusters = LeaderClusters(parameters.radius)
+        self._corpus: list[_Seed] = []
+        self._picked: list[_Seed] = []  # the seed of each mutant of the batch; none while the corpus is empty
+
+    @property
+    def behaviours(self) -> int:
+        """Clusters of behaviour met so far."""
+        return len(self._clusters)
+
+    def propose(self) -> list[Parameters]:
+        """Random points while there is no corpus, then mutants of its seeds."""
+        own = self._parameters
+        if not self._corpus:
+            self._picked = []
+            return [sample(self._space, self._generator) for _ in range(own.initial)]
+        weights = [seed.energy for seed in self._corpus]
+        self._picked = self._generator.choices(self._corpus, weights, k=own.batch)
+        return [self._mutant(seed) for seed in self._picked]
+
+    def learn(self, trials: Sequence[Trial]) -> None:
+        """Cluster the behaviours, feed the seeds whose mutants brought something, and take in new seeds."""
+        own = self._parameters
+        seeds: Sequence[_Seed | None] = self._picked or [None] * len(trials)
+        for trial, seed in zip(trials, seeds, strict=True):
+            if not trial.evaluation.digest:
+                continue  # a crash has no behaviour
+            _, novelty = self._clusters.add(trial.evaluation.features)
+            degree = self._degree(trial.fitness)
+            energy = own.diversity_weight * novelty + own.violation_weight * degree
+            useful = seed is None or novelty >= own.novelty or trial.fitness > seed.fitness
+            if seed is not None:
+                gain = own.diversity_weight * novelty
+                gain += own.violation_weight * max(0.0, degree - self._degree(seed.fitness))
+                seed.energy = seed.energy + gain if useful else max(1e-6, seed.energy * own.decay)
+            if useful and not trial.evaluation.is_violation:
+                self._corpus.append(_Seed(trial.parameters, trial.fitness, max(1e-6, energy)))
+        self._corpus.sort(key=lambda seed: -seed.energy)
+        del self._corpus[own.corpus :]
+
+    def _degree(self, fitness: float) -> float:
+        """Nearness to a violation in (0, 1]."""
+        return math.exp(fitness / self._parameters.violation_scale)
+
+    def _mutant(self, seed: _Seed) -> Parameters:
+        own = self._parameters
+        strength = own.most_strength + (own.least_strength - own.most_strength) * self._degree(seed.fitness)
+        return mutate(self._space, seed.parameters, own.rate, strength, self._generator)

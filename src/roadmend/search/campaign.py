@@ -1,0 +1,129 @@
+"""A search from its first point to its budget, over as many calls as it takes."""
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from roadmend import __version__
+from roadmend.core.errors import InputError
+from roadmend.search.evaluation import CRASH, Subject, Trial, parameters_digest
+from roadmend.search.ledger import FOUND, Entry, Ledger, Reproduction
+from roadmend.search.registry import make_technique
+from roadmend.search.technique import TechniqueParameters
+from roadmend.search.workers import Evaluator
+from roadmend.world.families import FAMILIES
+from roadmend.world.scenario_file import save_scenario
+from roadmend.world.space import Parameters
+
+
+@dataclass(frozen=True, slots=True)
+class Campaign:
+    """What a search does. Its budget is no part of it: a search may go on with a larger one."""
+
+    subject: Subject
+    technique: str
+    parameters: TechniqueParameters
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """All that decides what is found, as plain values."""
+        subject = self.subject
+        return {
+            "family": subject.family, "technique": self.technique, "policy": subject.policy, "repair": subject.method,
+            "seed": subject.seed, "parameters": self.parameters.model_dump(mode="json"), "roadmend": __version__,
+        }  # fmt: skip
+
+    def name(self, index: int) -> str:
+        """Name of the scenario of one evaluated point."""
+        subject = self.subject
+        return f"{subject.family}-{subject.policy}-{subject.method}-{self.technique}-{subject.seed}-{index:05d}"
+
+
+@dataclass(frozen=True, slots=True)
+class Tally:
+    """What a search has found."""
+
+    evaluated: int
+    violations: int
+    distinct: int  # violations with different trajectories
+    first_violation: int | None  # evaluations until the first one, itself included
+    crashes: int
+    outcomes: dict[str, int] = field(default_factory=dict)
+
+
+def tally(entries: Sequence[Entry]) -> Tally:
+    """Count what is in a ledger."""
+    violations = [entry for entry in entries if entry.evaluation.is_violation]
+    outcomes = Counter(entry.evaluation.outcome for entry in entries)
+    return Tally(
+        evaluated=len(entries),
+        violations=len(violations),
+        distinct=len({entry.evaluation.digest for entry in violations}),
+        first_violation=violations[0].index + 1 if violations else None,
+        crashes=outcomes[CRASH],
+        outcomes=dict(sorted(outcomes.items())),
+    )
+
+
+def run_campaign(
+    campaign: Campaign,
+    ledger: Ledger,
+    evaluator: Evaluator,
+    budget: int,
+    report: Callable[[Entry], None] = lambda _entry: None,
+) -> None:
+    """Search until the ledger has ``budget`` entries.
+
+    The technique is led through what the ledger holds already, so it goes on as if it had never stopped.
+
+    Args:
+        campaign: what to do.
+        ledger: where to keep it, opened with the campaign's settings.
+        evaluator: runs the points.
+        budget: evaluations in all, earlier calls included.
+        report: called for every new entry.
+
+    Raises:
+        InputError: the ledger does not belong to this search, or cannot be written.
+        SimulationError: a worker process died.
+    """
+    technique = make_technique(
+        campaign.technique, FAMILIES[campaign.subject.family].space, campaign.subject.seed, campaign.parameters
+    )
+    start = 0  # index of the batch's first point
+    while start < budget:
+        points = technique.propose()
+        known = _known(ledger, start, points)
+        fresh = points[known : budget - start]
+        for index, (point, evaluation) in enumerate(zip(fresh, evaluator(fresh), strict=True), start + known):
+            trial = Trial(point, evaluation)
+            ledger.add(_entry(campaign, ledger, index, trial))
+            report(ledger.entries[-1])
+        entries = ledger.entries[start : start + len(points)]
+        if len(entries) < len(points):
+            return  # the budget ends within the batch: it is learned from when the search goes on
+        technique.learn([Trial(point, entry.evaluation) for point, entry in zip(points, entries, strict=True)])
+        start += len(points)
+
+
+def _known(ledger: Ledger, start: int, points: Sequence[Parameters]) -> int:
+    """How many points of a batch are in the ledger."""
+    entries = ledger.entries[start : start + len(points)]
+    for point, entry in zip(points, entries, strict=False):
+        if parameters_digest(point) != entry.parameters:
+            what = f"evaluation {entry.index} is not what this version of roadmend would have tried"
+            raise InputError(str(ledger.folder), what, "choose another folder")
+    return len(entries)
+
+
+def _entry(campaign: Campaign, ledger: Ledger, index: int, trial: Trial) -> Entry:
+    """The ledger's line; a violation's scenario is written first, so that no line names a file that is not there."""
+    digest = parameters_digest(trial.parameters)
+    if not trial.evaluation.is_violation:
+        return Entry(index, digest, trial.evaluation)
+    subject, name = campaign.subject, campaign.name(index)
+    path = f"{FOUND}/{name}.yaml"
+    save_scenario(subject.scenario(trial.parameters, name), ledger.folder / path)
+    command = f"roadmend run --scenario {path} --policy {subject.policy} --repair {subject.method}"
+    return Entry(index, digest, trial.evaluation, Reproduction(path, command, subject.policy, subject.method))

@@ -1,0 +1,114 @@
+"""Evaluates one point of a family's parameter space: runs it and says how near it came to a violation."""
+
+import hashlib
+import json
+import math
+from dataclasses import dataclass
+
+from roadmend.core.command import Decision
+from roadmend.core.errors import InputError
+from roadmend.core.outcome import EventKind
+from roadmend.core.repair import Repair
+from roadmend.policies.registry import make_policy
+from roadmend.repair.registry import make_repairer
+from roadmend.search.behaviour import FEATURES, BehaviourRecorder
+from roadmend.search.danger import Danger
+from roadmend.world.families import FAMILIES
+from roadmend.world.runner import run_episode
+from roadmend.world.scenario import Scenario
+from roadmend.world.simulation import INTERVAL, Tick
+from roadmend.world.space import Parameters
+
+VIOLATION = EventKind.COLLISION.name
+CRASH = "CRASH"  # outcome of a point whose episode raised an error
+BEST = 0.0  # fitness of a collision; that of everything else is below
+CRASH_FITNESS = -100.0  # below that of every episode
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """What is searched: the points of a family, driven by a policy under a repair method."""
+
+    family: str
+    policy: str
+    method: str
+    seed: int  # of the traffic, the same at every point: only the parameters make the difference
+
+    def __post_init__(self) -> None:
+        """Check the names.
+
+        Raises:
+            InputError: there is no such family, policy or method.
+        """
+        if self.family not in FAMILIES:
+            raise InputError("family", f"there is no {self.family!r}", f"choose one of {', '.join(FAMILIES)}")
+        make_policy(self.policy)
+        make_repairer(self.method)
+
+    def scenario(self, parameters: Parameters, name: str) -> Scenario:
+        """The scenario that a point stands for."""
+        return FAMILIES[self.family].build(parameters, name, self.seed)
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluation:
+    """What a point came to."""
+
+    outcome: str  # an EventKind's name, or CRASH
+    text: str
+    digest: str  # of the trajectory; empty after a crash
+    fitness: float  # BEST for a collision, else - (distance + weighted time to collision) at the worst moment [m]
+    min_distance: float | None  # [m] between the outlines, over time; none where the ego met nobody
+    features: tuple[float, ...]  # the ego's behaviour, see BehaviourRecorder.features
+
+    @property
+    def is_violation(self) -> bool:
+        """Whether the ego collided."""
+        return self.outcome == VIOLATION
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """A point and what it came to."""
+
+    parameters: Parameters
+    evaluation: Evaluation
+
+    @property
+    def fitness(self) -> float:
+        """The evaluation's fitness."""
+        return self.evaluation.fitness
+
+
+def parameters_digest(parameters: Parameters) -> str:
+    """SHA-256 of a point, hexadecimal."""
+    return hashlib.sha256(json.dumps(parameters, sort_keys=True).encode()).hexdigest()
+
+
+def evaluate_scenario(scenario: Scenario, policy: str, method: str) -> Evaluation:
+    """Run a scenario in this process.
+
+    Raises:
+        InputError: the scenario cannot be run, or there is no such policy or method.
+        SimulationError: SUMO failed.
+    """
+    danger, behaviour = Danger(), BehaviourRecorder(INTERVAL)
+
+    def watch(tick: Tick, _decision: Decision, _repair: Repair) -> None:
+        danger.watch(tick.scene)
+        behaviour.watch(tick.scene.ego)
+
+    summary = run_episode(scenario, make_policy(policy), make_repairer(method), watch)
+    fitness = BEST if summary.outcome == EventKind.COLLISION else min(BEST - 1e-6, -danger.least)
+    distance = summary.min_distance if math.isfinite(summary.min_distance) else None
+    return Evaluation(summary.outcome.name, summary.text, summary.digest, fitness, distance, behaviour.features())
+
+
+def evaluate(subject: Subject, parameters: Parameters) -> Evaluation:
+    """Build and run a point; an error on the way is a result here, since the next search would meet it again."""
+    try:
+        scenario = subject.scenario(parameters, "point")
+        return evaluate_scenario(scenario, subject.policy, subject.method)
+    except Exception as error:  # noqa: BLE001 - see above
+        text = " ".join(f"{type(error).__name__}: {error}".split())
+        return Evaluation(CRASH, text, "", CRASH_FITNESS, None, (0.0,) * FEATURES)

@@ -1,0 +1,46 @@
+"""Evaluates batches of points: in this process, or side by side in others."""
+
+import multiprocessing
+import signal
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from functools import partial
+from typing import Protocol
+
+from roadmend.core.errors import SimulationError
+from roadmend.search.evaluation import Evaluation, Subject, evaluate
+from roadmend.world.space import Parameters
+
+
+class Evaluator(Protocol):
+    """Evaluates points."""
+
+    def __call__(self, points: Sequence[Parameters], /) -> Iterator[Evaluation]:
+        """One evaluation a point, in the order of the points, each as soon as it is there."""
+
+
+@contextmanager
+def open_evaluator(subject: Subject, workers: int) -> Iterator[Evaluator]:
+    """An evaluator; what it finds does not depend on the number of workers.
+
+    Raises:
+        SimulationError: a worker process died.
+    """
+    work = partial(evaluate, subject)
+    if workers == 1:
+        yield lambda points: map(work, points)
+        return
+    context = multiprocessing.get_context("spawn")  # libsumo holds one simulation a process
+    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_ignore_interrupt)
+    try:
+        yield lambda points: pool.map(work, points)
+    except BrokenProcessPool:
+        raise SimulationError("a worker process died; run the same command again to go on") from None
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _ignore_interrupt() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent hears it and ends the pool
