@@ -18,6 +18,8 @@ from roadmend.search.moves import mutate
 from roadmend.search.technique import TechniqueParameters
 from roadmend.world.space import Parameters, Space, sample
 
+_LEAST, _MOST = 0.01, 3.0  # bounds that keep every seed in play and none in all
+
 
 class BehAVExplorParameters(TechniqueParameters):
     """What can be set."""
@@ -27,12 +29,14 @@ class BehAVExplorParameters(TechniqueParameters):
     corpus: int = Field(200, ge=1, le=100_000, description="seeds kept; those of least energy are dropped")
     radius: float = Field(0.15, gt=0.0, le=10.0, description="feature difference within which behaviours are alike")
     novelty: float = Field(0.6, ge=0.0, le=1.0, description="share of the radius from which a behaviour is new")
-    diversity_weight: float = Field(1.0, ge=0.0, le=100.0, description="energy for the newest behaviour")
-    violation_weight: float = Field(2.0, ge=0.0, le=100.0, description="energy for the nearest miss")
-    violation_scale: float = Field(3.0, gt=0.0, le=100.0, description="fitness at which that has fallen to 1/e [m]")
-    decay: float = Field(0.8, gt=0.0, le=1.0, description="factor on a seed's energy for a mutant that brought nothing")
+    diversity_weight: float = Field(0.3, ge=0.0, le=100.0, description="energy for the newest behaviour")
+    violation_weight: float = Field(8.0, ge=0.0, le=100.0, description="energy for the nearest miss")
+    violation_scale: float = Field(
+        1.5, gt=0.0, le=100.0, description="fitness by which a seed with 1/e of it lags behind [m]"
+    )
+    decay: float = Field(0.8, gt=0.0, le=1.0, description="factor on a seed's energy for a mutant in vain")
     rate: float = Field(0.05, gt=0.0, le=1.0, description="probability that a dimension of a mutant is moved")
-    least_strength: float = Field(0.05, gt=0.0, le=1.0, description="mutation strength at a violation's edge")
+    least_strength: float = Field(0.1, gt=0.0, le=1.0, description="mutation strength of the nearest miss")
     most_strength: float = Field(0.4, gt=0.0, le=1.0, description="mutation strength far from violations")
 
 
@@ -40,7 +44,8 @@ class BehAVExplorParameters(TechniqueParameters):
 class _Seed:
     parameters: Parameters
     fitness: float
-    energy: float
+    novelty: float  # of its behaviour when it came, 0 to 1
+    yielding: float = 1.0  # factor on its energy: grows with mutants that brought something, shrinks with others
 
 
 class BehAVExplor:
@@ -50,6 +55,7 @@ class BehAVExplor:
         self._space, self._generator, self._parameters = space, generator, parameters
         self._clusters = LeaderClusters(parameters.radius)
         self._corpus: list[_Seed] = []
+        self._nearest = 0.0  # fitness of the nearest miss in the corpus
         self._picked: list[_Seed] = []  # the seed of each mutant of the batch; none while the corpus is empty
 
     @property
@@ -63,35 +69,39 @@ class BehAVExplor:
         if not self._corpus:
             self._picked = []
             return [sample(self._space, self._generator) for _ in range(own.initial)]
-        weights = [seed.energy for seed in self._corpus]
+        weights = [self._energy(seed) for seed in self._corpus]
         self._picked = self._generator.choices(self._corpus, weights, k=own.batch)
         return [self._mutant(seed) for seed in self._picked]
 
     def learn(self, trials: Sequence[Trial]) -> None:
-        """Cluster the behaviours, feed the seeds whose mutants brought something, and take in new seeds."""
+        """Cluster the behaviours, judge the seeds by what their mutants brought, and take in new seeds."""
         own = self._parameters
         seeds: Sequence[_Seed | None] = self._picked or [None] * len(trials)
         for trial, seed in zip(trials, seeds, strict=True):
             if not trial.evaluation.digest:
                 continue  # a crash has no behaviour
             _, novelty = self._clusters.add(trial.evaluation.features)
-            degree = self._degree(trial.fitness)
-            energy = own.diversity_weight * novelty + own.violation_weight * degree
             useful = seed is None or novelty >= own.novelty or trial.fitness > seed.fitness
             if seed is not None:
-                gain = own.diversity_weight * novelty
-                gain += own.violation_weight * max(0.0, degree - self._degree(seed.fitness))
-                seed.energy = seed.energy + gain if useful else max(1e-6, seed.energy * own.decay)
+                seed.yielding = (
+                    min(_MOST, seed.yielding / own.decay) if useful else max(_LEAST, seed.yielding * own.decay)
+                )
             if useful and not trial.evaluation.is_violation:
-                self._corpus.append(_Seed(trial.parameters, trial.fitness, max(1e-6, energy)))
-        self._corpus.sort(key=lambda seed: -seed.energy)
+                self._corpus.append(_Seed(trial.parameters, trial.fitness, novelty))
+        self._nearest = max((seed.fitness for seed in self._corpus), default=0.0)
+        self._corpus.sort(key=lambda seed: -self._energy(seed))
         del self._corpus[own.corpus :]
 
-    def _degree(self, fitness: float) -> float:
-        """Nearness to a violation in (0, 1]."""
-        return math.exp(fitness / self._parameters.violation_scale)
+    def _degree(self, seed: _Seed) -> float:
+        """Nearness to a violation in (0, 1]; 1 for the nearest miss in the corpus."""
+        return math.exp((seed.fitness - self._nearest) / self._parameters.violation_scale)
+
+    def _energy(self, seed: _Seed) -> float:
+        own = self._parameters
+        merit = own.diversity_weight * seed.novelty + own.violation_weight * self._degree(seed)
+        return max(_LEAST, merit) * seed.yielding
 
     def _mutant(self, seed: _Seed) -> Parameters:
         own = self._parameters
-        strength = own.most_strength + (own.least_strength - own.most_strength) * self._degree(seed.fitness)
+        strength = own.most_strength + (own.least_strength - own.most_strength) * self._degree(seed)
         return mutate(self._space, seed.parameters, own.rate, strength, self._generator)
