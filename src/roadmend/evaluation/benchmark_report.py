@@ -14,7 +14,7 @@ def provenance(command: str) -> dict[str, Any]:
     return {
         "command": command,
         "commit": _git("rev-parse", "HEAD"),
-        "dirty": bool(_git("status", "--porcelain", "--untracked-files=no")),
+        "dirty": bool(_git("status", "--porcelain", "--untracked-files=no", "--", ":!README.md", ":!tests/benchmarks")),
         "machine": {
             "processor": _processor(),
             "cores": os.cpu_count(),
