@@ -29,13 +29,13 @@ class BehAVExplorParameters(TechniqueParameters):
     corpus: int = Field(200, ge=1, le=100_000, description="seeds kept; those of least energy are dropped")
     radius: float = Field(0.15, gt=0.0, le=10.0, description="feature difference within which behaviours are alike")
     novelty: float = Field(0.6, ge=0.0, le=1.0, description="share of the radius from which a behaviour is new")
-    diversity_weight: float = Field(0.3, ge=0.0, le=100.0, description="energy for the newest behaviour")
-    violation_weight: float = Field(8.0, ge=0.0, le=100.0, description="energy for the nearest miss")
+    diversity_weight: float = Field(1.0, ge=0.0, le=100.0, description="energy for the newest behaviour")
+    violation_weight: float = Field(2.0, ge=0.0, le=100.0, description="energy for the nearest miss")
     violation_scale: float = Field(
-        1.5, gt=0.0, le=100.0, description="fitness by which a seed with 1/e of it lags behind [m]"
+        4.0, gt=0.0, le=100.0, description="fitness by which a seed with 1/e of it lags behind [m]"
     )
     decay: float = Field(0.8, gt=0.0, le=1.0, description="factor on a seed's energy for a mutant in vain")
-    rate: float = Field(0.05, gt=0.0, le=1.0, description="probability that a dimension of a mutant is moved")
+    rate: float = Field(0.1, gt=0.0, le=1.0, description="probability that a dimension of a mutant is moved")
     least_strength: float = Field(0.1, gt=0.0, le=1.0, description="mutation strength of the nearest miss")
     most_strength: float = Field(0.4, gt=0.0, le=1.0, description="mutation strength far from violations")
 
