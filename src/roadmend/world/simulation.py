@@ -109,11 +109,6 @@ class Simulation:
         """The ego's route."""
         return self._built.route
 
-    @property
-    def ego_acceleration(self) -> float:
-        """Acceleration of the ego over the last step [m/s2]."""
-        return self._dynamics.acceleration
-
     def __enter__(self) -> Self:
         return self
 
