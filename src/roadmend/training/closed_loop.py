@@ -1,0 +1,163 @@
+"""How a repair method fares on cases of a corpus: every case driven to its end in closed loop, and the sum of it."""
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
+from dataclasses import asdict, dataclass
+from functools import partial
+from typing import Any, Protocol
+
+from roadmend.core.outcome import EventKind
+from roadmend.policies.registry import make_policy
+from roadmend.repair.registry import make_repairer
+from roadmend.training.workers import Mapper, open_mapper
+from roadmend.world.runner import run_episode
+from roadmend.world.scenario import Scenario
+
+
+class EpisodeCase(Protocol):
+    """What is needed of a case of a corpus (``world.corpus.Case``)."""
+
+    @property
+    def name(self) -> str:
+        """Name of the scenario."""
+
+    @property
+    def family(self) -> str:
+        """Name of the scenario's family."""
+
+    @property
+    def digest(self) -> str:
+        """Digest of the trajectory that the policy alone drives."""
+
+    @property
+    def is_violation(self) -> bool:
+        """Whether the policy alone collides."""
+
+    def scenario(self) -> Scenario:
+        """The scenario itself."""
+
+
+@dataclass(frozen=True, slots=True)
+class CaseResult:
+    """What one case came to under repair."""
+
+    name: str
+    family: str
+    is_violation: bool  # without repair
+    outcome: str  # an EventKind's name
+    ticks: int
+    interventions: int  # ticks whose command was replaced
+    intensity: float  # mean |policy action - final action| over those ticks, 0 .. 2
+    dose: float  # [s] sum of |policy action - final action| * interval
+    min_distance: float  # [m] inf where the ego met nobody
+    digest: str  # of the trajectory
+
+    @property
+    def reached_goal(self) -> bool:
+        """Whether the route was completed within the scenario's time limit."""
+        return self.outcome == EventKind.GOAL.name
+
+    @property
+    def collided(self) -> bool:
+        """Whether the ego collided."""
+        return self.outcome == EventKind.COLLISION.name
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """Figures of a method over cases; shares in per cent, 0 where there is no case to count."""
+
+    violations: int
+    successes: int
+    fix: float  # [%] of the violations that now reach their goal
+    fix_loose: float  # [%] of the violations that no longer collide (the paper's count)
+    deg: float  # [%] of the successes that now collide
+    late: float  # [%] of the successes that now neither collide nor reach their goal
+    delta_e: float  # [%] fix - deg
+    delta_e_loose: float  # [%] fix_loose - deg
+    intensity: float  # mean |policy action - final action| over all frames that were replaced, 0 .. 2
+    dose: float  # [s] mean over the violations
+    dose_success: float  # [s] mean over the successes
+    intervened_frames: float  # [%] of all frames
+
+    def as_dict(self) -> dict[str, float]:
+        """Plain values by name."""
+        return asdict(self)
+
+
+def evaluate_cases(
+    cases: Sequence[EpisodeCase],
+    policy: str,
+    method: str,
+    parameters: Mapping[str, Any] | None = None,
+    workers: int = 1,
+    *,
+    mapper: Mapper | None = None,
+    report: Callable[[CaseResult], None] = lambda _result: None,
+) -> list[CaseResult]:
+    """Drive every case with a policy under a repair method; one result a case, in the order of the cases.
+
+    Args:
+        cases: what to drive.
+        policy: name of the policy.
+        method: name of the repair method.
+        parameters: what differs from the method's defaults.
+        workers: processes; the results do not depend on their number.
+        mapper: processes that are open already, instead of ``workers`` new ones.
+        report: called with every result as soon as it is there.
+
+    Raises:
+        InputError: there is no such policy or method, a parameter or a scenario is unusable.
+        SimulationError: SUMO failed, or a worker process died.
+    """
+    make_policy(policy)
+    make_repairer(method, parameters)  # a fault in what was given is said before the first process starts
+    work = partial(_evaluate, policy=policy, method=method, parameters=dict(parameters or {}))
+    results: list[CaseResult] = []
+    with nullcontext(mapper) if mapper is not None else open_mapper(min(workers, max(1, len(cases)))) as chosen:
+        for result in chosen(work, cases):
+            results.append(result)
+            report(result)
+    return results
+
+
+def _evaluate(case: EpisodeCase, *, policy: str, method: str, parameters: Mapping[str, Any]) -> CaseResult:
+    summary = run_episode(case.scenario(), make_policy(policy), make_repairer(method, parameters))
+    return CaseResult(
+        case.name, case.family, case.is_violation, summary.outcome.name, summary.ticks, summary.interventions,
+        summary.intensity, summary.dose, summary.min_distance, summary.digest,
+    )  # fmt: skip
+
+
+def summarise(results: Sequence[CaseResult]) -> Summary:
+    """Sum up results."""
+    violations = [result for result in results if result.is_violation]
+    successes = [result for result in results if not result.is_violation]
+    fix = _share(violations, lambda result: result.reached_goal)
+    fix_loose = _share(violations, lambda result: not result.collided)
+    deg = _share(successes, lambda result: result.collided)
+    frames = sum(result.interventions for result in results)
+    change = sum(result.intensity * result.interventions for result in results)
+    ticks = sum(result.ticks for result in results)
+    return Summary(
+        violations=len(violations),
+        successes=len(successes),
+        fix=fix,
+        fix_loose=fix_loose,
+        deg=deg,
+        late=_share(successes, lambda result: not result.reached_goal and not result.collided),
+        delta_e=fix - deg,
+        delta_e_loose=fix_loose - deg,
+        intensity=change / frames if frames else 0.0,
+        dose=_mean([result.dose for result in violations]),
+        dose_success=_mean([result.dose for result in successes]),
+        intervened_frames=100.0 * frames / ticks if ticks else 0.0,
+    )
+
+
+def _share(results: Sequence[CaseResult], holds: Callable[[CaseResult], bool]) -> float:
+    return 100.0 * sum(map(holds, results)) / len(results) if results else 0.0
+
+
+def _mean(values: Sequence[float]) -> float:
+    return sum(values) / len(values) if values else 0.0
