@@ -88,7 +88,7 @@ def test_every_python_since_3_6_can_read_the_script():
     ast.parse((REPOSITORY / "roadmend").read_text(), feature_version=(3, 6))
 
 
-@pytest.mark.parametrize("name", ["base.txt", "ros.txt", "test.txt"])
+@pytest.mark.parametrize("name", ["base.txt", "ros.txt", "test.txt", "train.txt"])
 def test_pins_are_complete_and_exact(name):
     lines = (REPOSITORY / "config" / "requirements" / name).read_text().splitlines()
     pins = [line for line in lines if not line.startswith("#")]
@@ -278,6 +278,51 @@ class TestOneLineErrors:
         assert "Python environment" not in second.stderr
 
 
+class TestTorch:
+    @pytest.mark.parametrize("command", ["train", "train adreft --seed 3", "bench adreft --quick", "set-up train"])
+    def test_is_installed_for_what_trains_or_measures_against_it(self, launcher, command):
+        assert launcher.needs_torch(command.split())
+
+    @pytest.mark.parametrize("command", ["", "demo", "run train", "bench loop", "set-up", "train --help", "train x -h"])
+    def test_and_for_nothing_else(self, launcher, command):
+        assert not launcher.needs_torch(command.split())
+
+    def test_the_tests_need_it_too(self, launcher, context):
+        assert launcher.Context(context.venv, testing=True).training
+        assert not context.training
+
+    def test_is_asked_for_with_its_dependencies_and_by_its_exact_release(self, launcher, context, monkeypatch):
+        commands = []
+        monkeypatch.setattr(context, "run", commands.append)
+        launcher.install_torch(context)
+        pip = commands[0]
+        assert "--no-deps" not in pip
+        assert not any(part.startswith("torch") for part in pip)
+        lists = [Path(pip[place + 1]).name for place, part in enumerate(pip) if part in {"-r", "-c"}]
+        assert lists == ["train.txt", "base.txt"]
+        pins = (Path(pip[pip.index("-r") + 1])).read_text().splitlines()
+        assert [pin for pin in pins if pin.startswith("torch")] == ["torch==2.13.0"]
+        assert "import torch" in commands[1][-1]
+
+    def test_pins_agree_with_those_that_it_is_installed_beside(self):
+        folder = REPOSITORY / "config" / "requirements"
+        names = [
+            line.split("==")[0].lower()
+            for name in ("base.txt", "ros.txt", "test.txt", "train.txt")
+            for line in (folder / name).read_text().splitlines()
+            if "==" in line
+        ]
+        assert len(names) == len(set(names))
+
+    def test_a_failure_names_the_smaller_build(self, launcher, context, monkeypatch):
+        def fail(_):
+            raise RuntimeError("OSError: [Errno 28] No space left on device")
+
+        monkeypatch.setattr(context, "run", fail)
+        with pytest.raises(launcher.SetupError, match=r"the disk is full; make room.*a CPU build of the torch"):
+            launcher.install_torch(context)
+
+
 class TestStamps:
     @pytest.fixture
     def ready(self, launcher, context, checkout):
@@ -316,11 +361,24 @@ class TestStamps:
         assert self.open_stages(launcher, context)[0] == "Python environment"
 
     def test_testing_adds_its_own_stages(self, ready, launcher, context, monkeypatch):
-        context.testing = True
         monkeypatch.setattr(launcher, "node_found", lambda: True)
-        assert self.open_stages(launcher, context) == ["test tools", "JavaScript readers"]
+        context = launcher.Context(context.venv, testing=True)
+        assert self.open_stages(launcher, context) == ["torch, for training", "test tools", "JavaScript readers"]
         monkeypatch.setattr(launcher, "node_found", lambda: False)
-        assert self.open_stages(launcher, context) == ["test tools"]
+        assert self.open_stages(launcher, context) == ["torch, for training", "test tools"]
+
+    def test_training_adds_torch_alone(self, ready, launcher, context):
+        context = launcher.Context(context.venv, training=True)
+        assert self.open_stages(launcher, context) == ["torch, for training"]
+
+    def test_another_torch_is_installed_where_it_is_needed_and_nowhere_else(self, ready, launcher, context):
+        training = launcher.Context(context.venv, training=True)
+        launcher.stages(training)[-1].mark()
+        assert self.open_stages(launcher, training) == []
+        with (ready / "config" / "requirements" / "train.txt").open("a") as file:
+            file.write("six==1.17.0\n")
+        assert self.open_stages(launcher, training) == ["torch, for training"]
+        assert self.open_stages(launcher, context) == []
 
 
 class TestSeveralCalls:
