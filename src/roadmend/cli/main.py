@@ -6,43 +6,27 @@ from collections.abc import Sequence
 import click
 
 from roadmend import __version__
+from roadmend.cli.lazy import LazyGroup, Table
 from roadmend.core.errors import InputError, RoadmendError
 
-_COMMANDS = {
+_COMMANDS: Table = {
     "run": ("roadmend.cli.run", "run", "Run one episode in the graph: SUMO, policy, repair and recorder."),
     "demo": ("roadmend.cli.demo", "demo", "See a collision repaired: the main job, end to end."),
     "sample": ("roadmend.cli.scenario", "sample", "Draw a scenario of one of the five families."),
     "schema": ("roadmend.cli.scenario", "schema", "Print the JSON schema of a scenario file."),
     "bench": ("roadmend.cli.bench", "bench", "Measure, in ratios."),
     "search": ("roadmend.cli.search", "search", "Find scenarios in which a policy under repair collides."),
+    "train": ("roadmend.cli.train", "train", "Train a driving policy, a repair model or a rival's model."),
     "picture": ("roadmend.cli.picture", "picture", "Draw the scene at one moment of a bag."),
 }
 
 
-class LazyGroup(click.Group):
-    """Loads a command's module only when it is called: 'roadmend --help' must not wait for SUMO."""
-
-    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click calls it so
-        """Names in the order of the table."""
-        return [*_COMMANDS]
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
-        """Load one command."""
-        if cmd_name not in _COMMANDS:
-            return None
-        module_name, name, _ = _COMMANDS[cmd_name]
-        module = __import__(module_name, fromlist=[name])
-        command: click.Command = getattr(module, name)
-        return command
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
-        """The list of commands, without loading them."""
-        with formatter.section("Commands"):
-            rows = [(name, text) for name, (_, _, text) in _COMMANDS.items()]
-            formatter.write_dl([*rows, ("test", "Check the project itself: import rules, lint, types, tests.")])
-
-
-@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.group(
+    cls=LazyGroup,
+    table=_COMMANDS,
+    also=[("test", "Check the project itself: import rules, lint, types, tests.")],
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
+)
 @click.version_option(__version__, prog_name="roadmend")
 def cli() -> None:
     """Repair a self-driving policy while it drives, and learn from what went wrong."""

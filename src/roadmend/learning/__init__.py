@@ -1,0 +1,1 @@
+"""Networks: in torch for training, compiled for driving, and as files between the two."""

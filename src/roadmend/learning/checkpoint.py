@@ -1,0 +1,125 @@
+"""Networks as files: safetensors with a JSON header. Nothing that could run is ever loaded."""
+
+import contextlib
+import hashlib
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import safetensors.numpy
+from numpy.typing import NDArray
+from safetensors import SafetensorError
+
+from roadmend.core.errors import InputError
+
+FORMAT = "roadmend-model/1"
+REQUIRED = ("kind", "configuration", "data_digest", "metrics", "ancestry")  # what a header has besides its format
+_KEY = "roadmend"  # of the file's metadata
+_CHECKSUM = "checksum"  # of the header, added and taken away here
+
+Tensors = Mapping[str, NDArray[Any]]
+
+
+@dataclass(frozen=True, slots=True)
+class Checkpoint:
+    """A model file, read."""
+
+    tensors: dict[str, NDArray[Any]]
+    header: dict[str, Any]
+    digest: str  # SHA-256 of the file, in hex
+
+
+def save_checkpoint(path: Path, tensors: Tensors, header: Mapping[str, Any]) -> str:
+    """Write a model file, whole or not at all; the same content always gives the same bytes.
+
+    Args:
+        path: the file; its folder is made.
+        tensors: by name, of any shape, of a bool, integer or float type.
+        header: what JSON can hold, with at least the keys REQUIRED: the kind of model ("adreft", "neural", ...), its
+            training configuration, the digest of the data that it was trained on, its metrics, and the digests of the
+            models that it was made from. "format" is added.
+
+    Returns:
+        The digest of the file, as load_checkpoint gives it.
+
+    Raises:
+        InputError: the file cannot be written.
+        ValueError: the header lacks a key, or holds what JSON cannot (NaN among it).
+    """
+    missing = [key for key in REQUIRED if key not in header]
+    if missing:
+        raise ValueError(f"the header of a model lacks {', '.join(missing)}")
+    arrays = {name: np.ascontiguousarray(tensors[name]) for name in sorted(tensors)}
+    whole = json.loads(json.dumps({**header, "format": FORMAT}, allow_nan=False))  # as it will be read: tuples as lists
+    whole[_CHECKSUM] = _checksum(whole, arrays)
+    data = safetensors.numpy.save(arrays, {_KEY: _canonical(whole)})
+    part = path.with_name(f"{path.name}.{os.getpid()}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        part.write_bytes(data)
+        part.replace(path)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            part.unlink(missing_ok=True)
+        raise InputError(
+            str(path), f"cannot be written ({error.strerror})", "give another place, or make room"
+        ) from error
+    return hashlib.sha256(data).hexdigest()
+
+
+def load_checkpoint(path: Path, kind: str | None = None) -> Checkpoint:
+    """Read a model file.
+
+    Args:
+        path: the file.
+        kind: refuse any other kind of model.
+
+    Raises:
+        InputError: the file is missing, cut, changed since it was saved, none of ours, or of another format or kind.
+    """
+    where = str(path)
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(where, f"cannot be read ({error.strerror})", "name a model file (.safetensors)") from error
+    mend = "give a model that roadmend saved, or train it again"
+    try:
+        tensors = safetensors.numpy.load(data)
+        header = _read_header(data)
+    except (SafetensorError, ValueError, KeyError, TypeError, RecursionError) as error:
+        raise InputError(where, "is no model file, or is cut or damaged", mend) from error
+    if header.get("format") != FORMAT:
+        found = header.get("format", "no format")
+        raise InputError(where, f"has the format {found!r}, not {FORMAT!r}", "use the roadmend that saved it")
+    if header.pop(_CHECKSUM, None) != _checksum(header, tensors):
+        raise InputError(where, "was changed or damaged since it was saved", mend)
+    if kind is not None and header.get("kind") != kind:
+        raise InputError(where, f"is a model of the kind {header.get('kind')!r}", f"give one of the kind {kind!r}")
+    return Checkpoint(tensors, header, hashlib.sha256(data).hexdigest())
+
+
+def _read_header(data: bytes) -> dict[str, Any]:
+    """Our header in a file that the library has found to be sound."""
+    length = int.from_bytes(data[:8], "little")
+    header = json.loads(json.loads(data[8 : 8 + length])["__metadata__"][_KEY])
+    if not isinstance(header, dict):
+        raise TypeError("a header is a mapping")
+    return header
+
+
+def _canonical(value: Mapping[str, Any]) -> str:
+    return json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False)
+
+
+def _checksum(header: Mapping[str, Any], tensors: Tensors) -> str:
+    """SHA-256 of all that a file holds: safetensors itself would not notice a changed weight."""
+    value = hashlib.sha256(_canonical(header).encode())
+    for name in sorted(tensors):
+        array = np.ascontiguousarray(tensors[name])
+        value.update(f"\0{name}\0{array.dtype.str}\0{array.shape}\0".encode())
+        value.update(array.tobytes())
+    return value.hexdigest()

@@ -1,0 +1,48 @@
+"""Shapes of the networks: all that is needed, beside the tensors, to build one again."""
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+Width = Annotated[int, Field(ge=1, le=4096)]
+
+
+class Shape(BaseModel):
+    """Base of both: frozen, strict, and deaf to unknown names."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+class EncoderShape(Shape):
+    """A BERT-style encoder of a set of tokens (Devlin et al. 2019; ADReFT, section 4.1, "state encoder").
+
+    It has no positions: a scene is a set, and every token carries its own place.
+    """
+
+    attributes: int = Field(ge=1, le=256, description="c, attributes of a token")
+    hidden: Width = Field(64, description="H, width of a token inside and of the scene's state")
+    layers: int = Field(2, ge=1, le=24, description="transformer layers")
+    heads: int = Field(4, ge=1, le=64, description="attention heads; they share the width evenly")
+    feed_forward: Width = Field(128, description="width between the two linear maps of a layer")
+    activation: Literal["relu", "gelu"] = Field(
+        "relu", description="between these two; gelu is the exact one, with erf"
+    )
+
+    @model_validator(mode="after")
+    def _heads_share_evenly(self) -> "EncoderShape":
+        if self.hidden % self.heads:
+            raise ValueError(f"heads: {self.heads} cannot share a hidden width of {self.hidden} evenly")
+        return self
+
+
+class HeadShape(Shape):
+    """A multi-layer perceptron with a rectifier after every layer but the last."""
+
+    inputs: Width = Field(description="width of the input")
+    hidden: tuple[Width, ...] = Field((64,), description="widths between; none: a linear map")
+    outputs: Width = Field(description="width of the output")
+
+    @property
+    def widths(self) -> tuple[int, ...]:
+        """All widths from the input to the output."""
+        return (self.inputs, *self.hidden, self.outputs)
