@@ -1,31 +1,13 @@
 """Cases in closed loop: what they come to, whatever the number of workers, and how it is summed up."""
 
 import math
-from dataclasses import dataclass
 
 import pytest
 
 from roadmend.core.errors import InputError
 from roadmend.training.closed_loop import CaseResult, evaluate_cases, summarise
-from roadmend.world.families import sample_scenario
 
-
-@dataclass(frozen=True)
-class Drawn:
-    """A case that is a random draw."""
-
-    family: str
-    seed: int
-    is_violation: bool = False
-    digest: str = ""
-
-    @property
-    def name(self):
-        return f"{self.family}-{self.seed}"
-
-    def scenario(self):
-        return sample_scenario(self.family, self.seed)
-
+from .cases import Drawn
 
 CASES = [Drawn("S5", 3), Drawn("S4", 1), Drawn("S5", 4)]
 

@@ -1,0 +1,62 @@
+"""Frames of one case: what the model would have seen while the policy drove alone. On disk as one .npz file."""
+
+import os
+import zipfile
+import zlib
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CaseFrames:
+    """F frames of one case with M tokens of c attributes in all."""
+
+    name: str  # of the case
+    family: str
+    outcome: str  # an EventKind's name
+    end: float  # [s] simulation time of the episode's end
+    time: NDArray[np.float64]  # [s] shape (F,)
+    action: NDArray[np.float32]  # the policy's throttle - brake, shape (F,)
+    distance: NDArray[
+        np.float64
+    ]  # [m] from the ego's outline to the nearest other, inf where there is none, shape (F,)
+    counts: NDArray[np.int32]  # tokens of each frame, shape (F,)
+    tokens: NDArray[np.float32]  # of all frames in their order, shape (M, c)
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def save(self, path: Path) -> None:
+        """Write the file, whole or not at all.
+
+        Raises:
+            OSError: the place cannot be written.
+        """
+        path.parent.mkdir(parents=True, exist_ok=True)
+        beside = path.with_name(f".{path.name}.{os.getpid()}")
+        with beside.open("wb") as file:
+            content: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
+            np.savez(file, allow_pickle=False, **content)
+        beside.replace(path)
+
+    @classmethod
+    def load(cls, path: Path) -> Self:
+        """Read a file.
+
+        Raises:
+            OSError: there is no such file.
+            ValueError: it is damaged.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as content:
+                name, family, outcome = (str(content[key]) for key in ("name", "family", "outcome"))
+                arrays: dict[str, Any] = {
+                    key: content[key] for key in ("time", "action", "distance", "counts", "tokens")
+                }
+                return cls(name, family, outcome, end=float(content["end"]), **arrays)
+        except (ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+            raise ValueError(f"{path} is damaged: {error!r}") from None
