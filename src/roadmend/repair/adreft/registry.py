@@ -4,10 +4,12 @@ from collections.abc import Callable
 
 from roadmend.core.errors import InputError
 from roadmend.repair.adreft.paper_tokens import PaperTokenizer
+from roadmend.repair.adreft.rich_tokens import RichTokenizer
 from roadmend.repair.adreft.tokenizer import Tokenizer
 
 TOKENIZERS: dict[str, Callable[[], Tokenizer]] = {
     PaperTokenizer.name: PaperTokenizer,
+    RichTokenizer.name: RichTokenizer,
 }
 
 
