@@ -83,3 +83,12 @@ class PredictiveParameters(Parameters):
     hold: Hold = 0.3
     clear: Clear = 0.1
     full_brake: FullBrake = 8.0
+
+
+class AdreftParameters(Parameters):
+    """ADReFT: a trained model."""
+
+    model: str = Field("modular", description="a shipped model of ADReFT by its policy's name, or a model file's path")
+    threshold: float = Field(
+        -1.0, ge=-1.0, le=1.0, description="steps in where the score is above this; below 0: the model's own threshold"
+    )

@@ -7,10 +7,12 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from roadmend.core.errors import InputError
+from roadmend.repair.adreft.method import AdreftRepair
 from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.method import RepairMethod
 from roadmend.repair.none import NoRepair
 from roadmend.repair.parameters import (
+    AdreftParameters,
     GuardParameters,
     NoParameters,
     Parameters,
@@ -41,6 +43,7 @@ METHODS: dict[str, MethodEntry] = {
     "rule": MethodEntry(RuleParameters, lambda parameters, _seed: RuleRepair(parameters)),
     "rss": MethodEntry(RssParameters, lambda parameters, _seed: RssRepair(parameters)),
     "predictive": MethodEntry(PredictiveParameters, lambda parameters, _seed: PredictiveRepair(parameters)),
+    "adreft": MethodEntry(AdreftParameters, AdreftRepair),
 }
 
 

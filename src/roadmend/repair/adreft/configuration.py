@@ -1,0 +1,56 @@
+"""What a model of ADReFT is built from: all that is needed, beside its tensors, to run it."""
+
+import json
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from roadmend.core.errors import InputError
+from roadmend.learning.shape import EncoderShape, HeadShape
+from roadmend.repair.actions import ACTIONS
+
+Width = Annotated[int, Field(ge=1, le=4096)]
+
+
+class ModelConfiguration(BaseModel):
+    """Saved in every model's header."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    tokenizer: str = Field(description="name of the tokenizer")
+    tokenizer_version: int = Field(ge=1, description="version of the tokenizer that the model was trained with")
+    encoder: EncoderShape = Field(description="shape of the state encoder")
+    monitor: tuple[Width, ...] = Field((64,), description="hidden widths of the state monitor")
+    adapter: tuple[Width, ...] = Field((64,), description="hidden widths of the decision adapter")
+    choice: Literal["greedy", "random"] = Field(
+        "greedy", description="the action of greatest value, or a uniformly random one (the ablation Rand-R)"
+    )
+    hold: float = Field(0.0, ge=0.0, le=2.0, description="least duration of an intervention [s]; the paper's is 0")
+    clear: float = Field(
+        0.0, ge=0.0, le=2.0, description="how long the score must be low before release [s]; the paper's is 0"
+    )
+
+    @property
+    def monitor_shape(self) -> HeadShape:
+        """The state monitor looks at the scene's state and the policy's action (ADReFT section 3.1.2)."""
+        return HeadShape(inputs=self.encoder.hidden + 1, hidden=self.monitor, outputs=1)
+
+    @property
+    def adapter_shape(self) -> HeadShape:
+        """The decision adapter gives one value for each action (ADReFT section 3.1.3)."""
+        return HeadShape(inputs=self.encoder.hidden, hidden=self.adapter, outputs=len(ACTIONS))
+
+
+def read_configuration(where: str, header: Mapping[str, Any]) -> ModelConfiguration:
+    """The configuration in a model's header.
+
+    Raises:
+        InputError: it is missing or of another version of roadmend.
+    """
+    try:
+        return ModelConfiguration.model_validate_json(json.dumps(header["configuration"]["model"]))
+    except (ValidationError, KeyError, TypeError) as error:
+        text = error.errors()[0]["msg"] if isinstance(error, ValidationError) else f"it has no {error}"
+        mend = "train the model again with this version of roadmend"
+        raise InputError(where, f"its configuration is not that of a model of ADReFT ({text})", mend) from None

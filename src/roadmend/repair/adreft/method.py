@@ -1,0 +1,90 @@
+"""The repair method ADReFT: a trained model says when to step in and how gently (ADReFT section 3.1)."""
+
+import random
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.core.command import Decision
+from roadmend.core.repair import Proposal, Trigger
+from roadmend.core.route import Route
+from roadmend.core.scene import Scene
+from roadmend.learning.shipped import find_model
+from roadmend.repair.actions import ACTIONS
+from roadmend.repair.adreft.model import AdreftModel
+from roadmend.repair.adreft.tokenizer import TokenSet
+from roadmend.repair.latch import Latch
+from roadmend.repair.parameters import AdreftParameters
+
+_TRIGGERS = 3  # participants named at most
+
+
+class AdreftRepair:
+    """Proposes the action of greatest value; steps in where the monitor's score is above the threshold.
+
+    Score: y_safe; threshold: lambda_safe of the model, or what was given instead. A trigger's weight is the share of
+    attention that the participant's tokens drew in the encoder's last layer.
+    """
+
+    name = "adreft"
+
+    def __init__(
+        self, parameters: AdreftParameters | None = None, seed: int = 0, model: AdreftModel | None = None
+    ) -> None:
+        """Load the model.
+
+        Args:
+            parameters: which model, and with which threshold.
+            seed: of a model that chooses at random.
+            model: one that is loaded already, instead.
+
+        Raises:
+            InputError: there is no such model, or it does not fit this version of roadmend.
+        """
+        parameters = parameters or AdreftParameters()
+        self.model = model or AdreftModel.load(find_model(parameters.model, "adreft-"))
+        self.threshold = parameters.threshold if parameters.threshold >= 0.0 else self.model.threshold
+        self._tokenizer = self.model.tokenizer()
+        self._seed = seed
+        self._numbers = random.Random(f"{seed}:")
+        self._latch = Latch(self.model.configuration.hold, self.model.configuration.clear)
+
+    def reset(self, route: Route) -> None:
+        """Begin an episode on ``route``."""
+        self._tokenizer.reset(route)
+        self._latch.reset()
+        self._numbers.seed(f"{self._seed}:{route.scenario}")
+
+    def propose(self, scene: Scene, decision: Decision) -> Proposal:
+        """Judge one tick.
+
+        Raises:
+            FloatingPointError: the model's values are not finite.
+        """
+        tokens = self._tokenizer.tokens(scene, decision)
+        state = self.model.encode(tokens.values)
+        score = self.model.score(state, decision.command.action)
+        values = self.model.values(state)
+        if not np.isfinite(values).all():
+            raise FloatingPointError("the decision adapter's values are not finite")
+        action = ACTIONS[self._choose(values)]
+        triggers: tuple[Trigger, ...] = ()
+        reason = ""
+        if score > self.threshold:
+            triggers = attended(self.model, tokens, scene)
+            reason = f"criticality {score:.3f} above {self.threshold:.3f}"
+        return self._latch.settle(scene.time, Proposal(score, self.threshold, action, triggers, reason))
+
+    def _choose(self, values: NDArray[np.float32]) -> int:
+        if self.model.configuration.choice == "random":
+            return self._numbers.randrange(len(ACTIONS))
+        return int(values.argmax())
+
+
+def attended(model: AdreftModel, tokens: TokenSet, scene: Scene) -> tuple[Trigger, ...]:
+    """The participants that drew most attention in the model's last call, the weightiest first."""
+    rows = tokens.object_rows
+    named = rows >= 0
+    weights = np.bincount(rows[named], model.attention[named], minlength=len(scene.objects))
+    ranked = np.argsort(-weights, kind="stable")[:_TRIGGERS]
+    return tuple(Trigger(int(scene.objects.id[row]), float(weights[row])) for row in ranked if weights[row] > 0.0)

@@ -1,0 +1,99 @@
+"""A trained model of ADReFT as it runs: compiled, without torch (ADReFT sections 3.1.1 to 3.1.3)."""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.core.errors import InputError
+from roadmend.learning.checkpoint import Checkpoint, load_checkpoint
+from roadmend.learning.compiled_encoder import CompiledEncoder, CompiledHead, sigmoid
+from roadmend.repair.adreft.configuration import ModelConfiguration, read_configuration
+from roadmend.repair.adreft.registry import make_tokenizer
+from roadmend.repair.adreft.tokenizer import Tokenizer
+
+Floats = NDArray[np.float32]
+Tensors = Mapping[str, NDArray[Any]]
+
+KIND = "adreft"
+
+
+class AdreftModel:
+    """State encoder, state monitor and decision adapter.
+
+    Args:
+        configuration: what it is built from.
+        tensors: by the names that the networks have in training: "encoder.", "monitor." and "adapter.".
+        threshold: lambda_safe.
+        digest: of the file it comes from.
+
+    Raises:
+        ValueError: a tensor is missing, has another shape or holds what is not finite.
+    """
+
+    def __init__(self, configuration: ModelConfiguration, tensors: Tensors, threshold: float, digest: str = "") -> None:
+        self.configuration = configuration
+        self.threshold = threshold
+        self.digest = digest
+        self._encoder = CompiledEncoder(configuration.encoder, tensors, "encoder.")
+        self._monitor = CompiledHead(configuration.monitor_shape, tensors, "monitor.")
+        self._adapter = CompiledHead(configuration.adapter_shape, tensors, "adapter.")
+        self._seen = np.empty(configuration.encoder.hidden + 1, dtype=np.float32)
+
+    @classmethod
+    def load(cls, path: Path) -> Self:
+        """Read a model's file.
+
+        Raises:
+            InputError: it is missing, damaged, no model of ADReFT, or does not fit this version of roadmend.
+        """
+        return cls.of(load_checkpoint(path, KIND), str(path))
+
+    @classmethod
+    def of(cls, checkpoint: Checkpoint, where: str) -> Self:
+        """Build from what was read from a file.
+
+        Raises:
+            InputError: it does not fit this version of roadmend.
+        """
+        configuration = read_configuration(where, checkpoint.header)
+        mend = "train the model again with this version of roadmend"
+        tokenizer = make_tokenizer(configuration.tokenizer)
+        if configuration.tokenizer_version != tokenizer.version:
+            what = f"was trained on version {configuration.tokenizer_version} of the tokens '{tokenizer.name}'"
+            raise InputError(where, f"{what}, this is version {tokenizer.version}", mend)
+        if configuration.encoder.attributes != tokenizer.attributes:
+            raise InputError(where, f"does not take the {tokenizer.attributes} attributes of '{tokenizer.name}'", mend)
+        threshold = checkpoint.header.get("threshold")
+        if not isinstance(threshold, float) or not math.isfinite(threshold):
+            raise InputError(where, "has no threshold", mend)
+        try:
+            return cls(configuration, checkpoint.tensors, threshold, checkpoint.digest)
+        except ValueError as error:
+            raise InputError(where, str(error), mend) from None
+
+    def tokenizer(self) -> Tokenizer:
+        """A tokenizer of the kind that the model was trained with."""
+        return make_tokenizer(self.configuration.tokenizer)
+
+    def encode(self, tokens: Floats) -> Floats:
+        """x_c, the scene's state, shape (H,), from tokens of shape (N, c)."""
+        return self._encoder.encode(tokens)
+
+    @property
+    def attention(self) -> Floats:
+        """How much the state drew from each token of the last call of ``encode``, shape (N,)."""
+        return self._encoder.attention
+
+    def score(self, state: Floats, action: float) -> float:
+        """y_safe: how critical the scene is under the policy's action (throttle - brake), 0 safe .. 1 critical."""
+        self._seen[:-1] = state
+        self._seen[-1] = action
+        return sigmoid(float(self._monitor.apply(self._seen)[0]))
+
+    def values(self, state: Floats) -> Floats:
+        """Q of every action of the repair action space, shape (actions,)."""
+        return self._adapter.apply(state)

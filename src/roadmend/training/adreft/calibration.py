@@ -1,0 +1,46 @@
+"""The threshold of the state monitor, and how good the monitor is at it."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class MonitorQuality:
+    """Of the frames above a threshold."""
+
+    precision: float  # share of those above the threshold that are critical, 0 .. 1
+    recall: float  # share of the critical ones that are above the threshold, 0 .. 1
+    f1: float
+
+
+def calibrate(scores: Floats, critical: NDArray[np.bool_], recall: float = 0.95) -> float:
+    """lambda_safe: the largest threshold at which more than ``recall`` of the critical frames score above it.
+
+    Args:
+        scores: shape (F,), 0 .. 1.
+        critical: whether a frame is critical, shape (F,).
+        recall: 0 <= recall < 1 (ADReFT section 4: 0.95).
+
+    Raises:
+        ValueError: no frame is critical.
+    """
+    found = np.sort(np.asarray(scores, dtype=np.float64)[critical])[::-1]
+    if not len(found):
+        raise ValueError("no frame is critical")
+    needed = min(len(found), math.floor(recall * len(found) + 1e-9) + 1)
+    return float(np.nextafter(found[needed - 1], -np.inf))  # 'above' is strict
+
+
+def monitor_quality(scores: Floats, critical: NDArray[np.bool_], threshold: float) -> MonitorQuality:
+    """Precision, recall and F1 of saying 'critical' where a score is above a threshold; 0 where there is nothing."""
+    said = scores > threshold
+    hits = int(np.count_nonzero(said & critical))
+    precision = hits / max(1, int(np.count_nonzero(said)))
+    recall = hits / max(1, int(np.count_nonzero(critical)))
+    f1 = 2.0 * precision * recall / (precision + recall) if hits else 0.0
+    return MonitorQuality(precision, recall, f1)

@@ -1,0 +1,182 @@
+"""Every hyper-parameter of ADReFT's training: the single source of default, range and meaning.
+
+The defaults are the paper's where the paper names a value (config/training/adreft-paper.yaml).
+"""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
+
+from roadmend.core.errors import InputError
+from roadmend.learning.shape import EncoderShape
+from roadmend.repair.adreft.configuration import ModelConfiguration, Width
+from roadmend.repair.adreft.registry import make_tokenizer
+from roadmend.world.scenario_file import describe
+
+LearningRate = Annotated[float, Field(gt=0.0, le=1.0, description="learning rate")]
+
+
+class Section(BaseModel):
+    """Base of all: frozen, strict, and deaf to unknown names."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class ModelSection(Section):
+    """The networks (ADReFT section 3.1)."""
+
+    tokenizer: str = Field("paper", description="name of the tokenizer")
+    hidden: int = Field(64, ge=4, le=1024, description="H, width of the state encoder")
+    layers: int = Field(2, ge=1, le=12, description="layers of the state encoder")
+    heads: int = Field(4, ge=1, le=64, description="attention heads of a layer")
+    feed_forward: int = Field(128, ge=4, le=4096, description="width of a layer's feed-forward part")
+    activation: Literal["relu", "gelu"] = Field("relu", description="of the feed-forward part")
+    monitor: tuple[Width, ...] = Field((64,), description="hidden widths of the state monitor")
+    adapter: tuple[Width, ...] = Field((64,), description="hidden widths of the decision adapter")
+    choice: Literal["greedy", "random"] = Field(
+        "greedy", description="the action of greatest value, or a uniformly random one (the ablation Rand-R)"
+    )
+    hold: float = Field(0.0, ge=0.0, le=2.0, description="least duration of an intervention [s]; the paper's is 0")
+    clear: float = Field(
+        0.0, ge=0.0, le=2.0, description="how long the score must be low before release [s]; the paper's is 0"
+    )
+
+    @field_validator("monitor", "adapter", mode="before")
+    @classmethod
+    def _from_list(cls, value: Any) -> Any:
+        return tuple(value) if isinstance(value, list) else value  # YAML has no tuples
+
+    def configuration(self) -> ModelConfiguration:
+        """The configuration of such a model.
+
+        Raises:
+            InputError: there is no such tokenizer, or the heads do not share the width evenly.
+        """
+        tokenizer = make_tokenizer(self.tokenizer)
+        try:
+            encoder = EncoderShape(
+                attributes=tokenizer.attributes, hidden=self.hidden, layers=self.layers, heads=self.heads,
+                feed_forward=self.feed_forward, activation=self.activation,
+            )  # fmt: skip
+        except ValidationError as error:
+            raise InputError("model", describe(error), "choose a width that the heads divide") from None
+        return ModelConfiguration(
+            tokenizer=tokenizer.name, tokenizer_version=tokenizer.version, encoder=encoder, monitor=self.monitor,
+            adapter=self.adapter, choice=self.choice, hold=self.hold, clear=self.clear,
+        )  # fmt: skip
+
+
+class FramesSection(Section):
+    """Which frames are learned from, and their labels."""
+
+    labels: str = Field("weak", description="label scheme of the supervised stage")
+    stride: int = Field(1, ge=1, le=100, description="every so many-th tick of a training case is a frame")
+    validation_stride: int = Field(1, ge=1, le=100, description="the same for validation cases")
+
+
+class SupervisedSection(Section):
+    """The supervised stage (ADReFT section 3.2.1)."""
+
+    epochs: int = Field(200, ge=0, le=10_000, description="passes over the frames; 0 leaves the stage out")
+    learning_rate: LearningRate = 1e-4
+    schedule: Literal["constant", "cosine"] = Field("constant", description="of the learning rate over the epochs")
+    optimizer: Literal["adam", "adamw"] = Field("adam", description="AdamW decays weights apart from the gradient")
+    weight_decay: float = Field(0.0, ge=0.0, le=1.0, description="weight decay")
+    clip: float = Field(0.0, ge=0.0, le=1000.0, description="largest norm of the gradient; 0: not clipped")
+    batch: int = Field(256, ge=1, le=65_536, description="frames of a batch")
+    frames_per_epoch: int = Field(0, ge=0, le=100_000_000, description="frames drawn for an epoch; 0: all, once each")
+    critical_share: float | None = Field(
+        None, gt=0.0, lt=1.0, description="share of critical frames in an epoch; none: as they come"
+    )
+    critical_weight: float = Field(
+        1.0, gt=0.0, le=1000.0, description="weight of critical frames in the monitor's loss"
+    )
+    adapter_weight: float = Field(1.0, ge=0.0, le=1000.0, description="weight of the adapter's loss")
+    recall: float = Field(
+        0.95, ge=0.0, lt=1.0, description="the threshold recognises more than this share of the critical frames"
+    )
+    keep: Literal["f1", "loss", "last"] = Field("f1", description="by what on validation the best epoch is chosen")
+    validate_every: int = Field(1, ge=1, le=1000, description="epochs between two validations")
+    save_every: int = Field(1, ge=1, le=1000, description="epochs between two states from which training can go on")
+
+
+class ReinforcementSection(Section):
+    """Reinforcement fine-tuning (ADReFT section 3.2.2)."""
+
+    episodes: int = Field(300, ge=0, le=1_000_000, description="episodes driven in all; 0 leaves the stage out")
+    violation_share: float = Field(0.5, ge=0.0, le=1.0, description="share of violations among the episodes")
+    round: int = Field(
+        1, ge=1, le=1000, description="episodes driven side by side on the same adapter before it learns from them"
+    )
+    start: Literal["supervised", "scratch"] = Field(
+        "supervised", description="the adapter to begin with; from scratch is the ablation 'only RL'"
+    )
+    learning_rate: LearningRate = 1e-4
+    memory: int = Field(5000, ge=1, le=10_000_000, description="transitions remembered; the oldest are forgotten")
+    batch: int = Field(64, ge=1, le=65_536, description="transitions of an update")
+    updates_per_step: float = Field(1.0, gt=0.0, le=100.0, description="updates for each new transition")
+    warm_up: int = Field(500, ge=1, le=10_000_000, description="transitions before the first update")
+    target_every: int = Field(500, ge=1, le=1_000_000, description="updates between two copies to the target network")
+    gamma: float = Field(0.99, ge=0.0, le=1.0, description="discount of a decision")
+    steps: int = Field(1, ge=1, le=1000, description="rewards in a return before the target network's estimate")
+    double: bool = Field(default=False, description="double DQN: the online network chooses what the target values")
+    clip: float = Field(10.0, ge=0.0, le=1000.0, description="largest norm of the gradient; 0: not clipped")
+    loss: Literal["squared", "huber"] = Field("squared", description="of the temporal difference")
+    interval: int = Field(1, ge=1, le=100, description="ticks for which a decision of the adapter holds")
+    decisions: Literal["all", "critical"] = Field(
+        "all", description="at which ticks the adapter decides: at all, or where the monitor steps in"
+    )
+    action: Literal["proposed", "executed"] = Field(
+        "proposed", description="what is learned from: the adapter's choice, or the action nearest to what was done"
+    )
+    epsilon_begin: float = Field(1.0, ge=0.0, le=1.0, description="probability of a uniformly random action at first")
+    epsilon_end: float = Field(0.05, ge=0.0, le=1.0, description="the same at last")
+    epsilon_share: float = Field(0.5, gt=0.0, le=1.0, description="share of the episodes over which it falls")
+    step_reward: bool = Field(default=True, description="reward of every step; without it the ablation 'wo SR'")
+    violation: float = Field(-10.0, ge=-1000.0, le=0.0, description="reward of a collision")
+    timeout: float = Field(0.0, ge=-1000.0, le=0.0, description="reward of an episode that never reaches its goal")
+    goal: float = Field(0.0, ge=0.0, le=1000.0, description="reward of a goal reached")
+    dose: float = Field(
+        0.0, ge=0.0, le=1000.0, description="price of a second of full command: |policy's - final action| * interval"
+    )
+    validate_every: int = Field(10, ge=1, le=100_000, description="rounds between two validations in closed loop")
+    validation_cases: int = Field(
+        0, ge=0, le=100_000, description="validation cases driven each time, spread over the families; 0: all"
+    )
+    keep: Literal["best", "last"] = Field("best", description="the adapter that fared best on validation, or the last")
+    dose_weight: float = Field(
+        1.0, ge=0.0, le=1000.0, description="points [%] that a second of mean dose costs in the choice of the best"
+    )
+    intensity_weight: float = Field(0.0, ge=0.0, le=1000.0, description="the same for an intensity of 1")
+
+
+class TrainingConfiguration(Section):
+    """All of it."""
+
+    model: ModelSection = ModelSection()
+    frames: FramesSection = FramesSection()
+    supervised: SupervisedSection = SupervisedSection()
+    reinforcement: ReinforcementSection = ReinforcementSection()
+    threads: int = Field(2, ge=1, le=256, description="threads of torch; the bits may depend on it")
+
+
+def read_training_configuration(path: Path) -> TrainingConfiguration:
+    """Read a configuration file; what it does not name has its default.
+
+    Raises:
+        InputError: the file is missing, is no YAML, or a field of it is unusable.
+    """
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(str(path), "no such file", "see config/training for examples") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(str(path), f"cannot be read ({error})", "give a readable YAML file") from None
+    except yaml.YAMLError:
+        raise InputError(str(path), "broken YAML", "mend the file") from None
+    try:
+        return TrainingConfiguration.model_validate(content if content is not None else {})
+    except ValidationError as error:
+        raise InputError(str(path), describe(error), "see config/training/adreft.yaml for names and ranges") from None
