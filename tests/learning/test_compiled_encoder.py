@@ -10,7 +10,7 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from roadmend.learning.compiled_encoder import CompiledEncoder, CompiledHead, sigmoid
+from roadmend.learning.compiled_encoder import CompiledEncoder, CompiledHead, _encode, sigmoid
 from roadmend.learning.encoder import Head, SceneEncoder
 from roadmend.learning.kernels import erf, exp
 from roadmend.learning.shape import EncoderShape, HeadShape
@@ -91,6 +91,18 @@ def test_the_same_tokens_give_the_same_bits_whatever_came_before(pair):
     assert twin.encode(tokens).tobytes() == first.tobytes()
     assert twin.attention.tobytes() == looked.tobytes()
     assert twin.encode(np.asfortranarray(tokens.astype(np.float64))).tobytes() == first.tobytes()
+
+
+def test_no_kind_of_array_waits_for_the_compiler(pair):
+    twin = pair[1]
+    tokens = draw(5, twin.shape)
+    wanted = twin.encode(tokens)
+    compiled_before = len(_encode.signatures)
+    frozen = tokens.copy()
+    frozen.flags.writeable = False
+    for same in (frozen, np.repeat(tokens, 2, axis=0)[::2], tokens.astype(np.float64)):
+        assert twin.encode(same).tobytes() == wanted.tobytes()
+    assert len(_encode.signatures) == compiled_before
 
 
 def test_bits_do_not_depend_on_the_process():
@@ -224,7 +236,7 @@ class TestFunctions:
 
     def test_erf(self):
         for x in np.linspace(-6.0, 6.0, 2001, dtype=np.float32):
-            assert erf(x) == pytest.approx(math.erf(x), abs=4e-7)
+            assert erf(x) == pytest.approx(math.erf(x), abs=6e-7)
         assert (erf(np.float32(-50.0)), erf(np.float32(50.0))) == (-1.0, 1.0)
 
     def test_sigmoid(self):

@@ -47,7 +47,7 @@ class CompiledEncoder:
         state = np.empty(shape.hidden, np.float32)
         self._attention = np.empty((shape.heads, tokens.shape[0] + 1), np.float32)
         _encode(
-            np.ascontiguousarray(tokens, np.float32),
+            _plain(tokens),
             self._weights,
             shape.hidden,
             shape.layers,
@@ -98,12 +98,21 @@ class CompiledHead:
         """
         if inputs.shape != (self.shape.inputs,):
             raise ValueError(f"inputs: shape ({self.shape.inputs},) wanted, got {inputs.shape}")
-        return _apply(np.ascontiguousarray(inputs, np.float32), self._weights, self._widths)
+        return _apply(_plain(inputs), self._weights, self._widths)
 
 
 def sigmoid(x: float) -> float:
     """The logistic function in float32: the same bits on every processor, which math.exp does not promise."""
     return float(_sigmoid(np.float32(x)))
+
+
+def _plain(values: NDArray[Any]) -> Floats:
+    """The one kind of array that the kernels are compiled for.
+
+    Another kind, be it only read-only, would wait for the compiler in the middle of a drive.
+    """
+    result: Floats = np.ascontiguousarray(values, np.float32)
+    return result if result.flags.writeable else result.copy()
 
 
 def _take(tensors: Tensors, name: str, *shape: int) -> Floats:

@@ -48,7 +48,7 @@ def exp(x: np.float32) -> np.float32:
 
 @compiled
 def erf(x: np.float32) -> np.float32:
-    """The error function, with an absolute error of at most 4e-7."""
+    """The error function, with an absolute error of at most 6e-7."""
     size = abs(x)
     t = _ONE / (_ONE + _R * size)
     value = _ONE - ((((_A5 * t + _A4) * t + _A3) * t + _A2) * t + _A1) * t * exp(-size * size)
