@@ -85,6 +85,15 @@ class PredictiveParameters(Parameters):
     full_brake: FullBrake = 8.0
 
 
+class ModelParameters(Parameters):
+    """The paper's ModelRepair: emergency brake where an autoencoder does not know the scene."""
+
+    model: str = Field("modular", description="a shipped SelfOracle model by its policy's name, or a model file's path")
+    false_alarm_rate: float = Field(
+        0.05, gt=0.0, lt=1.0, description="share of nominal frames that may alarm; one that the model was fitted for"
+    )
+
+
 class AdreftParameters(Parameters):
     """ADReFT: a trained model."""
 

@@ -14,6 +14,7 @@ from roadmend.repair.none import NoRepair
 from roadmend.repair.parameters import (
     AdreftParameters,
     GuardParameters,
+    ModelParameters,
     NoParameters,
     Parameters,
     PredictiveParameters,
@@ -25,6 +26,7 @@ from roadmend.repair.predictive import PredictiveRepair
 from roadmend.repair.random import RandomRepair
 from roadmend.repair.rss import RssRepair
 from roadmend.repair.rule import RuleRepair
+from roadmend.repair.self_oracle import ModelRepair
 
 Model = TypeVar("Model", bound=Parameters)
 
@@ -43,6 +45,7 @@ METHODS: dict[str, MethodEntry] = {
     "rule": MethodEntry(RuleParameters, lambda parameters, _seed: RuleRepair(parameters)),
     "rss": MethodEntry(RssParameters, lambda parameters, _seed: RssRepair(parameters)),
     "predictive": MethodEntry(PredictiveParameters, lambda parameters, _seed: PredictiveRepair(parameters)),
+    "model": MethodEntry(ModelParameters, lambda parameters, _seed: ModelRepair(parameters)),
     "adreft": MethodEntry(AdreftParameters, AdreftRepair),
 }
 
