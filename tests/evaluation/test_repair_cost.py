@@ -69,6 +69,8 @@ def test_what_is_timed_is_the_method(moments):
     assert 0.5 <= found["short"]["median_ms"] < found["long"]["median_ms"]
     assert found["long"]["median_ms"] >= 2.0
     assert all(figures["median_ms"] <= figures["p99_ms"] for figures in found.values())
+    assert all(figures["cpu_median_ms"] <= figures["cpu_p99_ms"] for figures in found.values())
+    assert found["long"]["cpu_median_ms"] < 1.0  # it slept
     assert found["long"]["ratio"] == 1.0
     assert found["short"]["ratio"] < 1.0
     assert short.stamps == long.stamps

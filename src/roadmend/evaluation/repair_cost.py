@@ -22,6 +22,8 @@ from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.runner import run_episode
 from roadmend.world.simulation import INTERVAL, Tick
 
+Times = NDArray[np.float64]
+
 _RADIUS = 80.0  # [m] around where the ego begins: there the participants are put that a scene lacks
 _FIRST_ADDED = 1_000_000  # id of the first of these
 _UNTIMED = 20  # frames before the clock starts: the first ones load machine code and fill caches
@@ -101,8 +103,9 @@ def measure_cost(
         reference: name of the method whose median the others are to be divided by.
 
     Returns:
-        For each name "median_ms" and "p99_ms" over rounds x moments, and with a reference "ratio": its own median over
-        the reference's.
+        For each name "median_ms" and "p99_ms" over rounds x moments, by the wall clock; "cpu_median_ms" and
+        "cpu_p99_ms", by the time that this thread had a core, which other programs on the machine stretch far less; and
+        with a reference "ratio": its own median_ms over the reference's.
 
     Raises:
         RuntimeError: a method failed, so that what was timed is not its own answer.
@@ -115,7 +118,7 @@ def measure_cost(
         if isinstance(repairer, GuardedRepairer):
             repairer.warm_up()
     _time_round(repairers, moments[:_UNTIMED])
-    collected: dict[str, list[NDArray[np.float64]]] = {name: [] for name in repairers}
+    collected: dict[str, list[Times]] = {name: [] for name in repairers}
     running = gc.isenabled()
     gc.collect()
     gc.disable()
@@ -128,8 +131,9 @@ def measure_cost(
             gc.enable()
     result: dict[str, dict[str, float]] = {}
     for name, parts in collected.items():
-        times = np.concatenate(parts) * 1e3
-        result[name] = {"median_ms": float(np.median(times)), "p99_ms": float(np.percentile(times, 99.0))}
+        times = np.concatenate(parts, axis=1) * 1e3
+        (median, cpu_median), (p99, cpu_p99) = np.percentile(times, (50.0, 99.0), axis=1).tolist()
+        result[name] = {"median_ms": median, "p99_ms": p99, "cpu_median_ms": cpu_median, "cpu_p99_ms": cpu_p99}
     if reference is not None:
         unit = result[reference]["median_ms"]
         for figures in result.values():
@@ -142,10 +146,10 @@ def _repairer(made: RepairMethod | Repairer) -> Repairer:
     return cast("Repairer", made) if hasattr(made, "step") else GuardedRepairer(made)
 
 
-def _time_round(repairers: Mapping[str, Repairer], moments: Sequence[Moment]) -> dict[str, NDArray[np.float64]]:
-    """Seconds of every frame, shape (moments,), by name."""
+def _time_round(repairers: Mapping[str, Repairer], moments: Sequence[Moment]) -> dict[str, Times]:
+    """Seconds of every frame by the wall clock and by the thread's own, shape (2, moments), by name."""
     names = list(repairers)
-    times = {name: np.empty(len(moments)) for name in names}
+    times = {name: np.empty((2, len(moments))) for name in names}
     route: Route | None = None
     for index, moment in enumerate(moments):
         if moment.route is not route:
@@ -155,9 +159,11 @@ def _time_round(repairers: Mapping[str, Repairer], moments: Sequence[Moment]) ->
         first = index % max(1, len(names))
         for name in names[first:] + names[:first]:
             step = repairers[name].step
+            own_begin = time.thread_time()
             begin = time.perf_counter()
             repair = step(moment.scene, moment.decision)
-            times[name][index] = time.perf_counter() - begin
+            end = time.perf_counter()
+            times[name][:, index] = end - begin, time.thread_time() - own_begin
             if repair.status is RepairStatus.MODEL_FAULT:
                 raise RuntimeError(f"{name} failed on frame {index}: {repair.reason}")
     return times
