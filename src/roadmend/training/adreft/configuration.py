@@ -149,6 +149,9 @@ class ReinforcementSection(Section):
     dose_weight: float = Field(
         1.0, ge=0.0, le=1000.0, description="points [%] that a second of mean dose costs in the choice of the best"
     )
+    late_weight: float = Field(
+        0.0, ge=0.0, le=100.0, description="points that a per cent of successes without collision or goal costs there"
+    )
     intensity_weight: float = Field(0.0, ge=0.0, le=1000.0, description="the same for an intensity of 1")
 
 
@@ -159,7 +162,7 @@ class TrainingConfiguration(Section):
     frames: FramesSection = FramesSection()
     supervised: SupervisedSection = SupervisedSection()
     reinforcement: ReinforcementSection = ReinforcementSection()
-    threads: int = Field(2, ge=1, le=256, description="threads of torch; the bits may depend on it")
+    threads: int = Field(1, ge=1, le=256, description="threads of torch; the bits may depend on it")
 
 
 def read_training_configuration(path: Path) -> TrainingConfiguration:

@@ -14,7 +14,7 @@ from torch import Tensor
 from torch.nn import functional
 from torch.utils.tensorboard import SummaryWriter
 
-from roadmend.core.errors import InputError
+from roadmend.core.errors import InputError, RoadmendError
 from roadmend.learning.checkpoint import load_checkpoint, save_checkpoint
 from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.training.adreft.calibration import calibrate, monitor_quality
@@ -149,6 +149,8 @@ class SupervisedStage:
                 torch.nn.utils.clip_grad_norm_(self.network.parameters(), section.clip)
             self._optimizer.step()
             total, count = total + loss.item(), count + 1
+        if not math.isfinite(total):
+            raise RoadmendError("the loss is no longer finite; try a lower learning rate or clip the gradient")
         return total / max(1, count)
 
     def _loss(self, batch: Batch) -> tuple[Tensor, Tensor, Tensor]:

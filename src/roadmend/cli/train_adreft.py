@@ -1,0 +1,155 @@
+"""``roadmend train adreft``: ADReFT for one policy, from a corpus to a model file."""
+
+import os
+import time
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from roadmend.cli.resources import config_folder
+from roadmend.core.errors import InputError
+from roadmend.policies.registry import POLICIES
+from roadmend.training.adreft.configuration import TrainingConfiguration, read_training_configuration
+from roadmend.training.adreft.pipeline import (
+    REINFORCEMENT_STATE,
+    SUPERVISED_STATE,
+    Only,
+    Pipeline,
+    Subject,
+    Trained,
+)
+from roadmend.training.device import choose_torch_device
+from roadmend.training.workers import open_mapper
+from roadmend.world.corpus import load_corpus
+
+_ABLATIONS: dict[str, tuple[Only, dict[str, dict[str, Any]]]] = {  # which stage alone, and what is set
+    "rand_r": ("supervised", {"model": {"choice": "random"}}),
+    "only_sl": ("supervised", {}),
+    "only_rl": (None, {"reinforcement": {"start": "scratch"}}),
+    "wo_sr": (None, {"reinforcement": {"step_reward": False}}),
+    "wo_regulation": (None, {"frames": {"labels": "weak_without_regulation"}}),
+}
+
+
+@click.command()
+@click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
+@click.option(
+    "--corpus", "corpus_file", type=click.Path(path_type=Path, dir_okay=False),
+    help="The policy's corpus; config/corpora/POLICY.jsonl if not given.",
+)  # fmt: skip
+@click.option(
+    "--config", "file", type=click.Path(path_type=Path, dir_okay=False),
+    help="YAML file with the hyper-parameters; config/training/adreft.yaml if not given.",
+)  # fmt: skip
+@click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Model file to write.")
+@click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
+@click.option("--device", default="auto", show_default=True, help="auto, cpu or cuda.")
+@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@click.option("--only", type=click.Choice(["supervised", "reinforcement"]), help="One of the two stages.")
+@click.option(
+    "--start", type=click.Path(path_type=Path, dir_okay=False),
+    help="Model file to fine-tune, in place of the supervised stage.",
+)  # fmt: skip
+@click.option(
+    "--ablation", type=click.Choice([*_ABLATIONS]),
+    help="Leave something out: the adapter (rand_r), a stage (only_sl, only_rl), the step reward (wo_sr), "
+    "nearness in the labels (wo_regulation).",
+)  # fmt: skip
+@click.option(
+    "--work", type=click.Path(path_type=Path, file_okay=False),
+    help="Folder for frames, states and TensorBoard's logs; NAME.training beside the model file if not given.",
+)  # fmt: skip
+@click.option(
+    "--resume/--restart", "resume", default=None,
+    help="Go on with an interrupted training of the same settings, or begin it anew; frames are kept either way.",
+)  # fmt: skip
+def adreft(
+    policy: str, corpus_file: Path | None, file: Path | None, out: Path, seed: int, device: str, workers: int,
+    only: Only, start: Path | None, ablation: str | None, work: Path | None, *, resume: bool | None,
+) -> None:  # fmt: skip
+    """Train ADReFT for one policy: a supervised stage on weak labels, then reinforcement fine-tuning in closed loop.
+
+    The same settings give the same model, whatever the number of workers and interruptions. The test split is never
+    looked at; what is said at the end was measured on the validation split.
+    """
+    begin = time.perf_counter()
+    configuration = read_training_configuration(file or config_folder() / "training" / "adreft.yaml")
+    if ablation is not None:
+        only, changes = _ABLATIONS[ablation][0] or only, _ABLATIONS[ablation][1]
+        configuration = _changed(configuration, changes)
+    path = corpus_file or config_folder() / "corpora" / f"{policy}.jsonl"
+    corpus = load_corpus(path)
+    if corpus.policy != policy:
+        raise InputError(str(path), f"is a corpus of the policy '{corpus.policy}'", f"give one of '{policy}'")
+    work = work or out.with_name(f"{out.stem}.training")
+    _open_work(work, resume=resume, keep_supervised=only == "reinforcement")
+    subject = Subject(
+        policy, corpus.model or "", corpus.digest, corpus.select(split="training"), corpus.select(split="validation")
+    )
+    chosen = choose_torch_device(device, configuration.threads)
+    columns = (
+        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn(),
+        TextColumn("{task.fields[how]}"),
+    )  # fmt: skip
+    with Progress(*columns, console=Console(stderr=True)) as progress, open_mapper(workers) as mapper:
+        tasks: dict[str, Any] = {}
+
+        def report(what: str, done: int, total: int, how: str) -> None:
+            if what not in tasks:
+                tasks[what] = progress.add_task(what, total=total, how=how)
+            progress.update(tasks[what], completed=done, total=total, how=how)
+
+        pipeline = Pipeline(
+            configuration, subject, seed=seed, device=chosen, mapper=mapper, work=work, report=report
+        )  # fmt: skip
+        trained = pipeline.run(out, only, start)
+    _say(out, trained, time.perf_counter() - begin)
+
+
+def _changed(configuration: TrainingConfiguration, changes: dict[str, dict[str, Any]]) -> TrainingConfiguration:
+    content = configuration.model_dump()
+    for section, values in changes.items():
+        content[section].update(values)
+    return TrainingConfiguration.model_validate(content)
+
+
+def _open_work(work: Path, *, resume: bool | None, keep_supervised: bool) -> None:
+    """Make the folder; states of an earlier training are gone on with or removed, as was asked for.
+
+    Raises:
+        InputError: there are such states and nothing was asked for, or the folder cannot be made.
+    """
+    states = [work / REINFORCEMENT_STATE] if keep_supervised else [work / SUPERVISED_STATE, work / REINFORCEMENT_STATE]
+    found = [state for state in states if state.exists()]
+    if found and resume is None:
+        raise InputError(str(work), "holds a training already", "go on with --resume, or begin anew with --restart")
+    try:
+        for state in found if resume is False else ():
+            state.unlink()
+        work.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(str(work), f"cannot be written ({error.strerror})", "choose a writable folder") from None
+
+
+def _say(out: Path, trained: Trained, seconds: float) -> None:
+    summary, monitor = trained.summary, trained.monitor
+    click.echo(f"{out}: trained in {seconds / 60.0:.1f} min, threshold {trained.threshold:.4f}; on validation:")
+    click.echo(
+        f"  monitor: precision {100 * monitor.precision:.1f} %, recall {100 * monitor.recall:.1f} %, "
+        f"F1 {100 * monitor.f1:.1f} %"
+    )
+    click.echo(
+        f"  {summary.violations} violations: {summary.fix:.1f} % reach their goal, {summary.fix_loose:.1f} % do not "
+        f"collide; dose {summary.dose:.2f} s"
+    )
+    click.echo(
+        f"  {summary.successes} successes: {summary.deg:.1f} % collide, {summary.late:.1f} % do not reach their goal; "
+        f"dose {summary.dose_success:.2f} s"
+    )
+    click.echo(
+        f"  dE {summary.delta_e:.1f}, intensity {summary.intensity:.2f}, {summary.intervened_frames:.1f} % of the "
+        f"frames intervened"
+    )

@@ -1,0 +1,267 @@
+"""ADReFT from a corpus to a model file: frames, supervised stage, threshold, ReFT, and a look at validation."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend import __version__
+from roadmend.core.errors import InputError
+from roadmend.learning.checkpoint import load_checkpoint
+from roadmend.repair.adreft.configuration import ModelConfiguration, read_configuration
+from roadmend.repair.adreft.model import KIND, AdreftModel
+from roadmend.training.adreft.calibration import MonitorQuality, calibrate, monitor_quality
+from roadmend.training.adreft.case_frames import CaseFrames
+from roadmend.training.adreft.configuration import TrainingConfiguration
+from roadmend.training.adreft.frames import FrameSet
+from roadmend.training.adreft.gathering import Recipe, gather_frames
+from roadmend.training.adreft.labels import make_scheme
+from roadmend.training.adreft.model_file import digest_of_cases, save_model
+from roadmend.training.adreft.reinforcement import ReinforcementStage, RoundFigures
+from roadmend.training.adreft.supervised import EpochFigures, SupervisedStage
+from roadmend.training.closed_loop import CaseResult, EpisodeCase, Summary, evaluate_cases, summarise
+from roadmend.training.workers import Mapper
+
+SUPERVISED_STATE = "supervised.safetensors"
+REINFORCEMENT_STATE = "reinforcement.safetensors"
+
+Only = Literal["supervised", "reinforcement"] | None
+Report = Callable[[str, int, int, str], None]  # what is done, how much of it, of how much, and a word on how it goes
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """Whom the model is trained for, and on what."""
+
+    policy: str
+    policy_digest: str  # of the policy's model; empty where it has none
+    corpus_digest: str
+    training: Sequence[EpisodeCase]
+    validation: Sequence[EpisodeCase]
+
+
+@dataclass(frozen=True, slots=True)
+class Trained:
+    """What came of it, on the validation split."""
+
+    digest: str  # of the model file
+    threshold: float
+    monitor: MonitorQuality
+    summary: Summary
+    results: list[CaseResult]
+
+
+@dataclass(frozen=True, slots=True)
+class _Supervised:
+    """The networks before ReFT."""
+
+    model: ModelConfiguration
+    tensors: dict[str, NDArray[Any]]
+    figures: EpochFigures | None
+    data_digest: str
+    ancestry: list[str]
+
+
+class Pipeline:
+    """One training. All that takes long is kept in ``work``, so that the same call goes on where it was interrupted."""
+
+    def __init__(
+        self, configuration: TrainingConfiguration, subject: Subject, *, seed: int, device: str, mapper: Mapper,
+        work: Path, report: Report = lambda _what, _done, _total, _how: None,
+    ) -> None:  # fmt: skip
+        """Prepare a training.
+
+        Args:
+            configuration: every hyper-parameter.
+            subject: policy and cases.
+            seed: of all chance.
+            device: torch's name of where to compute.
+            mapper: runs episodes side by side.
+            work: folder for frames, states and TensorBoard's logs.
+            report: called as things go on.
+
+        Raises:
+            InputError: a split is empty, or the configuration names what there is not.
+        """
+        for name, cases in (("training", subject.training), ("validation", subject.validation)):
+            if not any(case.is_violation for case in cases):
+                raise InputError(f"{name} split", "holds no violation", "give a corpus that has some")
+        self._configuration, self._subject = configuration, subject
+        self._seed, self._device, self._mapper, self._work, self._report = seed, device, mapper, work, report
+        self._model = configuration.model.configuration()
+        self._scheme = make_scheme(configuration.frames.labels)
+
+    def run(self, out: Path, only: Only = None, start: Path | None = None) -> Trained:
+        """Train and write the model.
+
+        Args:
+            out: the model file.
+            only: one of the stages; "reinforcement" takes the networks of ``start``, or of an earlier call's stage.
+            start: a model of ADReFT to begin with instead of the supervised stage.
+
+        Raises:
+            InputError: a case, a file or a setting is unusable.
+            SimulationError: SUMO failed, or a worker process died.
+        """
+        validation = self._frames(self._subject.validation, "validation")
+        before = self._from_model(start) if start is not None else self._supervise(validation, only)
+        threshold, quality = self._calibrate(before, validation)
+        tensors = before.tensors
+        history: list[RoundFigures] = []
+        if only != "supervised" and self._configuration.reinforcement.episodes:
+            tensors, history = self._reinforce(before, threshold)
+        header = self._header(before, quality, history, only)
+        beside = self._work / "finished.safetensors"
+        save_model(beside, before.model, tensors, threshold, **header)
+        results = self._look(beside)
+        summary = summarise(results)
+        header["metrics"] = {**header["metrics"], "validation": summary.as_dict()}
+        digest = save_model(out, before.model, tensors, threshold, **header)
+        beside.unlink()
+        return Trained(digest, threshold, quality, summary, results)
+
+    def _frames(self, cases: Sequence[EpisodeCase], name: str) -> FrameSet:
+        section = self._configuration.frames
+        stride = section.stride if name == "training" else section.validation_stride
+        subject = self._subject
+        recipe = Recipe(subject.policy, subject.policy_digest, self._model.tokenizer, stride)
+        gathered: list[CaseFrames] = []
+
+        def report(frames: CaseFrames) -> None:
+            gathered.append(frames)
+            self._report(f"{name} frames", len(gathered), len(cases), f"{sum(map(len, gathered))} frames")
+
+        gather_frames(cases, recipe, self._work / "frames", self._mapper, report)
+        self._report(f"{name} labels", 0, len(cases), self._configuration.frames.labels)
+        self._scheme.prepare(cases, subject.policy, self._work / "labels", self._mapper)
+        labels = [self._scheme.label(case, frames) for case, frames in zip(cases, gathered, strict=True)]
+        self._report(f"{name} labels", len(cases), len(cases), self._configuration.frames.labels)
+        return FrameSet.join(gathered, labels, self._model.encoder.attributes)
+
+    def _supervise(self, validation: FrameSet, only: Only) -> _Supervised:
+        section, state = self._configuration.supervised, self._work / SUPERVISED_STATE
+        if only == "reinforcement" and not state.exists():
+            mend = "train that stage first, or give a model with --start"
+            raise InputError(str(state), "there is no supervised stage to begin with", mend)
+        training = self._frames(self._subject.training, "training")
+        stage = SupervisedStage(
+            self._model, section, training, validation, seed=self._seed, device=self._device, state=state,
+            log=self._work / "tensorboard",
+        )  # fmt: skip
+
+        def report(epoch: int, figures: EpochFigures | None) -> None:
+            how = f"F1 {figures.f1:.3f}, loss {figures.loss:.4f}" if figures is not None else ""
+            self._report("supervised stage", epoch, section.epochs, how)
+
+        result = stage.run(report)
+        return _Supervised(self._model, result.tensors, result.figures, training.digest, [])
+
+    def _from_model(self, start: Path) -> _Supervised:
+        checkpoint = load_checkpoint(start, KIND)
+        AdreftModel.of(checkpoint, str(start))  # whatever does not fit is said here
+        kept = read_configuration(str(start), checkpoint.header)
+        wanted = self._model
+        if (kept.tokenizer, kept.encoder, kept.monitor, kept.adapter) != (
+            wanted.tokenizer, wanted.encoder, wanted.monitor, wanted.adapter
+        ):  # fmt: skip
+            mend = "give a model of the same configuration, or leave out --start"
+            raise InputError(str(start), "has other networks than the configuration asks for", mend)
+        return _Supervised(
+            wanted, checkpoint.tensors, None, checkpoint.header["data_digest"], [checkpoint.digest]
+        )  # fmt: skip
+
+    def _calibrate(self, before: _Supervised, validation: FrameSet) -> tuple[float, MonitorQuality]:
+        """lambda_safe by the compiled networks, so that it is exact for what will run."""
+        order = np.arange(len(validation))
+        blocks = [block for block in np.array_split(order, max(1, len(order) // 512)) if len(block)]
+        sets = [
+            (validation.tokens[validation.offsets[block[0]] : validation.offsets[block[-1] + 1]],
+             validation.sizes[block], validation.action[block])
+            for block in blocks
+        ]  # fmt: skip
+        scores = np.concatenate(list(self._mapper(partial(_score, before.model, before.tensors), sets)))
+        judged = validation.critical_weight > 0.0
+        critical = validation.critical[judged] > 0.5
+        threshold = calibrate(scores[judged], critical, self._configuration.supervised.recall)
+        return threshold, monitor_quality(scores[judged], critical, threshold)
+
+    def _reinforce(self, before: _Supervised, threshold: float) -> tuple[dict[str, NDArray[Any]], list[RoundFigures]]:
+        section, subject = self._configuration.reinforcement, self._subject
+        stage = ReinforcementStage(
+            before.model, before.tensors, threshold, section, subject.policy, subject.training, subject.validation,
+            seed=self._seed, device=self._device, mapper=self._mapper, state=self._work / REINFORCEMENT_STATE,
+            log=self._work / "tensorboard",
+        )  # fmt: skip
+        best = -math.inf
+
+        def report(episodes: int, figures: RoundFigures) -> None:
+            nonlocal best
+            best = best if figures.worth is None else max(best, figures.worth)
+            how = f"fixed {figures.fixed:.2f}" + (f", best {best:.1f}" if math.isfinite(best) else "")
+            self._report("fine-tuning", episodes, section.episodes, how)
+
+        tensors = stage.run(report)
+        return tensors, stage.history
+
+    def _look(self, model: Path) -> list[CaseResult]:
+        subject = self._subject
+        done = 0
+
+        def report(_result: CaseResult) -> None:
+            nonlocal done
+            done += 1
+            self._report("validation in closed loop", done, len(subject.validation), "")
+
+        return evaluate_cases(
+            subject.validation, subject.policy, "adreft", {"model": str(model)}, mapper=self._mapper, report=report
+        )
+
+    def _header(
+        self, before: _Supervised, quality: MonitorQuality, history: list[RoundFigures], only: Only
+    ) -> dict[str, Any]:
+        subject = self._subject
+        worths = [figures.worth for figures in history if figures.worth is not None]
+        return {
+            "configuration": {
+                "training": self._configuration.model_dump(mode="json"), "seed": self._seed, "only": only,
+                "policy": subject.policy, "roadmend": __version__,
+            },
+            "data_digest": before.data_digest,
+            "data": {
+                "corpus": subject.corpus_digest, "policy": subject.policy_digest,
+                "training": digest_of_cases(subject.training), "validation": digest_of_cases(subject.validation),
+            },
+            "ancestry": before.ancestry,
+            "metrics": {
+                "supervised": None if before.figures is None else asdict(before.figures),
+                "monitor": asdict(quality),
+                "reinforcement": {
+                    "episodes": history[-1].episodes if history else 0,
+                    "updates": history[-1].updates if history else 0,
+                    "worth_before": history[0].worth if history and history[0].round == 0 else None,
+                    "worth": max(worths, default=None),
+                },
+            },
+        }  # fmt: skip
+
+
+def _score(
+    model: ModelConfiguration,
+    tensors: dict[str, NDArray[Any]],
+    frames: tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float32]],
+) -> NDArray[np.float64]:
+    """The monitor's scores of some frames: their tokens one after the other, tokens of each, and the policy's actions."""
+    tokens, sizes, actions = frames
+    compiled = AdreftModel(model, tensors, 0.0)
+    scores = np.empty(len(sizes), dtype=np.float64)
+    begin = 0
+    for index, size in enumerate(sizes):
+        state = compiled.encode(tokens[begin : begin + size])
+        scores[index] = compiled.score(state, float(actions[index]))
+        begin += size
+    return scores
