@@ -9,6 +9,7 @@ from roadmend import __version__
 from roadmend.core.errors import InputError
 from roadmend.search.evaluation import CRASH, Subject, Trial, parameters_digest
 from roadmend.search.ledger import FOUND, Entry, Ledger, Reproduction
+from roadmend.search.policy_model import policy_model
 from roadmend.search.registry import make_technique
 from roadmend.search.technique import TechniqueParameters
 from roadmend.search.workers import Evaluator
@@ -29,9 +30,11 @@ class Campaign:
     def settings(self) -> dict[str, Any]:
         """All that decides what is found, as plain values."""
         subject = self.subject
+        model = policy_model(subject.policy)
         return {
             "family": subject.family, "technique": self.technique, "policy": subject.policy, "repair": subject.method,
             "seed": subject.seed, "parameters": self.parameters.model_dump(mode="json"), "roadmend": __version__,
+            **({} if model is None else {"model": model}),
         }  # fmt: skip
 
     def name(self, index: int) -> str:
@@ -72,7 +75,7 @@ def run_campaign(
     evaluator: Evaluator,
     budget: int,
     report: Callable[[Entry], None] = lambda _entry: None,
-) -> None:
+) -> list[Trial]:
     """Search until the ledger has ``budget`` entries.
 
     The technique is led through what the ledger holds already, so it goes on as if it had never stopped.
@@ -84,6 +87,9 @@ def run_campaign(
         budget: evaluations in all, earlier calls included.
         report: called for every new entry.
 
+    Returns:
+        The points of the first ``budget`` entries and what they came to.
+
     Raises:
         InputError: the ledger does not belong to this search, or cannot be written.
         SimulationError: a worker process died.
@@ -91,8 +97,8 @@ def run_campaign(
     technique = make_technique(
         campaign.technique, FAMILIES[campaign.subject.family].space, campaign.subject.seed, campaign.parameters
     )
-    start = 0  # index of the batch's first point
-    while start < budget:
+    done: list[Trial] = []
+    while (start := len(done)) < budget:
         points = technique.propose()
         known = _known(ledger, start, points)
         fresh = points[known : budget - start]
@@ -101,10 +107,12 @@ def run_campaign(
             ledger.add(_entry(campaign, ledger, index, trial))
             report(ledger.entries[-1])
         entries = ledger.entries[start : start + len(points)]
-        if len(entries) < len(points):
-            return  # the budget ends within the batch: it is learned from when the search goes on
-        technique.learn([Trial(point, entry.evaluation) for point, entry in zip(points, entries, strict=True)])
-        start += len(points)
+        trials = [Trial(point, entry.evaluation) for point, entry in zip(points, entries, strict=False)]
+        done += trials
+        if len(trials) < len(points):
+            break  # the budget ends within the batch: it is learned from when the search goes on
+        technique.learn(trials)
+    return done[:budget]
 
 
 def _known(ledger: Ledger, start: int, points: Sequence[Parameters]) -> int:

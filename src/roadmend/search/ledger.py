@@ -17,6 +17,10 @@ LEDGER = "ledger.jsonl"
 FOUND = "found"
 
 
+class InUseError(InputError):
+    """Another process is at work in the folder."""
+
+
 @dataclass(frozen=True, slots=True)
 class Reproduction:
     """How to see a violation again."""
@@ -132,7 +136,7 @@ class Ledger:
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise InputError(str(self.folder), "another search is at work here", "wait for it to end") from None
+            raise InUseError(str(self.folder), "another search is at work here", "wait for it to end") from None
         self._file.seek(0)
         content = self._file.readall() or b""
         whole = content[: content.rfind(b"\n") + 1]

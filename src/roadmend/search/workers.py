@@ -2,16 +2,20 @@
 
 import multiprocessing
 import signal
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from functools import partial
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 from roadmend.core.errors import SimulationError
 from roadmend.search.evaluation import Evaluation, Subject, evaluate
 from roadmend.world.space import Parameters
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+Mapped = Callable[[Iterable[Item]], Iterator[Result]]
 
 
 class Evaluator(Protocol):
@@ -28,14 +32,24 @@ def open_evaluator(subject: Subject, workers: int) -> Iterator[Evaluator]:
     Raises:
         SimulationError: a worker process died.
     """
-    work = partial(evaluate, subject)
+    with open_map(partial(evaluate, subject), workers) as evaluator:
+        yield evaluator
+
+
+@contextmanager
+def open_map(work: Callable[[Item], Result], workers: int) -> Iterator[Mapped[Item, Result]]:
+    """Like ``map`` with one function, over ``workers`` processes; results come in the order of the items.
+
+    Raises:
+        SimulationError: a worker process died.
+    """
     if workers == 1:
-        yield lambda points: map(work, points)
+        yield partial(map, work)
         return
     context = multiprocessing.get_context("spawn")  # libsumo holds one simulation a process
     pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_ignore_interrupt)
     try:
-        yield lambda points: pool.map(work, points)
+        yield partial(pool.map, work)
     except BrokenProcessPool:
         raise SimulationError("a worker process died; run the same command again to go on") from None
     finally:

@@ -1,0 +1,229 @@
+"""``roadmend corpus``: the scenarios that a policy is repaired, trained and measured on."""
+
+import json
+import os
+import statistics
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+from rich.progress import Progress as Bar
+from rich.table import Table
+
+from roadmend.cli.resources import config_folder
+from roadmend.cli.table import wide_console
+from roadmend.core.errors import InputError, RoadmendError
+from roadmend.policies.registry import POLICIES
+from roadmend.search.corpus_plan import read_corpus_plan
+from roadmend.search.gather import Gathered, Progress, Report, gather, gather_fresh
+from roadmend.search.policy_model import policy_model
+from roadmend.search.rerun import Rerunner
+from roadmend.search.selection import spread
+from roadmend.world.corpus import SPLITS, Case, Corpus, load_corpus, save_corpus
+from roadmend.world.families import FAMILIES
+
+_WORKERS = click.option(
+    "--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256), help="Processes."
+)
+_JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+
+
+def _file_option(command: Any) -> Any:
+    policy = click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
+    file = click.option(
+        "--corpus", "file", type=click.Path(path_type=Path, dir_okay=False),
+        help="Corpus to read; that of the policy in config/corpora if not given.",
+    )  # fmt: skip
+    return policy(file(command))
+
+
+def _load(policy: str, file: Path | None) -> Corpus:
+    return load_corpus(file or config_folder() / "corpora" / f"{policy}.jsonl")
+
+
+@click.group()
+def corpus() -> None:
+    """Gather, verify and show the scenarios that a policy is repaired, trained and measured on."""
+
+
+@corpus.command()
+@click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
+@click.option("--families", default=",".join(FAMILIES), show_default=True, help="Separated by commas.")
+@click.option(
+    "--searches",
+    required=True,
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Folder for the searches, in POLICY/FAMILY/SPLIT-NUMBER; those that are there go on.",
+)
+@click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="File to write.")
+@click.option(
+    "--plan",
+    "plan_file",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="YAML file that says what to gather (see config/search/corpus.yaml).",
+)
+@click.option(
+    "--fresh-seed",
+    type=click.IntRange(0),
+    help="Gather a test set alone, from searches with this seed that nothing else uses.",
+)
+@click.option(
+    "--cases",
+    default=10,
+    show_default=True,
+    type=click.IntRange(1, 1000),
+    help="With --fresh-seed: violations, and as many successes, of each family.",
+)
+@click.option("--allow-partial", is_flag=True, help="Search nothing: make do with what the searches found so far.")
+@_WORKERS
+def build(
+    policy: str, families: str, searches: Path, out: Path, plan_file: Path | None, fresh_seed: int | None, cases: int,
+    workers: int, *, allow_partial: bool,
+) -> int:  # fmt: skip
+    """Gather a corpus; exit code 1 if there were not enough cases to be found.
+
+    The same plan gives the same file, whatever the number of workers and however often it is interrupted. Every case
+    is run twice: in the search that found it, and again in a fresh simulation before it is taken.
+    """
+    chosen = [name.strip() for name in families.split(",")]
+    for name in chosen:
+        if name not in FAMILIES:
+            raise InputError("families", f"there is no {name!r}", f"choose from {','.join(FAMILIES)}")
+    if fresh_seed is not None and (plan_file is not None or allow_partial):
+        raise click.UsageError("--fresh-seed goes neither with --plan nor with --allow-partial")
+    plan = read_corpus_plan(plan_file)
+    with _bars() as bar:
+        report = _reporter(bar)
+        if fresh_seed is not None:
+            gathered = gather_fresh(policy, fresh_seed, cases, searches, workers, report, families=chosen)
+        else:
+            command = f"roadmend corpus build --policy {policy}"
+            command += f" --families {','.join(chosen)}" if chosen != [*FAMILIES] else ""
+            command += " --allow-partial" if allow_partial else ""
+            gathered = gather(
+                plan, policy, chosen, searches, workers, report, command=command, is_partial=allow_partial
+            )
+    return _finish(gathered, out, allow_partial=allow_partial)
+
+
+def _finish(gathered: Gathered, out: Path, *, allow_partial: bool) -> int:
+    save_corpus(gathered.corpus, out)
+    _show(gathered.corpus)
+    click.echo(f"{out}: {len(gathered.corpus.cases)} cases, SHA-256 {gathered.corpus.digest}")
+    for shortage in gathered.shortages:
+        click.echo(f"roadmend: {shortage}", err=True)
+    return 1 if gathered.shortages and not allow_partial else 0
+
+
+def _bars() -> Bar:
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    return Bar(*columns, console=Console(stderr=True))
+
+
+def _reporter(bar: Bar) -> Report:
+    cases = bar.add_task("cases", total=None)
+    stage = bar.add_task("", total=None)
+    label = ""
+
+    def report(progress: Progress) -> None:
+        nonlocal label
+        bar.update(cases, completed=progress.accepted, total=progress.wanted)
+        if progress.stage != label:
+            label = progress.stage
+            bar.reset(stage, description=label, total=progress.total)
+        bar.update(stage, completed=progress.done, total=progress.total)
+
+    return report
+
+
+@corpus.command()
+@_file_option
+@click.option(
+    "--cases", "count", type=click.IntRange(1), help="Run only so many, spread over the corpus; all if not given."
+)
+@_WORKERS
+@_JSON
+def verify(policy: str, file: Path | None, count: int | None, workers: int, *, as_json: bool) -> int:
+    """Run cases again and compare the digests of the trajectories; exit code 1 if one differs."""
+    loaded = _load(policy, file)
+    model = policy_model(loaded.policy)
+    if model != loaded.model:
+        raise RoadmendError(
+            f"the corpus was gathered with model {loaded.model or 'none'} of the policy {loaded.policy}, "
+            f"which now is {model or 'none'}; build it again"
+        )
+    every = loaded.cases
+    chosen = every if count is None else spread(every, count)[:count]
+    differing: list[dict[str, str]] = []
+    with _bars() as bar, Rerunner(loaded.policy, workers) as rerunner:
+        task = bar.add_task("run again", total=len(chosen))
+        for case, found in zip(chosen, rerunner(chosen), strict=True):
+            bar.advance(task)
+            if not found.agrees(case):
+                now = found.text if found.outcome == "CRASH" else f"{found.outcome} {found.digest[:12]}"
+                differing.append({"case": case.name, "was": f"{case.outcome} {case.digest[:12]}", "is": now})
+    content = {"policy": loaded.policy, "corpus": loaded.digest, "verified": len(chosen), "differing": differing}
+    if as_json:
+        click.echo(json.dumps(content, indent=2))
+    else:
+        for one in differing:
+            click.echo(f"{one['case']}: was {one['was']}, is {one['is']}")
+        click.echo(f"{len(chosen) - len(differing)} of {len(chosen)} cases came to the same")
+    return 1 if differing else 0
+
+
+@corpus.command()
+@_file_option
+@_JSON
+def show(policy: str, file: Path | None, *, as_json: bool) -> None:
+    """Count the cases of a corpus by family, split, technique, outcome and whom the ego hit."""
+    loaded = _load(policy, file)
+    if not as_json:
+        _show(loaded)
+        click.echo(f"{len(loaded.cases)} cases of the policy {loaded.policy}, SHA-256 {loaded.digest}")
+        return
+    content = {
+        "policy": loaded.policy, "model": loaded.model, "digest": loaded.digest, "roadmend": loaded.version,
+        "command": loaded.command, "dropped": loaded.dropped, "cases": len(loaded.cases),
+        "families": {
+            family: {split: _count(loaded.select(family, split)) for split in SPLITS} for family in FAMILIES
+        },
+    }  # fmt: skip
+    click.echo(json.dumps(content, indent=2))
+
+
+def _count(cases: list[Case]) -> dict[str, Any]:
+    violations = [case for case in cases if case.is_violation]
+    return {
+        "violations": len(violations),
+        "successes": len(cases) - len(violations),
+        "searches": len({case.search_seed for case in cases}),
+        "techniques": dict(Counter(case.technique for case in violations).most_common()),
+        "partners": dict(Counter(case.partner for case in violations).most_common()),
+        "standing": sum(case.impact_speed < 0.5 for case in violations),
+        "median_impact_speed": statistics.median(case.impact_speed for case in violations) if violations else None,
+    }
+
+
+def _show(loaded: Corpus) -> None:
+    titles = ("family", "split", "violations", "successes", "searches", "found by", "hit", "standing", "impact")
+    table = Table(*titles, box=None, pad_edge=False, header_style="bold")
+    for family in FAMILIES:
+        for split in SPLITS:
+            counts = _count(loaded.select(family, split))
+            if not counts["violations"] and not counts["successes"]:
+                continue
+            speed = counts["median_impact_speed"]
+            table.add_row(
+                family, split, str(counts["violations"]), str(counts["successes"]), str(counts["searches"]),
+                _listed(counts["techniques"]), _listed(counts["partners"]), str(counts["standing"]),
+                "-" if speed is None else f"{speed:.1f} m/s",
+            )  # fmt: skip
+    wide_console().print(table)
+
+
+def _listed(counts: dict[str, int]) -> str:
+    return ", ".join(f"{number} {name}" for name, number in counts.items()) or "-"

@@ -1,0 +1,263 @@
+"""Gathers a corpus: searches every family until its splits are full, and runs each case again before it is taken."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from roadmend.core.outcome import EventKind
+from roadmend.search.campaign import Campaign, run_campaign
+from roadmend.search.corpus_plan import CorpusPlan, SplitPlan, fresh_plan
+from roadmend.search.evaluation import Trial
+from roadmend.search.ledger import SETTINGS, Entry, InUseError, Ledger
+from roadmend.search.policy_model import policy_model
+from roadmend.search.rerun import Rerunner
+from roadmend.search.selection import Picker, shares
+from roadmend.search.workers import open_evaluator
+from roadmend.world.corpus import Case, Corpus, sorted_cases
+from roadmend.world.families import FAMILIES
+from roadmend.world.point_text import used_parameters
+
+RERUNS = "reruns.jsonl"
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """Where a gathering stands."""
+
+    stage: str
+    done: int  # of the stage
+    total: int
+    accepted: int  # cases, over all families and splits
+    wanted: int
+
+
+Report = Callable[[Progress], None]
+
+
+@dataclass
+class _Source:
+    """One finished search, or as much as there is of it."""
+
+    campaign: Campaign
+    trials: list[Trial]
+    taken: set[int] = field(default_factory=set)  # indices
+    pickers: dict[EventKind, Picker] = field(default_factory=dict)
+
+    def of_outcome(self, outcome: EventKind) -> list[tuple[int, Trial]]:
+        """Index and trial of what is not taken yet."""
+        return [
+            (index, trial)
+            for index, trial in enumerate(self.trials)
+            if trial.evaluation.outcome == outcome.name and index not in self.taken
+        ]
+
+
+class Gatherer:
+    """Fills splits, one family after the other."""
+
+    def __init__(
+        self, plan: CorpusPlan, policy: str, folder: Path, rerunner: Rerunner, workers: int, *, is_partial: bool = False
+    ) -> None:
+        """Start without cases.
+
+        Args:
+            plan: what to gather.
+            policy: who drives.
+            folder: of the policy's searches; each is in FAMILY/SPLIT-NUMBER below it.
+            rerunner: runs candidates again.
+            workers: processes for a search.
+            is_partial: make do with what the searches that are there hold, and search nothing.
+        """
+        self._plan, self._policy, self._folder, self._workers = plan, policy, folder, workers
+        self._rerunner = rerunner
+        self._is_partial = is_partial
+        self._digests: set[str] = set()
+        self.cases: list[Case] = []
+        self.dropped = 0
+        self.shortages: list[str] = []  # what could not be filled
+        self.report: Report = lambda _progress: None
+        self.wanted = 0
+
+    def gather(self, families: Sequence[str], report: Report) -> None:
+        """Fill every split of some families.
+
+        Raises:
+            InputError: a search's folder holds another search, is in use or cannot be written.
+            SimulationError: a worker process died.
+        """
+        self.report, self.wanted = report, self._plan.wanted * len(families)
+        for family in families:
+            for name, split in self._plan.splits():
+                self._fill(family, name, split)
+
+    def _fill(self, family: str, name: str, split: SplitPlan) -> None:
+        sources: list[_Source] = []
+        violations: list[Case] = []
+        for number in range(self._plan.most_campaigns):
+            if len(violations) >= split.violations and (sources or not split.successes):
+                break
+            campaign = split.campaign(family, self._policy, number)
+            source = self._search(campaign, f"{family}/{name}-{number}", split.budget)
+            if source is None:
+                continue
+            sources.append(source)
+            left = split.violations - len(violations)
+            most = left if split.most_per_campaign is None else min(left, split.most_per_campaign)
+            violations += self._take(source, EventKind.COLLISION, name, split, most)
+        # A search that gave less than its share leaves the rest to the others.
+        successes: list[Case] = []
+        while (left := split.successes - len(successes)) > 0:
+            available = [len(source.of_outcome(EventKind.GOAL)) for source in sources]
+            before = [len(source.taken) for source in sources]
+            for source, share in zip(sources, shares(left, available), strict=True):
+                successes += self._take(source, EventKind.GOAL, name, split, share)
+            if before == [len(source.taken) for source in sources]:
+                break
+        self._note_shortage(family, name, "violations", len(violations), split.violations, len(sources))
+        self._note_shortage(family, name, "successes", len(successes), split.successes, len(sources))
+
+    def _note_shortage(self, family: str, split: str, kind: str, found: int, wanted: int, searches: int) -> None:
+        if found < wanted:
+            self.shortages.append(f"{family} {split}: {found} of {wanted} {kind} after {searches} searches")
+
+    def _search(self, campaign: Campaign, place: str, budget: int) -> _Source | None:
+        """Go on with a search to its budget; with a partial corpus, only read it, if nobody is at work there."""
+        folder = self._folder / place
+        if self._is_partial and not (folder / SETTINGS).exists():
+            return None
+        try:
+            with Ledger(folder, campaign.settings) as ledger:
+                end = min(budget, len(ledger.entries)) if self._is_partial else budget
+                stage = f"{place} {campaign.technique}"
+                self._tell(stage, min(end, len(ledger.entries)), end)
+
+                def report(entry: Entry) -> None:
+                    self._tell(stage, entry.index + 1, end)
+
+                with open_evaluator(campaign.subject, self._workers) as evaluator:
+                    return _Source(campaign, run_campaign(campaign, ledger, evaluator, end, report))
+        except InUseError:
+            if self._is_partial:
+                return None
+            raise
+
+    def _take(self, source: _Source, outcome: EventKind, split_name: str, split: SplitPlan, most: int) -> list[Case]:
+        """Up to ``most`` cases of one outcome from one search, each confirmed by another run."""
+        picker = source.pickers.setdefault(
+            outcome, Picker(FAMILIES[source.campaign.subject.family].space, split.least_distance, self._digests)
+        )
+        accepted: list[Case] = []
+        while len(accepted) < most:
+            picked = picker.pick(source.of_outcome(outcome), most - len(accepted))
+            if not picked:
+                break
+            source.taken |= {index for index, _ in picked}
+            accepted += self._confirm([_case(source.campaign, split_name, index, trial) for index, trial in picked])
+        return accepted
+
+    def _confirm(self, candidates: Sequence[Case]) -> list[Case]:
+        """Those that come to the same when they are run again from what the manifest will say of them."""
+        stage = f"{candidates[0].family} {candidates[0].split}: run again"
+        confirmed: list[Case] = []
+        parsed = [Case.parse(case.dump()) for case in candidates]
+        for number, (case, found) in enumerate(zip(parsed, self._rerunner(parsed), strict=True), 1):
+            self._tell(stage, number, len(parsed))
+            if found.agrees(case):
+                confirmed.append(found.complete(case))
+                self._digests.add(case.digest)
+                self.cases.append(confirmed[-1])
+            else:
+                self.dropped += 1
+        return confirmed
+
+    def _tell(self, stage: str, done: int, total: int) -> None:
+        self.report(Progress(stage, done, total, len(self.cases), self.wanted))
+
+
+def _case(campaign: Campaign, split: str, index: int, trial: Trial) -> Case:
+    subject, evaluation = campaign.subject, trial.evaluation
+    parameters = used_parameters(FAMILIES[subject.family].build, trial.parameters, subject.seed)
+    return Case(
+        name=campaign.name(index), family=subject.family, split=split, seed=subject.seed, parameters=parameters,
+        outcome=evaluation.outcome, digest=evaluation.digest, technique=campaign.technique, search_seed=subject.seed,
+        index=index, text=evaluation.text, min_distance=evaluation.min_distance, duration=0.0,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Gathered:
+    """A corpus and what it lacks."""
+
+    corpus: Corpus
+    shortages: tuple[str, ...]
+
+
+def gather(
+    plan: CorpusPlan,
+    policy: str,
+    families: Sequence[str],
+    folder: Path,
+    workers: int,
+    report: Report = lambda _progress: None,
+    *,
+    command: str = "",
+    is_partial: bool = False,
+) -> Gathered:
+    """Gather a corpus; what is in the folder already is not searched again.
+
+    Deterministic: the plan, the policy and the families decide everything, whatever the number of workers and however
+    often it is interrupted.
+
+    Args:
+        plan: what to gather.
+        policy: who drives.
+        families: of which scenarios.
+        folder: of all searches; those of the policy are in POLICY/FAMILY/SPLIT-NUMBER below it.
+        workers: processes.
+        report: called as it goes on.
+        command: noted in the corpus.
+        is_partial: make do with what the searches that are there hold, and search nothing.
+
+    Raises:
+        InputError: there is no such policy or family, or a folder holds another search, is in use or cannot be written.
+        SimulationError: a worker process died.
+    """
+    own = folder / policy
+    with Rerunner(policy, workers, own / RERUNS) as rerunner:
+        gatherer = Gatherer(plan, policy, own, rerunner, workers, is_partial=is_partial)
+        gatherer.gather(families, report)
+    corpus = Corpus(
+        policy, sorted_cases(gatherer.cases), policy_model(policy), command, plan.model_dump(mode="json"),
+        gatherer.dropped,
+    )  # fmt: skip
+    return Gathered(corpus, tuple(gatherer.shortages))
+
+
+def gather_fresh(
+    policy: str,
+    seed: int,
+    cases: int,
+    folder: Path,
+    workers: int,
+    report: Report = lambda _progress: None,
+    *,
+    families: Sequence[str] = tuple(FAMILIES),
+) -> Gathered:
+    """Gather a test set that no corpus of the project and no training has seen.
+
+    Args:
+        policy: who drives.
+        seed: of the searches; another one gives other cases.
+        cases: violations, and as many successes, of each family.
+        folder: of all searches; those of the seed are in fresh-SEED/POLICY below it. A call that was interrupted goes on.
+        workers: processes.
+        report: called as it goes on.
+        families: of which scenarios.
+
+    Raises:
+        InputError: as ``gather``, or the seed or the number of cases is out of range.
+        SimulationError: a worker process died.
+    """
+    command = f"roadmend corpus build --policy {policy} --fresh-seed {seed} --cases {cases}"
+    command += f" --families {','.join(families)}" if [*families] != [*FAMILIES] else ""
+    return gather(fresh_plan(seed, cases), policy, families, folder / f"fresh-{seed}", workers, report, command=command)

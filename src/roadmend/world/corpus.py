@@ -1,0 +1,221 @@
+"""A corpus: scenarios that a policy is repaired, trained and measured on, each with what the bare policy makes of it."""
+
+import hashlib
+import json
+import os
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Self
+
+from roadmend import __version__
+from roadmend.core.errors import InputError
+from roadmend.core.outcome import EventKind
+from roadmend.world.families import FAMILIES
+from roadmend.world.point_text import dump_point, parse_point
+from roadmend.world.scenario import Scenario
+from roadmend.world.space import Parameters
+
+FORMAT = "roadmend-corpus/1"
+SPLITS = ("training", "validation", "test")
+METHOD = "none"  # the repair method under which outcomes and digests were taken
+_COLLISION = EventKind.COLLISION.name
+_PARTNER = re.compile(r"the ego \((?P<speed>[\d.]+) m/s\) and (?P<name>[^\s,]+)")
+_AGAIN = "build it again with 'roadmend corpus build'"
+
+
+@dataclass(frozen=True)
+class Case:
+    """One scenario and what it came to without repair."""
+
+    name: str
+    family: str
+    split: str
+    seed: int  # of the traffic
+    parameters: Parameters  # of the family's space, those that the scenario depends on
+    outcome: str  # GOAL or COLLISION
+    digest: str  # of the trajectory
+    technique: str  # that found it
+    search_seed: int
+    index: int  # of the evaluation in that search
+    text: str  # of the final event
+    min_distance: float | None  # [m] between the outlines, over time; none where the ego met nobody
+    duration: float  # [s] simulation time
+
+    @property
+    def is_violation(self) -> bool:
+        """Whether the bare policy collides."""
+        return self.outcome == _COLLISION
+
+    @property
+    def partner(self) -> str:
+        """Whom the ego hit first, by kind of participant; empty without a collision."""
+        found = _PARTNER.match(self.text)
+        if not self.is_violation or found is None:
+            return ""
+        return str(self.parameters.get(f"{found['name']}.kind", "pedestrian"))
+
+    @property
+    def impact_speed(self) -> float:
+        """Speed of the ego at the collision [m/s]; 0 without one."""
+        found = _PARTNER.match(self.text)
+        return float(found["speed"]) if self.is_violation and found is not None else 0.0
+
+    def scenario(self) -> Scenario:
+        """The scenario, ready to be run.
+
+        Raises:
+            InputError: the family has come to depend on a parameter that the case does not have.
+        """
+        try:
+            return FAMILIES[self.family].build(self.parameters, self.name, self.seed)
+        except KeyError as error:
+            raise InputError(self.name, f"has no parameter {error}", _AGAIN) from None
+
+    def dump(self) -> str:
+        """As a line of JSON."""
+        content = asdict(self)
+        content["parameters"] = dump_point(FAMILIES[self.family].space, self.parameters)
+        return json.dumps(content, separators=(",", ":"), allow_nan=False) + "\n"
+
+    @classmethod
+    def parse(cls, line: str) -> Self:
+        """From a line of JSON.
+
+        Raises:
+            ValueError: the line is no case.
+        """
+        try:
+            content = json.loads(line)
+            if content["split"] not in SPLITS:
+                raise ValueError(f"there is no split {content['split']!r}")
+            content["parameters"] = parse_point(FAMILIES[content["family"]].space, content["parameters"])
+            return cls(**content)
+        except (AttributeError, KeyError, TypeError) as error:
+            raise ValueError(str(error)) from None
+
+
+@dataclass(frozen=True)
+class Corpus:
+    """Cases of one policy. Holds no time and no place: gathering again gives the same content and digest."""
+
+    policy: str
+    cases: tuple[Case, ...]  # sorted by family, split and origin
+    model: str | None = None  # digest of the policy's model; none where it has none
+    command: str = ""  # that made it
+    plan: Mapping[str, Any] = field(default_factory=dict)  # what was asked for, as plain values
+    dropped: int = 0  # candidates that did not come to the same when they were run again
+    version: str = __version__  # of roadmend
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of the corpus as it is written, hexadecimal."""
+        return hashlib.sha256(dump_corpus(self).encode()).hexdigest()
+
+    def select(
+        self, family: str | None = None, split: str | None = None, *, violation: bool | None = None
+    ) -> list[Case]:
+        """Cases of a family, a split and a kind, in order; None stands for all.
+
+        Raises:
+            InputError: there is no such family or split.
+        """
+        if family is not None and family not in FAMILIES:
+            raise InputError("family", f"there is no {family!r}", f"choose one of {', '.join(FAMILIES)}")
+        if split is not None and split not in SPLITS:
+            raise InputError("split", f"there is no {split!r}", f"choose one of {', '.join(SPLITS)}")
+        return [
+            case
+            for case in self.cases
+            if family in (None, case.family) and split in (None, case.split) and violation in (None, case.is_violation)
+        ]
+
+
+def sorted_cases(cases: Iterable[Case]) -> tuple[Case, ...]:
+    """In the order of a corpus: by family, split, and where they were found."""
+    return tuple(
+        sorted(cases, key=lambda case: (case.family, SPLITS.index(case.split), case.search_seed, case.index, case.name))
+    )
+
+
+def dump_corpus(corpus: Corpus) -> str:
+    """The corpus as JSON lines: a header, then one case a line."""
+    counts = Counter(f"{case.family} {case.split} {case.outcome}" for case in corpus.cases)
+    header = {
+        "format": FORMAT, "policy": corpus.policy, "model": corpus.model, "method": METHOD, "roadmend": corpus.version,
+        "command": corpus.command, "plan": corpus.plan, "spaces": {name: _space_digest(name) for name in FAMILIES},
+        "dropped": corpus.dropped, "cases": len(corpus.cases), "counts": dict(sorted(counts.items())),
+    }  # fmt: skip
+    return json.dumps(header, separators=(",", ":")) + "\n" + "".join(case.dump() for case in corpus.cases)
+
+
+def save_corpus(corpus: Corpus, path: Path) -> None:
+    """Write a corpus, complete or not at all.
+
+    Raises:
+        InputError: the place cannot be written.
+    """
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        beside.write_text(dump_corpus(corpus), encoding="utf-8")
+        beside.replace(path)
+    except OSError as error:
+        raise InputError(str(path), f"cannot be written ({error.strerror})", "choose a writable place") from None
+
+
+def load_corpus(path: Path) -> Corpus:
+    """Read a corpus.
+
+    Raises:
+        InputError: the file is missing, is no corpus, is cut short or damaged, or was made for other parameter spaces.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except FileNotFoundError:
+        raise InputError(str(path), "no such file", "give a corpus; 'roadmend corpus build' makes one") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(str(path), f"cannot be read ({error})", "give a corpus") from None
+    header = _parse_header(path, lines[0] if lines else "")
+    if len(lines) - 1 != header["cases"]:
+        raise InputError(str(path), f"holds {len(lines) - 1} of {header['cases']} cases", _AGAIN)
+    cases: list[Case] = []
+    for number, line in enumerate(lines[1:], 2):
+        try:
+            cases.append(Case.parse(line))
+        except ValueError as error:
+            raise InputError(f"{path} line {number}", f"is no case ({error})", _AGAIN) from None
+    return Corpus(
+        header["policy"], tuple(cases), header["model"], header["command"], header["plan"], header["dropped"],
+        header["roadmend"],
+    )  # fmt: skip
+
+
+_HEADER = ("policy", "model", "roadmend", "command", "plan", "spaces", "dropped", "cases")
+
+
+def _parse_header(path: Path, line: str) -> dict[str, Any]:
+    try:
+        header = json.loads(line)
+        is_corpus = str(header.get("format")).startswith("roadmend-corpus/")
+    except (ValueError, AttributeError):
+        is_corpus = False
+    if not is_corpus:
+        raise InputError(str(path), "is no corpus", "give a file that 'roadmend corpus build' made")
+    if header["format"] != FORMAT:
+        raise InputError(str(path), f"has the format {header['format']!r}, not {FORMAT!r}", _AGAIN)
+    missing = [name for name in _HEADER if name not in header]
+    if missing:
+        raise InputError(f"{path} line 1", f"lacks {missing[0]}", _AGAIN)
+    other = [name for name in FAMILIES if header["spaces"].get(name) != _space_digest(name)]
+    if other:
+        raise InputError(str(path), f"was made for another parameter space of {other[0]}", _AGAIN)
+    return dict(header)
+
+
+def _space_digest(family: str) -> str:
+    """Of the names, kinds, ranges and options of a space, shortened: the points' text leans on them."""
+    return hashlib.sha256(repr([*FAMILIES[family].space.items()]).encode()).hexdigest()[:16]
