@@ -1,0 +1,207 @@
+"""``roadmend train self-oracle`` and ``roadmend train rivals``: what ADReFT is held against, at its best."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import click
+import yaml
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from roadmend import __version__
+from roadmend.cli.resources import config_folder
+from roadmend.core.errors import InputError
+from roadmend.learning.checkpoint import load_checkpoint
+from roadmend.learning.shipped import SUFFIX, models_folder
+from roadmend.policies.registry import POLICIES
+from roadmend.repair.self_oracle import KIND
+from roadmend.training.tuning import FORMAT, Tuned, Tuning
+from roadmend.training.tuning_grid import rivals_of
+from roadmend.training.workers import open_mapper
+from roadmend.world.corpus import Case, Corpus, load_corpus
+
+_RIVALS = tuple(rival.name for rival in rivals_of(""))
+
+_POLICY = click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
+_CORPUS = click.option(
+    "--corpus", "corpus_file", type=click.Path(path_type=Path, dir_okay=False),
+    help="The policy's corpus; config/corpora/POLICY.jsonl if not given.",
+)  # fmt: skip
+_WORKERS = click.option(
+    "--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256)
+)  # fmt: skip
+
+
+@click.command("self-oracle")
+@_POLICY
+@_CORPUS
+@click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Model file to write.")
+@click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
+@click.option("--epochs", default=100, show_default=True, type=click.IntRange(1, 10_000))
+@_WORKERS
+def self_oracle(policy: str, corpus_file: Path | None, out: Path, seed: int, epochs: int, workers: int) -> None:
+    """Train the autoencoder of ModelRepair on the successes of the training split.
+
+    The same settings give the same file, whatever the number of workers.
+    """
+    from roadmend.learning.checkpoint import save_checkpoint  # noqa: PLC0415 - torch is for this command alone
+    from roadmend.training.self_oracle import (  # noqa: PLC0415
+        SelfOracleSettings,
+        gather_vectors,
+        train_self_oracle,
+    )
+
+    corpus = _load(policy, corpus_file)
+    settings = SelfOracleSettings(seed=seed, epochs=epochs)
+    cases = corpus.select(split="training", violation=False)
+    with _progress() as progress:
+        driving = progress.add_task("driving", total=len(cases))
+        learning = progress.add_task("learning", total=epochs)
+        with open_mapper(min(workers, max(1, len(cases)))) as mapper:
+            vectors = gather_vectors(cases, policy, settings.stride, mapper, lambda: progress.advance(driving))
+
+        def report(epoch: int, loss: float) -> None:
+            progress.update(learning, completed=epoch, description=f"learning, loss {loss:.4f}")
+
+        result = train_self_oracle(vectors, settings, report)
+    command = f"./roadmend train self-oracle --policy {policy} --seed {seed} --epochs {epochs} --out {out.name}"
+    origin = {"policy": policy, "policy_model": corpus.model, "roadmend": __version__, "command": command}
+    save_checkpoint(out, result.tensors, result.header(settings, corpus.digest, **origin))
+    metrics = result.metrics
+    click.echo(
+        f"{out}: {metrics['training_frames']:.0f} frames, error on held-out frames {metrics['held_out_loss']:.3f}, "
+        f"{100.0 * metrics['held_out_alarms_at_0.05']:.1f} % of them alarm at a rate of 5 %"
+    )
+
+
+@click.command()
+@_POLICY
+@_CORPUS
+@click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="YAML file to write.")
+@click.option(
+    "--only", multiple=True, type=click.Choice(_RIVALS), help="Only these rivals; may be given more than once."
+)
+@click.option(
+    "--cases", "number", type=click.IntRange(1, 10_000),
+    help="Only the first so many validation cases of each family and kind.",
+)  # fmt: skip
+@click.option(
+    "--model", "model_file", type=click.Path(path_type=Path, dir_okay=False),
+    help="SelfOracle model; the one that ships for the policy if not given.",
+)  # fmt: skip
+@_WORKERS
+def rivals(
+    policy: str, corpus_file: Path | None, out: Path, only: tuple[str, ...], number: int | None,
+    model_file: Path | None, workers: int,
+) -> None:  # fmt: skip
+    """Find every rival's best setting on the validation split.
+
+    Every setting of a rival's grid drives a third of the cases, the best four drive all; the largest dE wins, of
+    equals the least intensity. Episodes are kept beside the file, in NAME.tuning: the same command goes on where it was
+    interrupted. Rivals that are not asked for keep what an earlier call of the same kind has written.
+    """
+    corpus = _load(policy, corpus_file)
+    chosen = [rival for rival in rivals_of(str(model_file) if model_file else policy) if not only or rival.name in only]
+    model = ""
+    if any(rival.method == "model" for rival in chosen):
+        model = load_checkpoint(model_file or models_folder() / f"self_oracle-{policy}{SUFFIX}", KIND).digest
+    cases = _first(corpus.select(split="validation"), number)
+    header = {
+        "format": FORMAT, "policy": policy, "policy_model": corpus.model, "corpus": corpus.digest,
+        "split": "validation", "cases": len(cases), "roadmend": __version__,
+        "command": f"./roadmend train rivals --policy {policy}" + (f" --cases {number}" if number else ""),
+    }  # fmt: skip
+    found = _written(out, header)
+    identity = {"corpus": corpus.digest, "roadmend": __version__}
+    with _progress() as progress, open_mapper(workers) as mapper:
+        tasks: dict[str, Any] = {}
+
+        def report(name: str, done: int, total: int) -> None:
+            if name not in tasks:
+                tasks[name] = progress.add_task(name, total=total)
+            progress.update(tasks[name], completed=done, total=total)
+
+        for rival in chosen:
+            of_model = {"model": model} if rival.method == "model" else {}
+            file = out.with_name(f"{out.stem}.tuning") / f"{rival.name}.jsonl"
+            tuning = Tuning(cases, policy, identity | of_model, file, mapper, report)
+            tuned = tuning.tune(rival)
+            found[rival.name] = tuned.dump() | ({"model_digest": model} if rival.method == "model" else {})
+            if rival.method == "model" and model_file is not None:
+                found[rival.name]["parameters"]["model"] = policy  # a setting holds wherever the model lies
+            _write(out, header, found)
+            _show(tuned, progress.console)
+    click.echo(f"{out}: {', '.join(found)}")
+
+
+def _load(policy: str, file: Path | None) -> Corpus:
+    path = file or config_folder() / "corpora" / f"{policy}.jsonl"
+    corpus = load_corpus(path)
+    if corpus.policy != policy:
+        raise InputError(str(path), f"is a corpus of the policy '{corpus.policy}'", f"give one of '{policy}'")
+    return corpus
+
+
+def _first(cases: list[Case], number: int | None) -> list[Case]:
+    """The first ``number`` of each family and kind, in order; all of them for None."""
+    counts: dict[tuple[str, bool], int] = {}
+    chosen = []
+    for case in cases:
+        key = case.family, case.is_violation
+        counts[key] = counts.get(key, 0) + 1
+        if number is None or counts[key] <= number:
+            chosen.append(case)
+    return chosen
+
+
+@contextmanager
+def _progress() -> Iterator[Progress]:
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        yield progress
+
+
+def _written(path: Path, header: dict[str, Any]) -> dict[str, Any]:
+    """Rivals in a file of the same kind; nothing where the file is of another corpus, version or number of cases."""
+    if not path.exists():
+        return {}
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        same = all(content.get(name) == value for name, value in header.items())
+        return dict(content["methods"]) if same else {}
+    except (OSError, ValueError, yaml.YAMLError, AttributeError, KeyError, TypeError):
+        raise InputError(str(path), "holds no settings of rivals", "remove it, or choose another --out") from None
+
+
+def _write(path: Path, header: dict[str, Any], found: dict[str, Any]) -> None:
+    ordered = {name: found[name] for name in _RIVALS if name in found}
+    text = (
+        "# Each rival's best setting on the validation split, and the whole grid; see 'roadmend train rivals --help'.\n"
+    )
+    text += yaml.safe_dump({**header, "methods": ordered}, sort_keys=False, width=120, default_flow_style=None)
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        beside.write_text(text, encoding="utf-8")
+        beside.replace(path)
+    except OSError as error:
+        raise InputError(str(path), f"cannot be written ({error.strerror})", "choose a writable place") from None
+
+
+def _show(tuned: Tuned, console: Console) -> None:
+    table = Table("", *tuned.points[0].parameters, "part dE", "dE", "%Fix", "%Deg", "intensity", "dose", box=None)
+    for index, point in enumerate(tuned.points):
+        whole = point.whole
+        figures = (
+            (whole.delta_e, whole.fix, whole.deg, whole.intensity, whole.dose) if whole is not None else ()
+        )  # fmt: skip
+        table.add_row(
+            tuned.name if index == tuned.best else "", *map(str, point.parameters.values()),
+            f"{point.first.delta_e:.1f}", *(f"{value:.2f}" for value in figures),
+            style="bold" if index == tuned.best else None,
+        )  # fmt: skip
+    console.print(table)
