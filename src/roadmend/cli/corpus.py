@@ -17,7 +17,7 @@ from roadmend.cli.resources import config_folder
 from roadmend.cli.table import wide_console
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.policies.registry import POLICIES
-from roadmend.search.corpus_plan import read_corpus_plan
+from roadmend.search.corpus_plan import fresh_plan, read_corpus_plan
 from roadmend.search.gather import Gathered, Progress, Report, gather, gather_fresh
 from roadmend.search.policy_model import policy_model
 from roadmend.search.rerun import Rerunner
@@ -94,7 +94,7 @@ def build(
             raise InputError("families", f"there is no {name!r}", f"choose from {','.join(FAMILIES)}")
     if fresh_seed is not None and (plan_file is not None or allow_partial):
         raise click.UsageError("--fresh-seed goes neither with --plan nor with --allow-partial")
-    plan = read_corpus_plan(plan_file)
+    plan = read_corpus_plan(plan_file) if fresh_seed is None else fresh_plan(fresh_seed, cases)
     with _bars() as bar:
         report = _reporter(bar)
         if fresh_seed is not None:

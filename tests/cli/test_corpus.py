@@ -1,0 +1,102 @@
+"""``roadmend corpus`` in the real world: built, verified, shown, and refused in one line."""
+
+import dataclasses
+import json
+
+import pytest
+
+from roadmend.cli.main import main
+from roadmend.world.corpus import load_corpus, save_corpus
+
+PLAN = """
+most_campaigns: 1
+test: {violations: 0, successes: 3, first_seed: 1, techniques: [random], budget: 4, least_distance: 0.0}
+validation: {violations: 0, successes: 0, first_seed: 2, techniques: [random], budget: 1, least_distance: 0.0}
+training: {violations: 0, successes: 0, first_seed: 3, techniques: [random], budget: 1, least_distance: 0.0}
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("corpus")
+    (folder / "plan.yaml").write_text(PLAN)
+    assert main(build(folder, "first.jsonl")) == 0
+    return folder
+
+
+def build(folder, name, *more):
+    arguments = [
+        "--searches",
+        str(folder / "searches"),
+        "--out",
+        str(folder / name),
+        "--plan",
+        str(folder / "plan.yaml"),
+    ]
+    return ["corpus", "build", "--families", "S4", "--workers", "1", *arguments, *more]
+
+
+def verify(file, *more):
+    return main(["corpus", "verify", "--corpus", str(file), "--workers", "1", *more])
+
+
+def test_what_was_built_is_real_and_repeats(folder, capsys):
+    corpus = load_corpus(folder / "first.jsonl")
+    assert [case.outcome for case in corpus.cases] == ["GOAL"] * 3
+    assert all(case.duration > 1.0 and case.text.startswith("route completed") for case in corpus.cases)
+    assert corpus.command == "roadmend corpus build --policy modular --families S4"
+    assert main(build(folder, "second.jsonl")) == 0
+    assert corpus.digest in capsys.readouterr().out
+    assert (folder / "second.jsonl").read_bytes() == (folder / "first.jsonl").read_bytes()
+    assert verify(folder / "first.jsonl", "--json") == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert (printed["verified"], printed["differing"]) == (3, [])
+
+
+def test_a_difference_is_found(folder, capsys):
+    corpus = load_corpus(folder / "first.jsonl")
+    wrong = dataclasses.replace(corpus.cases[1], seed=corpus.cases[1].seed + 1)
+    save_corpus(dataclasses.replace(corpus, cases=(corpus.cases[0], wrong, corpus.cases[2])), folder / "wrong.jsonl")
+    assert verify(folder / "wrong.jsonl") == 1
+    out = capsys.readouterr().out
+    assert wrong.name in out
+    assert "2 of 3 cases came to the same" in out
+    save_corpus(dataclasses.replace(corpus, model="0123"), folder / "other.jsonl")
+    assert verify(folder / "other.jsonl", "--cases", "1") == 1
+    assert "gathered with model 0123" in capsys.readouterr().err
+
+
+def test_a_shortage_is_told(folder, capsys):
+    text = PLAN.replace("validation: {violations: 0", "validation: {violations: 50")
+    (folder / "more.yaml").write_text(text)
+    assert main([*build(folder, "more.jsonl"), "--plan", str(folder / "more.yaml")]) == 1
+    assert "of 50 violations after 1 searches" in capsys.readouterr().err
+    assert main([*build(folder, "more.jsonl"), "--plan", str(folder / "more.yaml"), "--allow-partial"]) == 0
+
+
+def test_counts_are_shown(folder, capsys):
+    assert main(["corpus", "show", "--corpus", str(folder / "first.jsonl"), "--json"]) == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert shown["cases"] == shown["families"]["S4"]["test"]["successes"] == 3
+    assert shown["digest"] == load_corpus(folder / "first.jsonl").digest
+    assert main(["corpus", "show", "--corpus", str(folder / "first.jsonl")]) == 0
+    assert "S4" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["build", "--families", "S1,S9", "--searches", "x", "--out", "y"], "there is no 'S9'"),
+        (["build", "--plan", "nothing.yaml", "--searches", "x", "--out", "y"], "cannot be read"),
+        (["build", "--fresh-seed", "1", "--allow-partial", "--searches", "x", "--out", "y"], "--fresh-seed"),
+        (["build", "--fresh-seed", "99999999", "--searches", "x", "--out", "y"], "out of range"),
+        (["verify", "--corpus", "nothing.jsonl"], "no such file"),
+        (["show", "--corpus", "nothing.jsonl"], "no such file"),
+    ],
+)
+def test_bad_input_is_refused_in_one_line(tmp_path, monkeypatch, capsys, arguments, said):
+    monkeypatch.chdir(tmp_path)
+    assert main(["corpus", *arguments]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert said in line
+    assert not [*tmp_path.iterdir()]
