@@ -85,7 +85,7 @@ def _has_to_yield(zones: Floats, memory: Record, signals: NDArray[np.uint8], rea
 
 
 @compiled
-def _gap_to(path: Floats, spacing: float, row: Floats, low: float, high: float, half: float) -> tuple[float, float]:
+def gap_to(path: Floats, spacing: float, row: Floats, low: float, high: float, half: float) -> tuple[float, float]:
     """Place of an object's centre along the path [m] and its distance to the ego's front [m], more exactly."""
     first = low + 0.5 * spacing
     place = min(max(round((0.5 * (low + high) - first) / spacing), 0), way.POINTS)
@@ -141,7 +141,7 @@ def assess(
             continue
         speed = row[prediction.SPEED]
         if begin == 0:
-            centre, gap = _gap_to(path, spacing, row, low, high, half)
+            centre, gap = gap_to(path, spacing, row, low, high, half)
             if centre > 0.0 and (parallel > way.SAME_WAY or speed < _STANDING):
                 agent[ROLE], agent[GAP] = AHEAD, gap
                 continue

@@ -33,6 +33,13 @@ _MEMORY: dict[str, float] = {
 }  # fmt: skip
 
 
+def new_memory() -> Record:
+    """The memory of a policy at the beginning of an episode."""
+    memory: Record = np.zeros(1, dtype=np.dtype([(name, np.float64) for name in _MEMORY], align=True))
+    memory[0] = tuple(_MEMORY.values())
+    return memory
+
+
 @compiled
 def _drive(
     samples: Floats, stages: Floats, zones: Floats, parameters: Record, memory: Record,

@@ -8,6 +8,7 @@ from pydantic import ValidationError
 from roadmend.core.errors import InputError
 from roadmend.core.interfaces import Policy
 from roadmend.policies.modular import ModularPolicy
+from roadmend.policies.neural import NeuralParameters, NeuralPolicy
 from roadmend.policies.parameters import ModularParameters
 
 Values = Mapping[str, Any]
@@ -17,8 +18,13 @@ def _modular(values: Values) -> Policy:
     return ModularPolicy(ModularParameters.model_validate(dict(values)))
 
 
+def _neural(values: Values) -> Policy:
+    return NeuralPolicy(NeuralParameters.model_validate(dict(values)).path)
+
+
 POLICIES: dict[str, Callable[[Values], Policy]] = {
     "modular": _modular,
+    "neural": _neural,
 }
 
 

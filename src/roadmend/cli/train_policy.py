@@ -1,0 +1,60 @@
+"""``roadmend train policy``: the neural policy by imitation of the privileged expert."""
+
+import os
+import shutil
+from pathlib import Path
+
+import click
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from roadmend.cli.resources import config_folder
+from roadmend.core.errors import InputError
+from roadmend.training.dagger import Training, choose_device
+from roadmend.training.imitation_configuration import read_imitation_configuration
+
+
+@click.command()
+@click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Model file to write.")
+@click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 10_000))
+@click.option(
+    "--config", "file", type=click.Path(path_type=Path, dir_okay=False),
+    help="YAML file with the hyper-parameters; config/training/policy.yaml if not given.",
+)  # fmt: skip
+@click.option("--rounds", type=click.IntRange(1, 50), help="Only the first so many rounds.")
+@click.option("--episodes", type=click.IntRange(1, 900), help="New episodes of each family in every round.")
+@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@click.option("--device", default="auto", show_default=True, help="auto, cpu or cuda.")
+@click.option("--resume", is_flag=True, help="Go on with an interrupted training of the same settings.")
+def policy(
+    out: Path, seed: int, file: Path | None, rounds: int | None, episodes: int | None, workers: int, device: str, *,
+    resume: bool,
+) -> None:  # fmt: skip
+    """Train the neural policy: behaviour cloning of the expert, then rounds of DAgger.
+
+    What the rounds make is kept beside the model file, in NAME.rounds, and TensorBoard's logs with it.
+    """
+    configuration = read_imitation_configuration(file or config_folder() / "training" / "policy.yaml")
+    chosen = configuration.rounds[: rounds or len(configuration.rounds)]
+    if episodes is not None:
+        chosen = tuple(step.model_copy(update={"episodes": episodes}) for step in chosen)
+    configuration = configuration.model_copy(update={"rounds": chosen})
+    folder = out.with_name(f"{out.stem}.rounds")
+    if folder.exists() and not resume:
+        raise InputError(str(folder), "holds a training already", "go on with --resume, or give another --out")
+    command = f"./roadmend train policy --out {out.name} --seed {seed}"
+    command += f" --rounds {rounds}" if rounds else ""
+    command += f" --episodes {episodes}" if episodes else ""
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        task = progress.add_task("starting")
+
+        def report(what: str, done: int, total: int) -> None:
+            progress.update(task, description=what, completed=done, total=total)
+
+        training = Training(configuration, seed, folder, workers, choose_device(device), command, report)
+        last = training.run()
+    part = out.with_name(f"{out.name}.part")
+    shutil.copyfile(last, part)
+    part.replace(out)
+    click.echo(f"{out}: trained in {len(chosen)} round{'s' if len(chosen) > 1 else ''}")

@@ -1,0 +1,169 @@
+"""The privileged expert that the neural policy learns from: the modular planner with what only a simulator knows."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.core.command import Command, Decision, Trajectory
+from roadmend.core.jit import compiled
+from roadmend.core.route import Route
+from roadmend.core.scene import Scene
+from roadmend.policies import agents as who
+from roadmend.policies import behaviour, localisation, planner, prediction
+from roadmend.policies import path as way
+from roadmend.policies.modular import new_memory
+from roadmend.policies.parameters import ModularParameters
+from roadmend.policies.road import Road
+
+Floats = NDArray[np.float64]
+Record = NDArray[np.void]
+
+_INTERVAL = 0.05  # [s] between ticks, assumed at the first one
+_INTERVAL_MAX = 0.5  # [s] a longer pause is a new beginning
+_STOP = Decision(Command(0.0, 0.6), Trajectory.empty())
+_GRAVITY = 9.81  # [m/s2]
+_STANDING = 0.15  # [m/s]
+_COASTING = 0.1  # [m/s2] of force around zero that presses neither pedal
+CAUTION = {"headway": 1.5, "cut_in_horizon": 2.5, "trust": 2.5, "time_margin": 0.4, "front_margin": 1.0}
+
+
+def expert_parameters(friction: float) -> ModularParameters:
+    """The modular policy's parameters with more caution, and with braking that a road of ``friction`` can bear."""
+    grip = friction * _GRAVITY  # [m/s2]
+    shares = {
+        "deceleration": 0.45, "lateral_acceleration": 0.6, "yellow_deceleration": 0.6, "red_deceleration": 0.85,
+        "hold_deceleration": 0.7,
+    }  # fmt: skip
+    usual = ModularParameters().model_dump()
+    bounds = ModularParameters.model_json_schema()["properties"]
+    bearable = {
+        name: max(min(usual[name], share * grip), bounds[name]["minimum"]) for name, share in shares.items()
+    }  # fmt: skip
+    return ModularParameters(**CAUTION, **bearable)
+
+
+@compiled
+def action_for(parameters: Record, wanted: float, speed: float) -> float:
+    """The action in [-1, 1] that gives ``wanted`` [m/s2] at ``speed`` [m/s], by the inverse of a nominal vehicle."""
+    p = parameters[0]
+    if speed < _STANDING and wanted <= 0.05:
+        return -float(p.standstill_brake)
+    force = wanted + p.drag * speed * speed + p.rolling
+    if force > _COASTING:
+        return float(min(1.0, force / min(p.engine_acceleration, p.engine_power / max(speed, 1.0))))
+    if force < -_COASTING:
+        return float(max(-1.0, force / p.full_brake))
+    return 0.0
+
+
+@compiled
+def _consider(
+    samples: Floats, stages: Floats, zones: Floats, parameters: Record, memory: Record,
+    known: NDArray[np.uint32], known_curvature: Floats,
+    time: float, interval: float, x: float, y: float, yaw: float, speed: float, length: float, width: float,
+    numbers: NDArray[np.uint32], kind: NDArray[np.uint8], object_x: Floats, object_y: Floats, object_yaw: Floats,
+    object_speed: Floats, object_acceleration: Floats, object_yaw_rate: Floats,
+    object_length: Floats, object_width: Floats, signals: NDArray[np.uint8], trajectory: Floats,
+) -> tuple[float, bool, int]:  # fmt: skip
+    """One pass through the modules of the modular policy: the action, whether to change lane and the word's index.
+
+    Unlike there the acceleration is neither limited in jerk nor corrected by an integral: the answer depends on the
+    scene and not on what was answered before, which is what imitation needs.
+    """
+    m = memory[0]
+    half = 0.5 * length
+    stage = m.stage
+    localisation.localise(samples, stages, parameters, memory, x, y, speed)
+    if stage >= 0.0 and m.stage > stage:
+        m.changed_at = time
+    path = way.build_path(samples, stages, parameters, memory, speed, length, width)
+    spacing = way.path_spacing(speed)
+    tracks, remembered = prediction.track(
+        parameters, numbers, kind, object_x, object_y, object_yaw, object_speed, object_acceleration, object_yaw_rate,
+        object_length, object_width, known, known_curvature, int(m.known_count), interval,
+        x, y, spacing * way.POINTS,
+    )  # fmt: skip
+    m.known_count = remembered
+    count = tracks.shape[0]
+    forecasts = np.empty((count, prediction.TIMES, prediction.FORECAST_COLUMNS), dtype=np.float64)
+    occupancies = np.empty((count, prediction.TIMES, 2), dtype=np.float64)
+    agents = np.empty((count, who.AGENT_COLUMNS), dtype=np.float64)
+    plan = np.empty((prediction.TIMES, 2), dtype=np.float64)
+    who.assess(
+        path, spacing, zones, parameters, memory, signals, tracks, x, y, yaw, half,
+        forecasts, occupancies, agents,
+    )  # fmt: skip
+    lead, gap, braking, most, cap, line, word, change = behaviour.decide(
+        samples, stages, zones, path, spacing, parameters, memory, signals, tracks, forecasts, occupancies, agents,
+        time, speed, half, 0.5 * width, interval, plan,
+    )  # fmt: skip
+    if change:
+        m.changing, m.progress, m.change_length, m.change_begin = 1.0, 0.0, 0.0, m.s
+    asked, evades = planner.plan_motion(
+        path, spacing, parameters, memory, agents, forecasts, occupancies, lead, gap, braking, most, cap, line,
+        speed, half, zones, plan,
+    )  # fmt: skip
+    if evades:
+        word = behaviour.EVADE
+        if speed < 0.5:
+            m.waited += interval
+    planner.write_trajectory(path, spacing, plan, trajectory)
+    return action_for(parameters, asked, speed), change, word
+
+
+class Expert:
+    """Drives as the modular policy does, with more caution and knowing the friction of the road.
+
+    Its answer at a tick hardly depends on its earlier answers, so it can label the scenes that another driver meets:
+    step it through all of them and say by :meth:`obeyed` what was done.
+    """
+
+    name = "expert"
+
+    def __init__(self) -> None:
+        self._packed = expert_parameters(0.9).packed()
+        self._memory = new_memory()
+        self._known = np.zeros(prediction.REMEMBERED, dtype=np.uint32)
+        self._known_curvature = np.zeros(prediction.REMEMBERED)
+        self._parameters = expert_parameters(0.9)
+        self._road: Road | None = None
+        self._time = math.nan
+
+    def privilege(self, friction: float) -> None:
+        """Tell what no sensor sees: the tyre-road ``friction`` of the next episodes; call it before :meth:`reset`."""
+        self._parameters = expert_parameters(friction)
+        self._packed = self._parameters.packed()
+
+    def reset(self, route: Route) -> None:
+        """Begin an episode on ``route``; all memory of earlier ones is dropped."""
+        self._road = Road.of(route, self._parameters)
+        self._memory = new_memory()
+        self._time = math.nan
+
+    def step(self, scene: Scene) -> Decision:
+        """Decide for one tick; brakes where the ego's own state is unusable or no route has come yet."""
+        ego, objects, road = scene.ego, scene.objects, self._road
+        if road is None or not math.isfinite(scene.time + ego.x + ego.y + ego.yaw + ego.speed + ego.length + ego.width):
+            return _STOP
+        interval = scene.time - self._time
+        if not 0.0 < interval <= _INTERVAL_MAX:
+            interval = _INTERVAL
+        self._time = scene.time
+        points = np.empty((4, prediction.FINE))
+        action, change, word = _consider(
+            road.samples, road.stages, road.zones, self._packed, self._memory, self._known, self._known_curvature,
+            scene.time, interval, ego.x, ego.y, ego.yaw, ego.speed, ego.length, ego.width,
+            objects.id, objects.kind, objects.x, objects.y, objects.yaw, objects.speed, objects.acceleration,
+            objects.yaw_rate, objects.length, objects.width, scene.signals, points,
+        )  # fmt: skip
+        plan = Trajectory(prediction.FINE_INTERVAL, points[0], points[1], points[2], points[3], behaviour.WORDS[word])
+        return Decision(Command.from_action(action, change_lane=change), plan)
+
+    def obeyed(self, *, change: bool) -> None:
+        """Say whether the driver that was advised has begun the lane change at the last scene."""
+        m = self._memory[0]
+        if not change and m["changing"] > 0.0 and m["progress"] == 0.0 and m["change_length"] == 0.0:
+            m["changing"] = 0.0
+        elif change and m["changing"] == 0.0:
+            m["changing"], m["progress"], m["change_length"], m["change_begin"] = 1.0, 0.0, 0.0, m["s"]

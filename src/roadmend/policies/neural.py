@@ -1,0 +1,119 @@
+"""The end-to-end neural driving policy: tokens in, throttle and brake out, no rule behind it."""
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from roadmend.core.command import Command, Decision, Trajectory
+from roadmend.core.errors import InputError
+from roadmend.core.route import Route
+from roadmend.core.scene import Scene
+from roadmend.learning.checkpoint import Checkpoint, load_checkpoint
+from roadmend.learning.compiled_encoder import CompiledEncoder, CompiledHead
+from roadmend.learning.shape import EncoderShape, HeadShape
+from roadmend.learning.shipped import find_model
+from roadmend.policies.neural_observer import Observer
+from roadmend.policies.neural_tokens import COLUMNS, may_change
+from roadmend.policies.parameters import Parameters
+
+KIND = "neural"
+BINS = 21  # of the action, evenly from -1 to 1
+OUTPUTS = BINS + 1  # and the lane change
+_AROUND = 2  # bins to either side of the most probable one that the action is the mean over
+_STOP = Decision(Command(0.0, 0.6), Trajectory.empty())  # where the ego's own state is unusable
+
+
+class NeuralParameters(Parameters):
+    """What the neural policy is set to."""
+
+    model: str = Field("neural", min_length=1, description="a shipped model's name, or a model file's path")
+
+    @property
+    def path(self) -> Path:
+        """The model's file.
+
+        Raises:
+            InputError: there is none.
+        """
+        return find_model(self.model)
+
+
+@cache
+def _load(path: Path, _modified: int) -> Checkpoint:
+    return load_checkpoint(path, KIND)
+
+
+def _checked(path: Path) -> Checkpoint:
+    try:
+        modified = path.stat().st_mtime_ns
+    except OSError:
+        modified = 0  # reading it says what is wrong
+    checkpoint = _load(path, modified)
+    encoder = EncoderShape.model_validate_json(_json(checkpoint, "encoder"))
+    head = HeadShape.model_validate_json(_json(checkpoint, "head"))
+    if encoder.attributes != COLUMNS or head.outputs != OUTPUTS or head.inputs != encoder.hidden:
+        raise InputError(str(path), "was trained on other tokens", "train it again with 'roadmend train policy'")
+    return checkpoint
+
+
+def _json(checkpoint: Checkpoint, name: str) -> str:
+    return json.dumps(checkpoint.header["configuration"][name])
+
+
+def action_of(logits: NDArray[np.float32]) -> float:
+    """The action in [-1, 1] that BINS logits stand for: the mean over the most probable bin and its neighbours."""
+    best = int(np.argmax(logits))
+    low, high = max(best - _AROUND, 0), min(best + _AROUND + 1, BINS)
+    weights = np.exp(logits[low:high].astype(np.float64) - float(logits[best]))
+    places = np.arange(low, high) * (2.0 / (BINS - 1)) - 1.0
+    return float(np.sum(weights * places) / np.sum(weights))
+
+
+class NeuralPolicy:
+    """A transformer over the tokens of the scene that was trained to imitate the privileged expert (DAgger).
+
+    The network decides throttle, brake and the moment of the lane change alone; the only rule is that the flag of the
+    lane change is not raised outside the route's window, where it would have no effect.
+    """
+
+    name = "neural"
+
+    def __init__(self, model: Path) -> None:
+        """Load a model.
+
+        Raises:
+            InputError: the file is missing, damaged or of another kind, or was trained on other tokens.
+        """
+        checkpoint = _checked(model)
+        self.model_digest = checkpoint.digest
+        self._encoder = CompiledEncoder(
+            EncoderShape.model_validate_json(_json(checkpoint, "encoder")), checkpoint.tensors, "encoder."
+        )
+        self._head = CompiledHead(HeadShape.model_validate_json(_json(checkpoint, "head")), checkpoint.tensors, "head.")
+        self.observer = Observer()
+
+    def reset(self, route: Route) -> None:
+        """Begin an episode on ``route``; all memory of earlier ones is dropped."""
+        self.observer.reset(route)
+
+    def decide(self, tokens: NDArray[np.float32]) -> Command:
+        """The network's answer to the tokens of a scene, shape (N, COLUMNS)."""
+        outputs: NDArray[Any] = self._head.apply(self._encoder.encode(tokens))
+        change = bool(outputs[BINS] > 0.0) and may_change(tokens)
+        return Command.from_action(action_of(outputs[:BINS]), change_lane=change)
+
+    def step(self, scene: Scene) -> Decision:
+        """Decide for one tick; brakes where the ego's own state is unusable or no route has come yet."""
+        tokens = self.observer.observe(scene)
+        if tokens is None:
+            return _STOP
+        command = self.decide(tokens)
+        if command.change_lane:
+            self.observer.begin_change()
+        word = "change" if command.change_lane else "brake" if command.brake > 0.05 else "drive"
+        return Decision(command, self.observer.trajectory(command.action, word))

@@ -1,0 +1,374 @@
+"""What the neural policy sees: the ego, the objects near its way, the road ahead and the stop lines, as tokens.
+
+One compiled pass turns a scene into N <= TOKENS rows of COLUMNS numbers. A row has one kind, one-hot in its first
+columns, and fills the columns of that kind; all others are zero. Numbers are scaled to about [-3, 3]. They describe
+geometry, the rules of the road and motion extrapolated from each object's own; what to do about it is not in them.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.core.jit import compiled
+from roadmend.core.route import RightOfWay
+from roadmend.core.scene import ObjectKind
+from roadmend.policies import agents as who
+from roadmend.policies import following, localisation, prediction, road, rollout
+from roadmend.policies import path as way
+
+Floats = NDArray[np.float64]
+Tokens = NDArray[np.float32]
+Record = NDArray[np.void]
+
+OBJECTS = 16  # nearest in time and space; the rest is left out
+ZONES = 4
+PLACES = (10.0, 22.0, 38.0, 60.0)  # [m] ahead at which the road is described
+TOKENS = 1 + OBJECTS + len(PLACES) + ZONES
+
+# First columns of the kinds of token; columns 0 to 3 say which it is
+_EGO, _OBJECT, _PLACE, _ZONE = 4, 23, 60, 67
+_ROOM = 83  # of the ego: room in the next lane ahead, behind, and the lesser of the two
+COLUMNS = 86
+
+_STANDING = 0.3  # [m/s]
+_ACCELERATION_FILTER = 0.15  # [s]
+_AT_LINE = 3.5  # [m] before a line at which standing counts
+_FREE_ACCELERATION = 2.2  # [m/s2] of the motion that conflicts are measured against
+_NO_CAP = 100.0  # [m/s2]
+_LATEST = 9.0  # [s] stands for never
+_DRIFT_TIME = 1.5  # [s]
+_MOTORCYCLE, _BICYCLE = int(ObjectKind.MOTORCYCLE), int(ObjectKind.BICYCLE)
+_CROSSING = int(RightOfWay.CROSSING)
+
+# What is carried from tick to tick
+MEMORY: dict[str, float] = {
+    "stage": -1.0, "s": 0.0, "offset": 0.0, "s_next": math.nan, "offset_next": math.inf,  # localisation
+    "changing": 0.0, "progress": 0.0, "change_length": 0.0, "change_begin": 0.0, "changed_at": -math.inf,
+    "waited": 0.0, "stood_at": -1.0, "speed": math.nan, "acceleration": 0.0, "known_count": 0.0,
+}  # fmt: skip
+
+
+def new_memory() -> Record:
+    """The memory at the beginning of an episode."""
+    memory: Record = np.zeros(1, dtype=np.dtype([(name, np.float64) for name in MEMORY], align=True))
+    memory[0] = tuple(MEMORY.values())
+    return memory
+
+
+@compiled
+def _clip(value: float, low: float, high: float) -> float:
+    return min(max(value, low), high)
+
+
+@compiled
+def _remember(memory: Record, zones: Floats, interval: float, speed: float, half: float) -> None:
+    """Acceleration, time waited, and the line at which the ego has stood."""
+    m = memory[0]
+    if math.isnan(m.speed):
+        m.speed = speed
+    gain = 1.0 - math.exp(-interval / _ACCELERATION_FILTER)
+    m.acceleration += gain * (_clip((speed - m.speed) / interval, -10.0, 5.0) - m.acceleration)
+    m.speed = speed
+    if speed < 0.5:
+        m.waited += interval
+    elif speed > 3.0:
+        m.waited = 0.0
+    if speed < _STANDING:
+        for index in range(zones.shape[0]):
+            front = who.zone_begin(zones, index, memory) - half
+            if -0.5 < front < _AT_LINE and m.waited > 0.5:
+                m.stood_at = index
+
+
+@compiled
+def _ego(
+    path: Floats, spacing: float, stages: Floats, memory: Record, time: float, speed: float, row: Tokens
+) -> None:  # fmt: skip
+    m = memory[0]
+    stage = int(m.stage)
+    row[0] = 1.0
+    at = _EGO
+    row[at] = speed / 10.0
+    row[at + 1] = m.acceleration / 3.0
+    row[at + 2] = 1.0 if speed < _STANDING else 0.0
+    row[at + 3] = min(m.waited / 12.0, 1.5)
+    has_next = stage + 1 < stages.shape[0]
+    if has_next:
+        begin, end = stages[stage, road.WINDOW_BEGIN] - m.s, stages[stage, road.WINDOW_END] - m.s
+        row[at + 4] = 1.0
+        row[at + 5] = _clip(begin / 50.0, -1.0, 2.0)
+        row[at + 6] = _clip(end / 100.0, -0.5, 2.5)
+        row[at + 7] = 1.0 if begin <= 0.0 <= end else 0.0
+        row[at + 8] = m.changing
+        row[at + 9] = m.progress
+        row[at + 11] = (
+            0.0 if m.changing > 0.0 else _clip(following.needed_deceleration(speed, end - 2.0) / 4.0, 0.0, 3.0)
+        )
+        row[at + 12] = _clip(end / max(speed, 1.0) / 5.0, -1.0, 3.0)
+    row[at + 10] = _clip((time - m.changed_at) / 6.0, 0.0, 1.0)
+    row[at + 13] = way.speed_on(path, spacing, 0.0) / 10.0
+    for index in range(4):
+        seconds = 0.6 * (index + 1) if index < 3 else 4.0
+        row[at + 14 + index] = _clip((way.speed_on(path, spacing, speed * seconds) - speed) / seconds / 2.0, -3.0, 3.0)
+    row[at + 18] = path[int(way.BEHIND / spacing), way.BEND] * 10.0
+
+
+@compiled
+def _place(
+    path: Floats, spacing: float, ahead: float, x: float, y: float, yaw: float, speed: float, row: Tokens
+) -> None:
+    px, py, heading = way.pose_ahead(path, spacing, ahead)
+    cosine, sine = math.cos(yaw), math.sin(yaw)
+    dx, dy = px - x, py - y
+    allowed = way.speed_on(path, spacing, ahead)
+    row[2] = 1.0
+    at = _PLACE
+    row[at] = (dx * cosine + dy * sine) / 50.0
+    row[at + 1] = (dy * cosine - dx * sine) / 20.0
+    row[at + 2] = math.cos(heading - yaw)
+    row[at + 3] = math.sin(heading - yaw)
+    row[at + 4] = allowed / 10.0
+    row[at + 5] = (allowed - speed) / 5.0
+    row[at + 6] = path[min(int((ahead + way.BEHIND) / spacing), way.POINTS - 1), way.BEND] * 10.0
+
+
+@compiled
+def _zone(
+    zones: Floats, index: int, memory: Record, signals: NDArray[np.uint8], speed: float, half: float, row: Tokens
+) -> None:  # fmt: skip
+    begin = who.zone_begin(zones, index, memory)
+    front = begin - half
+    length = zones[index, road.END] - zones[index, road.BEGIN]
+    row[3] = 1.0
+    at = _ZONE
+    row[at] = _clip(front / 30.0, -1.0, 3.0)
+    row[at + 1] = _clip((begin + length + half) / 30.0, -1.0, 4.0)
+    row[at + 2 + int(zones[index, road.RULE])] = 1.0
+    light = int(zones[index, road.SIGNAL])
+    if 0 <= light < signals.shape[0]:
+        row[at + 7 + min(int(signals[light]), 3)] = 1.0
+    row[at + 11] = _clip(following.needed_deceleration(speed, front - 0.7) / 4.0, 0.0, 3.0) if front > -0.5 else 0.0
+    row[at + 12] = 1.0 if memory[0].stood_at == index else 0.0
+    row[at + 13] = _clip(front / max(speed, 1.0) / 4.0, -1.0, 3.0)
+    row[at + 14] = 1.0 if front < -0.5 else 0.0
+    row[at + 15] = speed / 10.0
+
+
+@compiled
+def _reach(plan: Floats, ahead: float) -> float:
+    """Time [s] at which a plan has come ``ahead`` [m]; _LATEST if never."""
+    if ahead <= 0.0:
+        return 0.0
+    for index in range(1, prediction.TIMES):
+        if plan[index, rollout.AHEAD] >= ahead:
+            before = plan[index - 1, rollout.AHEAD]
+            share = (ahead - before) / max(plan[index, rollout.AHEAD] - before, 1e-6)
+            earlier = prediction.time_at(index - 1)
+            return float(earlier + share * (prediction.time_at(index) - earlier))
+    return _LATEST
+
+
+@compiled
+def _gives_way_at(
+    zones: Floats, memory: Record, signals: NDArray[np.uint8], low: float, high: float, half: float, pedestrian: bool  # noqa: FBT001
+) -> bool:  # fmt: skip
+    """Whether a stretch of the path [m] lies where the ego must give way."""
+    for index in range(zones.shape[0]):
+        begin = who.zone_begin(zones, index, memory)
+        end = begin + zones[index, road.END] - zones[index, road.BEGIN]
+        if begin == math.inf or end < -half:
+            continue
+        if pedestrian:
+            if zones[index, road.RULE] == _CROSSING and high > begin - 1.0 and low < end + 1.0:
+                return True
+        elif who.gives_way(zones, index, signals) and high > begin - 2.0 and low < end + 15.0:
+            return True
+    return False
+
+
+@compiled
+def _object(
+    path: Floats, spacing: float, samples: Floats, stages: Floats, zones: Floats, parameters: Record, memory: Record,
+    signals: NDArray[np.uint8], plan: Floats, track: Floats, forecast: Floats, occupancy: Floats, kind: int,
+    x: float, y: float, yaw: float, speed: float, half: float, half_width: float, row: Tokens,
+) -> float:  # fmt: skip
+    """Fill one object's token; returns how little it matters."""
+    p, m = parameters[0], memory[0]
+    at = _OBJECT
+    row[:] = 0.0
+    row[1] = 1.0
+    cosine, sine = math.cos(yaw), math.sin(yaw)
+    dx, dy = track[prediction.X] - x, track[prediction.Y] - y
+    along, aside = dx * cosine + dy * sine, dy * cosine - dx * sine
+    turn = track[prediction.YAW] - yaw
+    v = track[prediction.SPEED]
+    pedestrian = track[prediction.PEDESTRIAN] > 0.0
+    row[at] = _clip(along / 30.0, -3.0, 3.0)
+    row[at + 1] = _clip(aside / 10.0, -3.0, 3.0)
+    row[at + 2] = math.cos(turn)
+    row[at + 3] = math.sin(turn)
+    row[at + 4] = v / 10.0
+    row[at + 5] = (v * math.cos(turn) - speed) / 10.0
+    row[at + 6] = v * math.sin(turn) / 5.0
+    row[at + 7] = track[prediction.ACCELERATION] / 3.0
+    row[at + 8] = track[prediction.CURVATURE] * 10.0
+    row[at + 9] = track[prediction.HALF_LENGTH] / 3.0
+    row[at + 10] = track[prediction.HALF_WIDTH]
+    row[at + 11] = 1.0 if kind in (_MOTORCYCLE, _BICYCLE) else 0.0
+    row[at + 12] = 1.0 if pedestrian else 0.0
+    row[at + 13] = speed / 10.0
+    row[at + 36] = 1.0 if v > _STANDING else 0.0
+    unimportance = math.hypot(along, aside) / 10.0 + 4.0
+    if along < -half and abs(aside) < 2.0 and math.cos(turn) > 0.7:
+        unimportance += 4.0
+    margin = p.pedestrian_margin if pedestrian else p.side_margin
+    begin, parallel = way.occupy(path, spacing, track, forecast, margin, prediction.TIMES - 1, occupancy)
+    if begin >= 0:
+        low, high = occupancy[begin, way.LOW], occupancy[begin, way.HIGH]
+        entry = prediction.time_at(begin)
+        leave = _LATEST
+        if not (begin == 0 and parallel > way.SAME_WAY):  # who goes the ego's way is not followed further
+            for index in range(begin + 1, prediction.TIMES):
+                if occupancy[index, way.HIGH] < occupancy[index, way.LOW]:
+                    leave = prediction.time_at(index)
+                    break
+        reach, clear = _reach(plan, low - half), _reach(plan, high + half)
+        row[at + 14] = 1.0 if begin == 0 else 0.0
+        row[at + 15] = 1.0
+        row[at + 16] = entry / 4.0
+        row[at + 17] = leave / 4.0
+        row[at + 18] = _clip(low / 30.0, -1.0, 3.0)
+        row[at + 19] = parallel
+        gap = low + 0.5 * spacing - half
+        if begin == 0 and high > 0.0:
+            # The exact gap: the place of the centre along the path, less both half lengths.
+            gap, _ = who.gap_to(path, spacing, track, low, high, half)
+            closing = max(0.0, speed - v * max(parallel, 0.0))
+            stop = max(gap - 1.2, 0.2)
+            row[at + 20] = _clip(gap / 20.0, -0.5, 3.0)
+            row[at + 21] = _clip(closing * closing / (2.0 * stop) / 4.0, 0.0, 3.0)
+            row[at + 22] = _clip(gap / max(speed, 1.0) / 2.0, -0.5, 3.0)
+            row[at + 23] = 1.0
+        row[at + 24] = reach / 4.0
+        row[at + 25] = _clip((entry - clear) / 3.0, -2.0, 2.0)
+        row[at + 26] = _clip((reach - leave) / 3.0, -2.0, 2.0)
+        row[at + 27] = _clip(following.needed_deceleration(speed, gap - 1.0) / 4.0, 0.0, 3.0) if gap > 0.0 else 0.0
+        row[at + 28] = 1.0 if _gives_way_at(zones, memory, signals, low, high, half, pedestrian) else 0.0
+        wide, _ = rollout.contact(plan, occupancy, begin, 0.5, 1.2, half + 1.0, half + 0.3)
+        close, _ = rollout.contact(plan, occupancy, begin, 0.0, 0.3, half + 0.6, half + 0.3)
+        row[at + 29] = 1.0 - prediction.time_at(wide) / 10.0 if wide >= 0 else 0.0
+        row[at + 30] = 1.0 - prediction.time_at(close) / 10.0 if close >= 0 else 0.0
+        if high > -half:
+            unimportance -= 5.0
+    stage = int(m.stage) + 1
+    if stage < stages.shape[0] and m.changing == 0.0:
+        first, count = int(stages[stage, road.FIRST]), int(stages[stage, road.COUNT])
+        s, offset = road.project_on(samples, first, count, track[prediction.X], track[prediction.Y], m.s_next, 200.0)
+        _, _, lane_cosine, lane_sine, _, _ = road.pose_on(samples, first, count, s)
+        other_cosine, other_sine = math.cos(track[prediction.YAW]), math.sin(track[prediction.YAW])
+        drift = v * (other_sine * lane_cosine - other_cosine * lane_sine) * _DRIFT_TIME
+        room = track[prediction.HALF_WIDTH] + half_width + 0.2
+        there = min(abs(offset), abs(offset + drift)) < room or offset * (offset + drift) < 0.0
+        place = s - m.s_next
+        free = abs(place) - track[prediction.HALF_LENGTH] - half
+        row[at + 31] = 1.0 if there else 0.0
+        row[at + 32] = _clip(place / 30.0, -3.0, 3.0)
+        row[at + 33] = _clip(offset / 3.0, -3.0, 3.0)
+        if there:
+            if place >= 0.0:
+                closing = max(0.0, speed - v)
+                need = 2.5 + 0.4 * speed + closing * closing / 5.0
+            else:
+                closing = max(0.0, v - speed)
+                need = 2.5 + 0.5 * v + 0.6 * closing + closing * closing / 5.4
+            row[at + 34] = _clip((free - need) / 10.0, -3.0, 3.0)
+            row[at + 35] = _clip(free / max(need, 1.0) - 1.0, -2.0, 2.0)
+            unimportance -= 3.0
+    return unimportance
+
+
+@compiled
+def _fill_room(tokens: Tokens, count: int) -> None:
+    """The room in the next lane, as the tightest of the objects' shares (free gap to needed gap, less one)."""
+    ahead, behind = 2.0, 2.0
+    for index in range(1, count):
+        if tokens[index, _OBJECT + 31] > 0.0:
+            if tokens[index, _OBJECT + 32] >= 0.0:
+                ahead = min(ahead, float(tokens[index, _OBJECT + 35]))
+            else:
+                behind = min(behind, float(tokens[index, _OBJECT + 35]))
+    tokens[0, _ROOM], tokens[0, _ROOM + 1], tokens[0, _ROOM + 2] = ahead, behind, min(ahead, behind)
+
+
+@compiled
+def tokenise(
+    samples: Floats, stages: Floats, zones: Floats, parameters: Record, memory: Record,
+    known: NDArray[np.uint32], known_curvature: Floats,
+    time: float, interval: float, x: float, y: float, yaw: float, speed: float, length: float, width: float,
+    numbers: NDArray[np.uint32], kind: NDArray[np.uint8], object_x: Floats, object_y: Floats, object_yaw: Floats,
+    object_speed: Floats, object_acceleration: Floats, object_yaw_rate: Floats,
+    object_length: Floats, object_width: Floats, signals: NDArray[np.uint8], tokens: Tokens, objects: NDArray[np.int64],
+) -> tuple[int, Floats, float]:  # fmt: skip
+    """Fill ``tokens`` (TOKENS, COLUMNS) from a scene; returns how many there are, the path and its spacing [m].
+
+    ``objects`` (TOKENS,) receives the row of each token's object in the scene, -1 for the other kinds. The ego's
+    token comes first, then the places, the zones and the objects, those that matter most before the others.
+    """
+    m = memory[0]
+    half = 0.5 * length
+    stage = m.stage
+    localisation.localise(samples, stages, parameters, memory, x, y, speed)
+    if stage >= 0.0 and m.stage > stage:
+        m.changed_at = time
+    _remember(memory, zones, interval, speed, half)
+    path = way.build_path(samples, stages, parameters, memory, speed, length, width)
+    spacing = way.path_spacing(speed)
+    tracks, remembered = prediction.track(
+        parameters, numbers, kind, object_x, object_y, object_yaw, object_speed, object_acceleration, object_yaw_rate,
+        object_length, object_width, known, known_curvature, int(m.known_count), interval,
+        x, y, spacing * way.POINTS,
+    )  # fmt: skip
+    m.known_count = remembered
+    tokens[:, :] = 0.0
+    objects[:] = -1
+    _ego(path, spacing, stages, memory, time, speed, tokens[0])
+    count = 1
+    for ahead in PLACES:
+        _place(path, spacing, ahead, x, y, yaw, speed, tokens[count])
+        count += 1
+    for index in range(zones.shape[0]):
+        begin = who.zone_begin(zones, index, memory)
+        over = begin + zones[index, road.END] - zones[index, road.BEGIN] < -half
+        if begin < 90.0 and not over and count < 1 + len(PLACES) + ZONES:
+            _zone(zones, index, memory, signals, speed, half, tokens[count])
+            count += 1
+    plan = np.empty((prediction.TIMES, 2), dtype=np.float64)
+    forecast = np.empty((prediction.TIMES, prediction.FORECAST_COLUMNS), dtype=np.float64)
+    occupancy = np.empty((prediction.TIMES, 2), dtype=np.float64)
+    nobody = np.empty((0, prediction.TIMES, prediction.FORECAST_COLUMNS), dtype=np.float64)
+    rollout.roll(
+        path, spacing, parameters, speed, _FREE_ACCELERATION, _NO_CAP, math.inf, nobody, -1, math.inf, 0.0, plan
+    )
+    rows = np.empty((tracks.shape[0], COLUMNS), dtype=np.float32)
+    unimportance = np.empty(tracks.shape[0], dtype=np.float64)
+    for index in range(tracks.shape[0]):
+        prediction.forecast(parameters, tracks[index], forecast)
+        source = int(tracks[index, prediction.SOURCE])
+        unimportance[index] = _object(
+            path, spacing, samples, stages, zones, parameters, memory, signals, plan, tracks[index], forecast,
+            occupancy, int(kind[source]), x, y, yaw, speed, half, 0.5 * width, rows[index],
+        )  # fmt: skip
+    order = np.argsort(unimportance, kind="mergesort")
+    for place in range(min(order.shape[0], OBJECTS)):
+        tokens[count] = rows[order[place]]
+        objects[count] = int(tracks[order[place], prediction.SOURCE])
+        count += 1
+    if tokens[0, _EGO + 4] > 0.0 and memory[0].changing == 0.0:
+        _fill_room(tokens, count)
+    return count, path, spacing
+
+
+def may_change(tokens: Tokens) -> bool:
+    """Whether the ego is inside the window of its next lane change and not changing, by its token."""
+    return bool(tokens[0, _EGO + 7] > 0.0 and tokens[0, _EGO + 8] == 0.0)

@@ -1,0 +1,195 @@
+"""Rounds of gathering and fitting: behaviour cloning of the expert, then DAgger (Ross, Gordon, Bagnell 2011).
+
+A folder holds, of every round, the samples (round-K.npz) and the model after it (round-K.safetensors). What is there
+is not made again, and everything follows from the configuration and the seed, so an interrupted training goes on to
+the same result.
+"""
+
+import hashlib
+import json
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from torch.utils.tensorboard import SummaryWriter
+
+from roadmend.core.errors import InputError
+from roadmend.learning.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from roadmend.policies.neural import KIND
+from roadmend.training.imitation import Losses, NeuralNetwork, fit
+from roadmend.training.imitation_configuration import ImitationConfiguration
+from roadmend.training.imitation_rollout import Lesson, Samples, gather
+from roadmend.training.workers import open_mapper
+
+Report = Callable[[str, int, int], None]  # what is being done, how much of it is done, how much there is
+
+
+def choose_device(name: str) -> torch.device:
+    """The device that a name stands for: "auto" takes CUDA where it is there.
+
+    Raises:
+        InputError: it cannot be used here.
+    """
+    if name == "auto":
+        return torch.device("cuda" if torch.cuda.is_available() else "cpu")
+    try:
+        device = torch.device(name)
+        torch.empty(1, device=device)
+    except (RuntimeError, AssertionError):
+        raise InputError("--device", f"{name!r} cannot be used here", "give auto, cpu or cuda") from None
+    return device
+
+
+def samples_digest(samples: Samples) -> str:
+    """SHA-256 of all samples, hexadecimal."""
+    value = hashlib.sha256()
+    for array in (samples.tokens, samples.counts, samples.actions, samples.changes, samples.episodes):
+        value.update(np.ascontiguousarray(array).tobytes())
+    return value.hexdigest()
+
+
+def save_samples(path: Path, samples: Samples, made_by: str) -> None:
+    """Write samples, whole or not at all, with the description of what made them."""
+    part = path.with_name(f"{path.name}.part")
+    with part.open("wb") as file:
+        np.savez(
+            file, tokens=samples.tokens, counts=samples.counts, actions=samples.actions, changes=samples.changes,
+            episodes=samples.episodes, outcomes=np.array(samples.outcomes), made_by=np.array(made_by),
+        )  # fmt: skip
+    part.replace(path)
+
+
+def load_samples(path: Path, made_by: str) -> Samples:
+    """Read samples.
+
+    Raises:
+        InputError: the file is damaged, or other settings made it.
+    """
+    mend = "give another folder, or delete this one"
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            if str(file["made_by"]) != made_by:
+                raise InputError(str(path), "was made with other settings", mend)
+            return Samples(
+                file["tokens"], file["counts"], file["actions"], file["changes"], file["episodes"],
+                tuple(str(outcome) for outcome in file["outcomes"]),
+            )  # fmt: skip
+    except (OSError, ValueError, KeyError, EOFError) as error:
+        raise InputError(str(path), f"cannot be read ({error})", mend) from None
+
+
+@dataclass
+class Training:
+    """One training in a folder."""
+
+    configuration: ImitationConfiguration
+    seed: int
+    folder: Path
+    workers: int
+    device: torch.device
+    command: str  # goes into the header
+    report: Report
+
+    def run(self) -> Path:
+        """Go through all rounds that are not there yet; returns the last model's file.
+
+        Raises:
+            InputError: the folder holds another training, or cannot be written.
+            SimulationError: SUMO failed, or a worker process died.
+        """
+        self.folder.mkdir(parents=True, exist_ok=True)
+        parts: list[Samples] = []
+        model: Path | None = None
+        for number in range(len(self.configuration.rounds)):
+            parts.append(self._gathered(number, model))
+            path = self.folder / f"round-{number}.safetensors"
+            if path.exists():
+                self._check(load_checkpoint(path, KIND), path, number)
+            else:
+                self._fitted(number, parts, model, path)
+            model = path
+        assert model is not None  # there is at least one round
+        return model
+
+    def _identity(self, number: int) -> dict[str, Any]:
+        """What a round follows from."""
+        content = self.configuration.model_dump(mode="json")
+        return {**content, "rounds": content["rounds"][: number + 1], "seed": self.seed}
+
+    def _check(self, checkpoint: Checkpoint, path: Path, number: int) -> None:
+        if checkpoint.header["configuration"].get("training") != self._identity(number):
+            raise InputError(str(path), "was made with other settings", "give another folder, or delete this one")
+
+    def _gathered(self, number: int, model: Path | None) -> Samples:
+        configuration, step = self.configuration, self.configuration.rounds[number]
+        lessons = [
+            Lesson(family, seed, model, step.expert_share, configuration.noise, configuration.every)
+            for seed in configuration.seeds(number, self.seed)
+            for family in configuration.families
+        ]
+        before = load_checkpoint(model, KIND).digest if model is not None else ""
+        made_by = json.dumps([self._gathering(number), before], sort_keys=True)
+        path = self.folder / f"round-{number}.npz"
+        if path.exists():
+            return load_samples(path, made_by)
+        parts = []
+        with open_mapper(self.workers) as mapper:
+            for part in mapper(gather, lessons):
+                parts.append(part)
+                self.report(f"round {number}: driving", len(parts), len(lessons))
+        samples = Samples.join(parts)
+        save_samples(path, samples, made_by)
+        return samples
+
+    def _gathering(self, number: int) -> dict[str, Any]:
+        step, configuration = self.configuration.rounds[number], self.configuration
+        return {
+            "episodes": step.episodes, "expert_share": step.expert_share if number else 1.0, "noise": configuration.noise,
+            "every": configuration.every, "families": list(configuration.families),
+            "first": configuration.seeds(number, self.seed)[0],
+        }  # fmt: skip
+
+    def _fitted(self, number: int, parts: list[Samples], before: Path | None, path: Path) -> None:
+        configuration, step = self.configuration, self.configuration.rounds[number]
+        # One thread: the same bits on every machine, and small batches gain little from more.
+        torch.set_num_threads(1)
+        torch.manual_seed(self.seed * 1000 + number)
+        network = NeuralNetwork(configuration).to(self.device)
+        if before is not None:
+            tensors = load_checkpoint(before, KIND).tensors
+            network.load_state_dict({name: torch.from_numpy(array.copy()) for name, array in tensors.items()})
+        samples = Samples.join(parts)
+        with SummaryWriter(str(self.folder / "tensorboard" / f"round-{number}")) as board:
+
+            def note(epoch: int, learned: Losses, held: Losses) -> None:
+                for name, losses in (("training", learned), ("held out", held)):
+                    for key, value in asdict(losses).items():
+                        board.add_scalar(f"{key}/{name}", value, epoch)
+                self.report(
+                    f"round {number}: learning, {held.action:.3f} + {held.change:.4f} nat", epoch + 1, step.epochs
+                )
+
+            held = fit(network, samples, configuration, step, self.seed * 1000 + number, self.device, note)
+        outcomes = Counter(parts[-1].outcomes)
+        header = {
+            "kind": KIND,
+            "configuration": {
+                "encoder": configuration.encoder_shape.model_dump(mode="json"),
+                "head": configuration.head_shape.model_dump(mode="json"),
+                "training": self._identity(number),
+                "command": self.command,
+            },
+            "data_digest": samples_digest(samples),
+            "metrics": {
+                "held_out": asdict(held),
+                "scenes": len(samples),
+                "last_outcomes": dict(sorted(outcomes.items())),
+            },
+            "ancestry": [load_checkpoint(before, KIND).digest] if before is not None else [],
+        }
+        state = {name: tensor.detach().cpu().numpy() for name, tensor in network.state_dict().items()}
+        save_checkpoint(path, state, header)

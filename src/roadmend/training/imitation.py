@@ -1,0 +1,155 @@
+"""Fits the network of the neural policy to the expert's advice."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+from torch.nn import functional
+
+from roadmend.learning.encoder import Head, SceneEncoder
+from roadmend.policies.neural import BINS
+from roadmend.policies.neural_tokens import COLUMNS
+from roadmend.training.imitation_configuration import ImitationConfiguration, Round
+from roadmend.training.imitation_rollout import UNASKED, Samples
+
+_SORTED_TOGETHER = 16  # batches whose scenes are sorted by their number of tokens, so that little is padding
+
+
+class NeuralNetwork(nn.Module):
+    """The encoder and the action head under the names of the shipped file."""
+
+    def __init__(self, configuration: ImitationConfiguration) -> None:
+        super().__init__()
+        self.encoder = SceneEncoder(configuration.encoder_shape)
+        self.head = Head(configuration.head_shape)
+
+    def forward(self, tokens: Tensor, mask: Tensor) -> Tensor:
+        """(B, N, COLUMNS), (B, N) -> (B, BINS + 1): logits of the action's bins and of the lane change."""
+        outputs: Tensor = self.head(self.encoder(tokens, mask))
+        return outputs
+
+
+@dataclass(frozen=True, slots=True)
+class Losses:
+    """Means over some samples."""
+
+    action: float  # cross entropy [nat]
+    change: float  # binary cross entropy [nat]
+    error: float  # absolute error of the action
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """Some samples, padded."""
+
+    tokens: Tensor  # (B, N, COLUMNS)
+    mask: Tensor  # (B, N)
+    actions: Tensor  # (B,)
+    changes: Tensor  # (B,)
+
+
+def two_hot(actions: Tensor) -> Tensor:
+    """Actions in [-1, 1], (B,), as weights on the two nearest of BINS bins, (B, BINS)."""
+    places = (actions.clamp(-1.0, 1.0) + 1.0) * (0.5 * (BINS - 1))
+    low = places.floor().clamp(max=BINS - 2).long()
+    share = (places - low).unsqueeze(1)
+    result = torch.zeros(len(actions), BINS, device=actions.device)
+    result.scatter_(1, low.unsqueeze(1), 1.0 - share)
+    return result.scatter_(1, low.unsqueeze(1) + 1, share)
+
+
+def batches(
+    samples: Samples, rows: NDArray[np.int64], size: int, generator: np.random.Generator | None, device: torch.device
+) -> Iterator[Batch]:
+    """The rows of the samples in batches; shuffled if a generator is given."""
+    begins = np.concatenate([[0], np.cumsum(samples.counts.astype(np.int64))])
+    order = rows if generator is None else generator.permutation(rows)
+    groups: list[NDArray[np.int64]] = []
+    for begin in range(0, len(order), size * _SORTED_TOGETHER):
+        chunk = order[begin : begin + size * _SORTED_TOGETHER]
+        chunk = chunk[np.argsort(samples.counts[chunk], kind="stable")]
+        groups += [chunk[first : first + size] for first in range(0, len(chunk), size)]
+    for place in range(len(groups)) if generator is None else generator.permutation(len(groups)):
+        chosen = groups[int(place)]
+        counts = samples.counts[chosen].astype(np.int64)
+        mask = np.arange(counts.max())[None] < counts[:, None]
+        tokens = np.zeros((*mask.shape, COLUMNS), dtype=np.float32)
+        within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        tokens[mask] = samples.tokens[np.repeat(begins[chosen], counts) + within]
+        yield Batch(
+            torch.from_numpy(tokens).to(device), torch.from_numpy(mask).to(device),
+            torch.from_numpy(samples.actions[chosen]).to(device),
+            torch.from_numpy(samples.changes[chosen].astype(np.float32)).to(device),
+        )  # fmt: skip
+
+
+def losses_of(network: NeuralNetwork, batch: Batch) -> tuple[Tensor, Tensor, Tensor]:
+    """Cross entropy of the action, binary cross entropy of the lane change and the action's error, each a mean."""
+    outputs = network(batch.tokens, batch.mask)
+    logits = outputs[:, :BINS]
+    action = functional.cross_entropy(logits, two_hot(batch.actions))
+    asked = batch.changes != UNASKED
+    change = outputs.new_zeros(())
+    if bool(asked.any()):
+        # Per batch and not per question, so that a batch with few of them does not count as much as one with many.
+        every = functional.binary_cross_entropy_with_logits(outputs[asked, BINS], batch.changes[asked], reduction="sum")
+        change = every / len(asked)
+    places = torch.linspace(-1.0, 1.0, BINS, device=logits.device)
+    error = (logits.softmax(1) @ places - batch.actions).abs().mean()
+    return action, change, error
+
+
+def measure(
+    network: NeuralNetwork, samples: Samples, rows: NDArray[np.int64], size: int, device: torch.device
+) -> Losses:
+    """Losses over some rows of the samples."""
+    totals = np.zeros(4)
+    network.eval()
+    with torch.no_grad():
+        for batch in batches(samples, rows, size, None, device):
+            parts = losses_of(network, batch)
+            weight = len(batch.actions)
+            totals += [weight * float(parts[0]), weight * float(parts[1]), weight * float(parts[2]), weight]
+    return Losses(*(totals[:3] / max(totals[3], 1.0)).tolist())
+
+
+def split(samples: Samples, held_out: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rows to learn from and rows to measure on; an episode is wholly on one side."""
+    period = max(2, round(1.0 / held_out))
+    kept = samples.episodes % period == period - 1
+    return np.flatnonzero(~kept), np.flatnonzero(kept)
+
+
+def fit(
+    network: NeuralNetwork, samples: Samples, configuration: ImitationConfiguration, step: Round, seed: int,
+    device: torch.device, report: Callable[[int, Losses, Losses], None],
+) -> Losses:  # fmt: skip
+    """Train through the epochs of one round; ``report`` gets each epoch's number and its two losses.
+
+    Returns:
+        The losses on the held-out episodes at the end.
+    """
+    generator = np.random.default_rng(seed)
+    rows, held = split(samples, configuration.held_out)
+    optimizer = torch.optim.AdamW(network.parameters(), lr=step.learning_rate, weight_decay=configuration.weight_decay)
+    total = step.epochs * -(-len(rows) // configuration.batch)
+    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, total, 0.02 * step.learning_rate)
+    last = Losses(0.0, 0.0, 0.0)
+    for epoch in range(step.epochs):
+        network.train()
+        sums = np.zeros(4)
+        for batch in batches(samples, rows, configuration.batch, generator, device):
+            action, change, error = losses_of(network, batch)
+            optimizer.zero_grad(set_to_none=True)
+            loss = action + configuration.change_weight * change
+            loss.backward()  # type: ignore[no-untyped-call]
+            nn.utils.clip_grad_norm_(network.parameters(), 1.0)
+            optimizer.step()
+            schedule.step()
+            sums += [action.item(), change.item(), error.item(), 1.0]
+        last = measure(network, samples, held, configuration.batch, device)
+        report(epoch, Losses(*(sums[:3] / max(sums[3], 1.0)).tolist()), last)
+    return last

@@ -1,0 +1,95 @@
+"""Every hyper-parameter of the neural policy's training: the single source of default, range and meaning."""
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
+
+from roadmend.core.errors import InputError
+from roadmend.learning.shape import EncoderShape, HeadShape
+from roadmend.policies.neural import OUTPUTS
+from roadmend.policies.neural_tokens import COLUMNS
+from roadmend.world.families import FAMILIES
+from roadmend.world.scenario_file import describe
+
+SEEDS_A_ROUND = 1000  # apart
+
+
+class Section(BaseModel):
+    """Base of all: frozen, strict, and deaf to unknown names."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _from_list(cls, value: Any) -> Any:
+        return tuple(value) if isinstance(value, list) else value  # YAML has no tuples
+
+
+class Round(Section):
+    """One round of gathering and learning: behaviour cloning first, DAgger after it (Ross et al. 2011)."""
+
+    episodes: int = Field(60, ge=1, le=900, description="new episodes of each family")
+    expert_share: float = Field(0.0, ge=0.0, le=1.0, description="share of the time during which the expert drives")
+    epochs: int = Field(4, ge=1, le=200, description="passes through the data of this and all earlier rounds")
+    learning_rate: float = Field(1e-3, gt=0.0, le=0.1, description="at the beginning; falls to 2 % along a cosine")
+
+
+class ImitationConfiguration(Section):
+    """How the neural policy is trained."""
+
+    first_seed: int = Field(200_000, ge=50_000, le=900_000, description="of the scenarios that are driven")
+    families: tuple[str, ...] = Field(tuple(FAMILIES), min_length=1, description="families of scenarios")
+    every: int = Field(4, ge=1, le=100, description="ticks between two samples")
+    noise: float = Field(0.5, ge=0.0, le=2.0, description="standard deviation of the expert's disturbances")
+    hidden: int = Field(64, ge=4, le=512, description="H, width of a token inside")
+    layers: int = Field(2, ge=1, le=12, description="transformer layers")
+    heads: int = Field(4, ge=1, le=64, description="attention heads")
+    feed_forward: int = Field(128, ge=4, le=2048, description="width of a layer's feed-forward part")
+    head: tuple[int, ...] = Field((64,), description="hidden widths of the action head")
+    batch: int = Field(256, ge=1, le=65_536, description="scenes a step")
+    weight_decay: float = Field(1e-4, ge=0.0, le=1.0, description="of AdamW")
+    change_weight: float = Field(1.0, ge=0.0, le=100.0, description="of the lane change's loss beside the action's")
+    held_out: float = Field(0.05, gt=0.0, le=0.5, description="share of the episodes that losses are measured on")
+    rounds: tuple[Round, ...] = Field((Round(),), min_length=1, max_length=50, description="one after another")
+
+    @property
+    def encoder_shape(self) -> EncoderShape:
+        """The shape of the encoder."""
+        return EncoderShape(
+            attributes=COLUMNS, hidden=self.hidden, layers=self.layers, heads=self.heads,
+            feed_forward=self.feed_forward, activation="relu",
+        )  # fmt: skip
+
+    @property
+    def head_shape(self) -> HeadShape:
+        """The shape of the head."""
+        return HeadShape(inputs=self.hidden, hidden=self.head, outputs=OUTPUTS)
+
+    def seeds(self, number: int, seed: int) -> range:
+        """The scenarios' seeds of a round; those of another ``seed`` of the training do not overlap."""
+        begin = self.first_seed + (seed * 50 + number) * SEEDS_A_ROUND
+        return range(begin, begin + self.rounds[number].episodes)
+
+
+def read_imitation_configuration(path: Path) -> ImitationConfiguration:
+    """Read a YAML file; names that are left out keep their defaults.
+
+    Raises:
+        InputError: it cannot be read, or a name or value is unknown or out of range.
+    """
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(str(path), f"cannot be read ({error})", "give a readable YAML file") from None
+    except yaml.YAMLError:
+        raise InputError(str(path), "broken YAML", "mend the file") from None
+    try:
+        configuration = ImitationConfiguration.model_validate(content or {})
+        configuration.encoder_shape  # noqa: B018 - the heads must share the width
+    except ValidationError as error:
+        raise InputError(str(path), describe(error), "see config/training/policy.yaml") from None
+    if unknown := [name for name in configuration.families if name not in FAMILIES]:
+        raise InputError(str(path), f"there is no family {unknown[0]!r}", f"choose from {', '.join(FAMILIES)}")
+    return configuration

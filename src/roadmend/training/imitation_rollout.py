@@ -1,0 +1,136 @@
+"""Gathers what the neural policy learns from: scenes that a driver meets, each with what the expert would do there."""
+
+import random
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.core.command import Command, Decision
+from roadmend.core.route import Route
+from roadmend.core.scene import Scene
+from roadmend.policies.expert import Expert
+from roadmend.policies.neural import NeuralPolicy
+from roadmend.policies.neural_observer import Observer
+from roadmend.policies.neural_tokens import COLUMNS
+from roadmend.repair.registry import make_repairer
+from roadmend.world.families import sample_scenario
+from roadmend.world.runner import run_episode
+
+UNASKED = -1  # label of the lane change where there is nothing to decide
+
+
+@dataclass(frozen=True, slots=True)
+class Lesson:
+    """One episode to gather."""
+
+    family: str
+    seed: int
+    model: Path | None  # the learner; None: the expert drives
+    expert_share: float  # of the time during which the expert drives although there is a learner
+    noise: float  # standard deviation of the disturbances of the expert's action
+    every: int  # ticks between two samples
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Samples:
+    """T scenes with labels; the tokens of all scenes lie one after another."""
+
+    tokens: NDArray[np.float16]  # (sum of counts, COLUMNS)
+    counts: NDArray[np.int16]  # (T,)
+    actions: NDArray[np.float32]  # (T,) the expert's, in [-1, 1]
+    changes: NDArray[np.int8]  # (T,) whether it would begin the lane change: 0, 1 or UNASKED
+    episodes: NDArray[np.int32]  # (T,) which episode a scene comes from
+    outcomes: tuple[str, ...]  # of each episode
+
+    @classmethod
+    def join(cls, parts: "list[Samples]") -> "Samples":
+        """All samples of several parts; episodes are numbered on."""
+        begins = np.cumsum([0, *(len(part.outcomes) for part in parts[:-1])])
+        return cls(
+            np.concatenate([part.tokens for part in parts]), np.concatenate([part.counts for part in parts]),
+            np.concatenate([part.actions for part in parts]), np.concatenate([part.changes for part in parts]),
+            np.concatenate([part.episodes + begin for part, begin in zip(parts, begins, strict=True)]).astype(np.int32),
+            tuple(outcome for part in parts for outcome in part.outcomes),
+        )  # fmt: skip
+
+    def __len__(self) -> int:
+        return len(self.counts)
+
+
+class Tutor:
+    """A policy for gathering: the expert advises at every tick; it, the learner, or it with disturbances drives."""
+
+    name = "tutor"
+
+    def __init__(self, lesson: Lesson, friction: float) -> None:
+        self._lesson = lesson
+        self._random = random.Random(f"roadmend/lesson/{lesson.family}/{lesson.seed}/{lesson.model is not None}")
+        self._expert = Expert()
+        self._expert.privilege(friction)
+        self._learner = NeuralPolicy(lesson.model) if lesson.model is not None else None
+        self._observer = self._learner.observer if self._learner is not None else Observer()
+        self._tick = 0
+        self._until = 0  # tick at which driver and disturbance are drawn again
+        self._learner_drives = False
+        self._disturbance = 0.0
+        self.tokens: list[NDArray[np.float16]] = []
+        self.actions: list[float] = []
+        self.changes: list[int] = []
+
+    def reset(self, route: Route) -> None:
+        """Begin an episode on ``route``."""
+        self._expert.reset(route)
+        self._observer.reset(route)
+
+    def step(self, scene: Scene) -> Decision:
+        """Note the scene with the expert's advice, and drive."""
+        advice = self._expert.step(scene)
+        tokens = self._observer.observe(scene)
+        asked = tokens is not None and self._observer.may_change
+        command = advice.command
+        if tokens is not None and (self._tick % self._lesson.every == 0 or (asked and command.change_lane)):
+            self.tokens.append(tokens.astype(np.float16))
+            self.actions.append(command.action)
+            self.changes.append(int(command.change_lane) if asked else UNASKED)
+        self._draw()
+        answer = self._drive(tokens, command, asked=asked)
+        self._expert.obeyed(change=answer.change_lane)
+        if answer.change_lane:
+            self._observer.begin_change()
+        self._tick += 1
+        return Decision(answer, advice.trajectory)
+
+    def _draw(self) -> None:
+        """Who drives for the next while, and how much off the expert's advice it is if the expert does."""
+        if self._tick < self._until:
+            return
+        lesson, draw = self._lesson, self._random
+        self._until = self._tick + draw.randint(20, 80)
+        self._learner_drives = self._learner is not None and draw.random() >= lesson.expert_share
+        self._disturbance = 0.0
+        if not self._learner_drives and draw.random() < 0.3:
+            self._until = self._tick + draw.randint(8, 30)
+            self._disturbance = draw.gauss(0.0, lesson.noise)
+
+    def _drive(self, tokens: NDArray[np.float32] | None, advice: Command, *, asked: bool) -> Command:
+        if self._learner is not None and self._learner_drives and tokens is not None:
+            return self._learner.decide(tokens)
+        # A gap is not always taken at once, so that the learner sees some more of them.
+        change = advice.change_lane and asked and self._random.random() < 0.15
+        action = min(max(advice.action + self._disturbance, -1.0), 1.0)
+        return Command.from_action(action, change_lane=change)
+
+
+def gather(lesson: Lesson) -> Samples:
+    """Run one episode and return what was noted."""
+    scenario = sample_scenario(lesson.family, lesson.seed)
+    tutor = Tutor(lesson, scenario.environment.effective_friction)
+    summary = run_episode(scenario, tutor, make_repairer("none"))
+    counts = np.array([len(tokens) for tokens in tutor.tokens], dtype=np.int16)
+    flat = np.concatenate(tutor.tokens) if tutor.tokens else np.empty((0, COLUMNS), dtype=np.float16)
+    return Samples(
+        flat, counts, np.array(tutor.actions, dtype=np.float32), np.array(tutor.changes, dtype=np.int8),
+        np.zeros(len(counts), dtype=np.int32), (summary.outcome.name,),
+    )  # fmt: skip
