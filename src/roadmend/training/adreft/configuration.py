@@ -102,6 +102,28 @@ class SupervisedSection(Section):
     save_every: int = Field(1, ge=1, le=1000, description="epochs between two states from which training can go on")
 
 
+class PracticeSection(Section):
+    """Practice on trials, ours: values of random interventions instead of labels (see ``practice``)."""
+
+    epochs: int = Field(0, ge=0, le=10_000, description="passes over the trials; 0 leaves the stage out")
+    per_violation: int = Field(8, ge=0, le=1000, description="trials of a violation, besides the policy alone")
+    per_success: int = Field(2, ge=0, le=1000, description="trials of a success, besides the policy alone")
+    interval: int = Field(4, ge=1, le=100, description="ticks between two decisions")
+    learning_rate: LearningRate = 1e-3
+    batch: int = Field(256, ge=1, le=65_536, description="decisions of a batch")
+    monte_carlo_epochs: int = Field(
+        2, ge=1, le=10_000, description="epochs that learn what the episodes came to; later ones ask the network"
+    )
+    steps: int = Field(4, ge=1, le=1000, description="decisions whose rewards are counted before the network is asked")
+    gamma: float = Field(0.98, ge=0.0, le=1.0, description="discount of a decision")
+    violation: float = Field(-10.0, ge=-1000.0, le=0.0, description="reward of a collision")
+    timeout: float = Field(-10.0, ge=-1000.0, le=0.0, description="reward of an episode that never reaches its goal")
+    dose: float = Field(1.0, ge=0.0, le=1000.0, description="price of a second of full command")
+    time: float = Field(0.02, ge=0.0, le=10.0, description="price of a decision's time")
+    near: float = Field(1.0, ge=0.0, le=10.0, description="delta_d: nearer than this is critical [m]")
+    before_collision: float = Field(3.0, ge=0.0, le=10.0, description="delta_t: critical before a collision [s]")
+
+
 class ReinforcementSection(Section):
     """Reinforcement fine-tuning (ADReFT section 3.2.2)."""
 
@@ -161,6 +183,7 @@ class TrainingConfiguration(Section):
     model: ModelSection = ModelSection()
     frames: FramesSection = FramesSection()
     supervised: SupervisedSection = SupervisedSection()
+    practice: PracticeSection = PracticeSection()
     reinforcement: ReinforcementSection = ReinforcementSection()
     threads: int = Field(1, ge=1, le=256, description="threads of torch; the bits may depend on it")
 

@@ -22,12 +22,16 @@ from roadmend.training.adreft.frames import FrameSet
 from roadmend.training.adreft.gathering import Recipe, gather_frames
 from roadmend.training.adreft.labels import make_scheme
 from roadmend.training.adreft.model_file import digest_of_cases, save_model
+from roadmend.training.adreft.practice import PracticeFigures, PracticeStage
 from roadmend.training.adreft.reinforcement import ReinforcementStage, RoundFigures
 from roadmend.training.adreft.supervised import EpochFigures, SupervisedStage
+from roadmend.training.adreft.trial_set import TrialSet
+from roadmend.training.adreft.trials import CaseTrials, TrialPlan, gather_trials
 from roadmend.training.closed_loop import CaseResult, EpisodeCase, Summary, evaluate_cases, summarise
 from roadmend.training.workers import Mapper
 
 SUPERVISED_STATE = "supervised.safetensors"
+PRACTICE_STATE = "practice.safetensors"
 REINFORCEMENT_STATE = "reinforcement.safetensors"
 
 Only = Literal["supervised", "reinforcement"] | None
@@ -109,7 +113,7 @@ class Pipeline:
             SimulationError: SUMO failed, or a worker process died.
         """
         validation = self._frames(self._subject.validation, "validation")
-        before = self._from_model(start) if start is not None else self._supervise(validation, only)
+        before = self._from_model(start) if start is not None else self._prepare(validation, only)
         threshold, quality = self._calibrate(before, validation)
         tensors = before.tensors
         history: list[RoundFigures] = []
@@ -142,6 +146,34 @@ class Pipeline:
         labels = [self._scheme.label(case, frames) for case, frames in zip(cases, gathered, strict=True)]
         self._report(f"{name} labels", len(cases), len(cases), self._configuration.frames.labels)
         return FrameSet.join(gathered, labels, self._model.encoder.attributes)
+
+    def _prepare(self, validation: FrameSet, only: Only) -> _Supervised:
+        """The networks before ReFT: by practice where there is some, else by the supervised stage."""
+        return self._practise() if self._configuration.practice.epochs else self._supervise(validation, only)
+
+    def _practise(self) -> _Supervised:
+        section, subject = self._configuration.practice, self._subject
+        recipe = Recipe(subject.policy, subject.policy_digest, self._model.tokenizer, 1)
+        plan = TrialPlan(section.per_violation, section.per_success, section.interval, self._seed)
+        done, episodes = 0, 0
+
+        def count(trials: CaseTrials) -> None:
+            nonlocal done, episodes
+            done, episodes = done + 1, episodes + len(trials.lengths)
+            self._report("trials", done, len(subject.training), f"{episodes} episodes")
+
+        gathered = gather_trials(subject.training, recipe, plan, self._work / "trials", self._mapper, count)
+        trials = TrialSet.join(gathered, section)
+        stage = PracticeStage(
+            self._model, section, trials, seed=self._seed, device=self._device, state=self._work / PRACTICE_STATE,
+            log=self._work / "tensorboard",
+        )  # fmt: skip
+
+        def report(figures: PracticeFigures) -> None:
+            how = f"{len(trials)} decisions, loss {figures.value_loss:.4f}"
+            self._report("practice", figures.epoch, section.epochs, how)
+
+        return _Supervised(self._model, stage.run(report), None, trials.digest, [])
 
     def _supervise(self, validation: FrameSet, only: Only) -> _Supervised:
         section, state = self._configuration.supervised, self._work / SUPERVISED_STATE

@@ -1,0 +1,171 @@
+"""Practice: monitor and adapter learn from trials what every action is worth, all parameters together.
+
+Fitted Q iteration (Ernst et al. 2005) on the trials: first on what the episodes came to, then on the value of the
+best action some decisions later. It stands in the place of the paper's cross-entropy on weak labels (ADReFT section
+3.2.1), which says "brake fully" wherever a collision is near; ReFT goes on from here as from there.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+from torch.nn import functional
+from torch.utils.tensorboard import SummaryWriter
+
+from roadmend.core.errors import InputError, RoadmendError
+from roadmend.learning.checkpoint import load_checkpoint, save_checkpoint
+from roadmend.repair.adreft.configuration import ModelConfiguration
+from roadmend.training.adreft.configuration import PracticeSection
+from roadmend.training.adreft.network import AdreftNetwork, load_tensors, tensors_of
+from roadmend.training.adreft.supervised import check_identity
+from roadmend.training.adreft.trial_set import TrialSet
+from roadmend.training.optimizer_state import load_optimizer, optimizer_tensors
+
+KIND = "adreft-practice-state"
+_JUDGED = 1024  # decisions of a batch that is only judged
+_CLIP = 1.0  # largest norm of the gradient
+
+
+@dataclass(frozen=True, slots=True)
+class PracticeFigures:
+    """What an epoch came to, means over its batches."""
+
+    epoch: int  # from 1
+    value_loss: float
+    monitor_loss: float
+
+
+class PracticeStage:
+    """One run of the stage. ``state`` is the file from which it goes on after an interruption."""
+
+    def __init__(
+        self, model: ModelConfiguration, section: PracticeSection, trials: TrialSet,
+        *, seed: int, device: str, state: Path, log: Path | None = None,
+    ) -> None:  # fmt: skip
+        """Prepare the stage, or load where it stood.
+
+        Args:
+            model: what to train.
+            section: how.
+            trials: what to learn from.
+            seed: of the initial weights and of the order of the decisions.
+            device: torch's name of where to compute.
+            state: file of the state; one that exists is gone on with.
+            log: folder for TensorBoard.
+
+        Raises:
+            InputError: the file is of another run, or there is no trial.
+        """
+        if not len(trials):
+            raise InputError("training split", "gives no trial", "give a corpus with cases in it")
+        self._section, self._trials = section, trials
+        self._seed, self._device, self._state, self._log = seed, device, state, log
+        torch.manual_seed(seed)
+        self.network = AdreftNetwork(model).to(device)
+        self._optimizer = torch.optim.AdamW(self.network.parameters(), lr=section.learning_rate, weight_decay=1e-4)
+        self._identity = {
+            "model": model.model_dump(mode="json"), "practice": section.model_dump(mode="json"), "seed": seed,
+            "trials": trials.digest,
+        }  # fmt: skip
+        self.history: list[PracticeFigures] = []
+        if state.exists():
+            self._load()
+
+    @property
+    def epoch(self) -> int:
+        """Epochs done."""
+        return len(self.history)
+
+    def run(self, report: Callable[[PracticeFigures], None] = lambda _figures: None) -> dict[str, NDArray[Any]]:
+        """Train to the last epoch; returns the tensors of the whole network.
+
+        Args:
+            report: called after every epoch.
+        """
+        writer = SummaryWriter(str(self._log), purge_step=self.epoch + 1) if self._log is not None else None
+        while self.epoch < self._section.epochs:
+            figures = self._learn(self._targets())
+            self.history.append(figures)
+            self._save()
+            if writer is not None:
+                writer.add_scalar("practice/value_loss", figures.value_loss, figures.epoch)
+                writer.add_scalar("practice/monitor_loss", figures.monitor_loss, figures.epoch)
+            report(figures)
+        if writer is not None:
+            writer.close()
+        return tensors_of(self.network)
+
+    def _targets(self) -> Tensor:
+        """What every chosen action should be worth, shape (F,)."""
+        trials = self._trials
+        if self.epoch < self._section.monte_carlo_epochs:
+            return torch.from_numpy(trials.total)
+        best = np.zeros(len(trials), dtype=np.float32)
+        self.network.eval()
+        with torch.no_grad():
+            for chosen in trials.by_size(_JUDGED):
+                batch = trials.batch(chosen)
+                _, values = self.network(self._to(batch.tokens), self._to(batch.mask), self._to(batch.action))
+                best[chosen] = values.max(dim=1).values.cpu().numpy()
+        ahead = np.where(trials.following >= 0, best[trials.following], 0.0)
+        # No price is negative, so no value is above zero: an estimate that is would feed upon itself.
+        return torch.from_numpy((trials.reward + trials.discount * np.minimum(ahead, 0.0)).astype(np.float32))
+
+    def _learn(self, targets: Tensor) -> PracticeFigures:
+        """One epoch; its chance comes from the seed and its number alone."""
+        trials, generator = self._trials, np.random.default_rng([self._seed, 5, self.epoch])
+        alike, critical = torch.from_numpy(trials.alike), torch.from_numpy(trials.critical)
+        size = self._section.batch
+        steps = math.ceil(len(trials) / size)
+        value_total, monitor_total, count = 0.0, 0.0, 0
+        self.network.train()
+        for chosen in trials.batches(size, generator):
+            for group in self._optimizer.param_groups:
+                group["lr"] = self._rate(self.epoch + count / steps)
+            batch = trials.batch(chosen)
+            logits, values = self.network(self._to(batch.tokens), self._to(batch.mask), self._to(batch.action))
+            counted = alike[chosen].to(self._device, torch.float32)
+            wanted = targets[chosen].to(self._device)[:, None].expand_as(values)
+            apart = functional.smooth_l1_loss(values, wanted, reduction="none") * counted
+            value = (apart.sum(dim=1) / counted.sum(dim=1)).mean()
+            monitor = functional.binary_cross_entropy_with_logits(logits, critical[chosen].to(self._device))
+            self._optimizer.zero_grad(set_to_none=True)
+            (value + monitor).backward()  # type: ignore[no-untyped-call]
+            torch.nn.utils.clip_grad_norm_(self.network.parameters(), _CLIP)
+            self._optimizer.step()
+            value_total, monitor_total = value_total + value.item(), monitor_total + monitor.item()
+            count += 1
+        if not math.isfinite(value_total + monitor_total):
+            raise RoadmendError("the loss is no longer finite; try a lower learning rate")
+        return PracticeFigures(self.epoch + 1, value_total / count, monitor_total / count)
+
+    def _rate(self, done: float) -> float:
+        """Learning rate after ``done`` epochs: a short rise, then half a cosine."""
+        section = self._section
+        share = done / section.epochs
+        rise = min(1.0, share / 0.05 + 0.05)
+        return section.learning_rate * rise * 0.5 * (1.0 + math.cos(math.pi * min(1.0, share)))
+
+    def _to(self, array: NDArray[Any]) -> Tensor:
+        return torch.from_numpy(np.ascontiguousarray(array)).to(self._device)
+
+    def _save(self) -> None:
+        tensors = {**tensors_of(self.network, "now."), **optimizer_tensors(self._optimizer, "optimizer.")}
+        header = {
+            "kind": KIND, "configuration": self._identity, "data_digest": self._identity["trials"], "ancestry": [],
+            "metrics": {"history": [asdict(figures) for figures in self.history]},
+        }  # fmt: skip
+        save_checkpoint(self._state, tensors, header)
+
+    def _load(self) -> None:
+        checkpoint = load_checkpoint(self._state, KIND)
+        check_identity(self._state, checkpoint.header["configuration"], self._identity)
+        load_tensors(self.network, checkpoint.tensors, "now.")
+        load_optimizer(self._optimizer, checkpoint.tensors, "optimizer.")
+        self.history = [PracticeFigures(**entry) for entry in checkpoint.header["metrics"]["history"]]

@@ -1,0 +1,152 @@
+"""Trials of many cases in memory: what a decision came to, and the batches that are drawn."""
+
+import hashlib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.core.outcome import EventKind
+from roadmend.repair.actions import ACTIONS
+from roadmend.training.adreft.configuration import PracticeSection
+from roadmend.training.adreft.trials import CaseTrials
+
+Floats = NDArray[np.float32]
+
+_ACTIONS = np.array(ACTIONS, dtype=np.float32)
+_POOL = 16  # batches whose decisions are sorted by size together
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TrialBatch:
+    """B decisions, padded to the N tokens of the largest."""
+
+    tokens: Floats  # shape (B, N, c), zero where padded
+    mask: NDArray[np.bool_]  # shape (B, N), true where there is a token
+    action: Floats  # the policy's throttle - brake, shape (B,)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TrialSet:
+    """F decisions of many episodes; decision f has the tokens ``tokens[offsets[f] : offsets[f + 1]]``."""
+
+    tokens: NDArray[np.float16]  # shape (M, c)
+    offsets: NDArray[np.int64]  # shape (F + 1,)
+    action: Floats  # shape (F,), as are all below but ``alike``
+    critical: Floats  # weak label of what was really driven
+    reward: Floats  # discounted sum over the next ``steps`` decisions
+    discount: Floats  # of the value of ``following``
+    following: NDArray[np.int64]  # the decision ``steps`` later, -1 where the episode has ended by then
+    total: Floats  # discounted sum to the end of the episode
+    alike: NDArray[np.bool_]  # the actions that would have done the same, shape (F, actions)
+
+    def __len__(self) -> int:
+        return len(self.action)
+
+    @classmethod
+    def join(cls, trials: Sequence[CaseTrials], section: PracticeSection) -> Self:
+        """All decisions of some cases.
+
+        The reward of a decision is minus the price of its dose and of its time; the last one of an episode also bears
+        the price of a collision or of a goal not reached. Actions above the policy's own do nothing, so they are alike.
+        """
+        parts = [_returns(entry, section) for entry in trials]
+        starts = np.concatenate([[0], np.cumsum([len(entry.time) for entry in trials])])[:-1]
+        following = [
+            np.where(part.following >= 0, part.following + start, -1) for part, start in zip(parts, starts, strict=True)
+        ]
+        action = np.concatenate([entry.action for entry in trials])
+        choice = np.concatenate([entry.choice for entry in trials]).astype(np.int64)
+        alike = np.zeros((len(action), len(ACTIONS)), dtype=np.bool_)
+        alike[np.arange(len(action)), choice] = True
+        idle = _ACTIONS[choice] >= action
+        alike |= idle[:, None] & (_ACTIONS[None, :] >= action[:, None])
+        counts = np.concatenate([entry.counts for entry in trials]).astype(np.int64)
+        return cls(
+            np.concatenate([entry.tokens for entry in trials]),
+            np.concatenate([[0], np.cumsum(counts)]),
+            action,
+            np.concatenate([part.critical for part in parts]),
+            np.concatenate([part.reward for part in parts]),
+            np.concatenate([part.discount for part in parts]),
+            np.concatenate(following),
+            np.concatenate([part.total for part in parts]),
+            alike,
+        )
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 over all that is learned from, hexadecimal."""
+        value = hashlib.sha256()
+        for array in (self.tokens, self.offsets, self.action, self.critical, self.reward, self.total, self.alike):
+            value.update(f"{array.dtype.str}{array.shape}".encode())
+            value.update(np.ascontiguousarray(array).tobytes())
+        return value.hexdigest()
+
+    def batch(self, chosen: NDArray[np.int64]) -> TrialBatch:
+        """Some decisions as one batch, in the order chosen."""
+        starts, sizes = self.offsets[chosen], self.offsets[chosen + 1] - self.offsets[chosen]
+        width = max(1, int(sizes.max(initial=0)))
+        mask = np.arange(width)[None, :] < sizes[:, None]
+        tokens = np.zeros((*mask.shape, self.tokens.shape[1]), dtype=np.float32)
+        tokens[mask] = self.tokens[(starts[:, None] + np.arange(width)[None, :])[mask]]
+        return TrialBatch(tokens, mask, self.action[chosen])
+
+    def batches(self, size: int, generator: np.random.Generator) -> Iterator[NDArray[np.int64]]:
+        """Indices of batches that hold every decision once; decisions with like numbers of tokens meet."""
+        sizes = np.diff(self.offsets)
+        order = generator.permutation(len(self))
+        cuts: list[NDArray[np.int64]] = []
+        for start in range(0, len(order), _POOL * size):
+            pool = order[start : start + _POOL * size]
+            pool = pool[np.argsort(sizes[pool], kind="stable")]
+            cuts += [pool[begin : begin + size] for begin in range(0, len(pool), size)]
+        for index in generator.permutation(len(cuts)):
+            yield cuts[index]
+
+    def by_size(self, size: int) -> Iterator[NDArray[np.int64]]:
+        """Indices of batches that hold every decision once, by number of tokens: for judging."""
+        order = np.argsort(np.diff(self.offsets), kind="stable")
+        for start in range(0, len(order), size):
+            yield order[start : start + size]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Returns:
+    """The decisions of one case; shapes (F,)."""
+
+    critical: Floats
+    reward: Floats
+    discount: Floats
+    following: NDArray[np.int64]  # within the case
+    total: Floats
+
+
+def _returns(trials: CaseTrials, section: PracticeSection) -> _Returns:
+    count = len(trials.time)
+    reward = (-section.dose * trials.dose - section.time).astype(np.float64)
+    critical = trials.distance < section.near
+    following = np.full(count, -1, dtype=np.int64)
+    summed, discount, total = np.zeros(count), np.zeros(count), np.zeros(count)
+    begin = 0
+    for episode, length in enumerate(trials.lengths):
+        end = begin + int(length)
+        if trials.outcomes[episode] == int(EventKind.COLLISION):
+            reward[end - 1] += section.violation
+            critical[begin:end] |= trials.time[begin:end] > trials.ends[episode] - section.before_collision
+        elif trials.outcomes[episode] != int(EventKind.GOAL):
+            reward[end - 1] += section.timeout
+        after = 0.0
+        for index in range(end - 1, begin - 1, -1):
+            after = reward[index] + section.gamma * after
+            total[index] = after
+            last = min(index + section.steps, end)
+            powers = section.gamma ** np.arange(last - index)
+            summed[index] = float(powers @ reward[index:last])
+            if last < end:
+                following[index], discount[index] = last, section.gamma ** (last - index)
+        begin = end
+    plain = [array.astype(np.float32) for array in (critical, summed, discount, total)]
+    return _Returns(plain[0], plain[1], plain[2], following, plain[3])
