@@ -2,6 +2,7 @@
 
 import click
 
+from roadmend.cli.bench_adreft import adreft
 from roadmend.cli.bench_loop import loop
 from roadmend.cli.bench_outcomes import outcomes
 from roadmend.cli.bench_readme import readme
@@ -12,6 +13,7 @@ def bench() -> None:
     """Measure, in ratios."""
 
 
+bench.add_command(adreft)
 bench.add_command(loop)
 bench.add_command(outcomes)
 bench.add_command(readme)

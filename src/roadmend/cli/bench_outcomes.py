@@ -18,6 +18,7 @@ from rich.table import Table
 from roadmend.cli.table import wide_console
 from roadmend.core.outcome import EventKind
 from roadmend.evaluation.benchmark_report import provenance, write_report
+from roadmend.evaluation.intervals import wilson
 from roadmend.policies.registry import POLICIES, make_policy
 from roadmend.repair.registry import METHODS, make_repairer
 from roadmend.world.families import FAMILIES, sample_scenario
@@ -132,12 +133,3 @@ def _summary(reports: list[_Report], scenarios: int) -> tuple[dict[str, Any], li
         share = f"{100 * counts['GOAL'] / scenarios:.1f} %"
         rows.append([family, *cells, share, f"{100 * low:.1f} .. {100 * high:.1f} %"])
     return {"scenarios_a_family": scenarios, "families": families}, rows
-
-
-def wilson(successes: int, trials: int) -> tuple[float, float]:
-    """The 95 % Wilson score interval of a share."""
-    z = 1.96
-    share = successes / trials
-    centre = (share + z * z / (2 * trials)) / (1 + z * z / trials)
-    half = z / (1 + z * z / trials) * math.sqrt(share * (1 - share) / trials + z * z / (4 * trials * trials))
-    return max(0.0, centre - half), min(1.0, centre + half)

@@ -3,7 +3,9 @@
 import hashlib
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from roadmend.core.command import Decision
 from roadmend.core.errors import InputError
@@ -85,11 +87,19 @@ def parameters_digest(parameters: Parameters) -> str:
     return hashlib.sha256(json.dumps(parameters, sort_keys=True).encode()).hexdigest()
 
 
-def evaluate_scenario(scenario: Scenario, policy: str, method: str) -> Evaluation:
+def evaluate_scenario(
+    scenario: Scenario, policy: str, method: str, repair: Mapping[str, Any] | None = None
+) -> Evaluation:
     """Run a scenario in this process.
 
+    Args:
+        scenario: what to run.
+        policy: name of the policy.
+        method: name of the repair method.
+        repair: what differs from the method's defaults.
+
     Raises:
-        InputError: the scenario cannot be run, or there is no such policy or method.
+        InputError: the scenario cannot be run, there is no such policy or method, or a parameter is unusable.
         SimulationError: SUMO failed.
     """
     danger, behaviour = Danger(), BehaviourRecorder(INTERVAL)
@@ -98,17 +108,20 @@ def evaluate_scenario(scenario: Scenario, policy: str, method: str) -> Evaluatio
         danger.watch(tick.scene)
         behaviour.watch(tick.scene.ego)
 
-    summary = run_episode(scenario, make_policy(policy), make_repairer(method), watch)
+    summary = run_episode(scenario, make_policy(policy), make_repairer(method, repair), watch)
     fitness = BEST if summary.outcome == EventKind.COLLISION else min(BEST - 1e-6, -danger.least)
     distance = summary.min_distance if math.isfinite(summary.min_distance) else None
     return Evaluation(summary.outcome.name, summary.text, summary.digest, fitness, distance, behaviour.features())
 
 
-def evaluate(subject: Subject, parameters: Parameters) -> Evaluation:
-    """Build and run a point; an error on the way is a result here, since the next search would meet it again."""
+def evaluate(subject: Subject, parameters: Parameters, repair: Mapping[str, Any] | None = None) -> Evaluation:
+    """Build and run a point; an error on the way is a result here, since the next search would meet it again.
+
+    ``repair`` is what differs from the repair method's defaults.
+    """
     try:
         scenario = subject.scenario(parameters, "point")
-        return evaluate_scenario(scenario, subject.policy, subject.method)
+        return evaluate_scenario(scenario, subject.policy, subject.method, repair)
     except Exception as error:  # noqa: BLE001 - see above
         text = " ".join(f"{type(error).__name__}: {error}".split())
         return Evaluation(CRASH, text, "", CRASH_FITNESS, None, (0.0,) * FEATURES)

@@ -1,0 +1,146 @@
+"""Who is measured on what: corpora, contenders and the hindsight bound, brought together for the benchmark."""
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.progress import Progress
+
+from roadmend.core.errors import InputError
+from roadmend.evaluation.benchmark_run import HINDSIGHT, Entrants, Player
+from roadmend.evaluation.contenders import Absence, BenchmarkPlan, resolve
+from roadmend.evaluation.source_digest import source_digest
+from roadmend.search.gather import Progress as Stage
+from roadmend.search.gather import gather_fresh
+from roadmend.search.policy_model import policy_model
+from roadmend.training.hindsight import Bound
+from roadmend.training.hindsight_file import hindsight_bound
+from roadmend.training.pulse import PulsePlayer
+from roadmend.world.corpus import Case, Corpus, load_corpus
+
+LUCKY = "hindsight_lucky"
+_SEARCH = "roadmend.training.hindsight"
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What is to be measured."""
+
+    policies: tuple[str, ...]
+    methods: tuple[str, ...]
+    families: tuple[str, ...]
+    cases: int | None  # violations, and successes, of each family; None: all
+    split: str  # of the corpora
+    fresh_seed: int | None
+    corpora: Path
+    is_quick: bool
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """As plain values."""
+        return {
+            "policies": [*self.policies], "methods": [*self.methods], "families": [*self.families],
+            "cases": self.cases, "split": self.split, "fresh_seed": self.fresh_seed, "quick": self.is_quick,
+        }  # fmt: skip
+
+
+def find_entrants(
+    plan: BenchmarkPlan, config: Path, choice: Choice, work: Path, workers: int, progress: Progress
+) -> list[Entrants]:
+    """Load or gather the cases of every policy, and see which methods can run.
+
+    Raises:
+        InputError: a corpus or a parameter is unusable.
+        SimulationError: a worker process died.
+    """
+    return [_entrants(plan, config, choice, policy, work, workers, progress) for policy in choice.policies]
+
+
+def _entrants(
+    plan: BenchmarkPlan, config: Path, choice: Choice, policy: str, work: Path, workers: int, progress: Progress
+) -> Entrants:
+    contenders, absences = resolve(plan, config, policy, [*choice.methods])
+    if not contenders:
+        return Entrants(policy, "", "", (), (), (), tuple(absences))
+    if choice.fresh_seed is None:
+        path = choice.corpora / f"{policy}.jsonl"
+        if not path.is_file():
+            reason = f"there is no corpus {path.name}"
+            return Entrants(policy, "", "", (), (), (), tuple(Absence(name, policy, reason) for name in choice.methods))
+        corpus = load_corpus(path)
+        if corpus.policy != policy:
+            raise InputError(str(path), f"is a corpus of the policy {corpus.policy!r}", f"give one of {policy!r}")
+    else:
+        corpus = _fresh(choice, policy, work, workers, progress)
+    model = policy_model(policy)
+    if corpus.model != model:
+        what = "was gathered with another model of the policy"
+        raise InputError(f"corpus of {policy}", what, "build it again with 'roadmend corpus build'")
+    cases = select(corpus, choice.families, choice.cases, choice.split)
+    if not cases:
+        raise InputError(
+            f"corpus of {policy}", f"holds no {choice.split} cases of what was asked for", "ask for other families"
+        )
+    monitors, _ = resolve(plan, config, policy, plan.quick.monitors if choice.is_quick else plan.monitors)
+    players: dict[str, dict[str, Player]] = {}
+    if any(contender.group == "bound" for contender in contenders):
+        code = next(contender.code for contender in contenders if contender.group == "bound")
+        bounds = _bounds(cases, policy, f"{code}{model}", work, workers, progress)
+        players = {
+            HINDSIGHT: {case.name: _player(bounds.get(case.name), is_lucky=False) for case in cases},
+            LUCKY: {case.name: _player(bounds.get(case.name), is_lucky=True) for case in cases},
+        }
+    return Entrants(
+        policy, model or "", corpus.digest, tuple(cases), tuple(contenders), tuple(monitors), tuple(absences), players
+    )
+
+
+def _player(bound: Bound | None, *, is_lucky: bool) -> Player:
+    """The profile that was found for a case, one that may begin a little earlier or later if there is one."""
+    profile = None
+    if bound is not None:
+        profile = bound.lucky if is_lucky else bound.best or bound.lucky
+    text = json.dumps(asdict(profile.pulse) if profile is not None else None, sort_keys=True)
+    pulses = (profile.pulse,) if profile is not None else ()
+    return Player(PulsePlayer(pulses), hashlib.sha256(text.encode()).hexdigest())
+
+
+def select(corpus: Corpus, families: Sequence[str], most: int | None, split: str) -> list[Case]:
+    """The cases of some families in a split, at most ``most`` violations and as many successes of each."""
+    return [
+        case
+        for family in families
+        for violation in (True, False)
+        for case in corpus.select(family, split, violation=violation)[:most]
+    ]
+
+
+def _fresh(choice: Choice, policy: str, work: Path, workers: int, progress: Progress) -> Corpus:
+    assert choice.fresh_seed is not None
+    assert choice.cases is not None
+    task = progress.add_task(f"{policy}: fresh cases", total=None)
+
+    def report(stage: Stage) -> None:
+        text = f"{policy}: {stage.stage} {stage.done}/{stage.total}"
+        progress.update(task, description=text, completed=stage.accepted, total=stage.wanted)
+
+    gathered = gather_fresh(
+        policy, choice.fresh_seed, choice.cases, work / "fresh", workers, report, families=choice.families
+    )
+    for shortage in gathered.shortages:
+        progress.console.print(f"{policy}: {shortage}")
+    return gathered.corpus
+
+
+def _bounds(
+    cases: Sequence[Case], policy: str, driver: str, work: Path, workers: int, progress: Progress
+) -> dict[str, Bound]:
+    """By case; ``driver`` is a digest of the policy's code and model, for which a bound holds."""
+    violations = [case for case in cases if case.is_violation]
+    task = progress.add_task(f"{policy}: hindsight bound", total=len(violations))
+    folder = work / "hindsight" / hashlib.sha256(f"{source_digest([_SEARCH])}{driver}".encode()).hexdigest()[:16]
+    found = hindsight_bound(violations, policy, workers, folder, lambda _bound: progress.advance(task))
+    return {bound.name: bound for bound in found}

@@ -1,0 +1,78 @@
+"""The benchmark of repair methods on disk: JSON, Markdown and the page, complete or not at all."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from roadmend.core.errors import InputError
+from roadmend.evaluation.benchmark_content import dump_json
+from roadmend.evaluation.benchmark_page import build_page
+from roadmend.evaluation.benchmark_tables import all_tables, headline
+
+TITLE = "Online repair of driving policies"
+
+
+def write_benchmark(
+    folder: Path, stem: str, content: Mapping[str, Any], cases: Mapping[str, Any], robustness: Mapping[str, Any] | None
+) -> None:
+    """Write STEM.json, STEM-cases.json, STEM.md (the main table), STEM-tables.md (all tables) and STEM.html.
+
+    Raises:
+        InputError: the folder cannot be written.
+    """
+    made = origin(content["provenance"])
+    rows = headline(content)
+    heading = "| " + " | ".join(rows[0]) + " |\n| " + " | ".join(["---"] * len(rows[0])) + " |\n"
+    main = heading + "".join("| " + " | ".join(row) + " |\n" for row in rows[1:])
+    tables = "\n\n".join(table.markdown() for table in all_tables(content))
+    write_files(folder, {
+        f"{stem}.json": dump_json(content) + "\n",
+        f"{stem}-cases.json": dump_json(cases) + "\n",
+        f"{stem}.md": f"# {TITLE}\n\n{main}\n{made}\n",
+        f"{stem}-tables.md": f"# {TITLE}: all tables\n\n{tables}\n\n{made}\n",
+        f"{stem}.html": build_page(content, robustness),
+    })  # fmt: skip
+
+
+def write_files(folder: Path, files: Mapping[str, str]) -> None:
+    """Write texts beside their places and move them there once all are written.
+
+    Raises:
+        InputError: the folder cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in files.items():
+            (folder / f".{name}").write_text(text, encoding="utf-8")
+        for name in files:
+            (folder / f".{name}").replace(folder / name)
+    except OSError as error:
+        raise InputError(str(folder), f"cannot be written ({error.strerror})", "choose a writable folder") from None
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """A file that the benchmark wrote.
+
+    Raises:
+        InputError: it is missing or damaged.
+    """
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(str(path), f"cannot be read ({error})", "make it with 'roadmend bench adreft'") from None
+    except ValueError:
+        raise InputError(str(path), "is damaged", "make it again with 'roadmend bench adreft'") from None
+    if not isinstance(content, dict):
+        raise InputError(str(path), "is damaged", "make it again with 'roadmend bench adreft'")
+    return content
+
+
+def origin(made: Mapping[str, Any]) -> str:
+    """One line about what made a file."""
+    machine = made["machine"]
+    changed = " (changed)" if made["dirty"] else ""
+    return (
+        f"Made by `{made['command']}` at commit {made['commit'][:12]}{changed} on {machine['processor']}, "
+        f"{machine['cores']} cores, Python {machine['python']}."
+    )

@@ -1,0 +1,137 @@
+"""Runs the benchmark of repair methods: what is missing in the store is driven, the rest is read from it."""
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from roadmend.core.errors import RoadmendError
+from roadmend.core.interfaces import Repairer
+from roadmend.evaluation.case_jobs import Job, Labels, case_key, run_jobs
+from roadmend.evaluation.case_result import CaseResult
+from roadmend.evaluation.contenders import Absence, Contender
+from roadmend.evaluation.monitor_metrics import Confusion
+from roadmend.evaluation.result_store import ResultStore
+from roadmend.evaluation.source_digest import source_digest
+from roadmend.world.corpus import Case
+
+HINDSIGHT = "hindsight"  # the bound that all methods are held against
+
+
+@dataclass(frozen=True, slots=True)
+class Player:
+    """Plays what a search in hindsight has found for one case."""
+
+    repairer: Repairer
+    digest: str  # of what it plays
+
+
+@dataclass(frozen=True, slots=True)
+class Entrants:
+    """All that one policy is measured with."""
+
+    policy: str
+    policy_digest: str  # of its model, empty without one
+    corpus_digest: str
+    cases: tuple[Case, ...]
+    contenders: tuple[Contender, ...]
+    monitors: tuple[Contender, ...]
+    absences: tuple[Absence, ...]
+    players: Mapping[str, Mapping[str, Player]] = field(default_factory=dict)  # of contenders that are bounds; by case
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """What one policy came to."""
+
+    entrants: Entrants
+    results: dict[str, tuple[CaseResult, ...]]  # by method, in the order of the cases
+    confusions: dict[str, tuple[Confusion, ...]]  # by monitor, in the order of the cases
+
+    @property
+    def unreproduced(self) -> tuple[str, ...]:
+        """Cases that the policy alone does not drive as its corpus says; empty where it was not run alone."""
+        alone = self.results.get("none", ())
+        pairs = zip(self.entrants.cases, alone, strict=False)
+        return tuple(case.name for case, result in pairs if case.digest != result.digest)
+
+
+def find_jobs(entrants: Entrants, store: ResultStore, labels: Labels) -> list[Job]:
+    """What is still to be done for one policy."""
+    jobs = []
+    for contender in entrants.contenders:
+        for case in entrants.cases:
+            key = _repair_key(entrants, contender, case)
+            if store.get(key) is None:
+                player = _player(entrants, contender, case)
+                jobs.append(Job(case, (contender,), (key,), repairer=player.repairer if player else None))
+    for case in entrants.cases:
+        keys = {_monitor_key(entrants, monitor, case, labels): monitor for monitor in entrants.monitors}
+        missing = [key for key in keys if store.get(key) is None]
+        if missing:
+            jobs.append(Job(case, tuple(keys[key] for key in missing), tuple(missing), labels))
+    return jobs
+
+
+def drive(
+    jobs: Sequence[Job], store: ResultStore, workers: int, report: Callable[[Job], None] = lambda _job: None
+) -> None:
+    """Do the work and keep its results.
+
+    Raises:
+        RoadmendError: some of it failed; all the rest was done and kept.
+        InputError: the store cannot be written.
+    """
+    faults = []
+    for outcome in run_jobs(jobs, workers):
+        for key, result in zip(outcome.job.keys, outcome.results, strict=False):
+            store.add(key, result)
+        if outcome.fault:
+            faults.append(outcome.fault)
+        report(outcome.job)
+    if faults:
+        raise RoadmendError(f"{len(faults)} of {len(jobs)} episodes failed; the first: {min(faults)}")
+
+
+def read_results(entrants: Entrants, store: ResultStore, labels: Labels) -> Measured:
+    """The results of one policy after all of its jobs are done."""
+    results = {
+        contender.name: tuple(
+            CaseResult.parse(_done(store, _repair_key(entrants, contender, case))) for case in entrants.cases
+        )
+        for contender in entrants.contenders
+    }
+    confusions = {
+        monitor.name: tuple(
+            Confusion(**_done(store, _monitor_key(entrants, monitor, case, labels))) for case in entrants.cases
+        )
+        for monitor in entrants.monitors
+    }
+    return Measured(entrants, results, confusions)
+
+
+def _player(entrants: Entrants, contender: Contender, case: Case) -> Player | None:
+    return entrants.players[contender.name][case.name] if contender.group == "bound" else None
+
+
+def _repair_key(entrants: Entrants, contender: Contender, case: Case) -> str:
+    player = _player(entrants, contender, case)
+    played = player.digest if player is not None else ""
+    return _digest(["repair", entrants.policy, entrants.policy_digest, contender.key, played, case_key(case)])
+
+
+def _monitor_key(entrants: Entrants, monitor: Contender, case: Case, labels: Labels) -> str:
+    code = source_digest([labels.__module__])
+    return _digest(["monitor", entrants.policy, entrants.policy_digest, monitor.key, code, case_key(case)])
+
+
+def _digest(content: list[str]) -> str:
+    return hashlib.sha256(json.dumps(content).encode()).hexdigest()
+
+
+def _done(store: ResultStore, key: str) -> dict[str, Any]:
+    result = store.get(key)
+    if result is None:
+        raise RoadmendError("a result is missing; run the same command again to go on")
+    return result
