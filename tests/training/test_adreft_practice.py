@@ -8,7 +8,7 @@ from roadmend.repair.actions import ACTIONS
 from roadmend.training.adreft.configuration import ModelSection, PracticeSection
 from roadmend.training.adreft.practice import PracticeStage
 from roadmend.training.adreft.trial_set import TrialSet
-from roadmend.training.adreft.trials import CaseTrials
+from roadmend.training.adreft.trials import PASS, CaseTrials
 from roadmend.training.device import choose_torch_device
 
 MODEL = ModelSection(hidden=16, layers=1, heads=2, feed_forward=16, monitor=(16,), adapter=(16,)).configuration()
@@ -29,7 +29,8 @@ def trials_of(outcomes, choices, actions, attribute=None, name="case"):
     tokens[:, 1] = 0.0 if attribute is None else attribute
     action, choice = np.asarray(actions, dtype=np.float32), np.asarray(choices, dtype=np.int8)
     time = np.tile(0.2 * np.arange(length), count)
-    dose = 0.2 * np.maximum(action - np.array(ACTIONS, dtype=np.float32)[choice], 0.0)
+    held = np.where(choice == PASS, action, np.array(ACTIONS, dtype=np.float32)[choice])
+    dose = 0.2 * np.maximum(action - held, 0.0)
     return CaseTrials(
         name, np.array(outcomes, dtype=np.int8), np.full(count, 0.2 * length), np.full(count, length, dtype=np.int32),
         time, action, choice, dose.astype(np.float32), np.full(len(choices), np.inf, dtype=np.float32),
@@ -51,6 +52,14 @@ def test_returns_by_hand():
     # 0.8 and 0.6 do as little as the policy's own 0.5; braking is alike to itself alone.
     assert found.alike[0].tolist() == [True, True] + [False] * 8
     assert np.flatnonzero(found.alike[1]).tolist() == [4]
+
+
+def test_the_policys_own_action_is_like_all_that_would_not_have_changed_it():
+    section = PracticeSection(epochs=1)
+    found = TrialSet.join([trials_of([GOAL], [PASS, PASS, 0], [0.3, 0.9, 0.9])], section)
+    assert np.flatnonzero(found.alike[0]).tolist() == [0, 1, 2]
+    assert not found.alike[1].any()  # no action of a repair lets 0.9 pass
+    assert np.flatnonzero(found.alike[2]).tolist() == [0]
 
 
 def lesson(seed, cases=60):

@@ -133,7 +133,7 @@ class PracticeStage:
             counted = alike[chosen].to(self._device, torch.float32)
             wanted = targets[chosen].to(self._device)[:, None].expand_as(values)
             apart = functional.smooth_l1_loss(values, wanted, reduction="none") * counted
-            value = (apart.sum(dim=1) / counted.sum(dim=1)).mean()
+            value = (apart.sum(dim=1) / counted.sum(dim=1).clamp(min=1.0)).mean()
             monitor = functional.binary_cross_entropy_with_logits(logits, critical[chosen].to(self._device))
             self._optimizer.zero_grad(set_to_none=True)
             (value + monitor).backward()  # type: ignore[no-untyped-call]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from roadmend.core.outcome import EventKind
 from roadmend.repair.actions import ACTIONS
 from roadmend.training.adreft.configuration import PracticeSection
-from roadmend.training.adreft.trials import CaseTrials
+from roadmend.training.adreft.trials import PASS, CaseTrials
 
 Floats = NDArray[np.float32]
 
@@ -40,7 +40,7 @@ class TrialSet:
     discount: Floats  # of the value of ``following``
     following: NDArray[np.int64]  # the decision ``steps`` later, -1 where the episode has ended by then
     total: Floats  # discounted sum to the end of the episode
-    alike: NDArray[np.bool_]  # the actions that would have done the same, shape (F, actions)
+    alike: NDArray[np.bool_]  # the actions that would have done the same, perhaps none, shape (F, actions)
 
     def __len__(self) -> int:
         return len(self.action)
@@ -60,8 +60,9 @@ class TrialSet:
         action = np.concatenate([entry.action for entry in trials])
         choice = np.concatenate([entry.choice for entry in trials]).astype(np.int64)
         alike = np.zeros((len(action), len(ACTIONS)), dtype=np.bool_)
-        alike[np.arange(len(action)), choice] = True
-        idle = _ACTIONS[choice] >= action
+        held = np.flatnonzero(choice != PASS)
+        alike[held, choice[held]] = True
+        idle = (choice == PASS) | (_ACTIONS[choice] >= action)
         alike |= idle[:, None] & (_ACTIONS[None, :] >= action[:, None])
         counts = np.concatenate([entry.counts for entry in trials]).astype(np.int64)
         return cls(

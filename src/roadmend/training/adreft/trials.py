@@ -35,7 +35,8 @@ from roadmend.training.workers import Mapper
 from roadmend.world.runner import EpisodeSummary, run_episode
 from roadmend.world.simulation import INTERVAL, Tick
 
-_LAYOUT = 1  # of a file with trials; grows with every change
+PASS = -1  # in the place of an action: the policy's own
+_LAYOUT = 2  # of a file with trials; grows with every change
 _LATEST, _EARLIEST = 0.3, 6.0  # [s] before the collision, between which the first intervention of a trial begins
 _SHORTEST, _LONGEST = 0.2, 4.0  # [s] of an action held
 _USUAL = 0.8  # [s] mean of what is held beyond the shortest
@@ -99,7 +100,7 @@ class CaseTrials:
     lengths: NDArray[np.int32]  # decisions of each episode, shape (T,)
     time: NDArray[np.float64]  # [s] of each decision, shape (F,)
     action: NDArray[np.float32]  # the policy's throttle - brake, shape (F,)
-    choice: NDArray[np.int8]  # index into ACTIONS of what was proposed, shape (F,)
+    choice: NDArray[np.int8]  # index into ACTIONS of what was held, PASS for the policy's own, shape (F,)
     dose: NDArray[np.float32]  # [s] until the next decision, shape (F,)
     distance: NDArray[np.float32]  # [m] least until the next decision, inf where nobody was there, shape (F,)
     counts: NDArray[np.int32]  # tokens of each decision, shape (F,)
@@ -143,7 +144,7 @@ class _Trial:
         self._tokenizer, self._holds, self._interval = tokenizer, holds, interval
         self._since = min((hold.begin for hold in holds), default=0.0) - _LEAD
         self._tick = 0
-        self._choice = 0
+        self._choice = PASS
         self.time: list[float] = []
         self.action: list[float] = []
         self.choice: list[int] = []
@@ -162,7 +163,7 @@ class _Trial:
         asked = command.action
         if self._tick % self._interval == 0:
             now = scene.time
-            self._choice = next((hold.action for hold in self._holds if hold.begin <= now < hold.end), 0)
+            self._choice = next((hold.action for hold in self._holds if hold.begin <= now < hold.end), PASS)
             if now >= self._since:
                 self.time.append(now)
                 self.action.append(asked)
@@ -171,7 +172,7 @@ class _Trial:
                 self.distance.append(np.inf)
                 self.tokens.append(tokens.values.astype(np.float16))
         self._tick += 1
-        wanted = ACTIONS[self._choice]
+        wanted = asked if self._choice == PASS else ACTIONS[self._choice]
         if wanted >= asked:
             return Repair(command, RepairStatus.PASS, 0.0, 0.5, asked, wanted, intervened=False)
         final = Command.from_action(wanted, change_lane=command.change_lane)

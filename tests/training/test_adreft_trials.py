@@ -1,0 +1,68 @@
+"""Trials: they are drawn where they may matter, leave the policy alone elsewhere, and are not driven twice."""
+
+import numpy as np
+import pytest
+
+from roadmend.core.errors import InputError
+from roadmend.repair.actions import ACTIONS
+from roadmend.training.adreft.gathering import Recipe
+from roadmend.training.adreft.trials import PASS, CaseTrials, TrialPlan, gather_trials, try_case
+
+from .cases import Drawn
+
+RECIPE = Recipe("modular", "", "rich", 1)
+
+
+def test_interventions_begin_in_the_seconds_before_the_collision_and_come_from_the_seed():
+    plan = TrialPlan(8, 2, 4, 7)
+    case = Drawn("S1", 1, is_violation=True)
+    drawn = [plan.holds(case, number, 20.0) for number in range(1, 200)]
+    begins = [holds[0].begin for holds in drawn]
+    assert 14.0 <= min(begins) < 14.5
+    assert 19.0 < max(begins) <= 19.7
+    assert {hold.action for holds in drawn for hold in holds} == set(range(1, len(ACTIONS)))
+    assert all(0.2 <= hold.end - hold.begin <= 4.0 + 1e-9 for holds in drawn for hold in holds)
+    assert drawn[5] == plan.holds(case, 6, 20.0)
+    assert drawn[5] != TrialPlan(8, 2, 4, 8).holds(case, 6, 20.0)
+
+
+@pytest.fixture(scope="module")
+def gathered(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("trials")
+    [trials] = gather_trials([Drawn("S5", 3)], RECIPE, TrialPlan(2, 2, 4, 1), folder, map)
+    return folder, trials
+
+
+def test_a_trial_is_the_policy_alone_but_for_what_is_held(gathered):
+    _, trials = gathered
+    assert len(trials.outcomes) == 3  # alone, and two trials
+    alone = int(trials.lengths[0])
+    assert (trials.choice[:alone] == PASS).all()
+    assert not trials.dose[:alone].any()  # a policy that asks for more than 0.8 is left alone too
+    assert trials.time[0] == 0.0
+    np.testing.assert_allclose(np.diff(trials.time[:alone]), 0.2, atol=1e-6)
+    assert (trials.choice[alone:] != PASS).any()
+    held = trials.choice >= 0
+    worth = np.array(ACTIONS)[trials.choice]
+    assert (trials.dose[held & (worth < trials.action)] > 0.0).all()
+    assert trials.counts.sum() == len(trials.tokens)
+    assert trials.lengths.sum() == len(trials.time)
+
+
+def test_what_is_there_is_not_driven_again_and_what_is_damaged_is(gathered, monkeypatch):
+    folder, trials = gathered
+    [path] = folder.glob("*.npz")
+    again = CaseTrials.load(path)
+    np.testing.assert_array_equal(again.tokens, trials.tokens)
+    before = path.stat().st_mtime_ns
+    gather_trials([Drawn("S5", 3)], RECIPE, TrialPlan(2, 2, 4, 1), folder, map)
+    assert path.stat().st_mtime_ns == before
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    gather_trials([Drawn("S5", 3)], RECIPE, TrialPlan(2, 2, 4, 1), folder, map)
+    np.testing.assert_array_equal(CaseTrials.load(path).tokens, trials.tokens)
+
+
+def test_a_case_that_is_driven_otherwise_is_refused():
+    with pytest.raises(InputError, match="does not drive it as the corpus says"):
+        try_case(Drawn("S5", 3, digest="0" * 64), RECIPE, TrialPlan(0, 0, 4, 1))
