@@ -193,6 +193,24 @@ def test_a_method_that_cannot_be_made_is_a_refusal_to_configure(bench, monkeypat
     assert there.node.trigger_configure() == TransitionCallbackReturn.SUCCESS
 
 
+def test_a_missing_model_is_a_refusal_to_configure(bench, tmp_path, capfd):
+    path = str(tmp_path / "none.safetensors")
+    there = bench(autostart=False, method="adreft", **{"adreft.model": path})
+    assert there.node.trigger_configure() == TransitionCallbackReturn.FAILURE
+    assert state_of(there.node) == "unconfigured"
+    assert f"refuses to configure: {path}: no such model file" in capfd.readouterr().err
+    there.route()
+    assert there.tick(0) == [] == there.wait(5.0)
+
+
+def test_a_model_that_is_damaged_is_a_refusal_to_configure(bench, tmp_path, capfd):
+    path = tmp_path / "broken.safetensors"
+    path.write_bytes(b"no model")
+    there = bench(autostart=False, method="adreft", **{"adreft.model": str(path)})
+    assert there.node.trigger_configure() == TransitionCallbackReturn.FAILURE
+    assert "cut or damaged" in capfd.readouterr().err
+
+
 def test_a_refusal_under_autostart_ends_the_node_with_the_code_for_bad_input(bench, monkeypatch):
     monkeypatch.setattr(module, "make_repairer", lambda *_: (_ for _ in ()).throw(InputError("a", "b", "c")))
     node = bench().node
