@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from roadmend.core.errors import InputError
+from roadmend.core.outcome import EventKind
 from roadmend.repair.actions import ACTIONS
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.adreft.trials import PASS, CaseTrials, TrialPlan, gather_trials, try_case
@@ -14,22 +15,21 @@ RECIPE = Recipe("modular", "", "rich", 1)
 
 
 def test_interventions_begin_in_the_seconds_before_the_collision_and_come_from_the_seed():
-    plan = TrialPlan(8, 2, 4, 7)
-    case = Drawn("S1", 1, is_violation=True)
-    drawn = [plan.holds(case, number, 20.0) for number in range(1, 200)]
+    plan = TrialPlan(8, 2, 0, 4, 7)
+    drawn = [plan.holds("S1-1", number, 20.0, collides=True) for number in range(1, 200)]
     begins = [holds[0].begin for holds in drawn]
     assert 14.0 <= min(begins) < 14.5
     assert 19.0 < max(begins) <= 19.7
     assert {hold.action for holds in drawn for hold in holds} == set(range(1, len(ACTIONS)))
     assert all(0.2 <= hold.end - hold.begin <= 4.0 + 1e-9 for holds in drawn for hold in holds)
-    assert drawn[5] == plan.holds(case, 6, 20.0)
-    assert drawn[5] != TrialPlan(8, 2, 4, 8).holds(case, 6, 20.0)
+    assert drawn[5] == plan.holds("S1-1", 6, 20.0, collides=True)
+    assert drawn[5] != TrialPlan(8, 2, 0, 4, 8).holds("S1-1", 6, 20.0, collides=True)
 
 
 @pytest.fixture(scope="module")
 def gathered(tmp_path_factory):
     folder = tmp_path_factory.mktemp("trials")
-    [trials] = gather_trials([Drawn("S5", 3)], RECIPE, TrialPlan(2, 2, 4, 1), folder, map)
+    [trials] = gather_trials([Drawn("S5", 3)], RECIPE, TrialPlan(2, 2, 0, 4, 1), folder, map)
     return folder, trials
 
 
@@ -55,14 +55,25 @@ def test_what_is_there_is_not_driven_again_and_what_is_damaged_is(gathered, monk
     again = CaseTrials.load(path)
     np.testing.assert_array_equal(again.tokens, trials.tokens)
     before = path.stat().st_mtime_ns
-    gather_trials([Drawn("S5", 3)], RECIPE, TrialPlan(2, 2, 4, 1), folder, map)
+    gather_trials([Drawn("S5", 3)], RECIPE, TrialPlan(2, 2, 0, 4, 1), folder, map)
     assert path.stat().st_mtime_ns == before
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2])
-    gather_trials([Drawn("S5", 3)], RECIPE, TrialPlan(2, 2, 4, 1), folder, map)
+    gather_trials([Drawn("S5", 3)], RECIPE, TrialPlan(2, 2, 0, 4, 1), folder, map)
     np.testing.assert_array_equal(CaseTrials.load(path).tokens, trials.tokens)
 
 
 def test_a_case_that_is_driven_otherwise_is_refused():
     with pytest.raises(InputError, match="does not drive it as the corpus says"):
-        try_case(Drawn("S5", 3, digest="0" * 64), RECIPE, TrialPlan(0, 0, 4, 1))
+        try_case(Drawn("S5", 3, digest="0" * 64), RECIPE, TrialPlan(0, 0, 0, 4, 1))
+
+
+def test_a_blinded_policy_collides_where_it_would_not_and_sees_again_later():
+    case, plan = Drawn("S5", 3), TrialPlan(1, 0, 8, 4, 1)
+    trials = try_case(case, RECIPE, plan)
+    assert trials.outcomes[0] == int(EventKind.GOAL)
+    collided = int((trials.outcomes[1:] == int(EventKind.COLLISION)).sum())
+    assert collided >= 1
+    assert len(trials.outcomes) >= 1 + 8 + 1
+    again = try_case(case, RECIPE, plan)
+    np.testing.assert_array_equal(again.tokens, trials.tokens)

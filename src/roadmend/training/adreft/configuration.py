@@ -108,6 +108,12 @@ class PracticeSection(Section):
     epochs: int = Field(0, ge=0, le=10_000, description="passes over the trials; 0 leaves the stage out")
     per_violation: int = Field(8, ge=0, le=1000, description="trials of a violation, besides the policy alone")
     per_success: int = Field(2, ge=0, le=1000, description="trials of a success, besides the policy alone")
+    blinded: int = Field(
+        1,
+        ge=0,
+        le=100,
+        description="times that a success is driven blinded; if it collides it gets per_violation trials",
+    )
     interval: int = Field(4, ge=1, le=100, description="ticks between two decisions")
     learning_rate: LearningRate = 1e-3
     batch: int = Field(256, ge=1, le=65_536, description="decisions of a batch")

@@ -154,7 +154,7 @@ class Pipeline:
     def _practise(self) -> _Supervised:
         section, subject = self._configuration.practice, self._subject
         recipe = Recipe(subject.policy, subject.policy_digest, self._model.tokenizer, 1)
-        plan = TrialPlan(section.per_violation, section.per_success, section.interval, self._seed)
+        plan = TrialPlan(section.per_violation, section.per_success, section.blinded, section.interval, self._seed)
         done, episodes = 0, 0
 
         def count(trials: CaseTrials) -> None:

@@ -2,7 +2,8 @@
 
 The paper explores tick by tick (ADReFT algorithm 1); a tick of braking changes nothing that could be learned from. A
 trial holds an action for a while, as an intervention does, and it begins where it may matter: in the seconds before
-the collision that the policy alone would have.
+the collision that the policy alone would have. Collisions of other kinds than a search finds come from successes that
+the policy drives without seeing everybody.
 """
 
 import hashlib
@@ -12,7 +13,7 @@ import random
 import zipfile
 import zlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
 from functools import partial
 from pathlib import Path
 from typing import Any, Self
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 
 from roadmend.core.command import Command, Decision
 from roadmend.core.errors import InputError
+from roadmend.core.outcome import EventKind
 from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
@@ -29,6 +31,7 @@ from roadmend.policies.registry import make_policy
 from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.registry import make_tokenizer
 from roadmend.repair.adreft.tokenizer import Tokenizer
+from roadmend.training.adreft.blinding import BlindedPolicy, Blindness, draw_blindness
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.closed_loop import EpisodeCase
 from roadmend.training.workers import Mapper
@@ -36,7 +39,7 @@ from roadmend.world.runner import EpisodeSummary, run_episode
 from roadmend.world.simulation import INTERVAL, Tick
 
 PASS = -1  # in the place of an action: the policy's own
-_LAYOUT = 2  # of a file with trials; grows with every change
+_LAYOUT = 3  # of a file with trials; grows with every change
 _LATEST, _EARLIEST = 0.3, 6.0  # [s] before the collision, between which the first intervention of a trial begins
 _SHORTEST, _LONGEST = 0.2, 4.0  # [s] of an action held
 _USUAL = 0.8  # [s] mean of what is held beyond the shortest
@@ -60,25 +63,28 @@ class TrialPlan:
 
     per_violation: int
     per_success: int
+    blinded: (
+        int  # times that a success is driven with the policy blinded; where that collides, per_violation trials more
+    )
     interval: int  # ticks between two decisions
     seed: int
 
     def key(self, case: EpisodeCase, recipe: Recipe) -> str:
         """Name for a case's trials: cases or plans that differ have different ones."""
-        number = self.per_violation if case.is_violation else self.per_success
-        text = json.dumps([_LAYOUT, recipe.key(case), number, self.interval, self.seed])
+        text = json.dumps([_LAYOUT, recipe.key(case), *asdict(self).values()])
         return hashlib.sha256(text.encode()).hexdigest()[:32]
 
-    def holds(self, case: EpisodeCase, number: int, end: float) -> list[Hold]:
-        """The interventions of one trial, drawn from the seed, the case and the trial's number.
+    def holds(self, name: str, number: int, end: float, *, collides: bool) -> list[Hold]:
+        """The interventions of one trial, drawn from the seed, the name and the trial's number.
 
         Args:
-            case: what is driven.
+            name: of what is driven.
             number: of the trial, from 1.
             end: when the policy alone collides or ends the case [s].
+            collides: which of the two.
         """
-        chance = random.Random(f"{self.seed}:{case.name}:{number}")
-        if case.is_violation:
+        chance = random.Random(f"{self.seed}:{name}:{number}")
+        if collides:
             begin = max(0.0, end - chance.uniform(_LATEST, _EARLIEST))
         else:
             begin = chance.uniform(0.0, max(0.0, end - 1.0))
@@ -194,9 +200,11 @@ def try_case(case: EpisodeCase, recipe: Recipe, plan: TrialPlan) -> CaseTrials:
     """
     driven: list[tuple[_Trial, EpisodeSummary]] = []
 
-    def drive(holds: Sequence[Hold]) -> EpisodeSummary:
+    def drive(holds: Sequence[Hold], blindness: Blindness | None = None) -> EpisodeSummary:
         trial = _Trial(make_tokenizer(recipe.tokenizer), holds, plan.interval)
-        summary = run_episode(case.scenario(), make_policy(recipe.policy), trial, trial.watch)
+        policy = make_policy(recipe.policy)
+        driver = policy if blindness is None else BlindedPolicy(policy, blindness)
+        summary = run_episode(case.scenario(), driver, trial, trial.watch)
         if trial.time:
             driven.append((trial, summary))
         return summary
@@ -205,8 +213,15 @@ def try_case(case: EpisodeCase, recipe: Recipe, plan: TrialPlan) -> CaseTrials:
     if case.digest and alone.digest != case.digest:
         mend = "verify the corpus, and build it again if the policy has changed since"
         raise InputError(f"case {case.name}", f"'{recipe.policy}' does not drive it as the corpus says", mend)
-    for number in range(1, 1 + (plan.per_violation if case.is_violation else plan.per_success)):
-        drive(plan.holds(case, number, alone.duration))
+    collides = alone.outcome == EventKind.COLLISION
+    for number in range(1, 1 + (plan.per_violation if collides else plan.per_success)):
+        drive(plan.holds(case.name, number, alone.duration, collides=collides))
+    for index in range(0 if collides else plan.blinded):
+        name = f"{case.name}:blinded-{index}"
+        blindness = draw_blindness(f"{plan.seed}:{name}", alone.duration)
+        first = drive((), blindness)
+        for number in range(1, 1 + (plan.per_violation if first.outcome == EventKind.COLLISION else 0)):
+            drive(plan.holds(name, number, first.duration, collides=True), blindness)
     trials = [trial for trial, _ in driven]
     tokens = [tokens for trial in trials for tokens in trial.tokens]
     return CaseTrials(
