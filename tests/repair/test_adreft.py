@@ -93,6 +93,33 @@ def test_the_latch_of_a_model_holds_an_intervention(tmp_path):
     assert free.propose(later, keep_on(later)).reason == ""
 
 
+def test_a_choice_holds_for_the_interval(tmp_path, monkeypatch):
+    held = made(save_tiny_model(tmp_path / "held.safetensors", interval=3))
+    calls = iter(range(100))
+    monkeypatch.setattr(AdreftModel, "values", lambda _self, _state: np.eye(10, dtype=np.float32)[next(calls) % 10])
+    scenes = [scene_of([Box(1, 30.0, 0.0)], 0.05 * tick) for tick in range(9)]
+    found = [held.propose(scene, keep_on(scene)).action for scene in scenes]
+    assert found == [ACTIONS[tick - tick % 3] for tick in range(9)]
+    held.propose(scenes[0], keep_on(scenes[0]))
+    held.reset(straight_route())  # in the middle of an interval
+    assert held.propose(scenes[0], keep_on(scenes[0])).action == ACTIONS[0]  # the eleventh call
+
+
+def test_an_action_must_be_worth_the_margin_more_than_the_policys_own(tmp_path, monkeypatch):
+    method = made(save_tiny_model(tmp_path / "model.safetensors", margin=0.5))
+    values = np.array([0.0, 0.1, 0.2, 0.3, 0.0, 0.0, 0.6, 0.0, 0.0, 0.0], dtype=np.float32)
+    monkeypatch.setattr(AdreftModel, "values", lambda _self, _state: values)
+    scene = crowd(1, 2)
+
+    def chosen(asked):
+        method.reset(straight_route())
+        return method.propose(scene, keep_on(scene, action=asked)).action
+
+    assert chosen(0.55) == ACTIONS[6]  # better by 0.5 than 0.8 and 0.6, which do nothing here
+    assert chosen(0.3) == ACTIONS[0]  # 0.4 does nothing either, and is worth 0.2
+    assert chosen(0.9) == ACTIONS[6]  # nothing is idle; 0.8 stands in
+
+
 def test_rand_r_draws_and_repeats_itself(tmp_path):
     path = save_tiny_model(tmp_path / "random.safetensors", choice="random")
     scene = crowd(1, 3)

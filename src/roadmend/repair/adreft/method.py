@@ -48,11 +48,14 @@ class AdreftRepair:
         self._seed = seed
         self._numbers = random.Random(f"{seed}:")
         self._latch = Latch(self.model.configuration.hold, self.model.configuration.clear)
+        self._held = 0  # ticks for which the last choice has held, 0 where it is time for another
+        self._action = ACTIONS[0]
 
     def reset(self, route: Route) -> None:
         """Begin an episode on ``route``."""
         self._tokenizer.reset(route)
         self._latch.reset()
+        self._held, self._action = 0, ACTIONS[0]
         self._numbers.seed(f"{self._seed}:{route.scenario}")
 
     def propose(self, scene: Scene, decision: Decision) -> Proposal:
@@ -67,18 +70,29 @@ class AdreftRepair:
         values = self.model.values(state)
         if not np.isfinite(values).all():
             raise FloatingPointError("the decision adapter's values are not finite")
-        action = ACTIONS[self._choose(values)]
+        if self._held == 0:
+            self._action = ACTIONS[self._choose(values, decision.command.action)]
+        self._held = (self._held + 1) % self.model.configuration.interval
         triggers: tuple[Trigger, ...] = ()
         reason = ""
         if score > self.threshold:
             triggers = attended(self.model, tokens, scene)
             reason = f"criticality {score:.3f} above {self.threshold:.3f}"
-        return self._latch.settle(scene.time, Proposal(score, self.threshold, action, triggers, reason))
+        return self._latch.settle(scene.time, Proposal(score, self.threshold, self._action, triggers, reason))
 
-    def _choose(self, values: NDArray[np.float32]) -> int:
-        if self.model.configuration.choice == "random":
+    def _choose(self, values: NDArray[np.float32], asked: float) -> int:
+        """Index of the action to propose where the policy asks for ``asked``."""
+        configuration = self.model.configuration
+        if configuration.choice == "random":
             return self._numbers.randrange(len(ACTIONS))
-        return int(values.argmax())
+        best = int(values.argmax())
+        if configuration.margin > 0.0:
+            idle = max(
+                (value for value, action in zip(values, ACTIONS, strict=True) if action >= asked), default=values[0]
+            )
+            if values[best] <= idle + configuration.margin:
+                return 0
+        return best
 
 
 def attended(model: AdreftModel, tokens: TokenSet, scene: Scene) -> tuple[Trigger, ...]:

@@ -38,6 +38,15 @@ class ModelSection(Section):
     choice: Literal["greedy", "random"] = Field(
         "greedy", description="the action of greatest value, or a uniformly random one (the ablation Rand-R)"
     )
+    interval: int = Field(
+        1, ge=1, le=100, description="ticks for which a choice of the adapter holds; the paper's is 1"
+    )
+    margin: float = Field(
+        0.0,
+        ge=0.0,
+        le=100.0,
+        description="how much more than the policy's own action a choice must be worth; the paper's is 0",
+    )
     hold: float = Field(0.0, ge=0.0, le=2.0, description="least duration of an intervention [s]; the paper's is 0")
     clear: float = Field(
         0.0, ge=0.0, le=2.0, description="how long the score must be low before release [s]; the paper's is 0"
@@ -64,7 +73,8 @@ class ModelSection(Section):
             raise InputError("model", describe(error), "choose a width that the heads divide") from None
         return ModelConfiguration(
             tokenizer=tokenizer.name, tokenizer_version=tokenizer.version, encoder=encoder, monitor=self.monitor,
-            adapter=self.adapter, choice=self.choice, hold=self.hold, clear=self.clear,
+            adapter=self.adapter, choice=self.choice, interval=self.interval, margin=self.margin, hold=self.hold,
+            clear=self.clear,
         )  # fmt: skip
 
 
