@@ -9,7 +9,7 @@ from roadmend.core.errors import InputError
 from roadmend.training.adreft.configuration import Section, TrainingConfiguration, read_training_configuration
 
 FOLDER = Path(__file__).parents[2] / "config" / "training"
-SECTIONS = ("model", "frames", "supervised", "reinforcement")
+SECTIONS = ("model", "frames", "supervised", "practice", "reinforcement")
 
 
 def names(content, section):
