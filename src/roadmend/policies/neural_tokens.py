@@ -37,6 +37,7 @@ _AT_LINE = 3.5  # [m] before a line at which standing counts
 _FREE_ACCELERATION = 2.2  # [m/s2] of the motion that conflicts are measured against
 _NO_CAP = 100.0  # [m/s2]
 _LATEST = 9.0  # [s] stands for never
+_FASTEST = 80.0  # [m/s] nobody's speed counts as more
 _DRIFT_TIME = 1.5  # [s]
 _MOTORCYCLE, _BICYCLE = int(ObjectKind.MOTORCYCLE), int(ObjectKind.BICYCLE)
 _CROSSING = int(RightOfWay.CROSSING)
@@ -202,7 +203,7 @@ def _object(
     dx, dy = track[prediction.X] - x, track[prediction.Y] - y
     along, aside = dx * cosine + dy * sine, dy * cosine - dx * sine
     turn = track[prediction.YAW] - yaw
-    v = track[prediction.SPEED]
+    v = min(track[prediction.SPEED], _FASTEST)
     pedestrian = track[prediction.PEDESTRIAN] > 0.0
     row[at] = _clip(along / 30.0, -3.0, 3.0)
     row[at + 1] = _clip(aside / 10.0, -3.0, 3.0)
@@ -213,8 +214,8 @@ def _object(
     row[at + 6] = v * math.sin(turn) / 5.0
     row[at + 7] = track[prediction.ACCELERATION] / 3.0
     row[at + 8] = track[prediction.CURVATURE] * 10.0
-    row[at + 9] = track[prediction.HALF_LENGTH] / 3.0
-    row[at + 10] = track[prediction.HALF_WIDTH]
+    row[at + 9] = min(track[prediction.HALF_LENGTH] / 3.0, 5.0)
+    row[at + 10] = min(track[prediction.HALF_WIDTH], 5.0)
     row[at + 11] = 1.0 if kind in (_MOTORCYCLE, _BICYCLE) else 0.0
     row[at + 12] = 1.0 if pedestrian else 0.0
     row[at + 13] = speed / 10.0

@@ -7,6 +7,7 @@ the same result.
 
 import hashlib
 import json
+import zipfile
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -78,7 +79,7 @@ def load_samples(path: Path, made_by: str) -> Samples:
                 file["tokens"], file["counts"], file["actions"], file["changes"], file["episodes"],
                 tuple(str(outcome) for outcome in file["outcomes"]),
             )  # fmt: skip
-    except (OSError, ValueError, KeyError, EOFError) as error:
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
         raise InputError(str(path), f"cannot be read ({error})", mend) from None
 
 

@@ -1,0 +1,114 @@
+"""Learning to drive by imitation, with a tiny budget."""
+
+import json
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given
+from hypothesis import strategies as st
+
+from roadmend.core.errors import InputError
+from roadmend.learning.checkpoint import load_checkpoint
+from roadmend.policies.neural import BINS, NeuralPolicy
+from roadmend.policies.neural_tokens import COLUMNS
+from roadmend.training.dagger import Training, load_samples, samples_digest
+from roadmend.training.imitation import NeuralNetwork, batches, fit, losses_of, measure, two_hot
+from roadmend.training.imitation_configuration import ImitationConfiguration, Round, read_imitation_configuration
+from roadmend.training.imitation_rollout import UNASKED, Lesson, Samples, gather
+
+torch.set_num_threads(1)  # as Training does; more threads wait for each other on a busy machine
+CPU = torch.device("cpu")
+TINY = ImitationConfiguration(
+    families=("S2", "S5"), every=10, hidden=16, feed_forward=32, head=(16,), batch=16, first_seed=240_000, held_out=0.5,
+    rounds=(Round(episodes=1, epochs=6, learning_rate=3e-3), Round(episodes=1, epochs=2, expert_share=0.3)),
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def samples() -> Samples:
+    return Samples.join([gather(Lesson(family, 240_100, None, 1.0, 0.5, 5)) for family in ("S3", "S5")])
+
+
+@given(st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=20))
+def test_two_hot_weights_have_the_action_as_their_mean(actions):
+    weights = two_hot(torch.tensor(actions))
+    places = torch.linspace(-1.0, 1.0, BINS)
+    assert torch.allclose(weights.sum(1), torch.ones(len(actions)), atol=1e-5)
+    assert torch.allclose(weights @ places, torch.tensor(actions), atol=1e-5)
+    assert bool(((weights > 0.0).sum(1) <= 2).all())
+
+
+def test_gathering_repeats_bit_for_bit_and_is_sound(samples):
+    again = Samples.join([gather(Lesson(family, 240_100, None, 1.0, 0.5, 5)) for family in ("S3", "S5")])
+    assert samples_digest(again) == samples_digest(samples)
+    assert len(samples.outcomes) == 2
+    assert samples.tokens.shape == (samples.counts.sum(), COLUMNS)
+    assert np.abs(samples.actions).max() <= 1.0
+    assert set(samples.changes.tolist()) <= {UNASKED, 0, 1}
+    assert 1 in samples.changes
+
+
+def test_batches_hold_every_row_once_with_its_own_tokens(samples):
+    rows = np.arange(len(samples))
+    tokens = counts = 0
+    for batch in batches(samples, rows, 32, np.random.default_rng(1), CPU):
+        counts += len(batch.actions)
+        tokens += int(batch.mask.sum())
+        assert not bool(batch.tokens[~batch.mask].any())
+        assert bool((batch.tokens[:, 0, 0] == 1.0).all())
+    assert (counts, tokens) == (len(samples), len(samples.tokens))
+
+
+def test_the_loss_falls_and_the_error_with_it(samples):
+    torch.manual_seed(1)
+    network = NeuralNetwork(TINY)
+    rows = np.arange(len(samples))
+    before = measure(network, samples, rows, 64, CPU)
+    fit(network, samples, TINY, Round(epochs=25, learning_rate=3e-3), 1, CPU, lambda *_: None)
+    after = measure(network, samples, rows, 64, CPU)
+    assert after.action < 0.8 * before.action
+    assert after.error < 0.8 * before.error
+
+
+def test_nothing_is_learned_about_lane_changes_that_nobody_asked_for(samples):
+    torch.manual_seed(1)
+    network = NeuralNetwork(TINY)
+    unasked = np.flatnonzero(samples.changes == UNASKED)[:16]
+    batch = next(batches(samples, unasked, 16, None, CPU))
+    assert float(losses_of(network, batch)[1]) == 0.0
+
+
+def test_an_interrupted_training_goes_on_to_the_same_model(tmp_path):
+    def train(folder, rounds):
+        configuration = TINY.model_copy(update={"rounds": TINY.rounds[:rounds]})
+        return Training(configuration, 3, tmp_path / folder, 1, CPU, "test", lambda *_: None).run()
+
+    whole = train("whole", 2)
+    train("parts", 1)
+    resumed = train("parts", 2)
+    assert resumed.read_bytes() == whole.read_bytes()
+    header = load_checkpoint(whole, "neural").header
+    assert header["ancestry"] == [load_checkpoint(tmp_path / "whole" / "round-0.safetensors").digest]
+    assert list((tmp_path / "whole" / "tensorboard").rglob("events*"))
+    assert NeuralPolicy(whole).model_digest == load_checkpoint(whole).digest
+    with pytest.raises(InputError, match="other settings"):
+        Training(TINY, 4, tmp_path / "whole", 1, CPU, "test", lambda *_: None).run()
+
+
+def test_damaged_samples_are_refused(tmp_path):
+    path = tmp_path / "round-0.npz"
+    path.write_bytes(b"PK\x03\x04 and no more")
+    with pytest.raises(InputError, match="round-0"):
+        load_samples(path, json.dumps({}))
+
+
+def test_the_shipped_configuration_is_valid_and_typing_errors_are_named(tmp_path, monkeypatch):
+    assert ImitationConfiguration(rounds=(Round(),))
+    path = tmp_path / "policy.yaml"
+    path.write_text("hiden: 64\n")
+    with pytest.raises(InputError, match="hiden"):
+        read_imitation_configuration(path)
+    path.write_text("families: [S9]\n")
+    with pytest.raises(InputError, match="S9"):
+        read_imitation_configuration(path)
