@@ -127,6 +127,9 @@ class PracticeSection(Section):
     interval: int = Field(4, ge=1, le=100, description="ticks between two decisions")
     learning_rate: LearningRate = 1e-3
     batch: int = Field(256, ge=1, le=65_536, description="decisions of a batch")
+    decisions_per_epoch: int = Field(
+        0, ge=0, le=100_000_000, description="decisions drawn for an epoch; 0: all, once each"
+    )
     monte_carlo_epochs: int = Field(
         2, ge=1, le=10_000, description="epochs that learn what the episodes came to; later ones ask the network"
     )

@@ -90,7 +90,7 @@ class PracticeStage:
         """
         writer = SummaryWriter(str(self._log), purge_step=self.epoch + 1) if self._log is not None else None
         while self.epoch < self._section.epochs:
-            figures = self._learn(self._targets())
+            figures = self._learn()
             self.history.append(figures)
             self._save()
             if writer is not None:
@@ -101,31 +101,36 @@ class PracticeStage:
             writer.close()
         return tensors_of(self.network)
 
-    def _targets(self) -> Tensor:
-        """What every chosen action should be worth, shape (F,)."""
+    def _targets(self, drawn: NDArray[np.int64]) -> Tensor:
+        """What every chosen action should be worth, shape (F,); zero where it was not drawn."""
         trials = self._trials
         if self.epoch < self._section.monte_carlo_epochs:
             return torch.from_numpy(trials.total)
+        following = trials.following[drawn]
         best = np.zeros(len(trials), dtype=np.float32)
         self.network.eval()
         with torch.no_grad():
-            for chosen in trials.by_size(_JUDGED):
+            for chosen in trials.by_size(np.unique(following[following >= 0]), _JUDGED):
                 batch = trials.batch(chosen)
                 _, values = self.network(self._to(batch.tokens), self._to(batch.mask), self._to(batch.action))
                 best[chosen] = values.max(dim=1).values.cpu().numpy()
-        ahead = np.where(trials.following >= 0, best[trials.following], 0.0)
-        # No price is negative, so no value is above zero: an estimate that is would feed upon itself.
-        return torch.from_numpy((trials.reward + trials.discount * np.minimum(ahead, 0.0)).astype(np.float32))
+        ahead = np.where(following >= 0, best[following], 0.0)
+        targets = np.zeros(len(trials), dtype=np.float32)
+        # Every reward is a price, so no value is above zero: an estimate that is would feed upon itself.
+        targets[drawn] = trials.reward[drawn] + trials.discount[drawn] * np.minimum(ahead, 0.0)
+        return torch.from_numpy(targets)
 
-    def _learn(self, targets: Tensor) -> PracticeFigures:
+    def _learn(self) -> PracticeFigures:
         """One epoch; its chance comes from the seed and its number alone."""
         trials, generator = self._trials, np.random.default_rng([self._seed, 5, self.epoch])
+        drawn = trials.draw(self._section.decisions_per_epoch, generator)
+        targets = self._targets(drawn)
         alike, critical = torch.from_numpy(trials.alike), torch.from_numpy(trials.critical)
         size = self._section.batch
-        steps = math.ceil(len(trials) / size)
+        steps = math.ceil(len(drawn) / size)
         value_total, monitor_total, count = 0.0, 0.0, 0
         self.network.train()
-        for chosen in trials.batches(size, generator):
+        for chosen in trials.batches(drawn, size, generator):
             for group in self._optimizer.param_groups:
                 group["lr"] = self._rate(self.epoch + count / steps)
             batch = trials.batch(chosen)

@@ -95,21 +95,27 @@ class TrialSet:
         tokens[mask] = self.tokens[(starts[:, None] + np.arange(width)[None, :])[mask]]
         return TrialBatch(tokens, mask, self.action[chosen])
 
-    def batches(self, size: int, generator: np.random.Generator) -> Iterator[NDArray[np.int64]]:
-        """Indices of batches that hold every decision once; decisions with like numbers of tokens meet."""
-        sizes = np.diff(self.offsets)
+    def draw(self, number: int, generator: np.random.Generator) -> NDArray[np.int64]:
+        """Indices of ``number`` decisions in random order, none twice; 0 stands for all."""
         order = generator.permutation(len(self))
+        return order[:number] if number else order
+
+    def batches(
+        self, drawn: NDArray[np.int64], size: int, generator: np.random.Generator
+    ) -> Iterator[NDArray[np.int64]]:
+        """Indices of batches that hold what was drawn; decisions with like numbers of tokens meet."""
+        sizes = np.diff(self.offsets)
         cuts: list[NDArray[np.int64]] = []
-        for start in range(0, len(order), _POOL * size):
-            pool = order[start : start + _POOL * size]
+        for start in range(0, len(drawn), _POOL * size):
+            pool = drawn[start : start + _POOL * size]
             pool = pool[np.argsort(sizes[pool], kind="stable")]
             cuts += [pool[begin : begin + size] for begin in range(0, len(pool), size)]
         for index in generator.permutation(len(cuts)):
             yield cuts[index]
 
-    def by_size(self, size: int) -> Iterator[NDArray[np.int64]]:
-        """Indices of batches that hold every decision once, by number of tokens: for judging."""
-        order = np.argsort(np.diff(self.offsets), kind="stable")
+    def by_size(self, chosen: NDArray[np.int64], size: int) -> Iterator[NDArray[np.int64]]:
+        """Indices of batches that hold what was chosen, by number of tokens: for judging."""
+        order = chosen[np.argsort(np.diff(self.offsets)[chosen], kind="stable")]
         for start in range(0, len(order), size):
             yield order[start : start + size]
 
