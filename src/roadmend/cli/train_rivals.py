@@ -113,7 +113,7 @@ def rivals(
     header = {
         "format": FORMAT, "policy": policy, "policy_model": corpus.model, "corpus": corpus.digest,
         "split": "validation", "cases": len(cases), "roadmend": __version__,
-        "command": f"./roadmend train rivals --policy {policy}" + (f" --cases {number}" if number else ""),
+        "command": f"./roadmend train rivals --policy {policy}{f' --cases {number}' if number else ''} --out {out.name}",
     }  # fmt: skip
     found = _written(out, header)
     identity = {"corpus": corpus.digest, "roadmend": __version__}

@@ -38,7 +38,7 @@ def rivals_of(model: str) -> tuple[Rival, ...]:
         model: the SelfOracle model, by the name of a shipped one or as a path.
     """
     return (
-        Rival("random", "random", tuple({"probability": value} for value in (0.02, 0.05, 0.1, 0.2, 0.5))),
+        Rival("random", "random", tuple({"probability": value} for value in (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.75))),
         Rival(
             "rule",
             "rule",
