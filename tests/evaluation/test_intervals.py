@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from roadmend.evaluation.intervals import bootstrap, newcombe, wilson
@@ -14,6 +14,7 @@ def test_wilson_and_newcombe_give_the_published_values():
     assert newcombe(10, 10, 0, 10) == pytest.approx((0.6075, 1.0), abs=1e-4)  # (h)
 
 
+@settings(deadline=None)
 @given(st.integers(1, 60), st.integers(1, 60), st.data())
 def test_an_interval_holds_its_difference(trials, others, data):
     count, other = data.draw(st.integers(0, trials)), data.draw(st.integers(0, others))
