@@ -1,0 +1,133 @@
+"""'roadmend train adreft' in the simulation, for a policy that sees nobody: it learns to save it, and resumes exactly."""
+
+import importlib
+import sys
+
+import pytest
+import yaml
+
+from roadmend.cli.main import main
+from roadmend.learning.checkpoint import load_checkpoint
+from roadmend.policies.registry import POLICIES
+from roadmend.repair.adreft.model import AdreftModel
+from roadmend.training.closed_loop import evaluate_cases, summarise
+from roadmend.world.corpus import save_corpus
+
+from .blind import BlindPolicy, blind_corpus
+
+SMALL = {"tokenizer": "paper", "hidden": 32, "layers": 1, "feed_forward": 32, "monitor": [32], "adapter": [32]}
+LEARNING = {
+    "model": SMALL,
+    "frames": {"stride": 2, "validation_stride": 2},
+    "supervised": {"epochs": 12, "learning_rate": 3e-3, "batch": 64, "critical_share": 0.4, "clip": 1.0},
+}
+QUICK = {
+    "model": SMALL,
+    "frames": {"stride": 4, "validation_stride": 4},
+    "supervised": {"epochs": 3, "learning_rate": 3e-3, "batch": 64},
+    "reinforcement": {"episodes": 4, "round": 2, "warm_up": 20, "validate_every": 2, "learning_rate": 1e-3},
+}
+
+
+@pytest.fixture
+def train(tmp_path, monkeypatch):
+    """Runs the command for the blind policy in this process; returns its exit code."""
+    monkeypatch.setitem(POLICIES, "blind", BlindPolicy)
+    monkeypatch.delitem(sys.modules, "roadmend.cli.train_adreft", raising=False)  # its choices are read at import
+    importlib.import_module("roadmend.cli.train_adreft")
+
+    def run(corpus, configuration, out, *options):
+        save_corpus(corpus, tmp_path / "corpus.jsonl")
+        (tmp_path / "config.yaml").write_text(yaml.safe_dump(configuration))
+        files = ["--corpus", str(tmp_path / "corpus.jsonl"), "--config", str(tmp_path / "config.yaml")]
+        fixed = ["--policy", "blind", "--workers", "1", "--device", "cpu"]
+        return main(["train", "adreft", *fixed, *files, "--out", str(tmp_path / out), *options])
+
+    yield run
+    sys.modules.pop("roadmend.cli.train_adreft", None)
+
+
+def test_a_tiny_budget_saves_some_of_those_that_would_collide(train, tmp_path, capsys):
+    corpus = blind_corpus(16, 8)
+    assert train(corpus, LEARNING, "model.safetensors", "--only", "supervised") == 0
+    assert "dE " in capsys.readouterr().out
+    cases = corpus.select(split="validation")
+    before = summarise(evaluate_cases(cases, "blind", "none"))
+    after = summarise(evaluate_cases(cases, "blind", "adreft", {"model": str(tmp_path / "model.safetensors")}))
+    assert (before.violations, before.successes) == (8, 8)
+    assert before.delta_e == before.fix_loose == 0.0
+    assert after.delta_e > 20.0
+    metrics = load_checkpoint(tmp_path / "model.safetensors").header["metrics"]
+    assert metrics["validation"] == after.as_dict()
+    assert metrics["monitor"]["recall"] > 0.95
+
+
+def test_the_stages_apart_give_the_same_bits_as_together(train, tmp_path, capsys):
+    corpus = blind_corpus(2, 1)
+    assert train(corpus, QUICK, "whole.safetensors") == 0
+    assert train(corpus, QUICK, "pieces.safetensors", "--only", "supervised") == 0
+    supervised = (tmp_path / "pieces.safetensors").read_bytes()
+    assert train(corpus, QUICK, "pieces.safetensors") == 2
+    assert "holds a training already; go on with --resume" in capsys.readouterr().err.splitlines()[-1]
+    assert (tmp_path / "pieces.safetensors").read_bytes() == supervised
+    assert train(corpus, QUICK, "pieces.safetensors", "--resume") == 0
+    whole = (tmp_path / "whole.safetensors").read_bytes()
+    assert (tmp_path / "pieces.safetensors").read_bytes() == whole != supervised
+    assert train(corpus, QUICK, "pieces.safetensors", "--restart", "--seed", "1", "--only", "supervised") == 0
+    assert (tmp_path / "pieces.safetensors").read_bytes() not in (whole, supervised)
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "config.yaml", "corpus.jsonl", "pieces.safetensors", "pieces.training", "whole.safetensors", "whole.training",
+    ]  # fmt: skip
+    header = load_checkpoint(tmp_path / "whole.safetensors", "adreft").header
+    assert header["data"]["corpus"] == corpus.digest
+    assert header["configuration"]["training"]["reinforcement"]["episodes"] == 4
+    assert header["metrics"]["reinforcement"]["episodes"] == 4
+
+    assert (
+        train(
+            corpus, QUICK, "tuned.safetensors", "--start", str(tmp_path / "pieces.safetensors"), "--only", "supervised"
+        )
+        == 0
+    )
+    tuned = load_checkpoint(tmp_path / "tuned.safetensors")
+    assert tuned.header["ancestry"] == [AdreftModel.load(tmp_path / "pieces.safetensors").digest]
+
+
+@pytest.mark.parametrize("ablation", ["rand_r", "only_rl", "wo_sr", "wo_regulation"])
+def test_ablations_leave_something_out(train, tmp_path, ablation):
+    corpus = blind_corpus(1, 1)
+    quick = {
+        **QUICK,
+        "supervised": {"epochs": 1},
+        "reinforcement": {**QUICK["reinforcement"], "episodes": 2, "keep": "last"},
+    }
+    assert train(corpus, quick, "model.safetensors", "--ablation", ablation) == 0
+    model = AdreftModel.load(tmp_path / "model.safetensors")
+    made = load_checkpoint(tmp_path / "model.safetensors").header["configuration"]
+    assert (model.configuration.choice == "random") == (ablation == "rand_r") == (made["only"] == "supervised")
+    assert (made["training"]["reinforcement"]["start"] == "scratch") == (ablation == "only_rl")
+    assert made["training"]["reinforcement"]["step_reward"] == (ablation != "wo_sr")
+    assert (made["training"]["frames"]["labels"] == "weak") == (ablation != "wo_regulation")
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--only", "reinforcement"], "there is no supervised stage to begin with"),
+        (["--start", "none.safetensors"], "none.safetensors: cannot be read"),
+        (["--device", "abacus"], "'abacus' cannot be used here"),
+    ],
+)
+def test_what_cannot_be_is_said_in_one_line(train, tmp_path, capsys, options, words):
+    assert train(blind_corpus(1, 1), QUICK, "model.safetensors", *options) == 2
+    assert words in capsys.readouterr().err.splitlines()[-1]
+    assert not (tmp_path / "model.safetensors").exists()
+
+
+def test_a_corpus_without_violations_or_of_another_policy_is_refused(train, tmp_path, capsys):
+    corpus = blind_corpus(1, 1)
+    harmless = type(corpus)("blind", tuple(case for case in corpus.cases if not case.is_violation))
+    assert train(harmless, QUICK, "model.safetensors") == 2
+    assert "training split: holds no violation" in capsys.readouterr().err
+    assert train(type(corpus)("modular", corpus.cases), QUICK, "model.safetensors") == 2
+    assert "is a corpus of the policy 'modular'" in capsys.readouterr().err
