@@ -65,8 +65,8 @@ def written(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     parts = [measured()]
     content = build_content(parts, MADE, {"families": ["S1", "S2"], "cases": None})
-    content["cost"] = COST
-    write_benchmark(folder, "adreft", content, case_table(parts), ROBUSTNESS)
+    content |= {"cost": COST, "robustness": ROBUSTNESS}
+    write_benchmark(folder, "adreft", content, case_table(parts))
     return folder
 
 
@@ -122,15 +122,17 @@ def test_page_and_markdown_say_what_the_json_says(written):
         assert by_title[title] == expected
         assert "| " + " | ".join(expected) + " |" in main
     assert head == ["method", "modular: %Fix", "%Deg", "ΔE", "intensity", "dose [s]"]
-    assert "there is no model <wo_sr>" in (written / "adreft-tables.md").read_text()
+    tables = (written / "adreft-tables.md").read_text()
+    assert "| modular | avfuzzer | no repair | 20 | 6.0 | 5 .. 7 |" in tables
+    assert "there is no model <wo_sr>" in tables
     assert any("there is no model <wo_sr>" in row for table in page.tables for row in table)
 
 
 def test_the_same_results_give_the_same_files(written, tmp_path):
     parts = [measured()]
     content = build_content(parts, MADE, {"families": ["S1", "S2"], "cases": None})
-    content["cost"] = COST
-    write_benchmark(tmp_path, "adreft", content, case_table(parts), ROBUSTNESS)
+    content |= {"cost": COST, "robustness": ROBUSTNESS}
+    write_benchmark(tmp_path, "adreft", content, case_table(parts))
     for path in written.iterdir():
         assert (tmp_path / path.name).read_bytes() == path.read_bytes()
 
@@ -172,4 +174,4 @@ def test_damaged_files_and_folders_that_cannot_be_written(tmp_path):
     parts = [measured()]
     content = build_content(parts, MADE, {})
     with pytest.raises(InputError, match="cannot be written"):
-        write_benchmark(tmp_path / "adreft.json", "adreft", content, case_table(parts), None)
+        write_benchmark(tmp_path / "adreft.json", "adreft", content, case_table(parts))

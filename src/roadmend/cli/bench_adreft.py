@@ -139,9 +139,8 @@ def _measure(plan: BenchmarkPlan, config: Path, choice: Choice, options: _Option
         content["difference_to_table"] = _to_table(content, options.committed / "adreft.json")
     if options.out is not None:
         path = options.out / "adreft-robustness.json"
-        write_benchmark(
-            options.out, _stem(plan, choice), content, case_table(measured), read_json(path) if path.is_file() else None
-        )
+        content["robustness"] = read_json(path) if path.is_file() else None
+        write_benchmark(options.out, _stem(plan, choice), content, case_table(measured))
     if options.as_json:
         click.echo(dump_json(content))
     else:

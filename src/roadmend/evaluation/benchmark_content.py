@@ -50,6 +50,7 @@ def build_content(measured: Sequence[Measured], made: Mapping[str, Any], setting
             for each in measured
         },
         "cost": {},
+        "robustness": None,
         "paper": PAPER,
     }
     return content

@@ -13,9 +13,7 @@ from roadmend.evaluation.benchmark_tables import all_tables, headline
 TITLE = "Online repair of driving policies"
 
 
-def write_benchmark(
-    folder: Path, stem: str, content: Mapping[str, Any], cases: Mapping[str, Any], robustness: Mapping[str, Any] | None
-) -> None:
+def write_benchmark(folder: Path, stem: str, content: Mapping[str, Any], cases: Mapping[str, Any]) -> None:
     """Write STEM.json, STEM-cases.json, STEM.md (the main table), STEM-tables.md (all tables) and STEM.html.
 
     Raises:
@@ -31,7 +29,7 @@ def write_benchmark(
         f"{stem}-cases.json": dump_json(cases) + "\n",
         f"{stem}.md": f"# {TITLE}\n\n{main}\n{made}\n",
         f"{stem}-tables.md": f"# {TITLE}: all tables\n\n{tables}\n\n{made}\n",
-        f"{stem}.html": build_page(content, robustness),
+        f"{stem}.html": build_page(content),
     })  # fmt: skip
 
 

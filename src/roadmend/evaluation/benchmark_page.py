@@ -40,7 +40,7 @@ footer { margin-top: 56px; border-top: 1px solid var(--line); padding-top: 14px;
 """
 
 
-def build_page(content: Content, robustness: Content | None = None) -> str:
+def build_page(content: Content) -> str:
     """The page of a benchmark's content, with every chart that its figures allow."""
     charts: list[tuple[str, str, Callable[[], Figure | None]]] = [
         ("ΔE by method", "Dots with 95 % intervals; diamonds are the paper's figures, of another simulator.",
@@ -55,7 +55,7 @@ def build_page(content: Content, robustness: Content | None = None) -> str:
         ("Monitors", "Frames against the weak labels, driven without repair.",
          lambda: supporting_charts.monitor_chart(content)),
         ("Robustness", "Violations that testing techniques find, summed over the families: mean and range of the runs.",
-         lambda: supporting_charts.robustness_chart(robustness, content["titles"])),
+         lambda: supporting_charts.robustness_chart(content["robustness"], content["titles"])),
         ("Cost", "From the scene and the policy's decision to the repaired command.",
          lambda: supporting_charts.cost_chart(content)),
     ]  # fmt: skip

@@ -58,7 +58,7 @@ def headline(content: Content) -> tuple[tuple[str, ...], ...]:
 def all_tables(content: Content) -> list[Table]:
     """Every table of the report, empty ones left out."""
     makers: list[Callable[[Content], Table | None]] = [
-        _outcomes, _effectiveness, _intensity, _monitor, _strategies, _cost, _bound, _advantage, _rivals, _not_run,
+        _outcomes, _effectiveness, _intensity, _monitor, _strategies, _robustness, _cost, _bound, _advantage, _rivals, _not_run,
     ]  # fmt: skip
     return [table for maker in makers if (table := maker(content)) is not None]
 
@@ -207,6 +207,21 @@ def _cost(content: Content) -> Table | None:
         ))  # fmt: skip
     note = "One frame with 20 objects on one core, from the scene and the policy's decision to the repaired command."
     return Table("Cost (the paper's table 5)", note, tuple(rows))
+
+
+def _robustness(content: Content) -> Table | None:
+    robustness = content["robustness"]
+    rows = [("policy", "technique", "method", "scenarios", "violations found, mean", "least .. most")]
+    for policy, techniques in (robustness or {"policies": {}})["policies"].items():
+        for technique, curves in techniques.items():
+            for method, curve in curves.items():
+                found = [run[-1] for run in curve["found"]]
+                rows.append((
+                    policy, technique, title_of(content, method), str(curve["evaluations"][-1]),
+                    number(sum(found) / len(found)), span([min(found), max(found)], 0),
+                ))  # fmt: skip
+    note = "Searches of every technique in every family, several runs each, against the policy with and without repair."
+    return Table("Robustness (the paper's figure 3)", note, tuple(rows)) if len(rows) > 1 else None
 
 
 def _model_size(content: Content, method: str) -> int | None:
