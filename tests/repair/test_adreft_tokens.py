@@ -116,3 +116,15 @@ def test_the_papers_six_attributes():
 def test_an_unknown_tokenizer_is_refused_with_the_known_ones():
     with pytest.raises(InputError, match=r"no 'words'.*paper"):
         make_tokenizer("words")
+
+
+def test_an_absurd_plan_cannot_swamp_the_rich_tokens():
+    scene = scene_of(draw_boxes(Random(1), 5))
+    plan = keep_on(scene).trajectory
+    tokenizer = make_tokenizer("rich")
+    tokenizer.reset(straight_route())
+    for worth in (1e300, -1e300, 1e7):
+        absurd = Trajectory(plan.interval, plan.x + worth, plan.y, plan.yaw, plan.speed + abs(worth))
+        values = tokenizer.tokens(scene, Decision(keep_on(scene).command, absurd)).values
+        assert np.isfinite(values).all()
+        assert np.abs(values).max() <= 12.0

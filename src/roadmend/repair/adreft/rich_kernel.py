@@ -22,6 +22,7 @@ CONFLICT = 8.0  # [s] times to a conflict area beyond this count as this
 MANNERS = 4  # the ego as planned, as planned with objects that keep accelerating, braking with 3.2, with 8 m/s2
 PLAN_TOKENS = 8
 PLAN_INTERVAL = 0.5  # [s] between two trajectory tokens
+LIMIT = 12.0  # no value lies farther from zero; those of a scene that can be are all within
 ZONE_REACH = 60.0  # [m] zones farther ahead than this count as this far
 
 # Columns. The first three tell the categories apart; every category uses the rest as it needs.
@@ -44,6 +45,18 @@ ACTION, EGO_ACCELERATION, STOOD, ZONE_BEGIN, ZONE_END, ZONE_INSIDE, ZONE_RULE, Z
     27,
 )
 STAGE_CHANGE = 28
+
+
+@compiled
+def bound(tokens: Tokens) -> None:
+    """Bring every value into -LIMIT .. LIMIT: an absurd plan or speed must not swamp the model; NaN counts as LIMIT."""
+    for number in range(tokens.shape[0]):
+        for column in range(tokens.shape[1]):
+            value = tokens[number, column]
+            if not value < LIMIT:
+                tokens[number, column] = LIMIT
+            elif value < -LIMIT:
+                tokens[number, column] = -LIMIT
 
 
 @compiled

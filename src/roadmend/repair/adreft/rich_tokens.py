@@ -17,6 +17,7 @@ from roadmend.repair.adreft.rich_kernel import (
     ATTRIBUTES,
     HORIZON,
     PLAN_TOKENS,
+    bound,
     fill_ego,
     fill_participants,
     fill_plan,
@@ -80,6 +81,7 @@ class RichTokenizer:
             acceleration, self._stood, self._changes - path.stage, self._zones, path.stage, positions, scene.signals,
         )  # fmt: skip
         count = number + PLAN_TOKENS + 1
+        bound(values[:count])
         return TokenSet(values[:count], rows[:count])
 
     def _follow(self, time: float, speed: float) -> float:
