@@ -405,11 +405,11 @@ class TestSeveralCalls:
         process = self.start(checkout, 60)
         self.wait_for_the_stage(checkout)
         process.send_signal(signal.SIGINT)
-        process.communicate(timeout=60)
+        process.communicate(timeout=30)
         assert process.returncode == 130
         assert not (checkout / ".venv" / "stamps").exists()
         again = self.start(checkout, 0)
-        again.communicate(timeout=60)
+        again.communicate(timeout=30)
         assert again.returncode == 0
         assert (checkout / ".venv" / "stamps" / "nap").read_text() == "key"
 
