@@ -109,7 +109,7 @@ def change_header(path, **changes):
 def test_another_format_or_space_is_refused(path):
     change_header(path, format="roadmend-corpus/9")
     assert "has the format 'roadmend-corpus/9'" in refusal(path)
-    change_header(path, format="roadmend-corpus/1", plan="gone")
+    change_header(path, format="roadmend-corpus/2", plan="gone")
     assert "lacks plan" in refusal(path)
     change_header(path, plan={}, spaces={})
     assert "another parameter space of S1" in refusal(path)

@@ -32,6 +32,7 @@ class Drivers:
 
     def __init__(self):
         self.orders = {}
+        self.braking = {}  # [m/s^2]
 
     def __call__(self, name, speed):
         self.orders[name] = speed
@@ -41,6 +42,8 @@ class Drivers:
 def drivers(monkeypatch):
     told = Drivers()
     monkeypatch.setattr(libsumo.vehicle, "setSpeed", told)
+    monkeypatch.setattr(libsumo.vehicle, "getDecel", lambda name: told.braking.get(name, 4.5))
+    monkeypatch.setattr(libsumo.vehicle, "setDecel", told.braking.__setitem__)
     return told
 
 
@@ -100,6 +103,16 @@ def test_who_waits_may_go_when_the_ego_drives(drivers):
     assert drivers.orders == {"a": 0.0, "b": 0.0}
     courtesy.step(DRIVES, ("a", "b"), others(AIMED, (7.0, 0.3, math.pi, 2.0, 0.0)))
     assert drivers.orders == {"a": -1.0, "b": -1.0}
+
+
+def test_who_waits_may_brake_hard_and_only_then(drivers):
+    courtesy = Courtesy()
+    courtesy.step(STANDS, ("a",), others(AIMED))
+    assert drivers.braking["a"] > 7.0
+    assert [*courtesy.waiting] == ["a"]
+    courtesy.step(DRIVES, ("a",), others(AIMED))
+    assert drivers.braking["a"] == 4.5
+    assert not courtesy.waiting
 
 
 def test_who_has_a_free_way_again_may_go_and_the_others_wait_on(drivers):

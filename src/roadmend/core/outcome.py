@@ -16,6 +16,7 @@ class EventKind(IntEnum):
     WATCHDOG = 6
     RECOVERED = 7
     CHANGE_LANE = 8
+    CLEARED = 9
 
     @property
     def is_final(self) -> bool:

@@ -3,13 +3,35 @@
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from roadmend.core.geometry import outline_distances
+from roadmend.core.jit import compiled
 from roadmend.core.scene import Scene
 
 FARTHEST = 50.0  # [m] objects beyond this are no danger
 HORIZON = 5.0  # [s] times to collision beyond this count as this
 CLOSING_WEIGHT = 1.0  # [m/s] metres that a second to collision is worth
+
+Floats = NDArray[np.float64]
+
+
+@compiled
+def _least(
+    gaps: Floats, ego_x: float, ego_y: float, ego_vx: float, ego_vy: float, x: Floats, y: Floats, yaw: Floats, speed: Floats
+) -> float:  # fmt: skip
+    """Least danger [m] of N others, all arrays of shape (N,)."""
+    least = np.inf
+    for index in range(gaps.shape[0]):
+        away_x, away_y = x[index] - ego_x, y[index] - ego_y
+        relative_x = speed[index] * math.cos(yaw[index]) - ego_vx
+        relative_y = speed[index] * math.sin(yaw[index]) - ego_vy
+        closing = -(away_x * relative_x + away_y * relative_y) / max(math.hypot(away_x, away_y), 1e-6)
+        seconds = HORIZON
+        if closing > 1e-3:
+            seconds = min(HORIZON, gaps[index] / closing)
+        least = min(least, min(gaps[index], FARTHEST) + CLOSING_WEIGHT * seconds)
+    return least
 
 
 class Danger:
@@ -31,12 +53,8 @@ class Danger:
             ego.x, ego.y, ego.yaw, ego.length, ego.width,
             others.x, others.y, others.yaw, others.length, others.width, FARTHEST,
         )  # fmt: skip
-        away_x, away_y = others.x - ego.x, others.y - ego.y
-        relative_x = others.speed * np.cos(others.yaw) - ego.speed * math.cos(ego.yaw)
-        relative_y = others.speed * np.sin(others.yaw) - ego.speed * math.sin(ego.yaw)
-        apart = np.maximum(np.hypot(away_x, away_y), 1e-6)
-        closing = -(away_x * relative_x + away_y * relative_y) / apart
-        seconds = np.full(len(others), HORIZON)
-        np.divide(gaps, closing, out=seconds, where=closing > 1e-3)
-        danger = np.minimum(gaps, FARTHEST) + CLOSING_WEIGHT * np.minimum(seconds, HORIZON)
-        self.least = min(self.least, float(danger.min()))
+        danger = _least(
+            gaps, ego.x, ego.y, ego.speed * math.cos(ego.yaw), ego.speed * math.sin(ego.yaw),
+            others.x, others.y, others.yaw, others.speed,
+        )  # fmt: skip
+        self.least = min(self.least, danger)

@@ -15,6 +15,7 @@ from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.search.behaviour import FEATURES, BehaviourRecorder
 from roadmend.search.danger import Danger
+from roadmend.world.blame import is_at_fault
 from roadmend.world.families import FAMILIES
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Scenario
@@ -23,7 +24,8 @@ from roadmend.world.space import Parameters
 
 VIOLATION = EventKind.COLLISION.name
 CRASH = "CRASH"  # outcome of a point whose episode raised an error
-BEST = 0.0  # fitness of a collision; that of everything else is below
+BEST = 0.0  # fitness of a violation; that of everything else is below
+BLAMELESS_FITNESS = -5.0  # of a collision that is not the ego's fault: as good as passing at 5 m
 CRASH_FITNESS = -100.0  # below that of every episode
 
 
@@ -59,14 +61,14 @@ class Evaluation:
     outcome: str  # an EventKind's name, or CRASH
     text: str
     digest: str  # of the trajectory; empty after a crash
-    fitness: float  # BEST for a collision, else - (distance + weighted time to collision) at the worst moment [m]
+    fitness: float  # BEST for a violation, BLAMELESS_FITNESS for another collision, else - (distance + weighted time to collision) at the worst moment [m]
     min_distance: float | None  # [m] between the outlines, over time; none where the ego met nobody
     features: tuple[float, ...]  # the ego's behaviour, see BehaviourRecorder.features
 
     @property
     def is_violation(self) -> bool:
-        """Whether the ego collided."""
-        return self.outcome == VIOLATION
+        """Whether the ego collided by its own fault."""
+        return self.outcome == VIOLATION and is_at_fault(self.text)
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +111,9 @@ def evaluate_scenario(
         behaviour.watch(tick.scene.ego)
 
     summary = run_episode(scenario, make_policy(policy), make_repairer(method, repair), watch)
-    fitness = BEST if summary.outcome == EventKind.COLLISION else min(BEST - 1e-6, -danger.least)
+    fitness = min(BEST - 1e-6, -danger.least)
+    if summary.outcome is EventKind.COLLISION:
+        fitness = BEST if is_at_fault(summary.text) else BLAMELESS_FITNESS
     distance = summary.min_distance if math.isfinite(summary.min_distance) else None
     return Evaluation(summary.outcome.name, summary.text, summary.digest, fitness, distance, behaviour.features())
 

@@ -44,11 +44,14 @@ class _Source:
     pickers: dict[EventKind, Picker] = field(default_factory=dict)
 
     def of_outcome(self, outcome: EventKind) -> list[tuple[int, Trial]]:
-        """Index and trial of what is not taken yet."""
+        """Index and trial of what is not taken yet; of collisions, those that are the ego's fault."""
+        wants_violation = outcome is EventKind.COLLISION
         return [
             (index, trial)
             for index, trial in enumerate(self.trials)
-            if trial.evaluation.outcome == outcome.name and index not in self.taken
+            if trial.evaluation.outcome == outcome.name
+            and trial.evaluation.is_violation == wants_violation
+            and index not in self.taken
         ]
 
 

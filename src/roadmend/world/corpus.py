@@ -19,7 +19,7 @@ from roadmend.world.point_text import dump_point, parse_point
 from roadmend.world.scenario import Scenario
 from roadmend.world.space import Parameters
 
-FORMAT = "roadmend-corpus/1"
+FORMAT = "roadmend-corpus/2"
 SPLITS = ("training", "validation", "test")
 METHOD = "none"  # the repair method under which outcomes and digests were taken
 _COLLISION = EventKind.COLLISION.name
@@ -47,7 +47,7 @@ class Case:
 
     @property
     def is_violation(self) -> bool:
-        """Whether the bare policy collides."""
+        """Whether the bare policy collides by its own fault; other collisions are in no corpus."""
         return self.outcome == _COLLISION
 
     @property

@@ -5,6 +5,7 @@ can fall between the two, and they drive through it at walking pace. People do n
 """
 
 import math
+from collections.abc import Collection
 
 import libsumo
 import numpy as np
@@ -23,6 +24,7 @@ _MARGIN = 0.4  # [m] that they keep
 _LOOK_AHEAD = 1.6  # [s] that they look ahead
 _STEPS = 8
 _START_SPEED = 1.5  # [m/s] at least assumed: a driver who waits wants to start
+_BRAKING = 8.0  # [m/s^2] an emergency for who drives; SUMO's comfortable deceleration comes too late
 
 
 @compiled
@@ -76,27 +78,35 @@ class Courtesy:
     """Makes drivers wait for a standing ego, and lets them go again."""
 
     def __init__(self) -> None:
-        self._waiting: set[str] = set()
+        self._waiting: dict[str, float] = {}  # and their usual deceleration [m/s^2]
+
+    @property
+    def waiting(self) -> Collection[str]:
+        """Names of those who wait."""
+        return self._waiting.keys()
 
     def step(self, ego: EgoState, names: tuple[str, ...], around: ObjectList) -> None:
         """Look at everybody once; ``names`` are SUMO's, in the order of the list."""
         if ego.speed >= STANDING:
             if self._waiting:
-                self._release(self._waiting & set(names))
+                self._release([*self._waiting], names)
             return
         indices = _who_waits(
             ego.x, ego.y, ego.yaw, ego.length, ego.width, around.kind, around.x, around.y, around.yaw, around.speed,
             around.yaw_rate, around.length, around.width,
         )  # fmt: skip
         wait = {names[index] for index in indices}
-        if wait == self._waiting:
-            return
-        for name in sorted(wait - self._waiting):
+        for name in sorted(wait - self._waiting.keys()):
+            usual = self._waiting[name] = libsumo.vehicle.getDecel(name)
+            libsumo.vehicle.setDecel(name, max(usual, _BRAKING))
             libsumo.vehicle.setSpeed(name, 0.0)
-        self._release((self._waiting - wait) & set(names))
-        self._waiting = wait
+        if len(wait) < len(self._waiting):
+            self._release(sorted(self._waiting.keys() - wait), names)
 
-    def _release(self, names: set[str]) -> None:
-        for name in sorted(names):
-            libsumo.vehicle.setSpeed(name, -1.0)
-        self._waiting = self._waiting - names
+    def _release(self, drivers: list[str], there: tuple[str, ...]) -> None:
+        """Let drivers go on, and forget those who have left."""
+        for name in drivers:
+            usual = self._waiting.pop(name)
+            if name in there:
+                libsumo.vehicle.setDecel(name, usual)
+                libsumo.vehicle.setSpeed(name, -1.0)

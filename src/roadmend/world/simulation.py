@@ -19,6 +19,7 @@ from roadmend.core.errors import InputError, SimulationError
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, Scene, Signal
+from roadmend.world.blame import find_blame
 from roadmend.world.courtesy import Courtesy
 from roadmend.world.ego import LongitudinalDynamics, RouteFollower, VehicleParameters
 from roadmend.world.ego_in_sumo import EgoInSumo
@@ -29,6 +30,7 @@ from roadmend.world.participants import Observation, Participants
 from roadmend.world.road_network import RoadNetwork, read_network
 from roadmend.world.route_builder import BuiltRoute, build_route
 from roadmend.world.scenario import Pedestrian, Scenario, SumoConfiguration
+from roadmend.world.stand_off import PATIENCE, StandOff
 from roadmend.world.traffic_file import EGO, traffic_xml
 from roadmend.world.user_configuration import private_copy
 
@@ -96,6 +98,7 @@ class Simulation:
             EGO, INTERVAL, environment.effective_range if limited else math.inf, with_persons=with_persons
         )
         self._courtesy = Courtesy()
+        self._stand_off = StandOff(INTERVAL)
         self._script = ManoeuvreScript(scenario)
         self._dynamics = LongitudinalDynamics(VehicleParameters(), environment.effective_friction, scenario.ego.speed)
         self._follower = RouteFollower(built.route, built.start_position)
@@ -173,7 +176,7 @@ class Simulation:
         names = self._hit(seen, ego.speed) if seen.nearest <= 0.0 else ()
         if names:
             numbers = tuple(self._participants.number_of(name) for name in names)
-            text = f"the ego ({ego.speed:.1f} m/s) and {', '.join(names)} collided"
+            text = f"the ego ({ego.speed:.1f} m/s) and {', '.join(names)} collided: {self._blame(seen, ego, names[0])}"
             self._final = Event(time, EventKind.COLLISION, text, numbers, names)
         elif follower.at_goal:
             self._final = Event(time, EventKind.GOAL, f"route completed after {time:.2f} s")
@@ -181,9 +184,32 @@ class Simulation:
             self._final = Event(time, EventKind.OFF_ROUTE, "the ego ran past the end of its lane")
         elif time >= scenario.time_limit - 1e-9:
             self._final = Event(time, EventKind.TIMEOUT, f"time limit of {scenario.time_limit:g} s passed")
+        else:
+            events = (*events, *self._clear(seen, ego, time))
         if self._final is not None:
             events = (*events, self._final)
         return Tick(self._tick, Scene(time, ego, seen.objects, self._signals()), seen.nearest, events, self._final)
+
+    def _clear(self, seen: Observation, ego: EgoState, time: float) -> list[Event]:
+        """End a stand-off that nobody in it would end."""
+        follower = self._follower
+        stage = follower.route.stages[follower.stage]
+        names = self._stand_off.step(
+            ego, lambda ahead: stage.pose(follower.position + ahead), seen.names, seen.around, self._courtesy.waiting
+        )
+        text = "and the ego blocked each other for {:g} s: taken off the road"
+        return [
+            Event(
+                time, EventKind.CLEARED, f"{name} {text.format(PATIENCE)}", (self._participants.number_of(name),), (name,)
+            )
+            for name in names
+        ]  # fmt: skip
+
+    def _blame(self, seen: Observation, ego: EgoState, name: str) -> str:
+        index, around = seen.names.index(name), seen.around
+        columns = (around.x, around.y, around.yaw, around.speed, around.length, around.width)
+        other = np.array([column[index] for column in columns])
+        return find_blame(ego, other, changing=self._follower.changing).value
 
     def _hit(self, seen: Observation, speed: float) -> tuple[str, ...]:
         """Those whose outline meets the ego's.

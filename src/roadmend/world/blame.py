@@ -1,0 +1,64 @@
+"""Who is to blame for a contact: the rules by which nuPlan tells collisions at the ego's fault from others.
+
+After the metric "no at-fault collisions" of the nuPlan benchmark (Karnchanachari et al. 2024, metrics): a contact is at
+the ego's fault if the ego drives its front into somebody, hits somebody who stands, or is between two lanes.
+"""
+
+import math
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.core.geometry import corner_distance, fill_corners
+from roadmend.core.scene import EgoState
+
+STANDS = 0.05  # [m/s] below which somebody stands, as in nuPlan
+_BUMPER = 0.02  # [m] depth of the outline that counts as the front or the rear
+
+
+class Blame(Enum):
+    """What kind of contact it was; the value is how an event's text says it."""
+
+    EGO_STOOD = "it hit the standing ego"
+    OTHER_STOOD = "it stood and the ego hit it"
+    FRONT = "the ego's front hit it"
+    REAR = "it hit the ego's rear"
+    SIDE = "it hit the ego's side"
+    CHANGING = "the ego was changing lanes"
+
+    @property
+    def is_egos(self) -> bool:
+        """Whether the ego is at fault."""
+        return self in {Blame.OTHER_STOOD, Blame.FRONT, Blame.CHANGING}
+
+
+def is_at_fault(text: str) -> bool:
+    """Whether the text of a COLLISION event puts the blame on the ego."""
+    return any(text.endswith(f": {blame.value}") for blame in Blame if blame.is_egos)
+
+
+def find_blame(ego: EgoState, other: NDArray[np.float64], *, changing: bool) -> Blame:
+    """Tell the kind of a contact.
+
+    Args:
+        ego: at the moment of contact.
+        other: x, y [m], yaw [rad], speed [m/s], length, width [m] of who it met, map frame, shape (6,).
+        changing: whether the ego is in a lane change.
+    """
+    x, y, yaw, speed, length, width = (float(value) for value in other)
+    if ego.speed < STANDS:
+        return Blame.EGO_STOOD
+    if speed < STANDS:
+        return Blame.OTHER_STOOD
+    corners, edge = np.empty((4, 2)), np.empty((4, 2))
+    fill_corners(corners, x, y, yaw, length, width)
+    reach = 0.5 * (ego.length - _BUMPER)
+    along_x, along_y = reach * math.cos(ego.yaw), reach * math.sin(ego.yaw)
+    fill_corners(edge, ego.x + along_x, ego.y + along_y, ego.yaw, _BUMPER, ego.width)
+    if corner_distance(edge, corners) <= 0.0:
+        return Blame.FRONT
+    if changing:
+        return Blame.CHANGING
+    fill_corners(edge, ego.x - along_x, ego.y - along_y, ego.yaw, _BUMPER, ego.width)
+    return Blame.REAR if corner_distance(edge, corners) <= 0.0 else Blame.SIDE
