@@ -15,18 +15,25 @@ from roadmend.search.evaluation import BEST, Evaluation
 from roadmend.search.gather import gather, gather_fresh
 from roadmend.search.ledger import Ledger
 from roadmend.search.rerun import Rerun
+from roadmend.world.blame import is_at_fault
 from roadmend.world.corpus import dump_corpus
 from roadmend.world.families import FAMILIES
 from roadmend.world.point_text import used_parameters
+
+from .toy import AT_FAULT, BLAMELESS
 
 CONFIG = Path(__file__).parents[2] / "config" / "search" / "corpus.yaml"
 CYCLE = ["random", "avfuzzer"]
 
 
 def made_up(family, parameters, seed):
-    """Every fifth or so collides, by what the scenario depends on."""
+    """Every fifth or so collides, by what the scenario depends on; some of them are not to blame."""
     value = random.Random(f"{family} {seed} {sorted(parameters.items())}").random()
-    return ("COLLISION" if value < 0.2 else "GOAL" if value < 0.9 else "TIMEOUT"), f"{value}"
+    return ("COLLISION" if value < 0.25 else "GOAL" if value < 0.9 else "TIMEOUT"), f"{value}"
+
+
+def text_of(digest):
+    return AT_FAULT if float(digest) < 0.2 else BLAMELESS
 
 
 def plan(**changes):
@@ -57,15 +64,15 @@ def world(monkeypatch):
                 counts["searched"] += 1
                 used = used_parameters(FAMILIES[subject.family].build, point, subject.seed)
                 outcome, digest = made_up(subject.family, used, subject.seed)
-                fitness = BEST if outcome == "COLLISION" else -float(digest)
-                yield Evaluation(outcome, "text", digest, fitness, 1.5, (float(digest),))
+                fitness = BEST if float(digest) < 0.2 else -float(digest)
+                yield Evaluation(outcome, text_of(digest), digest, fitness, 1.5, (float(digest),))
 
         yield evaluate
 
     def again(policy, case):
         counts["rerun"] += 1
         outcome, digest = made_up(case.family, case.parameters, case.seed)
-        return Rerun(outcome, digest, "the whole text", 1.5, 12.5)
+        return Rerun(outcome, digest, text_of(digest), 1.5, 12.5)
 
     monkeypatch.setattr("roadmend.search.gather.open_evaluator", evaluator)
     monkeypatch.setattr("roadmend.search.rerun.rerun", again)
@@ -94,7 +101,8 @@ def test_every_split_is_filled_from_its_own_searches(tmp_path):
     assert not corpus.select("S2")
     assert len({case.digest for case in corpus.cases}) == len(corpus.cases) == 2 * plan().wanted
     assert len({case.name for case in corpus.cases}) == len(corpus.cases)
-    assert {(case.text, case.duration) for case in corpus.cases} == {("the whole text", 12.5)}
+    assert {case.duration for case in corpus.cases} == {12.5}
+    assert all(is_at_fault(case.text) for case in corpus.cases if case.is_violation)
     assert list((tmp_path / "modular" / "S1" / "test-0" / "found").iterdir())
 
 

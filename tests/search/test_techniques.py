@@ -11,7 +11,7 @@ from roadmend.search.clusters import LeaderClusters
 from roadmend.search.evaluation import CRASH, CRASH_FITNESS, Evaluation, Trial
 from roadmend.search.registry import TECHNIQUES, make_technique, read_technique_parameters
 
-from .toy import SPACE, drive, toy_evaluation
+from .toy import AT_FAULT, SPACE, drive, toy_evaluation
 
 CONFIG = Path(__file__).parents[2] / "config" / "search"
 
@@ -71,7 +71,7 @@ def test_a_world_where_all_is_alike_stops_nobody(name, outcome):
         assert points
         technique.learn(
             [
-                Trial(point, crash if outcome == CRASH else Evaluation(outcome, "", "d", 0.0, 0.0, (0.0, 0.0)))
+                Trial(point, crash if outcome == CRASH else Evaluation(outcome, AT_FAULT, "d", 0.0, 0.0, (0.0, 0.0)))
                 for point in points
             ]
         )
