@@ -29,6 +29,17 @@ QUICK = {
 }
 
 
+PRACTISED = {
+    "model": {**SMALL, "tokenizer": "rich", "interval": 4},
+    "frames": {"validation_stride": 4},
+    "practice": {
+        "epochs": 2, "monte_carlo_epochs": 1, "rounds": 2, "later_epochs": 1, "per_violation": 1, "per_success": 0,
+        "blinded": 0, "batch": 64,
+    },
+    "reinforcement": {"episodes": 0},
+}  # fmt: skip
+
+
 @pytest.fixture
 def train(tmp_path, monkeypatch):
     """Runs the command for the blind policy in this process; returns its exit code."""
@@ -91,6 +102,23 @@ def test_the_stages_apart_give_the_same_bits_as_together(train, tmp_path, capsys
     )
     tuned = load_checkpoint(tmp_path / "tuned.safetensors")
     assert tuned.header["ancestry"] == [AdreftModel.load(tmp_path / "pieces.safetensors").digest]
+
+
+def test_rounds_of_practice_go_on_where_they_stood(train, tmp_path):
+    corpus = blind_corpus(2, 1)
+    assert train(corpus, PRACTISED, "whole.safetensors") == 0
+    whole = (tmp_path / "whole.safetensors").read_bytes()
+    work = tmp_path / "whole.training"
+    guide, last = work / "guide-1.safetensors", work / "practice-1.safetensors"
+    assert len(list((work / "trials").iterdir())) == 2 * len(corpus.select(split="training"))
+    before = last.read_bytes()
+    last.unlink()
+    guide.unlink()
+    (tmp_path / "whole.safetensors").unlink()
+    assert train(corpus, PRACTISED, "whole.safetensors", "--resume") == 0
+    assert (tmp_path / "whole.safetensors").read_bytes() == whole
+    assert last.read_bytes() == before
+    assert AdreftModel.load(guide).digest != AdreftModel.load(tmp_path / "whole.safetensors").digest
 
 
 @pytest.mark.parametrize("ablation", ["rand_r", "only_rl", "wo_sr", "wo_regulation"])

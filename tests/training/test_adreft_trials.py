@@ -6,8 +6,12 @@ import pytest
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
 from roadmend.repair.actions import ACTIONS
+from roadmend.training.adreft.configuration import ModelSection
 from roadmend.training.adreft.gathering import Recipe
-from roadmend.training.adreft.trials import PASS, CaseTrials, TrialPlan, gather_trials, try_case
+from roadmend.training.adreft.model_file import save_model
+from roadmend.training.adreft.network import AdreftNetwork, tensors_of
+from roadmend.training.adreft.trial_plan import TrialPlan
+from roadmend.training.adreft.trials import PASS, CaseTrials, gather_trials, try_case
 
 from .cases import Drawn
 
@@ -77,3 +81,41 @@ def test_a_blinded_policy_collides_where_it_would_not_and_sees_again_later():
     assert len(trials.outcomes) >= 1 + 8 + 1
     again = try_case(case, RECIPE, plan)
     np.testing.assert_array_equal(again.tokens, trials.tokens)
+
+
+@pytest.fixture(scope="module")
+def guide(tmp_path_factory):
+    """A model that steps in always and brakes as hard as it can."""
+    model = ModelSection(
+        tokenizer="rich", hidden=8, layers=1, heads=1, feed_forward=8, monitor=[4], adapter=[4], interval=4
+    )
+    configuration = model.configuration()
+    tensors = tensors_of(AdreftNetwork(configuration))
+    last = max(name for name in tensors if name.startswith("adapter.") and name.endswith("weight"))
+    tensors[last] = np.zeros_like(tensors[last])
+    bias = last.removesuffix("weight") + "bias"
+    tensors[bias] = np.zeros_like(tensors[bias])
+    tensors[bias][-1] = 1.0
+    path = tmp_path_factory.mktemp("guide") / "guide.safetensors"
+    return path, save_model(path, configuration, tensors, 0.0)
+
+
+def test_a_guide_drives_along_and_is_overruled_where_something_is_held(guide):
+    path, digest = guide
+    plan = TrialPlan(2, 1, 0, 4, 1, digest)
+    trials = try_case(Drawn("S5", 3, digest="0" * 64), RECIPE, plan, path)  # the corpus speaks of the policy alone
+    alone = int(trials.lengths[0])
+    assert (trials.choice[:alone] == len(ACTIONS) - 1).all()
+    assert trials.outcomes[0] == int(EventKind.TIMEOUT)
+    assert len(trials.outcomes) == 3  # not at its goal: as many trials as a violation has
+    assert len(set(trials.choice[alone:].tolist())) > 1
+    assert plan.key(Drawn("S5", 3), RECIPE) != TrialPlan(2, 1, 0, 4, 1).key(Drawn("S5", 3), RECIPE)
+
+
+def test_with_a_guide_to_leave_the_policy_alone_is_drawn_too():
+    drawn = {
+        hold.action
+        for number in range(1, 200)
+        for hold in TrialPlan(8, 2, 0, 4, 7, "guide").holds("S1-1", number, 20.0, collides=False)
+    }
+    assert drawn == set(range(len(ACTIONS)))

@@ -4,7 +4,7 @@ The defaults are the paper's where the paper names a value (config/training/adre
 """
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
@@ -116,6 +116,11 @@ class PracticeSection(Section):
     """Practice on trials, ours: values of random interventions instead of labels (see ``practice``)."""
 
     epochs: int = Field(0, ge=0, le=10_000, description="passes over the trials; 0 leaves the stage out")
+    rounds: int = Field(
+        1, ge=1, le=100, description="times that trials are driven; from the second on the model so far drives along"
+    )
+    later_epochs: int = Field(8, ge=1, le=10_000, description="passes over all trials so far, in later rounds")
+    later_learning_rate: LearningRate = 5e-4
     per_violation: int = Field(8, ge=0, le=1000, description="trials of a violation, besides the policy alone")
     per_success: int = Field(2, ge=0, le=1000, description="trials of a success, besides the policy alone")
     blinded: int = Field(
@@ -131,7 +136,7 @@ class PracticeSection(Section):
         0, ge=0, le=100_000_000, description="decisions drawn for an epoch; 0: all, once each"
     )
     monte_carlo_epochs: int = Field(
-        2, ge=1, le=10_000, description="epochs that learn what the episodes came to; later ones ask the network"
+        2, ge=0, le=10_000, description="epochs that learn what the episodes came to; later ones ask the network"
     )
     steps: int = Field(4, ge=1, le=1000, description="decisions whose rewards are counted before the network is asked")
     gamma: float = Field(0.98, ge=0.0, le=1.0, description="discount of a decision")
@@ -141,6 +146,13 @@ class PracticeSection(Section):
     time: float = Field(0.02, ge=0.0, le=10.0, description="price of a decision's time")
     near: float = Field(1.0, ge=0.0, le=10.0, description="delta_d: nearer than this is critical [m]")
     before_collision: float = Field(3.0, ge=0.0, le=10.0, description="delta_t: critical before a collision [s]")
+
+    def of_round(self, number: int) -> Self:
+        """What holds in a round, counted from 0: later ones go on from what was learned."""
+        if number == 0:
+            return self
+        changes = {"epochs": self.later_epochs, "learning_rate": self.later_learning_rate, "monte_carlo_epochs": 0}
+        return self.model_copy(update=changes)
 
 
 class ReinforcementSection(Section):

@@ -25,13 +25,15 @@ from roadmend.training.adreft.model_file import digest_of_cases, save_model
 from roadmend.training.adreft.practice import PracticeFigures, PracticeStage
 from roadmend.training.adreft.reinforcement import ReinforcementStage, RoundFigures
 from roadmend.training.adreft.supervised import EpochFigures, SupervisedStage
+from roadmend.training.adreft.trial_plan import TrialPlan
 from roadmend.training.adreft.trial_set import TrialSet
-from roadmend.training.adreft.trials import CaseTrials, TrialPlan, gather_trials
+from roadmend.training.adreft.trials import CaseTrials, gather_trials
 from roadmend.training.closed_loop import CaseResult, EpisodeCase, Summary, evaluate_cases, summarise
 from roadmend.training.workers import Mapper
 
 SUPERVISED_STATE = "supervised.safetensors"
-PRACTICE_STATE = "practice.safetensors"
+PRACTICE_STATE = "practice-{}.safetensors"  # one a round
+GUIDE = "guide-{}.safetensors"  # the model that drives along in a round
 REINFORCEMENT_STATE = "reinforcement.safetensors"
 
 Only = Literal["supervised", "reinforcement"] | None
@@ -149,12 +151,41 @@ class Pipeline:
 
     def _prepare(self, validation: FrameSet, only: Only) -> _Supervised:
         """The networks before ReFT: by practice where there is some, else by the supervised stage."""
-        return self._practise() if self._configuration.practice.epochs else self._supervise(validation, only)
+        return self._practise(validation) if self._configuration.practice.epochs else self._supervise(validation, only)
 
-    def _practise(self) -> _Supervised:
+    def _practise(self, validation: FrameSet) -> _Supervised:
+        """Rounds of trials, each learned from together with all before it."""
+        section = self._configuration.practice
+        gathered: list[CaseTrials] = []
+        result: _Supervised | None = None
+        for number in range(section.rounds):
+            gathered += self._try(number, result, validation)
+            trials = TrialSet.join(gathered, section)
+            own = section.of_round(number)
+            stage = PracticeStage(
+                self._model, own, trials, seed=self._seed + number, device=self._device,
+                state=self._work / PRACTICE_STATE.format(number), log=self._work / "tensorboard" / f"practice-{number}",
+                start=None if result is None else result.tensors,
+            )  # fmt: skip
+
+            def report(figures: PracticeFigures, size: int = len(trials), of: int = own.epochs) -> None:
+                self._report("practice", figures.epoch, of, f"{size} decisions, loss {figures.value_loss:.4f}")
+
+            result = _Supervised(self._model, stage.run(report), None, trials.digest, [])
+        assert result is not None
+        return result
+
+    def _try(self, number: int, before: _Supervised | None, validation: FrameSet) -> list[CaseTrials]:
+        """The trials of one round, with the model of the round before at the wheel."""
         section, subject = self._configuration.practice, self._subject
         recipe = Recipe(subject.policy, subject.policy_digest, self._model.tokenizer, 1)
-        plan = TrialPlan(section.per_violation, section.per_success, section.blinded, section.interval, self._seed)
+        guide, digest = None, ""
+        if before is not None:
+            guide = self._work / GUIDE.format(number)
+            digest = save_model(guide, before.model, before.tensors, self._calibrate(before, validation)[0])
+        plan = TrialPlan(
+            section.per_violation, section.per_success, section.blinded, section.interval, self._seed, digest
+        )  # fmt: skip
         done, episodes = 0, 0
 
         def count(trials: CaseTrials) -> None:
@@ -162,18 +193,7 @@ class Pipeline:
             done, episodes = done + 1, episodes + len(trials.lengths)
             self._report("trials", done, len(subject.training), f"{episodes} episodes")
 
-        gathered = gather_trials(subject.training, recipe, plan, self._work / "trials", self._mapper, count)
-        trials = TrialSet.join(gathered, section)
-        stage = PracticeStage(
-            self._model, section, trials, seed=self._seed, device=self._device, state=self._work / PRACTICE_STATE,
-            log=self._work / "tensorboard",
-        )  # fmt: skip
-
-        def report(figures: PracticeFigures) -> None:
-            how = f"{len(trials)} decisions, loss {figures.value_loss:.4f}"
-            self._report("practice", figures.epoch, section.epochs, how)
-
-        return _Supervised(self._model, stage.run(report), None, trials.digest, [])
+        return gather_trials(subject.training, recipe, plan, self._work / "trials", self._mapper, count, guide)
 
     def _supervise(self, validation: FrameSet, only: Only) -> _Supervised:
         section, state = self._configuration.supervised, self._work / SUPERVISED_STATE

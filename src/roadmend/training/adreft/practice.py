@@ -6,7 +6,7 @@ best action some decisions later. It stands in the place of the paper's cross-en
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -46,7 +46,7 @@ class PracticeStage:
 
     def __init__(
         self, model: ModelConfiguration, section: PracticeSection, trials: TrialSet,
-        *, seed: int, device: str, state: Path, log: Path | None = None,
+        *, seed: int, device: str, state: Path, log: Path | None = None, start: Mapping[str, NDArray[Any]] | None = None,
     ) -> None:  # fmt: skip
         """Prepare the stage, or load where it stood.
 
@@ -58,6 +58,7 @@ class PracticeStage:
             device: torch's name of where to compute.
             state: file of the state; one that exists is gone on with.
             log: folder for TensorBoard.
+            start: tensors of an earlier round to begin with.
 
         Raises:
             InputError: the file is of another run, or there is no trial.
@@ -68,6 +69,8 @@ class PracticeStage:
         self._seed, self._device, self._state, self._log = seed, device, state, log
         torch.manual_seed(seed)
         self.network = AdreftNetwork(model).to(device)
+        if start is not None:
+            load_tensors(self.network, start)
         self._optimizer = torch.optim.AdamW(self.network.parameters(), lr=section.learning_rate, weight_decay=1e-4)
         self._identity = {
             "model": model.model_dump(mode="json"), "practice": section.model_dump(mode="json"), "seed": seed,

@@ -4,16 +4,16 @@ The paper explores tick by tick (ADReFT algorithm 1); a tick of braking changes 
 trial holds an action for a while, as an intervention does, and it begins where it may matter: in the seconds before
 the collision that the policy alone would have. Collisions of other kinds than a search finds come from successes that
 the policy drives without seeing everybody.
+
+In later rounds a model drives along: what it does not hold at random is its own, so that the next model learns what
+comes of its own interventions, and where they are too few or too many.
 """
 
-import hashlib
-import json
 import os
-import random
 import zipfile
 import zlib
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
 from typing import Any, Self
@@ -29,71 +29,19 @@ from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.policies.registry import make_policy
 from roadmend.repair.actions import ACTIONS
+from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.adreft.registry import make_tokenizer
-from roadmend.repair.adreft.tokenizer import Tokenizer
+from roadmend.repair.adreft.tokenizer import Tokenizer, TokenSet
 from roadmend.training.adreft.blinding import BlindedPolicy, Blindness, draw_blindness
 from roadmend.training.adreft.gathering import Recipe
+from roadmend.training.adreft.trial_plan import Hold, TrialPlan
 from roadmend.training.closed_loop import EpisodeCase
 from roadmend.training.workers import Mapper
 from roadmend.world.runner import EpisodeSummary, run_episode
 from roadmend.world.simulation import INTERVAL, Tick
 
 PASS = -1  # in the place of an action: the policy's own
-_LAYOUT = 3  # of a file with trials; grows with every change
-_LATEST, _EARLIEST = 0.3, 6.0  # [s] before the collision, between which the first intervention of a trial begins
-_SHORTEST, _LONGEST = 0.2, 4.0  # [s] of an action held
-_USUAL = 0.8  # [s] mean of what is held beyond the shortest
-_PAUSE = 2.0  # [s] longest pause between two interventions of a trial
-_NUMBERS = (1, 1, 2, 3)  # of interventions in a trial, each as likely
 _LEAD = 0.2  # [s] before the first intervention from which a trial is kept: before that it is the episode untouched
-
-
-@dataclass(frozen=True, slots=True)
-class Hold:
-    """An action that is held for a while."""
-
-    begin: float  # [s] simulation time
-    end: float  # [s]
-    action: int  # index into ACTIONS
-
-
-@dataclass(frozen=True, slots=True)
-class TrialPlan:
-    """How many trials a case gets. The first episode is always the policy alone."""
-
-    per_violation: int
-    per_success: int
-    blinded: (
-        int  # times that a success is driven with the policy blinded; where that collides, per_violation trials more
-    )
-    interval: int  # ticks between two decisions
-    seed: int
-
-    def key(self, case: EpisodeCase, recipe: Recipe) -> str:
-        """Name for a case's trials: cases or plans that differ have different ones."""
-        text = json.dumps([_LAYOUT, recipe.key(case), *asdict(self).values()])
-        return hashlib.sha256(text.encode()).hexdigest()[:32]
-
-    def holds(self, name: str, number: int, end: float, *, collides: bool) -> list[Hold]:
-        """The interventions of one trial, drawn from the seed, the name and the trial's number.
-
-        Args:
-            name: of what is driven.
-            number: of the trial, from 1.
-            end: when the policy alone collides or ends the case [s].
-            collides: which of the two.
-        """
-        chance = random.Random(f"{self.seed}:{name}:{number}")
-        if collides:
-            begin = max(0.0, end - chance.uniform(_LATEST, _EARLIEST))
-        else:
-            begin = chance.uniform(0.0, max(0.0, end - 1.0))
-        planned = []
-        for _ in range(chance.choice(_NUMBERS)):
-            duration = min(_LONGEST, _SHORTEST + chance.expovariate(1.0 / _USUAL))
-            planned.append(Hold(begin, begin + duration, chance.randrange(1, len(ACTIONS))))
-            begin += duration + chance.choice((0.0, 0.0, chance.uniform(0.0, _PAUSE)))
-        return planned
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -142,12 +90,14 @@ class CaseTrials:
 
 
 class _Trial:
-    """A repairer that plays its holds and keeps a decision every ``interval`` ticks from ``since`` [s] on."""
+    """A repairer that plays its holds, leaves the rest to the guide, and keeps a decision every ``interval`` ticks."""
 
     name = "trial"
 
-    def __init__(self, tokenizer: Tokenizer, holds: Sequence[Hold], interval: int) -> None:
-        self._tokenizer, self._holds, self._interval = tokenizer, holds, interval
+    def __init__(
+        self, tokenizer: Tokenizer, holds: Sequence[Hold], interval: int, guide: AdreftModel | None = None
+    ) -> None:
+        self._tokenizer, self._holds, self._interval, self._guide = tokenizer, holds, interval, guide
         self._since = min((hold.begin for hold in holds), default=0.0) - _LEAD
         self._tick = 0
         self._choice = PASS
@@ -169,7 +119,8 @@ class _Trial:
         asked = command.action
         if self._tick % self._interval == 0:
             now = scene.time
-            self._choice = next((hold.action for hold in self._holds if hold.begin <= now < hold.end), PASS)
+            held = next((hold.action for hold in self._holds if hold.begin <= now < hold.end), None)
+            self._choice = self._guided(tokens, asked) if held is None else held
             if now >= self._since:
                 self.time.append(now)
                 self.action.append(asked)
@@ -184,6 +135,15 @@ class _Trial:
         final = Command.from_action(wanted, change_lane=command.change_lane)
         return Repair(final, RepairStatus.REPAIRED, 1.0, 0.5, asked, wanted, intervened=True)
 
+    def _guided(self, tokens: TokenSet, asked: float) -> int:
+        """What the guide would do; without one, nothing."""
+        if self._guide is None:
+            return PASS
+        state = self._guide.encode(tokens.values)
+        if self._guide.score(state, asked) <= self._guide.threshold:
+            return PASS
+        return int(self._guide.values(state).argmax())
+
     def watch(self, tick: Tick, _decision: Decision, repair: Repair) -> None:
         """Credit the tick that was just answered to the last decision."""
         if self.time:
@@ -191,17 +151,18 @@ class _Trial:
             self.distance[-1] = min(self.distance[-1], tick.min_distance)
 
 
-def try_case(case: EpisodeCase, recipe: Recipe, plan: TrialPlan) -> CaseTrials:
-    """Drive all trials of one case in this process.
+def try_case(case: EpisodeCase, recipe: Recipe, plan: TrialPlan, guide: Path | None = None) -> CaseTrials:
+    """Drive all trials of one case in this process; ``guide`` is the file of the model that drives along.
 
     Raises:
         InputError: the scenario is unusable, or the policy drives it otherwise than the corpus says.
         SimulationError: SUMO failed.
     """
     driven: list[tuple[_Trial, EpisodeSummary]] = []
+    model = None if guide is None else AdreftModel.load(guide)
 
     def drive(holds: Sequence[Hold], blindness: Blindness | None = None) -> EpisodeSummary:
-        trial = _Trial(make_tokenizer(recipe.tokenizer), holds, plan.interval)
+        trial = _Trial(make_tokenizer(recipe.tokenizer), holds, plan.interval, model)
         policy = make_policy(recipe.policy)
         driver = policy if blindness is None else BlindedPolicy(policy, blindness)
         summary = run_episode(case.scenario(), driver, trial, trial.watch)
@@ -210,18 +171,18 @@ def try_case(case: EpisodeCase, recipe: Recipe, plan: TrialPlan) -> CaseTrials:
         return summary
 
     alone = drive(())
-    if case.digest and alone.digest != case.digest:
+    if model is None and case.digest and alone.digest != case.digest:
         mend = "verify the corpus, and build it again if the policy has changed since"
         raise InputError(f"case {case.name}", f"'{recipe.policy}' does not drive it as the corpus says", mend)
-    collides = alone.outcome == EventKind.COLLISION
-    for number in range(1, 1 + (plan.per_violation if collides else plan.per_success)):
-        drive(plan.holds(case.name, number, alone.duration, collides=collides))
-    for index in range(0 if collides else plan.blinded):
+    for holds in plan.trials(case.name, alone.outcome, alone.duration):
+        drive(holds)
+    for index in range(0 if alone.outcome == EventKind.COLLISION else plan.blinded):
         name = f"{case.name}:blinded-{index}"
         blindness = draw_blindness(f"{plan.seed}:{name}", alone.duration)
         first = drive((), blindness)
-        for number in range(1, 1 + (plan.per_violation if first.outcome == EventKind.COLLISION else 0)):
-            drive(plan.holds(name, number, first.duration, collides=True), blindness)
+        if first.outcome == EventKind.COLLISION:
+            for holds in plan.trials(name, first.outcome, first.duration):
+                drive(holds, blindness)
     trials = [trial for trial, _ in driven]
     tokens = [tokens for trial in trials for tokens in trial.tokens]
     return CaseTrials(
@@ -246,6 +207,7 @@ def gather_trials(
     cache: Path,
     mapper: Mapper,
     report: Callable[[CaseTrials], None] = lambda _trials: None,
+    guide: Path | None = None,
 ) -> list[CaseTrials]:
     """Trials of every case, in the order of the cases; what lies in the cache is not driven again.
 
@@ -256,13 +218,15 @@ def gather_trials(
         cache: folder with one file a case; an interruption costs the cases under way only.
         mapper: runs cases side by side.
         report: called for every case as soon as its trials are there.
+        guide: file of the model that drives along; ``plan`` knows its digest.
 
     Raises:
         InputError: a case cannot be driven or is not driven as the corpus says, or the cache cannot be written.
         SimulationError: SUMO failed, or a worker process died.
     """
     gathered: list[CaseTrials] = []
-    for case, path in zip(cases, mapper(partial(_keep, recipe=recipe, plan=plan, cache=cache), cases), strict=True):
+    keep = partial(_keep, recipe=recipe, plan=plan, cache=cache, guide=guide)
+    for case, path in zip(cases, mapper(keep, cases), strict=True):
         trials = CaseTrials.load(path)
         if trials.name != case.name:
             raise InputError(str(path), f"holds case {trials.name}, not {case.name}", "remove the file")
@@ -271,7 +235,7 @@ def gather_trials(
     return gathered
 
 
-def _keep(case: EpisodeCase, *, recipe: Recipe, plan: TrialPlan, cache: Path) -> Path:
+def _keep(case: EpisodeCase, *, recipe: Recipe, plan: TrialPlan, cache: Path, guide: Path | None) -> Path:
     path = cache / f"{plan.key(case, recipe)}.npz"
     try:
         if path.exists():
@@ -279,7 +243,7 @@ def _keep(case: EpisodeCase, *, recipe: Recipe, plan: TrialPlan, cache: Path) ->
             return path
     except ValueError:
         pass  # a damaged file is made anew
-    trials = try_case(case, recipe, plan)
+    trials = try_case(case, recipe, plan, guide)
     try:
         trials.save(path)
     except OSError as error:
