@@ -82,7 +82,7 @@ def test_nothing_is_learned_about_lane_changes_that_nobody_asked_for(samples):
 def test_an_interrupted_training_goes_on_to_the_same_model(tmp_path):
     def train(folder, rounds):
         configuration = TINY.model_copy(update={"rounds": TINY.rounds[:rounds]})
-        return Training(configuration, 3, tmp_path / folder, 1, CPU, "test", lambda *_: None).run()
+        return Training(configuration, 3, tmp_path / folder, 1, "cpu", "test", lambda *_: None).run()
 
     whole = train("whole", 2)
     train("parts", 1)
@@ -93,7 +93,7 @@ def test_an_interrupted_training_goes_on_to_the_same_model(tmp_path):
     assert list((tmp_path / "whole" / "tensorboard").rglob("events*"))
     assert NeuralPolicy(whole).model_digest == load_checkpoint(whole).digest
     with pytest.raises(InputError, match="other settings"):
-        Training(TINY, 4, tmp_path / "whole", 1, CPU, "test", lambda *_: None).run()
+        Training(TINY, 4, tmp_path / "whole", 1, "cpu", "test", lambda *_: None).run()
 
 
 def test_damaged_samples_are_refused(tmp_path):

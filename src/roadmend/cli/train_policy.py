@@ -10,7 +10,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from roadmend.cli.resources import config_folder
 from roadmend.core.errors import InputError
-from roadmend.training.dagger import Training, choose_device
+from roadmend.training.dagger import Training
+from roadmend.training.device import choose_torch_device
 from roadmend.training.imitation_configuration import read_imitation_configuration
 
 
@@ -52,7 +53,10 @@ def policy(
         def report(what: str, done: int, total: int) -> None:
             progress.update(task, description=what, completed=done, total=total)
 
-        training = Training(configuration, seed, folder, workers, choose_device(device), command, report)
+        # One thread: small batches gain little from more, and the bits are the same on every machine.
+        training = Training(
+            configuration, seed, folder, workers, choose_torch_device(device, 1), command, report
+        )  # fmt: skip
         last = training.run()
     part = out.with_name(f"{out.name}.part")
     shutil.copyfile(last, part)

@@ -29,22 +29,6 @@ from roadmend.training.workers import open_mapper
 Report = Callable[[str, int, int], None]  # what is being done, how much of it is done, how much there is
 
 
-def choose_device(name: str) -> torch.device:
-    """The device that a name stands for: "auto" takes CUDA where it is there.
-
-    Raises:
-        InputError: it cannot be used here.
-    """
-    if name == "auto":
-        return torch.device("cuda" if torch.cuda.is_available() else "cpu")
-    try:
-        device = torch.device(name)
-        torch.empty(1, device=device)
-    except (RuntimeError, AssertionError):
-        raise InputError("--device", f"{name!r} cannot be used here", "give auto, cpu or cuda") from None
-    return device
-
-
 def samples_digest(samples: Samples) -> str:
     """SHA-256 of all samples, hexadecimal."""
     value = hashlib.sha256()
@@ -91,7 +75,7 @@ class Training:
     seed: int
     folder: Path
     workers: int
-    device: torch.device
+    device: str  # torch's name
     command: str  # goes into the header
     report: Report
 
@@ -156,8 +140,6 @@ class Training:
 
     def _fitted(self, number: int, parts: list[Samples], before: Path | None, path: Path) -> None:
         configuration, step = self.configuration, self.configuration.rounds[number]
-        # One thread: the same bits on every machine, and small batches gain little from more.
-        torch.set_num_threads(1)
         torch.manual_seed(self.seed * 1000 + number)
         network = NeuralNetwork(configuration).to(self.device)
         if before is not None:
@@ -174,7 +156,9 @@ class Training:
                     f"round {number}: learning, {held.action:.3f} + {held.change:.4f} nat", epoch + 1, step.epochs
                 )
 
-            held = fit(network, samples, configuration, step, self.seed * 1000 + number, self.device, note)
+            held = fit(
+                network, samples, configuration, step, self.seed * 1000 + number, torch.device(self.device), note
+            )
         outcomes = Counter(parts[-1].outcomes)
         header = {
             "kind": KIND,

@@ -22,5 +22,5 @@ def choose_torch_device(name: str, threads: int) -> str:
     try:
         torch.zeros(1, device=name)
     except (RuntimeError, AssertionError):
-        raise InputError("device", f"{name!r} cannot be used here", "give auto, cpu or cuda") from None
+        raise InputError("--device", f"{name!r} cannot be used here", "give auto, cpu or cuda") from None
     return name
