@@ -73,7 +73,7 @@ class CorpusPlan(_Model):
     )  # fmt: skip
     training: SplitPlan = SplitPlan(
         violations=200, successes=200, first_seed=3_000_000, techniques=("avfuzzer",),
-        parameters={"avfuzzer": {"patience": 6}}, budget=600, most_per_campaign=60, least_distance=0.01,
+        parameters={"avfuzzer": {"patience": 4}}, budget=400, most_per_campaign=40, least_distance=0.01,
     )  # fmt: skip
 
     def splits(self) -> Iterator[tuple[str, SplitPlan]]:
