@@ -49,6 +49,8 @@ def test_returns_by_hand():
     np.testing.assert_allclose(found.discount[:3], [0.25, 0.0, 0.0])
     assert found.following[9:12].tolist() == [11, -1, -1]
     assert found.critical[:9].tolist() == [0.0, 1.0, 1.0] + [0.0] * 6
+    # What was braked within the next 0.45 s and went well says nothing of the policy.
+    assert found.judged[:9].tolist() == [0.0, 1.0, 1.0] + [0.0, 0.0, 1.0] * 2
     # 0.8 and 0.6 do as little as the policy's own 0.5; braking is alike to itself alone.
     assert found.alike[0].tolist() == [True, True] + [False] * 8
     assert np.flatnonzero(found.alike[1]).tolist() == [4]

@@ -129,6 +129,7 @@ class PracticeStage:
         drawn = trials.draw(self._section.decisions_per_epoch, generator)
         targets = self._targets(drawn)
         alike, critical = torch.from_numpy(trials.alike), torch.from_numpy(trials.critical)
+        judged = torch.from_numpy(trials.judged)
         size = self._section.batch
         steps = math.ceil(len(drawn) / size)
         value_total, monitor_total, count = 0.0, 0.0, 0
@@ -142,7 +143,11 @@ class PracticeStage:
             wanted = targets[chosen].to(self._device)[:, None].expand_as(values)
             apart = functional.smooth_l1_loss(values, wanted, reduction="none") * counted
             value = (apart.sum(dim=1) / counted.sum(dim=1).clamp(min=1.0)).mean()
-            monitor = functional.binary_cross_entropy_with_logits(logits, critical[chosen].to(self._device))
+            says = judged[chosen].to(self._device)
+            wrong = functional.binary_cross_entropy_with_logits(
+                logits, critical[chosen].to(self._device), weight=says, reduction="sum"
+            )
+            monitor = wrong / says.sum().clamp(min=1.0)
             self._optimizer.zero_grad(set_to_none=True)
             (value + monitor).backward()  # type: ignore[no-untyped-call]
             torch.nn.utils.clip_grad_norm_(self.network.parameters(), _CLIP)

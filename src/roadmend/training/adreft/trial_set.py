@@ -36,6 +36,7 @@ class TrialSet:
     offsets: NDArray[np.int64]  # shape (F + 1,)
     action: Floats  # shape (F,), as are all below but ``alike``
     critical: Floats  # weak label of what was really driven
+    judged: Floats  # 1 where that label speaks of the policy, 0 where an intervention may have made it harmless
     reward: Floats  # discounted sum over the next ``steps`` decisions
     discount: Floats  # of the value of ``following``
     following: NDArray[np.int64]  # the decision ``steps`` later, -1 where the episode has ended by then
@@ -70,6 +71,7 @@ class TrialSet:
             np.concatenate([[0], np.cumsum(counts)]),
             action,
             np.concatenate([part.critical for part in parts]),
+            np.concatenate([part.judged for part in parts]),
             np.concatenate([part.reward for part in parts]),
             np.concatenate([part.discount for part in parts]),
             np.concatenate(following),
@@ -81,7 +83,9 @@ class TrialSet:
     def digest(self) -> str:
         """SHA-256 over all that is learned from, hexadecimal."""
         value = hashlib.sha256()
-        for array in (self.tokens, self.offsets, self.action, self.critical, self.reward, self.total, self.alike):
+        for array in (
+            self.tokens, self.offsets, self.action, self.critical, self.judged, self.reward, self.total, self.alike
+        ):  # fmt: skip
             value.update(f"{array.dtype.str}{array.shape}".encode())
             value.update(np.ascontiguousarray(array).tobytes())
         return value.hexdigest()
@@ -125,6 +129,7 @@ class _Returns:
     """The decisions of one case; shapes (F,)."""
 
     critical: Floats
+    judged: Floats
     reward: Floats
     discount: Floats
     following: NDArray[np.int64]  # within the case
@@ -135,6 +140,7 @@ def _returns(trials: CaseTrials, section: PracticeSection) -> _Returns:
     count = len(trials.time)
     reward = (-section.dose * trials.dose - section.time).astype(np.float64)
     critical = trials.distance < section.near
+    judged = np.ones(count, dtype=np.bool_)
     following = np.full(count, -1, dtype=np.int64)
     summed, discount, total = np.zeros(count), np.zeros(count), np.zeros(count)
     begin = 0
@@ -145,8 +151,11 @@ def _returns(trials: CaseTrials, section: PracticeSection) -> _Returns:
             critical[begin:end] |= trials.time[begin:end] > trials.ends[episode] - section.before_collision
         elif trials.outcomes[episode] != int(EventKind.GOAL):
             reward[end - 1] += section.timeout
-        after = 0.0
+        after, changed = 0.0, np.inf  # when the ego was last interfered with, seen from the end [s]
         for index in range(end - 1, begin - 1, -1):
+            if trials.dose[index] > 0.0:
+                changed = trials.time[index]
+            judged[index] = critical[index] or changed > trials.time[index] + section.before_collision
             after = reward[index] + section.gamma * after
             total[index] = after
             last = min(index + section.steps, end)
@@ -155,5 +164,5 @@ def _returns(trials: CaseTrials, section: PracticeSection) -> _Returns:
             if last < end:
                 following[index], discount[index] = last, section.gamma ** (last - index)
         begin = end
-    plain = [array.astype(np.float32) for array in (critical, summed, discount, total)]
-    return _Returns(plain[0], plain[1], plain[2], following, plain[3])
+    plain = [array.astype(np.float32) for array in (critical, judged, summed, discount, total)]
+    return _Returns(plain[0], plain[1], plain[2], plain[3], following, plain[4])
