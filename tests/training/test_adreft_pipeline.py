@@ -112,6 +112,7 @@ def test_rounds_of_practice_go_on_where_they_stood(train, tmp_path):
     guide, last = work / "guide-1.safetensors", work / "practice-1.safetensors"
     assert len(list((work / "trials").iterdir())) == 2 * len(corpus.select(split="training"))
     before = last.read_bytes()
+    assert train(corpus, PRACTISED, "whole.safetensors") == 2
     last.unlink()
     guide.unlink()
     (tmp_path / "whole.safetensors").unlink()

@@ -14,6 +14,7 @@ from roadmend.core.errors import InputError
 from roadmend.policies.registry import POLICIES
 from roadmend.training.adreft.configuration import TrainingConfiguration, read_training_configuration
 from roadmend.training.adreft.pipeline import (
+    PRACTICE_STATE,
     REINFORCEMENT_STATE,
     SUPERVISED_STATE,
     Only,
@@ -30,7 +31,7 @@ _ABLATIONS: dict[str, tuple[Only, dict[str, dict[str, Any]]]] = {  # which stage
     "only_sl": ("supervised", {}),
     "only_rl": (None, {"reinforcement": {"start": "scratch"}}),
     "wo_sr": (None, {"reinforcement": {"step_reward": False}}),
-    "wo_regulation": (None, {"frames": {"labels": "weak_without_regulation"}}),
+    "wo_regulation": (None, {"frames": {"labels": "weak_without_regulation"}, "practice": {"near": 0.0}}),
 }
 
 
@@ -122,7 +123,9 @@ def _open_work(work: Path, *, resume: bool | None, keep_supervised: bool) -> Non
     Raises:
         InputError: there are such states and nothing was asked for, or the folder cannot be made.
     """
-    states = [work / REINFORCEMENT_STATE] if keep_supervised else [work / SUPERVISED_STATE, work / REINFORCEMENT_STATE]
+    states = [work / REINFORCEMENT_STATE]
+    if not keep_supervised:
+        states += [work / SUPERVISED_STATE, *sorted(work.glob(PRACTICE_STATE.format("*")))]
     found = [state for state in states if state.exists()]
     if found and resume is None:
         raise InputError(str(work), "holds a training already", "go on with --resume, or begin anew with --restart")
