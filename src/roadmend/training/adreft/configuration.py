@@ -121,6 +121,7 @@ class PracticeSection(Section):
     )
     later_epochs: int = Field(8, ge=1, le=10_000, description="passes over all trials so far, in later rounds")
     later_learning_rate: LearningRate = 5e-4
+    later_blinded: int = Field(0, ge=0, le=100, description="as blinded, in later rounds")
     per_violation: int = Field(8, ge=0, le=1000, description="trials of a violation, besides the policy alone")
     per_success: int = Field(2, ge=0, le=1000, description="trials of a success, besides the policy alone")
     blinded: int = Field(
@@ -152,7 +153,7 @@ class PracticeSection(Section):
         if number == 0:
             return self
         changes = {"epochs": self.later_epochs, "learning_rate": self.later_learning_rate, "monte_carlo_epochs": 0}
-        return self.model_copy(update=changes)
+        return self.model_copy(update={**changes, "blinded": self.later_blinded})
 
 
 class ReinforcementSection(Section):

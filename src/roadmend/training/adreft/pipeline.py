@@ -177,7 +177,7 @@ class Pipeline:
 
     def _try(self, number: int, before: _Supervised | None, validation: FrameSet) -> list[CaseTrials]:
         """The trials of one round, with the model of the round before at the wheel."""
-        section, subject = self._configuration.practice, self._subject
+        section, subject = self._configuration.practice.of_round(number), self._subject
         recipe = Recipe(subject.policy, subject.policy_digest, self._model.tokenizer, 1)
         guide, digest = None, ""
         if before is not None:
