@@ -15,7 +15,7 @@ _COMMANDS: Table = {
     "sample": ("roadmend.cli.scenario", "sample", "Draw a scenario of one of the five families."),
     "schema": ("roadmend.cli.scenario", "schema", "Print the JSON schema of a scenario file."),
     "bench": ("roadmend.cli.bench", "bench", "Measure, in ratios."),
-    "search": ("roadmend.cli.search", "search", "Find scenarios in which a policy under repair collides."),
+    "search": ("roadmend.cli.search", "search", "Find scenarios in which a policy collides by its own fault."),
     "corpus": ("roadmend.cli.corpus", "corpus", "Gather, verify and show what policies are trained and measured on."),
     "train": ("roadmend.cli.train", "train", "Train a driving policy, a repair model or a rival's model."),
     "picture": ("roadmend.cli.picture", "picture", "Draw the scene at one moment of a bag."),

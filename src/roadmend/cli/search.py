@@ -57,7 +57,7 @@ def search(
     family: str, technique: str, policy: str, method: str, budget: int, seed: int, file: Path | None, out: Path,
     workers: int, *, as_json: bool,
 ) -> int:  # fmt: skip
-    """Find scenarios in which a policy under repair collides; exit code 1 if a scenario could not be run.
+    """Find scenarios in which a policy under repair collides by its own fault; exit code 1 if one could not be run.
 
     The same settings give the same scenarios, whatever the number of workers. Every one that ends in a collision is
     written to the folder, with the command that shows it again in ledger.jsonl.
