@@ -55,6 +55,7 @@ def test_every_setting_has_a_meaning_and_a_range(section):
         ("supervised: {epoch: 3}", "field supervised.epoch is unknown"),
         ("reinforcement: {gamma: 1.5}", "field reinforcement.gamma"),
         ("model: {monitor: [0]}", "field model.monitor"),
+        ("practice: {forget: 0.3}", "practice.forget: only rich tokens"),
         ("model: [", "broken YAML"),
         ("supervised: {learning_rate: .nan}", "field supervised.learning_rate"),
     ],

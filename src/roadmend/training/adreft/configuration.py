@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from roadmend.core.errors import InputError
 from roadmend.learning.shape import EncoderShape
@@ -122,6 +122,9 @@ class PracticeSection(Section):
     later_epochs: int = Field(8, ge=1, le=10_000, description="passes over all trials so far, in later rounds")
     later_learning_rate: LearningRate = 5e-4
     later_blinded: int = Field(0, ge=0, le=100, description="as blinded, in later rounds")
+    forget: float = Field(
+        0.0, ge=0.0, le=1.0, description="share of bystanders left out of each scene that is learned; rich tokens only"
+    )
     per_violation: int = Field(8, ge=0, le=1000, description="trials of a violation, besides the policy alone")
     per_success: int = Field(2, ge=0, le=1000, description="trials of a success, besides the policy alone")
     blinded: int = Field(
@@ -218,6 +221,12 @@ class TrainingConfiguration(Section):
     practice: PracticeSection = PracticeSection()
     reinforcement: ReinforcementSection = ReinforcementSection()
     threads: int = Field(1, ge=1, le=256, description="threads of torch; the bits may depend on it")
+
+    @model_validator(mode="after")
+    def _check_forget(self) -> Self:
+        if self.practice.forget and self.model.tokenizer != "rich":
+            raise ValueError("practice.forget: only rich tokens tell who is a bystander; leave it at 0")
+        return self
 
 
 def read_training_configuration(path: Path) -> TrainingConfiguration:

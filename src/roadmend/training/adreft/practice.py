@@ -22,6 +22,7 @@ from roadmend.core.errors import InputError, RoadmendError
 from roadmend.learning.checkpoint import load_checkpoint, save_checkpoint
 from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.training.adreft.configuration import PracticeSection
+from roadmend.training.adreft.forgetting import forget
 from roadmend.training.adreft.network import AdreftNetwork, load_tensors, tensors_of
 from roadmend.training.adreft.supervised import check_identity
 from roadmend.training.adreft.trial_set import TrialSet
@@ -130,7 +131,7 @@ class PracticeStage:
         targets = self._targets(drawn)
         alike, critical = torch.from_numpy(trials.alike), torch.from_numpy(trials.critical)
         judged = torch.from_numpy(trials.judged)
-        size = self._section.batch
+        size, forgotten = self._section.batch, self._section.forget
         steps = math.ceil(len(drawn) / size)
         value_total, monitor_total, count = 0.0, 0.0, 0
         self.network.train()
@@ -138,7 +139,8 @@ class PracticeStage:
             for group in self._optimizer.param_groups:
                 group["lr"] = self._rate(self.epoch + count / steps)
             batch = trials.batch(chosen)
-            logits, values = self.network(self._to(batch.tokens), self._to(batch.mask), self._to(batch.action))
+            mask = batch.mask if not forgotten else forget(batch.tokens, batch.mask, forgotten, generator)
+            logits, values = self.network(self._to(batch.tokens), self._to(mask), self._to(batch.action))
             counted = alike[chosen].to(self._device, torch.float32)
             wanted = targets[chosen].to(self._device)[:, None].expand_as(values)
             apart = functional.smooth_l1_loss(values, wanted, reduction="none") * counted
