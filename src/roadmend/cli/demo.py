@@ -13,7 +13,7 @@ from roadmend.cli.table import show_results, wide_console
 from roadmend.core.errors import RoadmendError
 from roadmend.nodes.launcher import GraphOptions, RunResult
 
-_METHODS = ("none", "rss")
+_METHODS = ("none", "adreft")
 
 
 @click.command()
