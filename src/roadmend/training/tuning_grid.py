@@ -1,4 +1,4 @@
-"""The settings among which each rival's best is looked for: at most a dozen a rival, around its defaults."""
+"""The settings among which each rival's best is looked for: at most two dozen a rival, so wide that the best is not at an edge."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,7 +13,10 @@ _PREDICTIONS = (  # horizon [s], margin [m], turning, slowing
     *((3.0, margin, True, True) for margin in (0.3, 0.8)),
     (4.0, 0.3, True, True),
     *((3.0, margin, False, False) for margin in (0.3, 0.8)),
-    (5.0, 0.3, True, False),
+    *((5.0, margin, True, False) for margin in (0.3, 0.8)),
+    (6.5, 0.3, True, False),
+    (8.0, 0.3, True, False),
+    (5.0, 0.3, True, True),
 )
 
 
@@ -38,7 +41,7 @@ def rivals_of(model: str) -> tuple[Rival, ...]:
         model: the SelfOracle model, by the name of a shipped one or as a path.
     """
     return (
-        Rival("random", "random", tuple({"probability": value} for value in (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.75))),
+        Rival("random", "random", tuple({"probability": value} for value in (0.02, 0.05, 0.1, 0.2, 0.35, 0.4, 0.5, 0.6, 0.75))),
         Rival(
             "rule",
             "rule",
@@ -53,7 +56,7 @@ def rivals_of(model: str) -> tuple[Rival, ...]:
             "rss",
             tuple(
                 {"rho": rho, "a_min_brake": brake, "time_gap": gap}
-                for rho, brake, gap in product((0.2, 0.5, 1.0), (4.0, 6.0), (0.2, 0.6))
+                for rho, brake, gap in product((0.5, 1.0, 1.5, 2.0), (3.0, 4.0, 6.0), (0.2, 0.6))
             ),
         ),
         Rival("predictive", "predictive", _predictions(adaptive=False)),
