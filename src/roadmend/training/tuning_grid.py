@@ -41,7 +41,11 @@ def rivals_of(model: str) -> tuple[Rival, ...]:
         model: the SelfOracle model, by the name of a shipped one or as a path.
     """
     return (
-        Rival("random", "random", tuple({"probability": value} for value in (0.02, 0.05, 0.1, 0.2, 0.35, 0.4, 0.5, 0.6, 0.75))),
+        Rival(
+            "random",
+            "random",
+            tuple({"probability": value} for value in (0.02, 0.05, 0.1, 0.2, 0.35, 0.4, 0.5, 0.6, 0.75)),
+        ),
         Rival(
             "rule",
             "rule",
@@ -56,7 +60,7 @@ def rivals_of(model: str) -> tuple[Rival, ...]:
             "rss",
             tuple(
                 {"rho": rho, "a_min_brake": brake, "time_gap": gap}
-                for rho, brake, gap in product((0.5, 1.0, 1.5, 2.0), (3.0, 4.0, 6.0), (0.2, 0.6))
+                for rho, brake, gap in product((0.5, 1.0, 1.5, 2.0, 2.5, 3.0), (3.0, 4.0), (0.2, 0.6))
             ),
         ),
         Rival("predictive", "predictive", _predictions(adaptive=False)),
