@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from roadmend.core.scene import EgoState
+from roadmend.core.scene import EgoState, ObjectList
 from roadmend.world.blame import Blame, find_blame, is_at_fault
 
 LENGTH, WIDTH = 4.6, 1.8
@@ -19,7 +19,8 @@ def other(along, across, heading, speed, yaw=0.0):
     """Somebody of the ego's size, placed relative to it."""
     cosine, sine = math.cos(yaw), math.sin(yaw)
     x, y = 10.0 + along * cosine - across * sine, 20.0 + along * sine + across * cosine
-    return np.array([x, y, yaw + heading, speed, LENGTH, WIDTH])
+    columns = [np.array([value]) for value in (x, y, yaw + heading, speed, 0.0, 0.0, LENGTH, WIDTH)]
+    return ObjectList(np.ones(1, dtype=np.uint32), np.zeros(1, dtype=np.uint8), *columns)
 
 
 @pytest.mark.parametrize("yaw", [0.0, 2.0, -3.0])
@@ -38,7 +39,7 @@ def other(along, across, heading, speed, yaw=0.0):
     ],
 )
 def test_the_kind_of_a_contact(yaw, speed, place, expected):
-    assert find_blame(ego(speed, yaw), other(*place, yaw=yaw), changing=False) is expected
+    assert find_blame(ego(speed, yaw), other(*place, yaw=yaw), 0, changing=False) is expected
 
 
 @pytest.mark.parametrize(
@@ -50,7 +51,7 @@ def test_the_kind_of_a_contact(yaw, speed, place, expected):
     ],
 )
 def test_a_contact_while_changing_lanes(place, expected):
-    assert find_blame(ego(5.0), other(*place), changing=True) is expected
+    assert find_blame(ego(5.0), other(*place), 0, changing=True) is expected
 
 
 @pytest.mark.parametrize("blame", Blame)

@@ -3,14 +3,18 @@
 import dataclasses
 import json
 import random
+from pathlib import Path
 
 import pytest
 
 from roadmend.core.errors import InputError
+from roadmend.world.blame import is_at_fault
 from roadmend.world.corpus import Case, Corpus, dump_corpus, load_corpus, save_corpus, sorted_cases
 from roadmend.world.families import FAMILIES
 from roadmend.world.point_text import used_parameters
 from roadmend.world.space import sample
+
+SHIPPED = Path(__file__).parents[2] / "config" / "corpora"
 
 
 def case(family="S3", split="test", index=0, outcome="COLLISION", seed=7):
@@ -133,3 +137,14 @@ def test_a_family_that_has_come_to_need_more_is_told():
     lacking = dataclasses.replace(case(), parameters={"layout": "cross"})
     with pytest.raises(InputError, match="has no parameter"):
         lacking.scenario()
+
+
+@pytest.mark.parametrize("path", sorted(SHIPPED.glob("*.jsonl")), ids=lambda path: path.stem)
+def test_what_ships_is_whole_and_its_violations_are_the_egos_fault(path):
+    corpus = load_corpus(path)
+    for family in FAMILIES:
+        for split, count in (("test", 40), ("validation", 20), ("training", 200)):
+            violations = corpus.select(family, split, violation=True)
+            assert len(violations) == len(corpus.select(family, split, violation=False)) == count
+            assert all(is_at_fault(case.text) for case in violations)
+    assert len({case.digest for case in corpus.cases}) == len(corpus.cases)

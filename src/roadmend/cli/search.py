@@ -59,8 +59,8 @@ def search(
 ) -> int:  # fmt: skip
     """Find scenarios in which a policy under repair collides by its own fault; exit code 1 if one could not be run.
 
-    The same settings give the same scenarios, whatever the number of workers. Every one that ends in a collision is
-    written to the folder, with the command that shows it again in ledger.jsonl.
+    The same settings give the same scenarios, whatever the number of workers. Every one that ends in such a collision
+    is written to the folder, with the command that shows it again in ledger.jsonl.
     """
     chosen = read_technique_parameters(technique, _read(file))
     campaign = Campaign(Subject(family, policy, method, seed), technique, chosen)

@@ -71,7 +71,10 @@ def adreft(
     policy: str, corpus_file: Path | None, file: Path | None, out: Path, seed: int, device: str, workers: int,
     only: Only, start: Path | None, ablation: str | None, work: Path | None, *, resume: bool | None,
 ) -> None:  # fmt: skip
-    """Train ADReFT for one policy: a supervised stage on weak labels, then reinforcement fine-tuning in closed loop.
+    """Train ADReFT for one policy, by the stages that the configuration has.
+
+    These are a supervised stage on weak labels, as in the paper, or practice in its place, and reinforcement
+    fine-tuning in closed loop.
 
     The same settings give the same model, whatever the number of workers and interruptions. The test split is never
     looked at; what is said at the end was measured on the validation split.

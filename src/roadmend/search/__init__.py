@@ -1,1 +1,1 @@
-"""Search for violations: points of a family's parameter space at which a policy under repair collides by its own fault."""
+"""Search for violations: points of a family's parameter space at which a policy collides by its own fault."""

@@ -61,7 +61,7 @@ class Evaluation:
     outcome: str  # an EventKind's name, or CRASH
     text: str
     digest: str  # of the trajectory; empty after a crash
-    fitness: float  # BEST for a violation, BLAMELESS_FITNESS for another collision, else - (distance + weighted time to collision) at the worst moment [m]
+    fitness: float  # of a collision see above, else - (distance + weighted time to collision) at the worst moment [m]
     min_distance: float | None  # [m] between the outlines, over time; none where the ego met nobody
     features: tuple[float, ...]  # the ego's behaviour, see BehaviourRecorder.features
 

@@ -1,4 +1,4 @@
-"""The settings among which each rival's best is looked for: at most two dozen a rival, so wide that the best is not at an edge."""
+"""The settings among which each rival's best is looked for: around and beyond its defaults."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -8,12 +8,11 @@ import math
 from enum import Enum
 
 import numpy as np
-from numpy.typing import NDArray
 
 from roadmend.core.geometry import corner_distance, fill_corners
-from roadmend.core.scene import EgoState
+from roadmend.core.scene import EgoState, ObjectList
+from roadmend.world.ego import STANDING
 
-STANDS = 0.05  # [m/s] below which somebody stands, as in nuPlan
 _BUMPER = 0.02  # [m] depth of the outline that counts as the front or the rear
 
 
@@ -38,21 +37,23 @@ def is_at_fault(text: str) -> bool:
     return any(text.endswith(f": {blame.value}") for blame in Blame if blame.is_egos)
 
 
-def find_blame(ego: EgoState, other: NDArray[np.float64], *, changing: bool) -> Blame:
+def find_blame(ego: EgoState, others: ObjectList, index: int, *, changing: bool) -> Blame:
     """Tell the kind of a contact.
 
     Args:
         ego: at the moment of contact.
-        other: x, y [m], yaw [rad], speed [m/s], length, width [m] of who it met, map frame, shape (6,).
+        others: who is around.
+        index: of the one that it met.
         changing: whether the ego is in a lane change.
     """
-    x, y, yaw, speed, length, width = (float(value) for value in other)
-    if ego.speed < STANDS:
+    if ego.speed < STANDING:
         return Blame.EGO_STOOD
-    if speed < STANDS:
+    if others.speed[index] < STANDING:
         return Blame.OTHER_STOOD
     corners, edge = np.empty((4, 2)), np.empty((4, 2))
-    fill_corners(corners, x, y, yaw, length, width)
+    fill_corners(
+        corners, others.x[index], others.y[index], others.yaw[index], others.length[index], others.width[index]
+    )
     reach = 0.5 * (ego.length - _BUMPER)
     along_x, along_y = reach * math.cos(ego.yaw), reach * math.sin(ego.yaw)
     fill_corners(edge, ego.x + along_x, ego.y + along_y, ego.yaw, _BUMPER, ego.width)

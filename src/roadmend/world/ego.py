@@ -8,6 +8,7 @@ from roadmend.core.geometry import wrap_angle
 from roadmend.core.route import Route
 
 GRAVITY = 9.81  # [m/s2]
+STANDING = 0.05  # [m/s] below which the ego, or who it meets, stands
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,7 @@ from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, Scene, Signal
 from roadmend.world.blame import find_blame
 from roadmend.world.courtesy import Courtesy
-from roadmend.world.ego import LongitudinalDynamics, RouteFollower, VehicleParameters
+from roadmend.world.ego import STANDING, LongitudinalDynamics, RouteFollower, VehicleParameters
 from roadmend.world.ego_in_sumo import EgoInSumo
 from roadmend.world.joining import join_traffic
 from roadmend.world.manoeuvres import ManoeuvreScript
@@ -36,7 +36,6 @@ from roadmend.world.user_configuration import private_copy
 
 INTERVAL_NS = 50_000_000  # [ns] between ticks: 20 Hz
 INTERVAL = INTERVAL_NS * 1e-9  # [s]
-STANDING = 0.05  # [m/s] below which the ego stands
 LATERAL_RESOLUTION = 0.8  # [m] SUMO's sublane model: partial overlap, bicycles beside cars, gradual lane changes
 
 _SIGNALS = {
@@ -176,7 +175,8 @@ class Simulation:
         names = self._hit(seen, ego.speed) if seen.nearest <= 0.0 else ()
         if names:
             numbers = tuple(self._participants.number_of(name) for name in names)
-            text = f"the ego ({ego.speed:.1f} m/s) and {', '.join(names)} collided: {self._blame(seen, ego, names[0])}"
+            blame = find_blame(ego, seen.around, seen.names.index(names[0]), changing=follower.changing)
+            text = f"the ego ({ego.speed:.1f} m/s) and {', '.join(names)} collided: {blame.value}"
             self._final = Event(time, EventKind.COLLISION, text, numbers, names)
         elif follower.at_goal:
             self._final = Event(time, EventKind.GOAL, f"route completed after {time:.2f} s")
@@ -197,19 +197,9 @@ class Simulation:
         names = self._stand_off.step(
             ego, lambda ahead: stage.pose(follower.position + ahead), seen.names, seen.around, self._courtesy.waiting
         )
-        text = "and the ego blocked each other for {:g} s: taken off the road"
-        return [
-            Event(
-                time, EventKind.CLEARED, f"{name} {text.format(PATIENCE)}", (self._participants.number_of(name),), (name,)
-            )
-            for name in names
-        ]  # fmt: skip
-
-    def _blame(self, seen: Observation, ego: EgoState, name: str) -> str:
-        index, around = seen.names.index(name), seen.around
-        columns = (around.x, around.y, around.yaw, around.speed, around.length, around.width)
-        other = np.array([column[index] for column in columns])
-        return find_blame(ego, other, changing=self._follower.changing).value
+        text = f"and the ego blocked each other for {PATIENCE:g} s: taken off the road"
+        number_of = self._participants.number_of
+        return [Event(time, EventKind.CLEARED, f"{name} {text}", (number_of(name),), (name,)) for name in names]
 
     def _hit(self, seen: Observation, speed: float) -> tuple[str, ...]:
         """Those whose outline meets the ego's.

@@ -13,10 +13,10 @@ import numpy as np
 
 from roadmend.core.geometry import corner_distance, fill_corners
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
+from roadmend.world.courtesy import STANDING
 
 PATIENCE = 8.0  # [s] that both must have stood
 _CREEP = 1.5  # [m] that the ego may have moved meanwhile
-_MOVES = 0.5  # [m/s] from which a driver no longer stands
 _AHEAD = (1.0, 2.0, 4.0, 6.0, 8.0)  # [m] of the ego's way that are looked at
 _MARGIN = 0.5  # [m] kept from the ego's way
 _NEAR = 15.0  # [m] between the centres
@@ -51,7 +51,7 @@ class StandOff:
             self._stood.clear()
             return []
         self._ego_ticks += 1
-        slow = (around.speed < _MOVES) & (around.kind != int(ObjectKind.PEDESTRIAN))
+        slow = (around.speed < STANDING) & (around.kind != int(ObjectKind.PEDESTRIAN))
         standing = {names[index]: int(index) for index in np.flatnonzero(slow)}
         self._stood = {name: self._stood.get(name, 0) + 1 for name in standing}
         if self._ego_ticks < self._patience:
