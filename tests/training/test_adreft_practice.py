@@ -56,6 +56,15 @@ def test_returns_by_hand():
     assert np.flatnonzero(found.alike[1]).tolist() == [4]
 
 
+def test_an_exponent_makes_gentle_interventions_cheaper_than_hard_ones_of_the_same_dose():
+    section = PracticeSection(epochs=1, gamma=1.0, dose=1.0, dose_exponent=2.0, time=0.0)
+    hard = trials_of([GOAL], [ACTIONS.index(-0.2), PASS, PASS, PASS], [0.6] * 4)
+    gentle = trials_of([GOAL], [ACTIONS.index(0.4)] * 4, [0.6] * 4)
+    np.testing.assert_allclose(hard.dose.sum(), gentle.dose.sum(), rtol=1e-5)
+    found = TrialSet.join([hard, gentle], section)
+    np.testing.assert_allclose(found.total[[0, 4]], [-0.16 * 0.8, -0.16 * 0.2], atol=1e-6)
+
+
 def test_the_policys_own_action_is_like_all_that_would_not_have_changed_it():
     section = PracticeSection(epochs=1)
     found = TrialSet.join([trials_of([GOAL], [PASS, PASS, 0], [0.3, 0.9, 0.9])], section)

@@ -12,6 +12,7 @@ from roadmend.core.outcome import EventKind
 from roadmend.repair.actions import ACTIONS
 from roadmend.training.adreft.configuration import PracticeSection
 from roadmend.training.adreft.trials import PASS, CaseTrials
+from roadmend.world.simulation import INTERVAL
 
 Floats = NDArray[np.float32]
 
@@ -138,7 +139,8 @@ class _Returns:
 
 def _returns(trials: CaseTrials, section: PracticeSection) -> _Returns:
     count = len(trials.time)
-    reward = (-section.dose * trials.dose - section.time).astype(np.float64)
+    strength = trials.dose.astype(np.float64) / (section.interval * INTERVAL)
+    reward = -section.dose * trials.dose * strength ** (section.dose_exponent - 1.0) - section.time
     critical = trials.distance < section.near
     judged = np.ones(count, dtype=np.bool_)
     following = np.full(count, -1, dtype=np.int64)
