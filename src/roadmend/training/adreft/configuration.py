@@ -148,7 +148,10 @@ class PracticeSection(Section):
     timeout: float = Field(-10.0, ge=-1000.0, le=0.0, description="reward of an episode that never reaches its goal")
     dose: float = Field(1.0, ge=0.0, le=1000.0, description="price of a second of full command")
     dose_exponent: float = Field(
-        1.0, ge=1.0, le=4.0, description="of the strength of an intervention in its price; above 1 gentle and long is cheap"
+        1.0,
+        ge=1.0,
+        le=4.0,
+        description="of the strength of an intervention in its price; above 1 gentle and long is cheap",
     )
     time: float = Field(0.02, ge=0.0, le=10.0, description="price of a decision's time")
     near: float = Field(1.0, ge=0.0, le=10.0, description="delta_d: nearer than this is critical [m]")
