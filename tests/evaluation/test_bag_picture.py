@@ -1,6 +1,8 @@
 """Pictures of recorded episodes: the bag is written message by message, read back and drawn."""
 
+import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.repair import RepairStatus
 from roadmend.evaluation.bag_episode import read_episode
 from roadmend.evaluation.bag_picture import draw_bag, interesting_moment, view_of
+from roadmend.evaluation.scene_timeline import SILENT_COLOUR
 from roadmend.recording import definitions
 from roadmend.recording.writer import BagWriter
 
@@ -60,10 +63,10 @@ class Scribe:
         return kind(**fields)
 
 
-def record(folder, *, prefix="", intervene=range(40, 60), outcome=2, with_state=True):
+def record(folder, *, prefix="", intervene=range(40, 60), outcome=2, with_state=True, scenario="car ahead"):
     with BagWriter(folder) as bag:
         scribe = Scribe(bag, prefix)
-        scribe.write("route", 0, scenario="car ahead", ego_length=4.0, ego_width=1.7, goal=90.0, time_limit=60.0,
+        scribe.write("route", 0, scenario=scenario, ego_length=4.0, ego_width=1.7, goal=90.0, time_limit=60.0,
                      stage_begin=[0], x=[0.0, 50.0, 100.0], y=[0.0] * 3, speed_limit=[13.9] * 3, zone_stage=[0],
                      zone_begin=[60.0], zone_end=[70.0], zone_rule=[2], zone_signal=[-1])  # fmt: skip
         scribe.write("map", 0, lane_begin=[0, 2], lane_kind=[0, 0], lane_width=[3.2, 3.2],
@@ -144,3 +147,45 @@ def test_what_cannot_be_drawn_is_refused_in_one_line(tmp_path):
         pass
     with pytest.raises(InputError, match="no odometry"):
         draw_bag(tmp_path / "empty", tmp_path / "a.png")
+
+
+def data_of(page):
+    return json.loads(page.partition('<script type="application/json" id="data">')[2].partition("</script>")[0])
+
+
+def test_a_page_stands_alone_and_holds_each_tick(tmp_path):
+    bag = record(tmp_path / "bag")
+    assert draw_bag(bag, tmp_path / "page.html", at=2.0) == pytest.approx(2.0)
+    page = (tmp_path / "page.html").read_text("utf-8")
+    assert "@@" not in page
+    assert not re.findall(r"""(?:src|href|url)\s*[=(]\s*["']?(?!#)[\w/.:]+""", page)  # nothing from elsewhere
+    assert "car ahead" in page.partition("<svg")[2]
+    data = data_of(page)
+    assert data["now"] == pytest.approx(2.0)
+    assert data["time"] == pytest.approx([0.05 * tick for tick in range(TICKS)])
+    assert data["sent"][39:41] == [0.4, -0.8]
+    assert data["states"][str(data["state"][50])][0] == "repaired"
+    assert data["reasons"][data["reason"][50]] == "car 9 ahead"
+    assert [kind for _, kind, _ in data["events"]] == ["STARTED", "COLLISION"]
+    left, right, top, bottom = data["box"]
+    assert 0 < left < right < 1
+    assert 0.5 < top < bottom < 1
+    draw_bag(bag, tmp_path / "again.html", at=2.0)
+    assert (tmp_path / "again.html").read_text("utf-8") == page
+    assert not [*tmp_path.glob(".*")]
+
+
+def test_texts_of_a_bag_cannot_break_out_of_the_page(tmp_path):
+    evil = "</script><script>@@DATA@@ & <b>"
+    draw_bag(record(tmp_path / "bag", scenario=evil), tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text("utf-8")
+    assert page.count("<script") == 2
+    assert "<b>" not in page
+    assert data_of(page)["reasons"] == ["", "car 9 ahead"]
+
+
+def test_a_page_without_repair_states_has_their_values_empty(tmp_path):
+    draw_bag(record(tmp_path / "bag", with_state=False), tmp_path / "page.html")
+    data = data_of((tmp_path / "page.html").read_text("utf-8"))
+    assert set(data["score"]) == {None}
+    assert data["states"] == {"-1": ["silent", SILENT_COLOUR]}

@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from roadmend.core.command import Command, Trajectory
+from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import Repair, RepairStatus, Trigger
 from roadmend.core.route import RightOfWay, Route, Stage, Zone
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
 from roadmend.evaluation.scene_layers import ASPHALT, JUNCTION, ROAD, WALK, LaneMap, Trail
 from roadmend.evaluation.scene_picture import SceneView, draw_scene
 from roadmend.evaluation.scene_style import KIND_COLOUR, STATUS_COLOUR, TRIGGER_COLOUR
-from roadmend.evaluation.scene_timeline import Timeline, draw_timeline, rows_of
+from roadmend.evaluation.scene_timeline import SILENT, Band, Timeline, draw_timeline, rows_of
 
 Pixels = NDArray[np.uint8]
 
@@ -30,7 +31,7 @@ def timeline(count: int = 200) -> Timeline:
     action = np.sin(time)
     return Timeline(
         time, 5.0 + np.cos(time), 10.0 - time, np.where(flag, 0.9, 0.1), np.full(count, 0.5), action,
-        np.where(flag, -0.8, action), flag,
+        np.where(flag, -0.8, action), flag, flag.astype(np.int64),
     )  # fmt: skip
 
 
@@ -155,12 +156,31 @@ def test_spans_of_intervention() -> None:
 
 def test_timeline_leaves_out_rows_without_data() -> None:
     full = timeline()
-    assert [row.label.partition("\n")[0] for row in rows_of(full)] == ["speed", "gap", "score", "action"]
+    assert [row.label.partition("\n")[0] for row in rows_of(full)] == ["speed", "gap", "score", "action", "state"]
     none = np.full(len(full.time), math.nan)
-    without = dataclasses.replace(full, score=none, threshold=none, distance=none)
+    silent = np.full(len(full.time), SILENT)
+    without = dataclasses.replace(full, score=none, threshold=none, distance=none, status=silent)
     assert [row.label.partition("\n")[0] for row in rows_of(without)] == ["speed", "action"]
     figure = Figure(figsize=(10, 4))
     assert len(draw_timeline(figure, without, now=3.0)) == 2
     assert len(np.unique(pixels_of(figure).reshape(-1, 3), axis=0)) > 20
     assert rows_of(timeline(1)) == []
     assert draw_timeline(Figure(), timeline(1)) == []
+
+
+def test_states_are_bands_in_their_colour_and_events_are_named() -> None:
+    status = np.repeat([RepairStatus.STARTING, RepairStatus.PASS, SILENT, RepairStatus.PASS], [20, 80, 40, 60])
+    events = (Event(0.0, EventKind.STARTED, "go"), Event(5.0, EventKind.WATCHDOG, ""), Event(9.95, EventKind.GOAL, ""))
+    course = dataclasses.replace(timeline(), status=status.astype(np.int64), events=events)
+    assert course.bands() == [
+        Band(0.0, pytest.approx(1.0), RepairStatus.STARTING), Band(pytest.approx(1.0), pytest.approx(5.0), 0),
+        Band(pytest.approx(5.0), pytest.approx(7.0), SILENT), Band(pytest.approx(7.0), pytest.approx(9.95), 0),
+    ]  # fmt: skip
+    figure = Figure(figsize=(10, 5))
+    drawn = draw_timeline(figure, course)[-1]
+    named = {text.get_text() for text in drawn.texts}
+    assert {"starting", "pass", "silent", "watchdog", "goal"} <= named
+    assert "started" not in named
+    pixels = pixels_of(figure)
+    for band in course.bands():
+        assert share_of(pixels, band.colour) > 0.002, band.name

@@ -51,7 +51,7 @@ def demo(out: Path, *, as_json: bool) -> None:
 def _explain(results: list[RunResult]) -> None:
     console = wide_console()
     shown = next((result for result in results if result.interventions and result.outcome == "GOAL"), results[-1])
-    console.print(f"\nA picture of the moment: [bold]./roadmend picture {shown.bag}[/]", highlight=False)
+    console.print(f"\nA picture of the moment: [bold]./roadmend bag plot {shown.bag}[/]", highlight=False)
     console.print(
         "Or open the bag's .mcap in Foxglove, with the layout config/foxglove/roadmend.json.", highlight=False
     )

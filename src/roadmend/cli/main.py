@@ -18,7 +18,7 @@ _COMMANDS: Table = {
     "search": ("roadmend.cli.search", "search", "Find scenarios in which a policy collides by its own fault."),
     "corpus": ("roadmend.cli.corpus", "corpus", "Gather, verify and show what policies are trained and measured on."),
     "train": ("roadmend.cli.train", "train", "Train a driving policy, a repair model or a rival's model."),
-    "picture": ("roadmend.cli.picture", "picture", "Draw the scene at one moment of a bag."),
+    "bag": ("roadmend.cli.bag", "bag", "Look into recordings."),
 }
 
 

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from roadmend.core.command import Command, Trajectory
 from roadmend.core.errors import InputError
 from roadmend.core.geometry import outline_distances
-from roadmend.core.outcome import EventKind
+from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import Repair, Trigger
 from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
 from roadmend.core.scene import EgoState, ObjectList
 from roadmend.evaluation.scene_layers import LaneMap, Trail
 from roadmend.evaluation.scene_style import status_of
-from roadmend.evaluation.scene_timeline import Timeline
+from roadmend.evaluation.scene_timeline import SILENT, Timeline
 from roadmend.recording.reader import BagReader
 
 Floats = NDArray[np.float64]
@@ -49,6 +49,8 @@ class BagEpisode:
     route: Route | None = None
     lanes: LaneMap | None = None
     outcome: str = ""
+    events: list[Event] = field(default_factory=list)
+    account: dict[str, str] = field(default_factory=dict)  # what the recorder says of the run
 
     @property
     def stamps(self) -> list[int]:
@@ -68,6 +70,8 @@ class BagEpisode:
             _column(repairs, "policy_action"),
             _column(repairs, "final_action"),
             np.array([repair is not None and repair.intervened for repair in repairs], dtype=np.bool_),
+            np.array([SILENT if repair is None else repair.status for repair in repairs], dtype=np.int64),
+            tuple(self.events),
         )
 
     def trail(self, until: int) -> Trail:
@@ -99,7 +103,7 @@ def read_episode(path: Path) -> BagEpisode:
     """
     reader = BagReader(path)
     names = {name: short for short, name in _names(reader)}
-    episode = BagEpisode(path)
+    episode = BagEpisode(path, account=reader.metadata.get("roadmend", {}))
     for message in reader.messages(list(names)):
         value, short = message.value, names[message.topic]
         stamp = value.header.stamp.sec * 1_000_000_000 + value.header.stamp.nanosec
@@ -146,13 +150,14 @@ def _take(episode: BagEpisode, short: str, stamp: int, value: Any) -> None:
                 _floats(value.lane_width), _floats(value.x), _floats(value.y),
             )  # fmt: skip
         case "events":
-            _take_event(episode, int(value.kind))
+            _take_event(episode, stamp, int(value.kind), value.text)
 
 
-def _take_event(episode: BagEpisode, code: int) -> None:
+def _take_event(episode: BagEpisode, stamp: int, code: int, text: str) -> None:
     if code not in set(EventKind):
         return
     kind = EventKind(code)
+    episode.events.append(Event(stamp * 1e-9, kind, text))
     if kind is EventKind.STARTED:
         episode.outcome = ""
     elif kind.is_final:

@@ -1,4 +1,4 @@
-"""A picture of a moment of a recorded episode, straight from its bag."""
+"""A recorded episode drawn straight from its bag: the scene at a moment and the time line, as a picture or a page."""
 
 import bisect
 from pathlib import Path
@@ -8,13 +8,15 @@ import numpy as np
 from roadmend.core.errors import InputError
 from roadmend.core.scene import ObjectList
 from roadmend.evaluation.bag_episode import BagEpisode, read_episode
+from roadmend.evaluation.bag_page import page_of
 from roadmend.evaluation.scene_picture import SceneView, draw_scene
 from roadmend.evaluation.scene_timeline import Timeline
 
 BEFORE_THE_END_S = 1.0  # [s] the moment shown where nothing was repaired
 SLACK_S = 0.5  # [s] by which a moment asked for may lie outside the recording
 DPI = 120
-_SUFFIXES = frozenset({".png", ".svg", ".pdf"})
+_PICTURES = frozenset({".png", ".svg", ".pdf"})
+_PAGES = frozenset({".html", ".htm"})
 
 
 def draw_bag(bag: Path, out: Path, at: float | None = None, span: float = 70.0) -> float:
@@ -22,7 +24,7 @@ def draw_bag(bag: Path, out: Path, at: float | None = None, span: float = 70.0) 
 
     Args:
         bag: the bag's folder or its .mcap file.
-        out: where to write; .png, .svg or .pdf.
+        out: where to write; .png, .svg, .pdf, or .html for a page that shows each tick's values under the pointer.
         at: simulation time [s]; None picks the middle of the longest intervention, or the last second but one where
             there was none.
         span: width of the scene [m].
@@ -33,9 +35,9 @@ def draw_bag(bag: Path, out: Path, at: float | None = None, span: float = 70.0) 
     Raises:
         InputError: the bag is unusable, ``at`` lies outside it, or ``out`` cannot be written.
     """
-    if out.suffix not in _SUFFIXES:
+    if out.suffix not in _PICTURES | _PAGES:
         raise InputError(
-            str(out), f"{out.suffix or 'no ending'} is no format for a picture", "write .png, .svg or .pdf"
+            str(out), f"{out.suffix or 'no ending'} is no format for a picture", "write .png, .svg, .pdf or .html"
         )
     episode = read_episode(bag)
     timeline = episode.timeline()
@@ -47,7 +49,12 @@ def draw_bag(bag: Path, out: Path, at: float | None = None, span: float = 70.0) 
         raise InputError(str(bag), str(error), "name another moment") from error
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(out, dpi=DPI)
+        beside = out.with_name(f".{out.name}.part")
+        if out.suffix in _PAGES:
+            beside.write_text(page_of(episode, timeline, figure, view.time), encoding="utf-8")
+        else:
+            figure.savefig(beside, dpi=DPI, format=out.suffix[1:])
+        beside.replace(out)
     except OSError as error:
         raise InputError(str(out), f"cannot be written ({error.strerror})", "name another file") from error
     return view.time

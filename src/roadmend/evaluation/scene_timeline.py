@@ -1,4 +1,4 @@
-"""The course of a whole episode as a strip: speed, distance, score and actions over time."""
+"""The course of a whole episode as a strip: speed, distance, score, actions, states and events over time."""
 
 from dataclasses import dataclass
 
@@ -7,8 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import RepairStatus
-from roadmend.evaluation.scene_style import STATUS_COLOUR, TRIGGER_COLOUR
+from roadmend.evaluation.scene_style import STATUS_COLOUR, TRIGGER_COLOUR, status_of
 
 Floats = NDArray[np.float64]
 
@@ -17,8 +18,12 @@ SPEED_COLOUR = STATUS_COLOUR[RepairStatus.PASS]
 REPAIRED_COLOUR = STATUS_COLOUR[RepairStatus.REPAIRED]
 POLICY_COLOUR = "#7b3fe4"
 SCORE_COLOUR = "#0072b2"
+SILENT = -1  # in place of a repair status where the repair node said nothing
+SILENT_COLOUR = "#3b3f46"
 LEFT, RIGHT = 0.085, 0.87  # share of the width at which the plots begin and end
 GAP = 0.16  # of a row's height, between rows
+BAND_HEIGHT = 0.42  # of the row of states; the names of events stand above
+NAMES_MAX = 4  # states named beside their row
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,6 +38,8 @@ class Timeline:
     policy_action: Floats  # throttle - brake asked by the policy
     final_action: Floats  # throttle - brake sent to the vehicle
     intervened: NDArray[np.bool_]
+    status: NDArray[np.int64]  # of the repair node; SILENT where it said nothing
+    events: tuple[Event, ...] = ()
 
     def spans(self) -> list[tuple[float, float]]:
         """First and last time [s] of each unbroken stretch of intervention."""
@@ -41,6 +48,34 @@ class Timeline:
             (float(self.time[begin]), float(self.time[end - 1]))
             for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
         ]
+
+    def bands(self) -> list["Band"]:
+        """The unbroken stretches of one repair status."""
+        begins = np.flatnonzero(np.diff(self.status, prepend=self.status[:1] - 1))
+        ends = [*self.time[begins[1:]].tolist(), float(self.time[-1])]
+        return [
+            Band(float(self.time[begin]), end, int(self.status[begin]))
+            for begin, end in zip(begins.tolist(), ends, strict=True)
+        ]
+
+
+@dataclass(frozen=True, slots=True)
+class Band:
+    """A stretch of time [s] in which the repair node was in one state."""
+
+    begin: float
+    end: float
+    status: int
+
+    @property
+    def name(self) -> str:
+        """The state in words."""
+        return "silent" if self.status == SILENT else status_of(self.status).name.lower().replace("_", " ")
+
+    @property
+    def colour(self) -> str:
+        """The state's colour."""
+        return SILENT_COLOUR if self.status == SILENT else STATUS_COLOUR[status_of(self.status)]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,9 +93,10 @@ class Row:
     """One plot of the strip."""
 
     label: str
-    series: tuple[Series, ...]
+    series: tuple[Series, ...] = ()
     low: float | None = None  # limits of the axis; None: as the data have it
     high: float | None = None
+    bands: tuple[Band, ...] = ()
 
 
 def rows_of(timeline: Timeline) -> list[Row]:
@@ -87,7 +123,10 @@ def rows_of(timeline: Timeline) -> list[Row]:
             high=1.1,
         ),
     ]
-    return [row for row in rows if any(np.isfinite(series.values).any() for series in row.series)]
+    rows = [row for row in rows if any(np.isfinite(series.values).any() for series in row.series)]
+    if (timeline.status != SILENT).any():
+        rows.append(Row("state", bands=tuple(timeline.bands())))
+    return rows
 
 
 def draw_timeline(
@@ -116,7 +155,10 @@ def draw_timeline(
             (left + LEFT * width, low, (RIGHT - LEFT) * width, each * (1.0 - GAP)),
             sharex=drawn[0] if drawn else None,
         )
-        _draw_row(axes, timeline, row)
+        _draw_lines(axes, timeline, row)
+        if row.bands:
+            _draw_bands(axes, timeline, row)
+        _finish(axes, row)
         _mark(axes, timeline, now)
         axes.tick_params(axis="x", labelbottom=index == len(rows) - 1)
         drawn.append(axes)
@@ -126,7 +168,7 @@ def draw_timeline(
     return drawn
 
 
-def _draw_row(axes: Axes, timeline: Timeline, row: Row) -> None:
+def _draw_lines(axes: Axes, timeline: Timeline, row: Row) -> None:
     axes.set_ylabel(row.label, fontsize=8.5, color=INK, rotation=0, ha="right", va="center", labelpad=8)
     for place, series in enumerate(row.series):
         if np.isfinite(series.values).any():
@@ -135,10 +177,38 @@ def _draw_row(axes: Axes, timeline: Timeline, row: Row) -> None:
                 1.012, 0.5 + 0.17 * (len(row.series) - 1) - 0.34 * place, series.name, transform=axes.transAxes,
                 fontsize=8.5, color=series.colour, va="center", fontweight="bold",
             )  # fmt: skip
-    low, high = axes.get_ylim()
-    room = 0.08 * (high - low)
-    axes.set_ylim(low if row.low is None else row.low, high + room if row.high is None else row.high)
-    axes.locator_params(axis="y", nbins=3)
+
+
+def _draw_bands(axes: Axes, timeline: Timeline, row: Row) -> None:
+    length: dict[int, float] = {}
+    for band in row.bands:
+        axes.broken_barh([(band.begin, band.end - band.begin)], (0.0, BAND_HEIGHT), color=band.colour, lw=0, zorder=3)
+        length[band.status] = length.get(band.status, 0.0) + band.end - band.begin
+    named = sorted(length, key=lambda status: -length[status])[:NAMES_MAX]
+    for place, status in enumerate(named):
+        band = Band(0.0, 0.0, status)
+        axes.text(
+            1.012, 0.5 + 0.13 * (len(named) - 1) - 0.26 * place, band.name, transform=axes.transAxes,
+            fontsize=8 if len(named) > 2 else 8.5, color=band.colour, va="center", fontweight="bold",
+        )  # fmt: skip
+    middle = 0.5 * float(timeline.time[0] + timeline.time[-1])
+    for place, event in enumerate(event for event in timeline.events if event.kind is not EventKind.STARTED):
+        axes.axvline(event.time, color=INK, lw=0.8, ls=":", zorder=4)
+        axes.annotate(
+            event.kind.name.lower().replace("_", " "), (event.time, 0.98 - 0.25 * (place % 2)), fontsize=7.5,
+            xytext=(2 if event.time < middle else -2, 0), textcoords="offset points", color=INK, va="top",
+            ha="left" if event.time < middle else "right", zorder=5,
+        )  # fmt: skip
+    axes.set_ylim(0.0, 1.0)
+    axes.set_yticks([])
+
+
+def _finish(axes: Axes, row: Row) -> None:
+    if row.series:
+        low, high = axes.get_ylim()
+        room = 0.08 * (high - low)
+        axes.set_ylim(low if row.low is None else row.low, high + room if row.high is None else row.high)
+        axes.locator_params(axis="y", nbins=3)
     axes.tick_params(labelsize=8, colors=MUTED, length=2.5, width=0.6)
     axes.grid(visible=True, color=RULE, lw=0.6)
     axes.set_axisbelow(True)
