@@ -1,6 +1,5 @@
 """Records the running graph into a bag: every topic, as the serialized bytes that came over the wire."""
 
-import importlib
 import re
 import sys
 import time
@@ -14,7 +13,7 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from rclpy.time import Time
 from roadmend_msgs.msg import ScenarioEvent
@@ -22,8 +21,9 @@ from roadmend_msgs.msg import ScenarioEvent
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
 from roadmend.nodes import qos
+from roadmend.nodes.discovery import look_up, request_for
 from roadmend.nodes.spinning import run_node
-from roadmend.recording.definitions import Definition, find
+from roadmend.recording.definitions import Definition
 from roadmend.recording.enclosure import Attachment, metadata_from_file
 from roadmend.recording.qos import Qos
 from roadmend.recording.timekeeper import Timekeeper
@@ -148,7 +148,7 @@ class RecorderNode(Node):
 
     def _begin(self, name: str, types: list[str]) -> None:
         try:
-            definition, message_type = _look_up(name, types)
+            definition, message_type = look_up(name, types)
         except InputError as error:
             self._skipped[name] = str(error)
             self.get_logger().error(f"not recorded: {error}")
@@ -182,7 +182,7 @@ class RecorderNode(Node):
         offers = [info.qos_profile for info in self.get_publishers_info_by_topic(name)]
         recorded.publishers = max(recorded.publishers, len(offers))
         self._writer.add_topic(name, recorded.definition.type_name, map(_offer, offers), recorded.definition)
-        request = _request(offers)
+        request = request_for(offers)
         if recorded.request == request:
             return
         if recorded.subscription is not None:
@@ -251,32 +251,6 @@ class RecorderNode(Node):
         message = DiagnosticArray(status=[status])
         message.header.stamp = Time(nanoseconds=self._timekeeper.now_ns).to_msg()
         self._to_diagnostics.publish(message)
-
-
-def _look_up(name: str, types: list[str]) -> tuple[Definition, Any]:
-    """Definition and class of a topic's messages."""
-    if len(types) != 1:
-        raise InputError(name, f"has several types, {' and '.join(types)}", "publish one of them elsewhere")
-    definition = find(types[0])
-    package, _, kind = definition.type_name.split("/")
-    try:
-        return definition, getattr(importlib.import_module(f"{package}.msg"), kind)
-    except (ImportError, AttributeError) as error:
-        raise InputError(name, f"its type cannot be imported ({error})", f"install the package {package}") from error
-
-
-def _request(offers: list[QoSProfile]) -> QoSProfile:
-    """What to ask for so that every publisher matches.
-
-    Keeps all: DDS then reports what it could not deliver, whereas a full keep-last queue drops without a word.
-    """
-    reliable = all(offer.reliability == ReliabilityPolicy.RELIABLE for offer in offers)
-    latched = all(offer.durability == DurabilityPolicy.TRANSIENT_LOCAL for offer in offers)
-    return QoSProfile(
-        history=HistoryPolicy.KEEP_ALL,
-        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
-    )
 
 
 def _offer(profile: QoSProfile) -> Qos:

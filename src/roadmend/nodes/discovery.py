@@ -1,0 +1,44 @@
+"""Topics that others publish, whatever they are: the class of their messages, and the QoS that matches all offers."""
+
+import importlib
+from collections.abc import Sequence
+from typing import Any
+
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+from roadmend.core.errors import InputError
+from roadmend.recording.definitions import Definition, find
+
+
+def look_up(name: str, types: Sequence[str]) -> tuple[Definition, Any]:
+    """Definition and class of a topic's messages.
+
+    Raises:
+        InputError: the topic has several types, or its type is not installed.
+    """
+    if len(types) != 1:
+        raise InputError(name, f"has several types, {' and '.join(types)}", "publish one of them elsewhere")
+    definition = find(types[0])
+    package, _, kind = definition.type_name.split("/")
+    try:
+        return definition, getattr(importlib.import_module(f"{package}.msg"), kind)
+    except (ImportError, AttributeError) as error:
+        raise InputError(name, f"its type cannot be imported ({error})", f"install the package {package}") from error
+
+
+def request_for(offers: Sequence[QoSProfile], depth: int | None = None) -> QoSProfile:
+    """What to ask for so that every publisher matches.
+
+    Args:
+        offers: what the publishers offer.
+        depth: how many messages to keep; None keeps all: DDS then reports what it could not deliver, whereas a full
+            keep-last queue drops without a word.
+    """
+    reliable = all(offer.reliability == ReliabilityPolicy.RELIABLE for offer in offers)
+    latched = all(offer.durability == DurabilityPolicy.TRANSIENT_LOCAL for offer in offers)
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_ALL if depth is None else HistoryPolicy.KEEP_LAST,
+        depth=depth or 0,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
