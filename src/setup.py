@@ -47,6 +47,7 @@ setup(
             "repair_node = roadmend.nodes.repair:main",
             "recorder_node = roadmend.nodes.recorder:main",
             "viz_node = roadmend.nodes.viz:main",
+            "foxglove_node = roadmend.nodes.foxglove:main",
         ],
     },
 )

@@ -7,6 +7,7 @@ import rclpy
 import yaml
 from rclpy.parameter import Parameter
 
+from roadmend.nodes.foxglove import FoxgloveParameters
 from roadmend.nodes.policy import PolicyNode
 from roadmend.nodes.recorder import RecorderParameters
 from roadmend.nodes.repair import RepairNode
@@ -20,11 +21,16 @@ def section(node):
 
 
 @pytest.mark.parametrize(
-    ("node", "parameters"), [("recorder_node", RecorderParameters()), ("viz_node", VizParameters())]
+    ("node", "parameters"),
+    [
+        ("recorder_node", RecorderParameters()),
+        ("viz_node", VizParameters()),
+        ("foxglove_node", FoxgloveParameters()),
+    ],
 )
 def test_the_observers_defaults(node, parameters):
     for name, value in section(node).items():
-        assert getattr(parameters, name) == value
+        assert getattr(parameters, name) == (tuple(value) if isinstance(value, list) else value)
 
 
 @pytest.mark.parametrize(("name", "factory"), [("policy_node", PolicyNode), ("repair_node", RepairNode)])
@@ -40,6 +46,6 @@ def test_the_drivers_defaults(name, factory, domain):
 
 def test_every_node_has_a_section():
     assert set(yaml.safe_load(FILE.read_text())) == {
-        f"/**/{node}_node" for node in ("sim", "policy", "repair", "recorder", "viz")
+        f"/**/{node}_node" for node in ("sim", "policy", "repair", "recorder", "viz", "foxglove")
     }
     assert Parameter("clock", value=section("sim_node")["clock"]).type_ == Parameter.Type.STRING

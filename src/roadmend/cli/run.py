@@ -66,12 +66,20 @@ _SCENARIO_FIELDS = ("ego.", "actors[", "network.")
 @click.option("--name", default="", help="Name of the bag.  [default: from scenario, policy, method and time]")
 @click.option("--record/--no-record", default=True, show_default=True)
 @click.option("--viz/--no-viz", default=True, show_default=True, help="Markers and frames for Foxglove.")
+@click.option(
+    "--foxglove",
+    is_flag=False,
+    flag_value=8765,
+    type=click.IntRange(1, 65535),
+    metavar="[PORT]",
+    help="Show the graph in Foxglove, live: ws://127.0.0.1:PORT.  [PORT, if not given: 8765]",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
 @click.argument("ros_arguments", nargs=-1, type=click.UNPROCESSED, metavar="[--ros-args ...]")
 def run(
     scenario: Path | None, sumocfg: Path | None, ego_route: str | None, warm_up: float, time_limit: float, policy: str,
-    method: str, clock: str, rate: float, seed: int, out: Path, name: str, *, record: bool, viz: bool, as_json: bool,
-    ros_arguments: tuple[str, ...],
+    method: str, clock: str, rate: float, seed: int, out: Path, name: str, *, record: bool, viz: bool, foxglove: int | None,
+    as_json: bool, ros_arguments: tuple[str, ...],
 ) -> None:  # fmt: skip
     """Run one episode in the graph: SUMO, policy, repair and recorder as separate processes.
 
@@ -91,7 +99,7 @@ def run(
         path = Path(folder) / f"{stem}.yaml"
         save_scenario(chosen, path)  # paths made absolute
         options = GraphOptions(
-            path, policy, method, clock, rate, seed, out, name, record, viz, tuple(ros_arguments[1:])
+            path, policy, method, clock, rate, seed, out, name, record, viz, foxglove, tuple(ros_arguments[1:])
         )  # fmt: skip
         try:
             result = run_with_status(options)

@@ -42,6 +42,7 @@ class GraphOptions:
     name: str = ""  # of the bag; made from scenario, policy and method if empty
     record: bool = True
     viz: bool = True
+    foxglove: int | None = None  # port of the live server; none if missing
     ros_arguments: tuple[str, ...] = ()  # passed on to every node
 
 
@@ -111,7 +112,12 @@ class _Run:
         self._folder = folder
         self._report = report
         self._begun = time.monotonic()
-        observers = [*(["recorder_node"] if options.record else []), *(["viz_node"] if options.viz else [])]
+        wanted = {
+            "recorder_node": options.record,
+            "viz_node": options.viz,
+            "foxglove_node": options.foxglove is not None,
+        }
+        observers = [name for name, is_wanted in wanted.items() if is_wanted]
         self._sim = self._child(
             "sim", scenario=str(options.scenario), clock=options.clock, rate=float(options.rate),
             summary=str(folder / "sim.json"), wait_for=["policy_node", "repair_node", *observers],
@@ -127,6 +133,8 @@ class _Run:
             )  # fmt: skip
         if options.viz:
             self._observers.append(self._child("viz", may_restart=True))
+        if options.foxglove is not None:
+            self._observers.append(self._child("foxglove", may_restart=True, port=options.foxglove))
         self._drivers = [
             self._child("policy", may_restart=True, policy=options.policy),
             self._child(
@@ -162,6 +170,8 @@ class _Run:
         try:
             for child in everyone:
                 child.start()
+            if self._options.foxglove is not None:
+                self._report(f"live at ws://127.0.0.1:{self._options.foxglove}, for Foxglove", 0.0)
             while self._sim.exit_code is None:
                 if stopped():
                     self._stop(interrupted=True)

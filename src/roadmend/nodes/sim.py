@@ -35,6 +35,7 @@ MAX_AGE_TICKS = 3  # real time: oldest tick whose command is still obeyed
 
 # Who must listen to what before an episode begins, so that nothing of it is lost.
 _LISTENERS = {
+    qos.CLOCK: ("foxglove_node",),
     qos.EGO: ("policy_node", "repair_node", "recorder_node", "viz_node"),
     qos.OBJECTS: ("policy_node", "repair_node", "recorder_node", "viz_node"),
     qos.ROUTE: ("policy_node", "repair_node", "recorder_node", "viz_node"),

@@ -1,0 +1,185 @@
+"""The live server, seen by a client that is made of Foxglove's own libraries, in a graph that drives."""
+
+import json
+import queue
+import shutil
+import socket
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from roadmend.core.errors import InputError
+from roadmend.nodes.launcher import GraphOptions, run_graph
+from roadmend.recording.definitions import find
+
+pytestmark = pytest.mark.graph
+
+NPM = Path(__file__).parents[1] / "npm"
+PATIENCE_S = 60.0
+THRESHOLD = "/repair_node.adreft.threshold"
+
+
+def free_port():
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        return taken.getsockname()[1]
+
+
+class Client:
+    """A client process; what it has heard can be waited for."""
+
+    def __init__(self, port, origin=None):
+        command = ["node", "foxglove_client.mjs", f"ws://127.0.0.1:{port}", *([origin] if origin else [])]
+        self.process = subprocess.Popen(
+            command, cwd=NPM, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1
+        )
+        self.heard = queue.Queue()
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def _listen(self):
+        for line in self.process.stdout:
+            self.heard.put(json.loads(line))
+
+    def ask(self, **command):
+        self.process.stdin.write(json.dumps(command) + "\n")
+
+    def wait(self, event, test=lambda _: True):
+        """The next thing heard of this kind that passes the test; what comes before is dropped."""
+        end = time.monotonic() + PATIENCE_S
+        while True:
+            heard = self.heard.get(timeout=max(0.0, end - time.monotonic()))
+            if heard["event"] == event and test(heard):
+                return heard
+
+    def wait_all(self, event, **wanted):
+        """One of each, in whatever order they come."""
+        found = {}
+        while len(found) < len(wanted):
+            heard = self.wait(event)
+            found |= {name: heard for name, test in wanted.items() if name not in found and test(heard)}
+        return found
+
+    def close(self):
+        self.process.kill()
+        self.process.communicate()
+
+
+@pytest.fixture
+def connect():
+    if shutil.which("node") is None or not (NPM / "node_modules" / "ws").is_dir():
+        pytest.skip("node or tests/npm/node_modules is not there")
+    clients = []
+
+    def make(port, origin=None):
+        clients.append(Client(port, origin))
+        return clients[-1]
+
+    yield make
+    for client in clients:
+        client.close()
+
+
+@pytest.fixture
+def live(scenario_file):
+    """The port of a graph that drives in real time for a long while."""
+    port = free_port()
+    path = scenario_file("S3", 3, time_limit=300.0)
+    command = [
+        sys.executable,
+        "-m",
+        "roadmend.cli",
+        "run",
+        "--scenario",
+        str(path),
+        "--no-record",
+        "--repair",
+        "adreft",
+    ]
+    command += ["--clock", "realtime", "--rate", "0.1", "--foxglove", str(port)]
+    run = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    for _ in range(600):
+        with socket.socket() as trial:
+            if trial.connect_ex(("127.0.0.1", port)) == 0:
+                break
+        time.sleep(0.1)
+    yield port
+    run.terminate()
+    _, said = run.communicate(timeout=30)
+    assert f"live at ws://127.0.0.1:{port}" in said
+
+
+def test_topics_messages_and_parameters_reach_a_client_and_a_new_threshold_reaches_the_repair_node(live, connect):
+    client = connect(live)
+    assert client.wait("serverInfo")["capabilities"] == ["parameters", "parametersSubscribe", "time"]
+
+    topics = ("/ego", "/map", "/repair/state", "/markers/objects", "/tf", "/diagnostics", "/clock")
+    channels = client.wait_all("channel", **{name: lambda heard, name=name: heard["topic"] == name for name in topics})
+    for channel in channels.values():
+        assert (channel["encoding"], channel["schemaEncoding"]) == ("cdr", "ros2msg")
+        assert channel["schema"] == find(channel["schemaName"]).text
+    assert channels["/ego"]["schemaName"] == "nav_msgs/msg/Odometry"
+
+    client.ask(subscribe="/map")  # sent once, long ago
+    assert len(client.wait("message")["value"]["lane_kind"]) > 3
+    client.ask(subscribe="/ego")
+    first, second = client.wait("message"), client.wait("message")
+    stamp = second["value"]["header"]["stamp"]
+    assert int(second["time"]) == stamp["sec"] * 10**9 + stamp["nanosec"]  # simulation time
+    assert int(second["time"]) - int(first["time"]) == 50_000_000
+    assert abs(int(client.wait("time")["timestamp"]) - int(second["time"])) < 10**9
+    client.ask(unsubscribe="/ego")
+
+    client.ask(get=[])
+    known = {one["name"]: one["value"] for one in client.wait("parameters")["parameters"]}
+    assert known[THRESHOLD] == -1
+    assert known["/viz_node.rate"] == 10
+    client.ask(subscribe="/repair/state", watch=[THRESHOLD])
+    states = (heard["value"] for heard in iter(lambda: client.wait("message"), None) if heard["topic"] != "/ego")
+    assert next(state["threshold"] for state in states if state["threshold"] != "NaN") < 0.5
+    client.ask(set={THRESHOLD: 1})  # a whole number, as JSON has it
+    after = client.wait("parameters", lambda heard: heard.get("id") == "set")["parameters"]
+    assert [(one["name"], one["value"]) for one in after] == [(THRESHOLD, 1)]
+    assert client.wait("message", lambda heard: heard["value"]["threshold"] == 1.0)
+
+    wrong = {THRESHOLD: 7, "/repair_node.method": "rss", "/repair_node.adreft.nothing": 1, "/sim_node.rate": 2}
+    wrong["/viz_node.text_radius"] = "far"
+    client.ask(set=wrong)
+    said = client.wait_all(
+        "status", **{name: lambda heard, name=name: heard["id"] == name and heard["level"] == 1 for name in wrong}
+    )
+    for name, reason in {
+        THRESHOLD: "out of range", "/repair_node.method": "read-only", "/repair_node.adreft.nothing": "no such parameter",
+        "/sim_node.rate": "there are /repair_node, /viz_node", "/viz_node.text_radius": "'far' is no double",
+    }.items():  # fmt: skip
+        assert reason in said[name]["message"]
+    after = client.wait("parameters", lambda heard: heard.get("id") == "set")["parameters"]
+    assert {one["name"]: one["value"] for one in after} == {
+        THRESHOLD: 1, "/repair_node.method": "adreft", "/viz_node.text_radius": 40,
+    }  # fmt: skip
+    client.ask(set={THRESHOLD: 0.5})
+    assert client.wait("removeStatus")["statusIds"] == [THRESHOLD]
+
+    # What others change is shown too.
+    other = connect(live)
+    other.wait("serverInfo")
+    other.ask(set={THRESHOLD: 0.25})
+    client.wait(
+        "parameters", lambda heard: {"name": THRESHOLD, "value": 0.25}.items() <= heard["parameters"][0].items()
+    )
+
+    page = connect(live, "https://evil.example")
+    assert "403" in page.wait("error")["text"]
+    assert connect(live, "https://app.foxglove.dev").wait("serverInfo")["name"] == "roadmend"
+
+
+def test_a_port_in_use_stops_the_run_with_one_line(scenario_file, tmp_path, domain):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        options = GraphOptions(scenario_file("S1", 0), bags=tmp_path, name="bag", viz=False, foxglove=port)
+        with pytest.raises(InputError) as caught:
+            run_graph(options)
+    assert str(caught.value) == f"127.0.0.1:{port}: is in use; choose another port or address"
+    assert not (tmp_path / "bag").exists()
