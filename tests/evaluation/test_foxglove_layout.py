@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
+from foxglove import layouts
 from nav_msgs.msg import Odometry
 from nav_msgs.msg import Path as PlannedPath
 from roadmend_msgs import msg
@@ -36,6 +37,18 @@ TOPICS = {f"/{topic.removeprefix('/')}": kind for topic, kind in TYPES.items()}
 @pytest.fixture(scope="module")
 def layout() -> dict[str, Any]:
     return json.loads(LAYOUT.read_text(encoding="utf-8"))
+
+
+# The panels by the type that a layout file names, with Foxglove's own account of what their settings may be.
+PANELS = {
+    "3D": layouts.ThreeDeeConfig,
+    "Plot": layouts.PlotConfig,
+    "StateTransitions": layouts.StateTransitionsConfig,
+    "DiagnosticSummary": layouts.DiagnosticsSummaryConfig,
+    "RawMessages": layouts.RawMessagesConfig,
+}
+SERIES = {"Plot": layouts.PlotSeries, "StateTransitions": layouts.StateTransitionsSeries}
+PLAIN = {"Parameters", "Tab"}  # panels without settings of that kind
 
 
 def panels_of(node: Any) -> Iterator[str]:
@@ -96,3 +109,30 @@ def test_scene_follows_the_ego_and_shows_all_markers(layout: dict[str, Any]) -> 
     shown = {topic for topic, settings in scene["topics"].items() if settings["visible"]}
     assert shown == {topic for topic, kind in TOPICS.items() if kind is MarkerArray}
     assert {layer["frameId"] for layer in scene["layers"].values()} == {"map"}
+
+
+def test_every_setting_is_one_that_foxglove_knows(layout: dict[str, Any]) -> None:
+    kinds = {name.partition("!")[0] for name in layout["configById"]}
+    assert kinds == set(PANELS) | PLAIN  # what a bag and the live graph are looked at with
+    for name, settings in layout["configById"].items():
+        kind = name.partition("!")[0]
+        if kind in PANELS:
+            assert set(settings) - {"foxglovePanelTitle"} <= set(PANELS[kind]()._to_dict()), name
+        for series in settings.get("paths", []):
+            assert set(series) <= set(SERIES[kind](value="/topic")._to_dict()), name
+
+
+def test_the_score_is_plotted_against_its_threshold_and_what_was_asked_with_what_was_sent(
+    layout: dict[str, Any],
+) -> None:
+    plots = [
+        {path["value"] for path in panel["paths"]}
+        for name, panel in layout["configById"].items()
+        if name.startswith(("Plot!", "StateTransitions!"))
+    ]
+    for together in (
+        {"/repair/state.score", "/repair/state.threshold"},
+        {"/repair/state.policy_action", "/repair/state.final_action"},
+        {"/repair/state.state"},
+    ):
+        assert any(together <= plot for plot in plots), together
