@@ -1,5 +1,6 @@
 """The live server, seen by a client that is made of Foxglove's own libraries, in a graph that drives."""
 
+import contextlib
 import json
 import queue
 import shutil
@@ -11,6 +12,10 @@ import time
 from pathlib import Path
 
 import pytest
+import rclpy
+from builtin_interfaces.msg import Time
+from rosgraph_msgs.msg import Clock as ClockMessage
+from std_msgs.msg import Float64
 
 from roadmend.core.errors import InputError
 from roadmend.nodes.launcher import GraphOptions, run_graph
@@ -183,3 +188,60 @@ def test_a_port_in_use_stops_the_run_with_one_line(scenario_file, tmp_path, doma
             run_graph(options)
     assert str(caught.value) == f"127.0.0.1:{port}: is in use; choose another port or address"
     assert not (tmp_path / "bag").exists()
+
+
+@pytest.fixture
+def server(domain):
+    """The node by hand, in a namespace; its port."""
+    command = [sys.executable, "-m", "roadmend.nodes.foxglove", "--ros-args", "-p", "port:=0", "-r", "__ns:=/car"]
+    node = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    told = next(line for line in node.stderr if "ws://127.0.0.1:" in line)
+    yield int(told.partition("ws://127.0.0.1:")[2].split()[0])
+    node.terminate()
+    node.communicate(timeout=30)
+    assert node.returncode == 0
+
+
+def test_topics_appear_as_they_are_published_and_time_that_runs_backwards_begins_a_new_session(server, connect):
+    client = connect(server)
+    session = client.wait("serverInfo")["sessionId"]
+    rclpy.init()
+    try:
+        node = rclpy.create_node("talker")
+        to_clock = node.create_publisher(ClockMessage, "/clock", 10)
+        client.wait("channel", lambda heard: heard["topic"] == "/clock")
+        gap = node.create_publisher(Float64, "/gap", 10)
+        client.wait("channel", lambda heard: heard["topic"] == "/gap")
+        client.ask(subscribe="/gap")
+        heard_at = []
+        for second in (5, 6, 1):
+            while not heard_at or heard_at[-1] != second:
+                to_clock.publish(ClockMessage(clock=Time(sec=second)))
+                gap.publish(Float64(data=0.5))
+                with contextlib.suppress(queue.Empty):
+                    while True:
+                        heard = client.heard.get(timeout=0.1)
+                        if heard["event"] == "message":
+                            assert heard["value"] == {"data": 0.5}
+                            heard_at.append(
+                                int(heard["time"]) // 10**9
+                            )  # without a stamp, it belongs to the clock's time
+                        elif heard["event"] == "serverInfo":
+                            assert heard["sessionId"] != session
+                            session = ""
+        assert set(heard_at) <= {0, 5, 6, 1}
+        assert session == ""
+        client.ask(get=[])
+        assert client.wait("parameters")["parameters"] == []  # there is no node of those it asks
+        client.ask(set={"/car/repair_node.rss.rho": 1.0})
+        assert "is not there" in client.wait("status")["message"]
+    finally:
+        rclpy.try_shutdown()
+
+
+def test_an_address_that_is_not_this_machines_is_one_line(domain):
+    command = [sys.executable, "-m", "roadmend.nodes.foxglove", "--ros-args", "-p", "address:=192.0.2.1"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 2
+    assert done.stderr.startswith("roadmend: 192.0.2.1:8765: cannot be listened on (")
+    assert len(done.stderr.splitlines()) == 1

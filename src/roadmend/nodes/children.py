@@ -79,6 +79,7 @@ def stop(children: Sequence[Child], deadline: float) -> None:
 def _become_node(module: str, arguments: list[str], environment: dict[str, str], log: str) -> None:
     """Runs in the child: a session, an output and an environment of its own, then the node's main."""
     os.setsid()
+    Path("/proc/self/comm").write_text(arguments[0], encoding="ascii")  # what ps, top and pkill know it by
     threading.Thread(target=_end_with_launcher, daemon=True).start()
     with Path(log).open("ab", buffering=0) as file:
         os.dup2(file.fileno(), 1)

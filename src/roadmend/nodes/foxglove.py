@@ -176,7 +176,7 @@ class FoxgloveNode(Node):
         values = {
             "address": self._url,
             "topics": len(self._bridged),
-            "subscriptions of clients": sum(bridged.clients for bridged in self._bridged.values()),
+            "topics passed on": sum(bridged.subscription is not None for bridged in self._bridged.values()),
             "connections refused by their origin": self._gate.refused,
         }
         values |= {f"not shown: {name}": why for name, why in self._skipped.items()}
