@@ -13,7 +13,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.repair import RepairStatus
 from roadmend.evaluation.bag_episode import read_episode
 from roadmend.evaluation.bag_picture import draw_bag, interesting_moment, view_of
-from roadmend.evaluation.scene_timeline import SILENT_COLOUR
+from roadmend.evaluation.scene_style import SILENT_COLOUR
 from roadmend.recording import definitions
 from roadmend.recording.writer import BagWriter
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import io
+import itertools
 import math
 
 import numpy as np
@@ -18,7 +19,7 @@ from roadmend.core.route import RightOfWay, Route, Stage, Zone
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
 from roadmend.evaluation.scene_layers import ASPHALT, JUNCTION, ROAD, WALK, LaneMap, Trail
 from roadmend.evaluation.scene_picture import SceneView, draw_scene
-from roadmend.evaluation.scene_style import KIND_COLOUR, STATUS_COLOUR, TRIGGER_COLOUR
+from roadmend.evaluation.scene_style import KIND_COLOUR, SILENT_COLOUR, STATUS_COLOUR, TRIGGER_COLOUR
 from roadmend.evaluation.scene_timeline import SILENT, Band, Timeline, draw_timeline, rows_of
 
 Pixels = NDArray[np.uint8]
@@ -120,7 +121,7 @@ def test_lanes_are_as_wide_as_they_are() -> None:
 
 def test_a_scene_with_nothing_but_the_ego_is_drawn() -> None:
     lone = SceneView("nothing", 0.0, view().ego, ObjectList.empty())
-    assert share_of(pixels_of(draw_scene(lone)), STATUS_COLOUR[RepairStatus.PASS]) > 0.0005
+    assert share_of(pixels_of(draw_scene(lone)), SILENT_COLOUR) > 0.0005
 
 
 def test_numbers_that_are_not_finite_are_left_out() -> None:
@@ -184,3 +185,16 @@ def test_states_are_bands_in_their_colour_and_events_are_named() -> None:
     pixels = pixels_of(figure)
     for band in course.bands():
         assert share_of(pixels, band.colour) > 0.002, band.name
+
+
+def test_names_of_events_never_lie_on_each_other() -> None:
+    events = tuple(Event(4.0 + 0.05 * place, EventKind.WATCHDOG, "") for place in range(30))
+    figure = Figure(figsize=(10, 5))
+    drawn = draw_timeline(figure, dataclasses.replace(timeline(), events=(*events, Event(9.95, EventKind.GOAL, ""))))[
+        -1
+    ]
+    figure.canvas.draw()
+    frames = [text.get_window_extent() for text in drawn.texts if text.get_text() in {"watchdog", "goal"}]
+    assert 3 <= len(frames) < 10
+    assert not any(one.overlaps(other) for one, other in itertools.combinations(frames, 2))
+    assert max(frame.x1 for frame in frames) <= drawn.get_window_extent().x1

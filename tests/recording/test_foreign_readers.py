@@ -21,6 +21,8 @@ from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
 
 from roadmend.recording.definitions import find
+from roadmend.recording.qos import Qos
+from roadmend.recording.reader import BagReader
 from roadmend.recording.writer import BagWriter
 
 NPM = Path(__file__).parents[1] / "npm"
@@ -54,6 +56,22 @@ def test_rosbags_reads_the_layout(corpus):
             "TRANSIENT_LOCAL",
         ]
         assert events.digest == find("roadmend_msgs/msg/ScenarioEvent").type_hash
+
+
+def test_rosbags_reads_all_of_a_topic_whose_publishers_changed(tmp_path, make):
+    def announce(bag, *offers):
+        bag.add_topic("/text", "std_msgs/msg/String", offers)
+
+    text = bytes(make.store.serialize_cdr(make("std_msgs/msg/String"), "std_msgs/msg/String"))
+    with BagWriter(tmp_path / "bag") as bag:
+        announce(bag)
+        announce(bag, Qos())  # none of its messages has come yet
+        bag.write("/text", 1, text)
+        announce(bag, Qos(), Qos(durability="transient_local"))  # another publisher
+        bag.write("/text", 2, text)
+    with AnyReader([tmp_path / "bag"]) as reader:
+        assert [time_ns for _, time_ns, _ in reader.messages()] == [1, 2]
+    assert BagReader(tmp_path / "bag").topics["/text"].offers == (Qos(),)
 
 
 def test_mcap_reads_the_same(corpus):

@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from roadmend.core.command import Trajectory
-from roadmend.core.repair import Repair, RepairStatus
+from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, ObjectList
 from roadmend.evaluation import scene_layers
@@ -21,6 +21,7 @@ from roadmend.evaluation.scene_layers import INK, MUTED, Canvas, LaneMap, Trail
 from roadmend.evaluation.scene_style import (
     KIND_COLOUR,
     PLAN_COLOUR,
+    SILENT_COLOUR,
     STATUS_COLOUR,
     TRIGGER_COLOUR,
     kind_of,
@@ -111,8 +112,7 @@ def _paint(canvas: Canvas, view: SceneView) -> None:
     scene_layers.draw_objects(canvas, view.objects, triggers)
     if view.trajectory is not None:
         scene_layers.draw_plan(canvas, view.trajectory, view.ego)
-    status = RepairStatus.PASS if view.repair is None else view.repair.status
-    scene_layers.draw_ego(canvas, view.ego, STATUS_COLOUR[status])
+    scene_layers.draw_ego(canvas, view.ego, _ego_colour(view))
 
 
 def _caption(figure: Figure, view: SceneView, height: float) -> None:
@@ -145,8 +145,7 @@ def _caption(figure: Figure, view: SceneView, height: float) -> None:
 
 
 def _legend(axes: Axes, view: SceneView) -> None:
-    status = RepairStatus.PASS if view.repair is None else view.repair.status
-    handles: list[Patch | Line2D] = [Patch(fc=STATUS_COLOUR[status], ec=INK, lw=1.4, label="ego")]
+    handles: list[Patch | Line2D] = [Patch(fc=_ego_colour(view), ec=INK, lw=1.4, label="ego")]
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     x, y = view.objects.x, view.objects.y
     inside = (x > left) & (x < right) & (y > low) & (y < high)
@@ -164,6 +163,10 @@ def _legend(axes: Axes, view: SceneView) -> None:
         handles=handles, loc="upper left", bbox_to_anchor=(-0.004, 0.0), ncols=len(handles), frameon=False,
         fontsize=8.5, handlelength=1.5, columnspacing=1.3, handletextpad=0.5, borderaxespad=0.25, labelcolor=INK,
     )  # fmt: skip
+
+
+def _ego_colour(view: SceneView) -> str:
+    return SILENT_COLOUR if view.repair is None else STATUS_COLOUR[view.repair.status]
 
 
 def _signed(action: float) -> str:

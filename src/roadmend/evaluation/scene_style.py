@@ -40,6 +40,8 @@ STATUS_COLOUR: dict[RepairStatus, str] = {
     RepairStatus.MODEL_FAULT: "#882255",
 }
 
+SILENT_COLOUR = "#6b7280"  # no word of the repair node
+
 RULE_COLOUR: dict[RightOfWay, str] = {
     RightOfWay.PRIORITY: "#009e73",
     RightOfWay.YIELD: "#e69f00",

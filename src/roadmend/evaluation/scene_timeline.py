@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import RepairStatus
-from roadmend.evaluation.scene_style import STATUS_COLOUR, TRIGGER_COLOUR, status_of
+from roadmend.evaluation.scene_style import SILENT_COLOUR, STATUS_COLOUR, TRIGGER_COLOUR, status_of
 
 Floats = NDArray[np.float64]
 
@@ -19,11 +19,11 @@ REPAIRED_COLOUR = STATUS_COLOUR[RepairStatus.REPAIRED]
 POLICY_COLOUR = "#7b3fe4"
 SCORE_COLOUR = "#0072b2"
 SILENT = -1  # in place of a repair status where the repair node said nothing
-SILENT_COLOUR = "#3b3f46"
 LEFT, RIGHT = 0.085, 0.87  # share of the width at which the plots begin and end
 GAP = 0.16  # of a row's height, between rows
 BAND_HEIGHT = 0.42  # of the row of states; the names of events stand above
 NAMES_MAX = 4  # states named beside their row
+LETTER_SHARE = 0.0085  # of the width of the plots that a letter of an event's name takes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -157,7 +157,8 @@ def draw_timeline(
         )
         _draw_lines(axes, timeline, row)
         if row.bands:
-            _draw_bands(axes, timeline, row)
+            _draw_bands(axes, row)
+            _draw_events(axes, timeline)
         _finish(axes, row)
         _mark(axes, timeline, now)
         axes.tick_params(axis="x", labelbottom=index == len(rows) - 1)
@@ -179,7 +180,7 @@ def _draw_lines(axes: Axes, timeline: Timeline, row: Row) -> None:
             )  # fmt: skip
 
 
-def _draw_bands(axes: Axes, timeline: Timeline, row: Row) -> None:
+def _draw_bands(axes: Axes, row: Row) -> None:
     length: dict[int, float] = {}
     for band in row.bands:
         axes.broken_barh([(band.begin, band.end - band.begin)], (0.0, BAND_HEIGHT), color=band.colour, lw=0, zorder=3)
@@ -191,16 +192,30 @@ def _draw_bands(axes: Axes, timeline: Timeline, row: Row) -> None:
             1.012, 0.5 + 0.13 * (len(named) - 1) - 0.26 * place, band.name, transform=axes.transAxes,
             fontsize=8 if len(named) > 2 else 8.5, color=band.colour, va="center", fontweight="bold",
         )  # fmt: skip
-    middle = 0.5 * float(timeline.time[0] + timeline.time[-1])
-    for place, event in enumerate(event for event in timeline.events if event.kind is not EventKind.STARTED):
-        axes.axvline(event.time, color=INK, lw=0.8, ls=":", zorder=4)
-        axes.annotate(
-            event.kind.name.lower().replace("_", " "), (event.time, 0.98 - 0.25 * (place % 2)), fontsize=7.5,
-            xytext=(2 if event.time < middle else -2, 0), textcoords="offset points", color=INK, va="top",
-            ha="left" if event.time < middle else "right", zorder=5,
-        )  # fmt: skip
     axes.set_ylim(0.0, 1.0)
     axes.set_yticks([])
+
+
+def _draw_events(axes: Axes, timeline: Timeline) -> None:
+    """A dotted line at each event; its name where there is room for it on one of two lines."""
+    first, last = float(timeline.time[0]), float(timeline.time[-1])
+    taken: list[list[tuple[float, float]]] = [[], []]  # [s] by line
+    for event in timeline.events:
+        if event.kind is EventKind.STARTED:
+            continue
+        axes.axvline(event.time, color=INK, lw=0.8, ls=":", zorder=4)
+        name = event.kind.name.lower().replace("_", " ")
+        length = LETTER_SHARE * (len(name) + 1) * (last - first)
+        to_right = event.time + length < last
+        begin, end = (event.time, event.time + length) if to_right else (event.time - length, event.time)
+        for level, others in enumerate(taken):
+            if all(end <= other[0] or begin >= other[1] for other in others):
+                others.append((begin, end))
+                axes.annotate(
+                    name, (event.time, 0.98 - 0.25 * level), fontsize=7.5, color=INK, va="top", zorder=5,
+                    xytext=(2 if to_right else -2, 0), textcoords="offset points", ha="left" if to_right else "right",
+                )  # fmt: skip
+                break
 
 
 def _finish(axes: Axes, row: Row) -> None:

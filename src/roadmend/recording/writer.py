@@ -104,7 +104,8 @@ class BagWriter:
     ) -> None:
         """Announce a topic before its first message.
 
-        Announcing it again replaces the offers, which count from the topic's first message on.
+        Announcing it again before the first message replaces the offers. Later ones are left out: the channel in the
+        file cannot be changed any more, and rosbags passes over a topic of which metadata.yaml says anything else.
 
         Args:
             name: the topic, with its namespace.
@@ -121,7 +122,7 @@ class BagWriter:
             self._topics[name] = _Topic(found, tuple(offers))
         elif known.definition.type_name != found.type_name:
             raise InputError(name, f"has two types, {known.definition.type_name} and {type_name}", "record one of them")
-        else:
+        elif not known.channel:
             known.offers = tuple(offers)
 
     def write(self, topic: str, time_ns: int, data: bytes) -> None:
