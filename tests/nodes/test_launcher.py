@@ -114,6 +114,11 @@ def test_the_recorder_is_waited_for_and_without_observers_nobody_is(run, tmp_pat
         return next(word for word in one._sim.arguments if word.startswith("wait_for:="))
 
     assert waited_for(run) == 'wait_for:=["policy_node", "repair_node", "recorder_node", "viz_node"]'
+    live = _Run(
+        GraphOptions(Path("s.yaml"), record=False, viz=False, foxglove=9000), tmp_path, tmp_path, 7, lambda *_: None
+    )
+    assert waited_for(live) == 'wait_for:=["policy_node", "repair_node", "foxglove_node"]'
+    assert "port:=9000" in live._observers[0].arguments
     bare = _Run(GraphOptions(Path("s.yaml"), record=False, viz=False), tmp_path, tmp_path, 7, lambda *_: None)
     assert waited_for(bare) == 'wait_for:=["policy_node", "repair_node"]'
     assert bare._observers == []

@@ -72,7 +72,7 @@ _SCENARIO_FIELDS = ("ego.", "actors[", "network.")
     flag_value=8765,
     type=click.IntRange(1, 65535),
     metavar="[PORT]",
-    help="Show the graph in Foxglove, live: ws://127.0.0.1:PORT.  [PORT, if not given: 8765]",
+    help="Show the graph in Foxglove, live at ws://127.0.0.1:PORT; best with --clock realtime.  [PORT: 8765]",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
 @click.argument("ros_arguments", nargs=-1, type=click.UNPROCESSED, metavar="[--ros-args ...]")
