@@ -161,6 +161,7 @@ def test_a_page_stands_alone_and_holds_each_tick(tmp_path):
     assert not re.findall(r"""(?:src|href|url)\s*[=(]\s*["']?(?!#)[\w/.:]+""", page)  # nothing from elsewhere
     assert "car ahead" in page.partition("<svg")[2]
     data = data_of(page)
+    assert re.findall(r"<button[^>]*>([^<]*)<", page) == ["intervened 2.00 to 2.95 s", "collision 5.00 s"]
     assert data["now"] == pytest.approx(2.0)
     assert data["time"] == pytest.approx([0.05 * tick for tick in range(TICKS)])
     assert data["sent"][39:41] == [0.4, -0.8]

@@ -18,6 +18,7 @@ from roadmend.evaluation.bag_episode import BagEpisode
 from roadmend.evaluation.scene_timeline import Band, Timeline
 
 _TEMPLATE = "bag_page.html"
+_INTERVENTIONS_MAX = 10  # that get a button
 
 
 def page_of(episode: BagEpisode, timeline: Timeline, figure: Figure, now: float) -> str:
@@ -55,14 +56,14 @@ def _svg_of(figure: Figure) -> str:
 
 
 def _moments(timeline: Timeline) -> str:
-    """Buttons that lead to what happened."""
-    found = [
-        (begin, f"repaired {begin:.2f} to {end:.2f} s") for begin, end in timeline.spans()
-    ] + [
+    """Buttons that lead to the longest interventions and to the events."""
+    longest = sorted(timeline.spans(), key=lambda span: span[0] - span[1])[:_INTERVENTIONS_MAX]
+    found = [(begin, f"intervened {begin:.2f} to {end:.2f} s") for begin, end in longest]
+    found += [
         (event.time, f"{event.kind.name.lower().replace('_', ' ')} {event.time:.2f} s")
         for event in timeline.events
         if event.kind is not EventKind.STARTED
-    ]  # fmt: skip
+    ]
     return "\n".join(
         f'<button type="button" data-time="{time:.6f}">{html.escape(text)}</button>' for time, text in sorted(found)
     )
