@@ -1,6 +1,5 @@
 """A recorded episode as core types, read from its bag. Needs no ROS."""
 
-import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -10,21 +9,29 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from roadmend.core.command import Command, Trajectory
+from roadmend.core.command import Trajectory
 from roadmend.core.errors import InputError
 from roadmend.core.geometry import outline_distances
 from roadmend.core.outcome import Event, EventKind
-from roadmend.core.repair import Repair, Trigger
-from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
+from roadmend.core.repair import Repair
+from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, ObjectList
+from roadmend.evaluation.bag_values import (
+    ego_of,
+    floats_of,
+    objects_of,
+    repair_of,
+    route_of,
+    sized,
+    stamp_of,
+    trajectory_of,
+)
 from roadmend.evaluation.scene_layers import LaneMap, Trail
-from roadmend.evaluation.scene_style import status_of
 from roadmend.evaluation.scene_timeline import SILENT, Timeline
 from roadmend.recording.reader import BagReader
 
 Floats = NDArray[np.float64]
 
-EGO_SIZE = (4.8, 1.8)  # [m] where no route has told it
 DISTANCE_EXACT = 60.0  # [m] up to which distances are those between outlines
 _TOPICS = {
     "ego": "nav_msgs/msg/Odometry",
@@ -106,7 +113,7 @@ def read_episode(path: Path) -> BagEpisode:
     episode = BagEpisode(path, account=reader.metadata.get("roadmend", {}))
     for message in reader.messages(list(names)):
         value, short = message.value, names[message.topic]
-        stamp = value.header.stamp.sec * 1_000_000_000 + value.header.stamp.nanosec
+        stamp = stamp_of(value)
         try:
             _take(episode, short, stamp, value)
         except (ValueError, IndexError) as error:
@@ -117,7 +124,7 @@ def read_episode(path: Path) -> BagEpisode:
         raise InputError(str(path), "holds no odometry of an ego", "name a bag that an episode was recorded into")
     if episode.route is not None:
         size = (episode.route.ego_length, episode.route.ego_width)
-        episode.ego = {stamp: _sized(ego, *size) for stamp, ego in episode.ego.items()}
+        episode.ego = {stamp: sized(ego, *size) for stamp, ego in episode.ego.items()}
     return episode
 
 
@@ -134,20 +141,19 @@ def _names(reader: BagReader) -> Iterator[tuple[str, str]]:
 def _take(episode: BagEpisode, short: str, stamp: int, value: Any) -> None:
     match short:
         case "ego":
-            episode.ego[stamp] = _ego_of(value)
+            episode.ego[stamp] = ego_of(value)
         case "objects":
-            episode.objects[stamp] = _objects_of(value)
+            episode.objects[stamp] = objects_of(value)
         case "policy/trajectory":
-            x, y, yaw, speed = (_floats(part) for part in (value.x, value.y, value.yaw, value.speed))
-            episode.trajectories[stamp] = Trajectory(float(value.interval), x, y, yaw, speed, value.behaviour)
+            episode.trajectories[stamp] = trajectory_of(value)
         case "repair/state":
-            episode.repairs[stamp] = _repair_of(value)
+            episode.repairs[stamp] = repair_of(value)
         case "route":
-            episode.route = _route_of(value)
+            episode.route = route_of(value)
         case "map":
             episode.lanes = LaneMap(
                 np.asarray(value.lane_begin, dtype=np.int64), np.asarray(value.lane_kind, dtype=np.uint8),
-                _floats(value.lane_width), _floats(value.x), _floats(value.y),
+                floats_of(value.lane_width), floats_of(value.x), floats_of(value.y),
             )  # fmt: skip
         case "events":
             _take_event(episode, stamp, int(value.kind), value.text)
@@ -164,63 +170,5 @@ def _take_event(episode: BagEpisode, stamp: int, code: int, text: str) -> None:
         episode.outcome = kind.name.lower().replace("_", " ")
 
 
-def _ego_of(value: Any) -> EgoState:
-    pose, twist = value.pose.pose, value.twist.twist
-    return EgoState.from_quaternion(
-        pose.position.x, pose.position.y, pose.orientation.z, pose.orientation.w,
-        twist.linear.x, twist.angular.z, *EGO_SIZE,
-    )  # fmt: skip
-
-
-def _sized(ego: EgoState, length: float, width: float) -> EgoState:
-    return EgoState.from_quaternion(
-        ego.x, ego.y, ego.orientation_z, ego.orientation_w, ego.speed, ego.yaw_rate, length, width
-    )
-
-
-def _objects_of(value: Any) -> ObjectList:
-    columns = [
-        _floats(column)
-        for column in (
-            value.x, value.y, value.yaw, value.speed, value.acceleration, value.yaw_rate, value.length, value.width,
-        )
-    ]  # fmt: skip
-    if any(len(column) != len(value.id) for column in (value.kind, *columns)):
-        raise ValueError("the arrays differ in length")
-    return ObjectList(np.asarray(value.id, dtype=np.uint32), np.asarray(value.kind, dtype=np.uint8), *columns)
-
-
-def _repair_of(value: Any) -> Repair:
-    triggers = zip(value.trigger_id, value.trigger_weight, strict=True)
-    return Repair(
-        Command.from_action(float(value.final_action)), status_of(int(value.state)), float(value.score),
-        float(value.threshold), float(value.policy_action), float(value.repair_action), bool(value.intervened),
-        int(value.dropped_objects), tuple(Trigger(int(identity), float(weight)) for identity, weight in triggers),
-        value.reason,
-    )  # fmt: skip
-
-
-def _route_of(value: Any) -> Route:
-    begins = [*(int(begin) for begin in value.stage_begin), len(value.x)]
-    x, y, limits = _floats(value.x), _floats(value.y), _floats(value.speed_limit)
-    stages = tuple(Stage(x[begin:end], y[begin:end], limits[begin:end]) for begin, end in itertools.pairwise(begins))
-    windows = zip(value.change_begin, value.change_end, strict=True)
-    zones = zip(
-        value.zone_stage, value.zone_begin, value.zone_end, value.zone_rule, value.zone_signal, strict=True
-    )  # fmt: skip
-    return Route(
-        value.scenario, value.ego_length, value.ego_width, value.goal, value.time_limit, stages,
-        tuple(Window(float(begin), float(end)) for begin, end in windows),
-        tuple(
-            Zone(int(stage), float(begin), float(end), RightOfWay(int(rule)), int(signal))
-            for stage, begin, end, rule, signal in zones
-        ),
-    )  # fmt: skip
-
-
 def _column(repairs: list[Repair | None], name: str) -> Floats:
     return np.array([math.nan if repair is None else getattr(repair, name) for repair in repairs], dtype=np.float64)
-
-
-def _floats(values: Any) -> Floats:
-    return np.array(values, dtype=np.float64)
