@@ -48,6 +48,7 @@ setup(
             "recorder_node = roadmend.nodes.recorder:main",
             "viz_node = roadmend.nodes.viz:main",
             "foxglove_node = roadmend.nodes.foxglove:main",
+            "replay_node = roadmend.nodes.replay:main",
         ],
     },
 )

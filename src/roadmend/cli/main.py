@@ -19,6 +19,7 @@ _COMMANDS: Table = {
     "corpus": ("roadmend.cli.corpus", "corpus", "Gather, verify and show what policies are trained and measured on."),
     "train": ("roadmend.cli.train", "train", "Train a driving policy, a repair model or a rival's model."),
     "bag": ("roadmend.cli.bag", "bag", "Look into recordings."),
+    "replay": ("roadmend.cli.replay", "replay", "Play a bag: publish what it holds, as it was recorded."),
 }
 
 

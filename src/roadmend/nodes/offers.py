@@ -1,0 +1,29 @@
+"""Recorded offers as QoS profiles."""
+
+from typing import Any
+
+from rclpy.duration import Duration
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
+
+from roadmend.recording.qos import Qos
+
+
+def profile_of(offer: Qos) -> QoSProfile:
+    """A recorded offer in ROS's terms; what a recorder could not see gets ROS's default."""
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_ALL if offer.history == "keep_all" else HistoryPolicy.KEEP_LAST,
+        depth=offer.depth,
+        reliability=_policy(ReliabilityPolicy, offer.reliability, ReliabilityPolicy.RELIABLE),
+        durability=_policy(DurabilityPolicy, offer.durability, DurabilityPolicy.VOLATILE),
+        deadline=Duration(nanoseconds=offer.deadline_ns),
+        lifespan=Duration(nanoseconds=offer.lifespan_ns),
+        liveliness=_policy(LivelinessPolicy, offer.liveliness, LivelinessPolicy.AUTOMATIC),
+        liveliness_lease_duration=Duration(nanoseconds=offer.liveliness_lease_ns),
+        avoid_ros_namespace_conventions=offer.avoid_ros_namespace_conventions,
+    )
+
+
+def _policy(kind: Any, name: str, default: Any) -> Any:
+    """A policy by its name in lower case."""
+    found = {policy.name.lower(): policy for policy in kind}.get(name, default)
+    return default if found.name in {"UNKNOWN", "SYSTEM_DEFAULT", "BEST_AVAILABLE"} else found

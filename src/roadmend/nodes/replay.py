@@ -1,0 +1,328 @@
+"""replay_node: publishes what a bag holds, as it was recorded, on the wall clock or tick by tick with live nodes."""
+
+import sys
+import time
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from rclpy.clock import Clock, ClockType
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy
+from rclpy.time import Time
+from rosgraph_msgs.msg import Clock as ClockMessage
+from std_srvs.srv import Trigger
+
+from roadmend.core.errors import InputError
+from roadmend.nodes import qos
+from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
+from roadmend.nodes.marker_ticks import stamp_of_bytes
+from roadmend.nodes.message_class import message_class
+from roadmend.nodes.offers import profile_of
+from roadmend.nodes.parameters import declare
+from roadmend.nodes.spinning import run_node
+from roadmend.recording.definitions import find
+from roadmend.recording.reader import BagReader, Record
+from roadmend.recording.replay import (
+    CLOCK_TOPIC,
+    Playhead,
+    ReplaySource,
+    ReplayTick,
+    absolute,
+    check_definition,
+    find_topic,
+    offer_of,
+    select_topics,
+)
+
+BEAT_S = 0.002  # [s] of wall time between two looks at what is due
+BUSY_S = 0.05  # [s] of publishing after which services get their turn
+SETTLE_S = 0.5  # [s] without a new subscription after which nobody else is expected to join
+REPEAT_S = 0.25  # [s] after which an unanswered tick is published again: a node may have joined only now
+FIRST_ANSWER_S = 60.0  # [s] of wall time for the first answer: a node may still be loading
+ACKNOWLEDGE_S = 2.0  # [s] for which the end waits for slow subscribers
+_NANOSECONDS = 1_000_000_000
+_HEADER = "std_msgs/Header"
+
+
+class ReplayNode(Node):
+    """Plays one bag from its beginning, or from an offset, to its end."""
+
+    def __init__(self) -> None:
+        super().__init__("replay_node")
+        self.finished = False
+        self.exit_code = 0
+        path = declare(self, "bag", "", "bag to play: its folder or an .mcap file")
+        rate = declare(
+            self, "rate", 1.0, "realtime: simulated seconds per wall second", low=1e-3, high=1e3, read_only=False
+        )
+        start = declare(self, "start_offset", 0.0, "[s] after the bag's first message at which to begin", low=0.0)
+        self._loop = declare(self, "loop", False, "begin again at the end")
+        topics = declare(self, "topics", [""], "topics to play, and the clock; all if none is named")
+        exclude = declare(self, "exclude", [""], "topics not to play")
+        clock = declare(
+            self, "clock", "realtime", "realtime: on the wall clock; lockstep: each tick waits for the answers to it",
+            choices=("realtime", "lockstep"),
+        )  # fmt: skip
+        answers = declare(
+            self, "answers", [qos.REPAIR_COMMAND, qos.REPAIR_STATE],
+            "lockstep: topics that live nodes answer on; they are not played",
+        )  # fmt: skip
+        self._answer_timeout = declare(
+            self, "answer_timeout", 10.0, "[s] lockstep: wall time without an answer after which it is given up",
+            low=0.05, high=3600.0,
+        )  # fmt: skip
+        self._wait_for: list[str] = list(
+            filter(None, declare(self, "wait_for", [""], "nodes that must listen before it begins"))
+        )
+        paused = declare(self, "start_paused", False, "wait for resume or step at the beginning")
+        reader = BagReader(Path(path))
+        self._lockstep = clock == "lockstep"
+        self._answers = [find_topic(reader, name) for name in answers if name] if self._lockstep else []
+        chosen = select_topics(reader, list(filter(None, topics)), [*filter(None, exclude), *self._answers])
+        self._skipped: dict[str, str] = {}  # topic and why
+        self._players = self._create_players(reader, chosen)
+        self._source = ReplaySource(reader, [*self._players, *self._answers], start)
+        self._makes_clock = CLOCK_TOPIC not in reader.topics and CLOCK_TOPIC not in map(absolute, exclude)
+        if self._makes_clock:
+            self._clock_publisher = self.create_publisher(ClockMessage, CLOCK_TOPIC, qos.STREAM)
+        self._listen(reader)
+        self._playhead = Playhead(rate, paused=paused)
+        self._ticks = self._source.ticks()
+        self._next: ReplayTick | None = None
+        self._begun = False
+        self._settled: tuple[int, float] = (-1, 0.0)  # subscriptions, and the wall time [s] at which they were counted
+        self._awaited: set[tuple[str, int]] = set()  # topic and stamp [ns] of answers that have not come yet
+        self._published = (0.0, 0.0)  # wall times [s] at which the tick that is not answered was published: first, last
+        self._answered_once = False
+        self._current: ReplayTick | None = None
+        self._count = 0
+        for name, callback in (
+            ("pause", self._on_pause), ("resume", self._on_resume), ("toggle_paused", self._on_toggle_paused),
+            ("step", self._on_step),
+        ):  # fmt: skip
+            self.create_service(Trigger, f"~/{name}", callback)
+        self.add_post_set_parameters_callback(self._on_parameters)
+        # Steady time: the replay itself is what moves simulation time.
+        self._timer = self.create_timer(BEAT_S, self._beat, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._diagnostics = DiagnosticsReporter(self, self._health)
+
+    # -- what is played -----------------------------------------------------------------------------------------------
+
+    def _create_players(self, reader: BagReader, topics: Sequence[str]) -> dict[str, Any]:
+        """A publisher for each topic whose type is installed; the others are named."""
+        players = {}
+        for name in topics:
+            topic = reader.topics[name]
+            try:
+                check_definition(reader, name)
+                kind = message_class(name, find(topic.type_name).type_name)
+            except InputError as error:
+                self._skipped[name] = str(error)
+                self.get_logger().warning(f"not played: {error}")
+                continue
+            # Relative, so that the topics follow the node's namespace; the clock is one for all.
+            target = name if name == CLOCK_TOPIC else name.lstrip("/")
+            players[name] = self.create_publisher(kind, target, profile_of(offer_of(topic.offers, topic.count)))
+        if not players:
+            raise InputError(str(reader.path), "no topic can be played", next(iter(self._skipped.values())))
+        return players
+
+    def _listen(self, reader: BagReader) -> None:
+        for name in self._answers:
+            topic = reader.topics[name]
+            definition = find(topic.type_name)
+            if definition.first_field != _HEADER:
+                raise InputError(f"answers {name}", f"{topic.type_name} has no header to tell its tick", "name another")
+            kind = message_class(name, definition.type_name)
+            self.create_subscription(kind, name.lstrip("/"), partial(self._on_answer, name), qos.STREAM, raw=True)
+
+    # -- time ---------------------------------------------------------------------------------------------------------
+
+    def _beat(self) -> None:
+        now = time.monotonic()
+        if not self._begun and not self._begin(now):
+            return
+        if self._awaited:
+            self._repeat(now)
+        elif not self._playhead.paused:
+            self._play(now)
+
+    def _begin(self, now: float) -> bool:
+        """Begin once whoever is expected has joined and nobody else is joining any more."""
+        count = sum(player.get_subscription_count() for player in self._players.values())
+        if count != self._settled[0]:
+            self._settled = (count, now)
+        if self._missing() or now - self._settled[1] < SETTLE_S:
+            return False
+        self._begun = True
+        for record in self._source.latched():
+            self._publish(record)
+        self._next = self._read()
+        self._playhead.seek(self._source.start_ns, now)
+        length = (self._source.end_ns - self._source.start_ns) / _NANOSECONDS
+        self.get_logger().info(f"playing {len(self._players)} topics, {length:.2f} s")
+        return True
+
+    def _missing(self) -> list[str]:
+        """Nodes that have not joined yet, and answers that nobody gives yet."""
+        there = {
+            info.node_name
+            for player in self._players.values()
+            for info in self.get_subscriptions_info_by_topic(player.topic_name)
+        }
+        missing = [name for name in self._wait_for if name not in there]
+        return missing + [f"a node that answers on {name}" for name in self._answers if not self._answered(name)]
+
+    def _answered(self, name: str) -> bool:
+        return self.count_publishers(self.resolve_topic_name(name.lstrip("/"))) > 0
+
+    def _play(self, now: float) -> None:
+        """Publish what is due."""
+        while not self._awaited and not self.finished:
+            if self._next is None:
+                self._end(now)
+                return
+            if not self._lockstep and self._next.time_ns > self._playhead.time_ns(time.monotonic()):
+                return
+            self._advance()
+            if time.monotonic() - now > BUSY_S:
+                return
+
+    def _advance(self) -> None:
+        tick = self._current = self._next
+        if tick is None:
+            return
+        answers = [record for record in tick.records if record.topic in self._answers]
+        self._awaited = {(record.topic, stamp_of_bytes(record.data)) for record in answers}
+        now = time.monotonic()
+        self._published = (now, now)
+        if self._makes_clock:
+            self._clock_publisher.publish(ClockMessage(clock=Time(nanoseconds=tick.time_ns).to_msg()))
+        for record in tick.records:
+            self._publish(record)
+        self._next = self._read()
+
+    def _read(self) -> ReplayTick | None:
+        """The next tick; a bag that turns out to be broken ends the replay."""
+        try:
+            return next(self._ticks, None)
+        except InputError as error:
+            self._fail(error, 2)
+            return None
+
+    def _fail(self, error: object, code: int) -> None:
+        self.get_logger().error(str(error))
+        self.finished, self.exit_code = True, code
+
+    def _publish(self, record: Record) -> None:
+        player = self._players.get(record.topic)
+        if player is not None:
+            player.publish(record.data)
+            self._count += 1
+
+    def _end(self, now: float) -> None:
+        if self._loop:
+            self._ticks = self._source.ticks()
+            self._next = self._read()
+            self._playhead.seek(self._source.start_ns, now)
+            return
+        self.finished = True
+        self.get_logger().info(f"{self._count} messages of {len(self._players)} topics played")
+
+    # -- answers ------------------------------------------------------------------------------------------------------
+
+    def _on_answer(self, name: str, data: bytes) -> None:
+        answer = (name, stamp_of_bytes(data))
+        if answer not in self._awaited:
+            return  # a tick that was published twice is answered twice
+        self._awaited.remove(answer)
+        self._answered_once = True
+        if not self._awaited and not self._playhead.paused:
+            self._play(time.monotonic())  # at once: the beat would make every tick wait
+
+    def _repeat(self, now: float) -> None:
+        first, last = self._published
+        if now - first > (self._answer_timeout if self._answered_once else FIRST_ANSWER_S):
+            name, stamp = min(self._awaited)
+            self._fail(f"no answer on {name} to the tick at {stamp / _NANOSECONDS:g} s in {now - first:.1f} s", 1)
+        elif now - last > REPEAT_S and self._current is not None:
+            self._published = (first, now)
+            for record in self._current.records:
+                player = self._players.get(record.topic)
+                if player is not None and player.qos_profile.durability != DurabilityPolicy.TRANSIENT_LOCAL:
+                    player.publish(record.data)
+
+    # -- services and parameters --------------------------------------------------------------------------------------
+
+    def _on_pause(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        return self._set_paused(response, paused=True)
+
+    def _on_resume(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        return self._set_paused(response, paused=False)
+
+    def _on_toggle_paused(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        return self._set_paused(response, paused=not self._playhead.paused)
+
+    def _set_paused(self, response: Trigger.Response, *, paused: bool) -> Trigger.Response:
+        (self._playhead.pause if paused else self._playhead.resume)(time.monotonic())
+        response.success, response.message = True, "paused" if paused else "playing"
+        return response
+
+    def _on_step(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Publish one tick while paused."""
+        if not self._playhead.paused:
+            response.message = "playing: pause first"
+        elif not self._begun:
+            response.message = f"not begun: waiting for {', '.join(self._missing()) or 'the graph to settle'}"
+        elif self._awaited:
+            response.message = f"waiting for an answer on {min(self._awaited)[0]}"
+        else:
+            now = time.monotonic()
+            if self._next is None:
+                self._end(now)
+            if self._next is None:
+                response.message = "the bag is at its end"
+                return response
+            self._playhead.seek(self._next.time_ns, now)
+            response.success, response.message = True, f"{self._next.time_ns / _NANOSECONDS:.3f} s"
+            self._advance()
+        return response
+
+    def _on_parameters(self, changed: list[Parameter]) -> None:
+        for parameter in changed:
+            if parameter.name == "rate":
+                self._playhead.set_rate(parameter.value, time.monotonic())
+
+    def _health(self) -> Health:
+        here = self._current.time_ns if self._current is not None else self._source.start_ns
+        values = {
+            "time [s]": f"{here / _NANOSECONDS:.2f}",
+            "messages": self._count,
+            "topics": len(self._players),
+            **{f"not played: {name}": why for name, why in self._skipped.items()},
+        }
+        if not self._begun:
+            return Health(Level.WARN, f"waiting for {', '.join(self._missing()) or 'the graph to settle'}", values)
+        if self._awaited:
+            return Health(Level.OK, f"waiting for an answer on {min(self._awaited)[0]}", values)
+        state = "paused" if self._playhead.paused else "playing"
+        return Health(Level.WARN if self._skipped else Level.OK, state, values)
+
+    def close(self) -> None:
+        """Let the last messages arrive."""
+        deadline = time.monotonic() + ACKNOWLEDGE_S
+        for player in self._players.values():
+            player.wait_for_all_acked(Duration(seconds=max(0.0, deadline - time.monotonic())))
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node until the bag is over or it is stopped."""
+    return run_node(ReplayNode, args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
