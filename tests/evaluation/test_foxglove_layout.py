@@ -15,7 +15,7 @@ from roadmend_msgs import msg
 from std_msgs.msg import Float64
 from visualization_msgs.msg import MarkerArray
 
-from roadmend.nodes import qos, viz
+from roadmend.nodes import drawing, qos
 
 LAYOUT = Path(__file__).parents[2] / "config" / "foxglove" / "roadmend.json"
 
@@ -24,12 +24,12 @@ TYPES = {
     qos.REPAIR_STATE: msg.RepairState,
     qos.EVENTS: msg.ScenarioEvent,
     qos.DIAGNOSTICS: DiagnosticArray,
-    viz.DISTANCE: Float64,
-    viz.MARKERS_EGO: MarkerArray,
-    viz.MARKERS_MAP: MarkerArray,
-    viz.MARKERS_OBJECTS: MarkerArray,
-    viz.MARKERS_PLAN: MarkerArray,
-    viz.PLAN: PlannedPath,
+    drawing.DISTANCE: Float64,
+    drawing.MARKERS_EGO: MarkerArray,
+    drawing.MARKERS_MAP: MarkerArray,
+    drawing.MARKERS_OBJECTS: MarkerArray,
+    drawing.MARKERS_PLAN: MarkerArray,
+    drawing.PLAN: PlannedPath,
 }
 TOPICS = {f"/{topic.removeprefix('/')}": kind for topic, kind in TYPES.items()}
 

@@ -22,7 +22,7 @@ from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import RepairStatus
 from roadmend.core.route import Route, Stage
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
-from roadmend.nodes import qos, viz
+from roadmend.nodes import drawing, qos, viz
 from roadmend.nodes.convert import (
     event_message_of,
     header_of,
@@ -34,13 +34,13 @@ from roadmend.nodes.odometry import OdometryWriter
 
 LIMIT_S = 10.0  # [s] for anything to arrive
 OUTPUTS = {
-    viz.MARKERS_OBJECTS: (MarkerArray, qos.STREAM),
-    viz.MARKERS_EGO: (MarkerArray, qos.STREAM),
-    viz.MARKERS_PLAN: (MarkerArray, qos.STREAM),
-    viz.MARKERS_MAP: (MarkerArray, qos.LATCHED),
-    viz.PLAN: (Path, qos.STREAM),
-    viz.DISTANCE: (Float64, qos.STREAM),
-    viz.TF: (TFMessage, qos.STREAM),
+    drawing.MARKERS_OBJECTS: (MarkerArray, qos.STREAM),
+    drawing.MARKERS_EGO: (MarkerArray, qos.STREAM),
+    drawing.MARKERS_PLAN: (MarkerArray, qos.STREAM),
+    drawing.MARKERS_MAP: (MarkerArray, qos.LATCHED),
+    drawing.PLAN: (Path, qos.STREAM),
+    drawing.DISTANCE: (Float64, qos.STREAM),
+    drawing.TF: (TFMessage, qos.STREAM),
     qos.DIAGNOSTICS: (DiagnosticArray, qos.DIAGNOSTIC),
 }
 
@@ -101,7 +101,7 @@ class Theatre:
             )
         self.settle(0.01)
 
-    def drawn(self, topic: str = viz.MARKERS_EGO) -> list[float]:
+    def drawn(self, topic: str = drawing.MARKERS_EGO) -> list[float]:
         stamps = [message.markers[0].header.stamp for message in self.got[topic]]
         return [stamp.sec + stamp.nanosec * 1e-9 for stamp in stamps]
 
@@ -131,14 +131,14 @@ def test_draws_at_its_rate_and_pairs_by_stamp(stage):
         stage.tick(number)
     stage.until(lambda: len(stage.drawn()) >= 5)
     stage.settle()
-    for topic in (viz.MARKERS_EGO, viz.MARKERS_OBJECTS, viz.MARKERS_PLAN):
+    for topic in (drawing.MARKERS_EGO, drawing.MARKERS_OBJECTS, drawing.MARKERS_PLAN):
         assert stage.drawn(topic) == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
-    transform = stage.got[viz.TF][2].transforms[0]
+    transform = stage.got[drawing.TF][2].transforms[0]
     assert (transform.header.frame_id, transform.child_frame_id) == ("map", "base_link")
     assert (transform.header.stamp.nanosec, transform.transform.translation.x) == (200_000_000, 4.0)
-    assert stage.got[viz.DISTANCE][0].data == pytest.approx(14.0 - 2.0 - 2.4)  # half the car, half the default ego
-    assert len(stage.got[viz.PLAN][0].poses) == 2
-    assert [marker.id for marker in stage.got[viz.MARKERS_OBJECTS][0].markers if marker.ns == "triggers"] == [7]
+    assert stage.got[drawing.DISTANCE][0].data == pytest.approx(14.0 - 2.0 - 2.4)  # half the car, half the default ego
+    assert len(stage.got[drawing.PLAN][0].poses) == 2
+    assert [marker.id for marker in stage.got[drawing.MARKERS_OBJECTS][0].markers if marker.ns == "triggers"] == [7]
 
 
 def test_last_tick_is_drawn_when_the_final_event_comes(stage):
@@ -147,7 +147,7 @@ def test_last_tick_is_drawn_when_the_final_event_comes(stage):
     stage.tick(5, state=False)
     stage.to[qos.EVENTS].publish(event_message_of(Event(0.25, EventKind.COLLISION, "bang")))
     stage.until(lambda: stage.drawn()[-1:] == [pytest.approx(0.25)])
-    assert any(marker.ns == "objects" for marker in stage.got[viz.MARKERS_OBJECTS][-1].markers)
+    assert any(marker.ns == "objects" for marker in stage.got[drawing.MARKERS_OBJECTS][-1].markers)
 
 
 def test_without_repair_node_each_tick_is_drawn_when_the_next_begins(stage):
@@ -161,9 +161,9 @@ def test_a_tick_without_objects_is_drawn_without_them(stage):
     stage.tick(0)
     stage.tick(2, objects=False)
     stage.tick(3)
-    stage.until(lambda: len(stage.drawn(viz.MARKERS_OBJECTS)) >= 2)
-    assert stage.drawn(viz.MARKERS_OBJECTS)[1] == pytest.approx(0.1)
-    assert [marker.action for marker in stage.got[viz.MARKERS_OBJECTS][1].markers] == [Marker.DELETEALL]
+    stage.until(lambda: len(stage.drawn(drawing.MARKERS_OBJECTS)) >= 2)
+    assert stage.drawn(drawing.MARKERS_OBJECTS)[1] == pytest.approx(0.1)
+    assert [marker.action for marker in stage.got[drawing.MARKERS_OBJECTS][1].markers] == [Marker.DELETEALL]
 
 
 def test_a_new_episode_is_drawn_from_its_first_tick(stage):
@@ -184,12 +184,12 @@ def test_map_is_drawn_once_and_again_when_it_changes(stage):
     stage.settle(0.1)
     for number in range(4):
         stage.tick(number)
-    stage.until(lambda: stage.got[viz.MARKERS_MAP])
-    assert len(stage.got[viz.MARKERS_MAP]) == 1
-    names = {marker.ns for marker in stage.got[viz.MARKERS_MAP][0].markers}
+    stage.until(lambda: stage.got[drawing.MARKERS_MAP])
+    assert len(stage.got[drawing.MARKERS_MAP]) == 1
+    names = {marker.ns for marker in stage.got[drawing.MARKERS_MAP][0].markers}
     assert {"road", "edges", "route", "goal"} <= names
     stage.to[qos.MAP].publish(lanes)
-    stage.until(lambda: len(stage.got[viz.MARKERS_MAP]) == 2)  # without a tick: the timer draws it
+    stage.until(lambda: len(stage.got[drawing.MARKERS_MAP]) == 2)  # without a tick: the timer draws it
 
 
 def test_faults_in_the_input_are_reported_and_survived(stage):

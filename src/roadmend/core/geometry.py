@@ -6,8 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.jit import compiled
+from roadmend.core.scene import EgoState, ObjectList
 
 Floats = NDArray[np.float64]
+
+DISTANCE_EXACT = 60.0  # [m] up to which the nearest distance is that between outlines
 
 
 @compiled
@@ -107,3 +110,12 @@ def outline_distances(
             gap = corner_distance(own, their)
         distances[index] = gap
     return distances
+
+
+def nearest_distance(ego: EgoState, objects: ObjectList) -> float:
+    """Gap [m] between the ego's outline and the nearest other, exact up to DISTANCE_EXACT; infinite where is none."""
+    distances = outline_distances(
+        ego.x, ego.y, ego.yaw, ego.length, ego.width,
+        objects.x, objects.y, objects.yaw, objects.length, objects.width, DISTANCE_EXACT,
+    )  # fmt: skip
+    return float(np.nanmin(distances)) if np.isfinite(distances).any() else math.inf

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from roadmend.core.command import Trajectory
 from roadmend.core.errors import InputError
-from roadmend.core.geometry import outline_distances
+from roadmend.core.geometry import nearest_distance
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
@@ -32,7 +32,6 @@ from roadmend.recording.reader import BagReader
 
 Floats = NDArray[np.float64]
 
-DISTANCE_EXACT = 60.0  # [m] up to which distances are those between outlines
 _TOPICS = {
     "ego": "nav_msgs/msg/Odometry",
     "objects": "roadmend_msgs/msg/ObjectList",
@@ -93,13 +92,8 @@ class BagEpisode:
 
     def _distance(self, stamp: int) -> float:
         ego, objects = self.ego[stamp], self.objects.get(stamp)
-        if objects is None or not len(objects):
-            return math.nan
-        distances = outline_distances(
-            ego.x, ego.y, ego.yaw, ego.length, ego.width,
-            objects.x, objects.y, objects.yaw, objects.length, objects.width, DISTANCE_EXACT,
-        )  # fmt: skip
-        return float(np.nanmin(distances)) if np.isfinite(distances).any() else math.nan
+        distance = math.inf if objects is None else nearest_distance(ego, objects)
+        return distance if math.isfinite(distance) else math.nan
 
 
 def read_episode(path: Path) -> BagEpisode:

@@ -9,48 +9,31 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from nav_msgs.msg import Odometry, Path
+from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message
 from roadmend_msgs import msg
-from std_msgs.msg import Float64, Header
-from tf2_msgs.msg import TFMessage
+from std_msgs.msg import Header
 from visualization_msgs.msg import MarkerArray
 
 from roadmend.core.command import Trajectory
-from roadmend.core.geometry import outline_distances
+from roadmend.core.geometry import nearest_distance
 from roadmend.core.outcome import EventKind
 from roadmend.core.route import Route
-from roadmend.core.scene import EgoState, ObjectList
+from roadmend.core.scene import EgoState, ObjectList, Scene
 from roadmend.nodes import qos
 from roadmend.nodes.convert import MAP_FRAME, ego_of, nanoseconds_of, objects_of, route_of, trajectory_of
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
+from roadmend.nodes.drawing import DRAWINGS, MARKERS_MAP, draw_tick
 from roadmend.nodes.marker_map import map_markers
 from roadmend.nodes.marker_ticks import NANOSECONDS, Cadence, TickMemory
-from roadmend.nodes.markers import (
-    ego_markers,
-    object_markers,
-    path_of,
-    plan_markers,
-    signal_markers,
-    transform_of,
-)
 from roadmend.nodes.parameters import declare
 from roadmend.nodes.spinning import run_node
 
-MARKERS_OBJECTS = "markers/objects"
-MARKERS_EGO = "markers/ego"
-MARKERS_PLAN = "markers/plan"
-MARKERS_MAP = "markers/map"
-PLAN = "plan"
-DISTANCE = "ego/distance"
-TF = "/tf"
-
 DEFAULT_SIZE = (4.8, 1.8)  # [m] of the ego until its route has told
 PATIENCE_S = 0.5  # [s] of simulation time for which a topic counts as present after its last message
-DISTANCE_EXACT = 60.0  # [m] up to which the distance is that between outlines
 
 _TICK_TOPICS = {
     qos.EGO: Odometry,
@@ -102,13 +85,8 @@ class VizNode(Node):
         self._diagnostics = DiagnosticsReporter(self, self._health)
 
     def _create_outputs(self) -> None:
-        self._to_objects = self.create_publisher(MarkerArray, MARKERS_OBJECTS, qos.STREAM)
-        self._to_ego = self.create_publisher(MarkerArray, MARKERS_EGO, qos.STREAM)
-        self._to_plan_markers = self.create_publisher(MarkerArray, MARKERS_PLAN, qos.STREAM)
+        self._outputs = {topic: self.create_publisher(kind, topic, qos.STREAM) for topic, kind in DRAWINGS.items()}
         self._to_map = self.create_publisher(MarkerArray, MARKERS_MAP, qos.LATCHED)
-        self._to_plan = self.create_publisher(Path, PLAN, qos.STREAM)
-        self._to_distance = self.create_publisher(Float64, DISTANCE, qos.STREAM)
-        self._to_tf = self.create_publisher(TFMessage, TF, qos.STREAM)
 
     def _declare(self) -> VizParameters:
         values = {
@@ -203,22 +181,13 @@ class VizNode(Node):
             self._draw_map()  # after the tick: it takes long, and thousands of ticks may pass meanwhile
 
     def _publish(self, ego: EgoState, header: Header, stamp: int) -> None:
-        state = self._decoded(qos.REPAIR_STATE, stamp)
         objects, signals = self._objects_at(stamp)
-        triggers = frozenset() if state is None else frozenset(state.trigger_id)
-        things = object_markers(objects, ego, header, triggers=triggers, text_radius=self._settings.text_radius)
-        if self._route is not None:
-            things.markers.extend(signal_markers(self._route, signals, header))
         raw = self._decoded(qos.POLICY_TRAJECTORY, stamp)
         plan = Trajectory.empty() if raw is None else trajectory_of(raw)
-        self._to_tf.publish(TFMessage(transforms=[transform_of(ego, header)]))
-        self._to_objects.publish(things)
-        self._to_ego.publish(ego_markers(ego, state, header))
-        self._to_plan_markers.publish(plan_markers(plan, ego, header))
-        self._to_plan.publish(path_of(plan, header))
-        distance = nearest_distance(ego, objects)
-        if math.isfinite(distance):
-            self._to_distance.publish(Float64(data=distance))
+        scene = Scene(stamp / NANOSECONDS, ego, objects, signals)
+        state = self._decoded(qos.REPAIR_STATE, stamp)
+        for topic, drawing in draw_tick(scene, plan, state, self._route, header, self._settings.text_radius):
+            self._outputs[topic].publish(drawing)
 
     def _decoded(self, topic: str, stamp: int) -> Any:
         data = self._memory.at(topic, stamp)
@@ -259,15 +228,6 @@ class VizNode(Node):
         if self._memory.newest(qos.EGO) is None:
             return Health(Level.OK, f"waiting for {self.resolve_topic_name(qos.EGO)}", values)
         return Health(Level.OK, "drawing", values)
-
-
-def nearest_distance(ego: EgoState, objects: ObjectList) -> float:
-    """Gap [m] between the ego's outline and the nearest other; infinite where there is none."""
-    distances = outline_distances(
-        ego.x, ego.y, ego.yaw, ego.length, ego.width,
-        objects.x, objects.y, objects.yaw, objects.length, objects.width, DISTANCE_EXACT,
-    )  # fmt: skip
-    return float(np.nanmin(distances)) if np.isfinite(distances).any() else math.inf
 
 
 def _refuse_non_finite(changed: list[Parameter]) -> SetParametersResult:
