@@ -1,11 +1,11 @@
-"""Recorded offers as QoS profiles."""
+"""QoS profiles as bags record them, and back."""
 
 from typing import Any
 
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 
-from roadmend.recording.qos import Qos
+from roadmend.recording.qos import INFINITE_NS, Qos
 
 
 def profile_of(offer: Qos) -> QoSProfile:
@@ -20,6 +20,21 @@ def profile_of(offer: Qos) -> QoSProfile:
         liveliness=_policy(LivelinessPolicy, offer.liveliness, LivelinessPolicy.AUTOMATIC),
         liveliness_lease_duration=Duration(nanoseconds=offer.liveliness_lease_ns),
         avoid_ros_namespace_conventions=offer.avoid_ros_namespace_conventions,
+    )
+
+
+def offer_from(profile: QoSProfile) -> Qos:
+    """A publisher's profile as bags record it: DDS gives away what a default of 0 means."""
+    return Qos(
+        profile.history.name.lower(),
+        profile.depth,
+        profile.reliability.name.lower(),
+        profile.durability.name.lower(),
+        profile.deadline.nanoseconds or INFINITE_NS,
+        profile.lifespan.nanoseconds or INFINITE_NS,
+        _policy(LivelinessPolicy, profile.liveliness.name.lower(), LivelinessPolicy.AUTOMATIC).name.lower(),
+        profile.liveliness_lease_duration.nanoseconds or INFINITE_NS,
+        profile.avoid_ros_namespace_conventions,
     )
 
 

@@ -22,10 +22,10 @@ from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
 from roadmend.nodes import qos
 from roadmend.nodes.discovery import look_up, request_for
+from roadmend.nodes.offers import offer_from
 from roadmend.nodes.spinning import run_node
 from roadmend.recording.definitions import Definition
 from roadmend.recording.enclosure import Attachment, metadata_from_file
-from roadmend.recording.qos import Qos
 from roadmend.recording.timekeeper import Timekeeper
 from roadmend.recording.writer import BagOptions, BagWriter, Compression
 
@@ -181,7 +181,7 @@ class RecorderNode(Node):
         """Subscribe so that all present publishers match; anew where a later publisher offers less."""
         offers = [info.qos_profile for info in self.get_publishers_info_by_topic(name)]
         recorded.publishers = max(recorded.publishers, len(offers))
-        self._writer.add_topic(name, recorded.definition.type_name, map(_offer, offers), recorded.definition)
+        self._writer.add_topic(name, recorded.definition.type_name, map(offer_from, offers), recorded.definition)
         request = request_for(offers)
         if recorded.request == request:
             return
@@ -251,20 +251,6 @@ class RecorderNode(Node):
         message = DiagnosticArray(status=[status])
         message.header.stamp = Time(nanoseconds=self._timekeeper.now_ns).to_msg()
         self._to_diagnostics.publish(message)
-
-
-def _offer(profile: QoSProfile) -> Qos:
-    return Qos(
-        profile.history.name.lower(),
-        profile.depth,
-        profile.reliability.name.lower(),
-        profile.durability.name.lower(),
-        profile.deadline.nanoseconds,
-        profile.lifespan.nanoseconds,
-        profile.liveliness.name.lower(),
-        profile.liveliness_lease_duration.nanoseconds,
-        profile.avoid_ros_namespace_conventions,
-    )
 
 
 def _pattern(name: str, text: str) -> re.Pattern[str]:
