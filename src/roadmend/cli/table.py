@@ -8,7 +8,7 @@ from rich.table import Table
 
 from roadmend.nodes.launcher import RunResult
 
-_STYLES = {"GOAL": "green", "COLLISION": "red", "TIMEOUT": "yellow", "OFF_ROUTE": "yellow", "ABORTED": "yellow"}
+OUTCOME_STYLES = {"GOAL": "green", "COLLISION": "red", "TIMEOUT": "yellow", "OFF_ROUTE": "yellow", "ABORTED": "yellow"}
 
 
 def wide_console() -> Console:
@@ -29,7 +29,7 @@ def show_results(results: Sequence[RunResult], console: Console) -> None:
         table.add_row(
             result.scenario,
             result.method,
-            f"[{_STYLES.get(result.outcome, 'white')}]{result.outcome}[/]",
+            f"[{OUTCOME_STYLES.get(result.outcome, 'white')}]{result.outcome}[/]",
             distance,
             str(result.interventions),
             f"{result.intensity:.2f}" if result.interventions else "-",

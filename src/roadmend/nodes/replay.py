@@ -178,7 +178,7 @@ class ReplayNode(Node):
         return missing + [f"a node that answers on {name}" for name in self._answers if not self._answered(name)]
 
     def _answered(self, name: str) -> bool:
-        return self.count_publishers(self.resolve_topic_name(name.lstrip("/"))) > 0
+        return bool(self.count_publishers(self.resolve_topic_name(name.lstrip("/"))))
 
     def _play(self, now: float) -> None:
         """Publish what is due."""

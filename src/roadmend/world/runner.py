@@ -75,7 +75,11 @@ class EpisodeSummary:
 
 
 def run_episode(
-    scenario: Scenario, policy: Policy, repairer: Repairer, watcher: Watcher | None = None
+    scenario: Scenario,
+    policy: Policy,
+    repairer: Repairer,
+    watcher: Watcher | None = None,
+    ending: Callable[[Tick], None] | None = None,
 ) -> EpisodeSummary:
     """Run a scenario to its end.
 
@@ -84,6 +88,7 @@ def run_episode(
         policy: decides at every tick.
         repairer: stands between the policy and the vehicle.
         watcher: called at every tick before the vehicle moves, with what was seen and decided.
+        ending: called with the final tick, which nobody answers.
 
     Raises:
         InputError: the scenario cannot be run.
@@ -106,6 +111,8 @@ def run_episode(
             tick = simulation.step(repair.command)
             summary.observe(tick)
         summary.loop_ended = time.perf_counter()
+        if ending is not None:
+            ending(tick)
         add_tick(digest, tick, Command(0.0, 0.0))
     summary.digest = digest.hexadecimal
     return summary

@@ -1,0 +1,150 @@
+"""``roadmend bag resimulate``: a recorded run driven again with another repair method, closed loop."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+from rich.console import Console
+from rich.table import Table
+
+from roadmend import __version__
+from roadmend.cli.repair_choice import RepairChoice, read_choice, repair_options
+from roadmend.cli.table import OUTCOME_STYLES, wide_console
+from roadmend.core.command import Decision
+from roadmend.core.errors import InputError
+from roadmend.core.repair import Repair
+from roadmend.evaluation.bag_ticks import BagTicks
+from roadmend.evaluation.recorded_run import (
+    RECORD,
+    RunOutcome,
+    RunPlan,
+    driven_outcome,
+    read_plan,
+    recorded_outcome,
+)
+from roadmend.evaluation.resimulation import Switchover
+from roadmend.nodes.episode_writer import EpisodeWriter
+from roadmend.policies.registry import make_policy
+from roadmend.recording.new_bag import new_bag
+from roadmend.recording.reader import BagReader
+from roadmend.recording.writer import BagWriter
+from roadmend.world.runner import run_episode
+from roadmend.world.simulation import Tick
+
+DRAWN = 2  # every second tick is drawn: 10 times a second, as viz_node does
+
+
+@click.command()
+@click.argument("bag", type=click.Path(path_type=Path))
+@repair_options
+@click.option(
+    "--from-time", default=0.0, show_default=True, type=click.FloatRange(0.0),
+    help="Simulation time [s] at which the method takes over; until then the recorded commands are driven.",
+)  # fmt: skip
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder of the new bag.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def resimulate(
+    bag: Path, method: str, settings: tuple[str, ...], model: Path | None, seed: int, from_time: float, out: Path,
+    *, as_json: bool,
+) -> None:  # fmt: skip
+    """Drive the scenario of a recorded run again, with another repair method from the start or from a moment on.
+
+    Until that moment the run must repeat itself bit for bit, or the command ends with what differs.
+    """
+    choice = read_choice(method, settings, model, seed)
+    then, now = resimulate_bag(bag, choice, from_time, out)
+    if as_json:
+        content = {"then": asdict(then), "now": asdict(now), "from_time": from_time, "bag": str(out)}
+        click.echo(json.dumps({**content, "choice": choice.provenance()}, indent=2))
+    else:
+        _show({"then": then, "now": now}, {"then": bag, "now": out})
+
+
+def resimulate_bag(bag: Path, choice: RepairChoice, from_time: float, out: Path) -> tuple[RunOutcome, RunOutcome]:
+    """Drive a run again and record it; returns what it came to then and now.
+
+    Raises:
+        InputError: the bag, the choice, the moment or the place of the new bag is unusable, or the world differs from
+            the recorded one.
+        RecordingError: the new bag cannot be written.
+        SimulationError: SUMO failed.
+    """
+    reader = BagReader(bag)
+    plan, ticks = read_plan(reader), BagTicks(reader)
+    then = recorded_outcome(ticks, plan.method)
+    if not from_time <= then.duration:
+        raise InputError("--from-time", f"{from_time:g} s is after the end", f"give 0 to {then.duration:g} s")
+    switchover = Switchover(ticks, choice.make(), from_time)
+    with new_bag(out) as writer, Console(stderr=True).status(f"{plan.scenario.name} · {choice.method}"):
+        for attachment in reader.attachments.values():
+            writer.add_attachment(attachment.name, attachment.media_type, attachment.data)
+        recorder = _Recorder(writer, reader, switchover, plan, choice)
+        summary = run_episode(
+            plan.scenario, make_policy(plan.policy), switchover, recorder.answered, recorder.ended
+        )  # fmt: skip
+        now = driven_outcome(summary, choice.method)
+        writer.add_metadata(RECORD, {
+            "scenario_file": plan.scenario_file, "policy": plan.policy, **choice.provenance(), "clock": "lockstep",
+            "roadmend": __version__, "resimulated_from": bag.name, "from_time": f"{from_time:g}",
+            "messages": f"{writer.count}", "lost_messages": "0", "outcome": now.outcome, "outcome_text": now.text,
+            "outcome_time": f"{now.duration:g}",
+        })  # fmt: skip
+    return then, now
+
+
+class _Recorder:
+    """Turns ticks of the runner into messages of the bag."""
+
+    def __init__(
+        self, writer: BagWriter, reader: BagReader, switchover: Switchover, plan: RunPlan, choice: RepairChoice
+    ) -> None:
+        self._episode = EpisodeWriter(writer)
+        self._reader = reader
+        self._switchover = switchover
+        self._methods = {False: plan.method, True: choice.method}
+
+    def answered(self, tick: Tick, decision: Decision, repair: Repair) -> None:
+        time = tick.scene.time
+        self._seen(tick)
+        self._episode.decision(time, decision)
+        self._episode.repair(time, repair, self._methods[self._switchover.has_taken_over(time)])
+        if tick.number % DRAWN == 0:
+            self._draw(tick, decision, repair)
+
+    def ended(self, tick: Tick) -> None:
+        self._seen(tick)
+        self._draw(tick)
+
+    def _seen(self, tick: Tick) -> None:
+        if tick.number == 0 and self._switchover.route is not None:
+            self._episode.route(self._switchover.route, self._map())
+        self._episode.scene(tick.scene)
+        for event in tick.events:
+            self._episode.event(event)
+
+    def _draw(self, tick: Tick, decision: Decision | None = None, repair: Repair | None = None) -> None:
+        if self._switchover.route is not None:
+            self._episode.drawing(tick.scene, self._switchover.route, decision, repair)
+
+    def _map(self) -> bytes | None:
+        """The map as it was recorded: the world is the same."""
+        kinds = self._reader.topics
+        names = [name for name in kinds if kinds[name].type_name == "roadmend_msgs/msg/Map" and name.endswith("/map")]
+        record = next(self._reader.records(names), None) if names else None
+        return None if record is None else record.data
+
+
+def _show(outcomes: dict[str, RunOutcome], bags: dict[str, Path]) -> None:
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for title in ("", "method", "outcome", "after"):
+        table.add_column(title, no_wrap=True)
+    for title in ("min\ndistance", "inter-\nventions"):
+        table.add_column(title, justify="right", no_wrap=True)
+    table.add_column("bag", overflow="fold")
+    for when, one in outcomes.items():
+        distance = "-" if one.min_distance is None else f"{one.min_distance:.2f} m"
+        outcome = f"[{OUTCOME_STYLES.get(one.outcome, 'white')}]{one.outcome}[/]"
+        after, bag = f"{one.duration:.2f} s", str(bags[when])
+        table.add_row(when, one.method, outcome, after, distance, str(one.interventions), bag)
+    wide_console().print(table)
