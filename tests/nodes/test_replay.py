@@ -75,7 +75,8 @@ class Bench:
 
     def __init__(self, node, clock):
         self.node, self.clock, self.got = node, clock, []
-        node._players = {name: Tape(name, player, self.got) for name, player in node._players.items()}
+        players = node._players.publishers
+        players |= {name: Tape(name, publisher, self.got) for name, publisher in players.items()}
 
     def wait(self, duration):
         """Let wall time pass; returns the ticks of the policy's commands published meanwhile."""
@@ -132,7 +133,7 @@ def bench(bag, domain, tmp_path, monkeypatch):
 def test_it_plays_at_its_rate_once_nobody_is_joining_any_more(bench):
     there = bench(rate=0.5)
     assert there.wait(0.4) == []
-    there.node._players["/note"].count += 1  # somebody joins
+    there.node._players.publishers["/note"].count += 1  # somebody joins
     assert there.wait(0.4) == []
     there.begin()
     assert there.wait(0.17) == [1]  # the first was played when it began
@@ -182,6 +183,13 @@ def test_an_offset_brings_the_latched_messages_first(bench):
     there.wait(0.2)
     assert there.ticks() == [4, 5]
     assert there.got[0] == ("/note", serialize_message(String(data="begin")))
+
+
+def test_topics_that_are_silent_after_the_offset_are_refused(bench, capfd):
+    there = bench(topics=["note"], start_offset=0.1, loop=True)
+    there.wait(1.0)
+    assert (there.node.finished, there.node.exit_code) == (True, 2)
+    assert "no message of the topics to play comes after it; begin earlier" in capfd.readouterr().err
 
 
 def test_pause_step_resume_toggle(bench):
@@ -260,7 +268,7 @@ def test_the_clock_can_be_excluded(bench):
     node = bench(exclude=["/clock", "/note"]).node
     assert not node._makes_clock
     assert not node.count_publishers("/clock")
-    assert "/note" not in node._players
+    assert "/note" not in node._players.publishers
 
 
 # -- in lockstep -------------------------------------------------------------------------------------------------------

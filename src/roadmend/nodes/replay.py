@@ -5,13 +5,10 @@ import time
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from rclpy.clock import Clock, ClockType
-from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.qos import DurabilityPolicy
 from rclpy.time import Time
 from rosgraph_msgs.msg import Clock as ClockMessage
 from std_srvs.srv import Trigger
@@ -21,26 +18,25 @@ from roadmend.nodes import qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.marker_ticks import stamp_of_bytes
 from roadmend.nodes.message_class import message_class
-from roadmend.nodes.offers import profile_of
 from roadmend.nodes.parameters import declare
+from roadmend.nodes.players import Players
 from roadmend.nodes.spinning import run_node
 from roadmend.recording.definitions import find
-from roadmend.recording.reader import BagReader, Record
+from roadmend.recording.reader import BagReader
 from roadmend.recording.replay import (
     CLOCK_TOPIC,
     Playhead,
     ReplaySource,
     ReplayTick,
     absolute,
-    check_definition,
     find_topic,
-    offer_of,
     select_topics,
 )
 
 BEAT_S = 0.002  # [s] of wall time between two looks at what is due
 BUSY_S = 0.05  # [s] of publishing after which services get their turn
 SETTLE_S = 0.5  # [s] without a new subscription after which nobody else is expected to join
+ASK_S = 0.1  # [s] between two looks for those that must join
 REPEAT_S = 0.25  # [s] after which an unanswered tick is published again: a node may have joined only now
 FIRST_ANSWER_S = 60.0  # [s] of wall time for the first answer: a node may still be loading
 ACKNOWLEDGE_S = 2.0  # [s] for which the end waits for slow subscribers
@@ -83,9 +79,8 @@ class ReplayNode(Node):
         self._lockstep = clock == "lockstep"
         self._answers = [find_topic(reader, name) for name in answers if name] if self._lockstep else []
         chosen = select_topics(reader, list(filter(None, topics)), [*filter(None, exclude), *self._answers])
-        self._skipped: dict[str, str] = {}  # topic and why
-        self._players = self._create_players(reader, chosen)
-        self._source = ReplaySource(reader, [*self._players, *self._answers], start)
+        self._players = Players(self, reader, chosen)
+        self._source = ReplaySource(reader, [*self._players.publishers, *self._answers], start)
         self._makes_clock = CLOCK_TOPIC not in reader.topics and CLOCK_TOPIC not in map(absolute, exclude)
         if self._makes_clock:
             self._clock_publisher = self.create_publisher(ClockMessage, CLOCK_TOPIC, qos.STREAM)
@@ -99,7 +94,6 @@ class ReplayNode(Node):
         self._published = (0.0, 0.0)  # wall times [s] at which the tick that is not answered was published: first, last
         self._answered_once = False
         self._current: ReplayTick | None = None
-        self._count = 0
         for name, callback in (
             ("pause", self._on_pause), ("resume", self._on_resume), ("toggle_paused", self._on_toggle_paused),
             ("step", self._on_step),
@@ -111,25 +105,6 @@ class ReplayNode(Node):
         self._diagnostics = DiagnosticsReporter(self, self._health)
 
     # -- what is played -----------------------------------------------------------------------------------------------
-
-    def _create_players(self, reader: BagReader, topics: Sequence[str]) -> dict[str, Any]:
-        """A publisher for each topic whose type is installed; the others are named."""
-        players = {}
-        for name in topics:
-            topic = reader.topics[name]
-            try:
-                check_definition(reader, name)
-                kind = message_class(name, find(topic.type_name).type_name)
-            except InputError as error:
-                self._skipped[name] = str(error)
-                self.get_logger().warning(f"not played: {error}")
-                continue
-            # Relative, so that the topics follow the node's namespace; the clock is one for all.
-            target = name if name == CLOCK_TOPIC else name.lstrip("/")
-            players[name] = self.create_publisher(kind, target, profile_of(offer_of(topic.offers, topic.count)))
-        if not players:
-            raise InputError(str(reader.path), "no topic can be played", next(iter(self._skipped.values())))
-        return players
 
     def _listen(self, reader: BagReader) -> None:
         for name in self._answers:
@@ -153,27 +128,29 @@ class ReplayNode(Node):
 
     def _begin(self, now: float) -> bool:
         """Begin once whoever is expected has joined and nobody else is joining any more."""
-        count = sum(player.get_subscription_count() for player in self._players.values())
+        count = self._players.subscriptions()
         if count != self._settled[0]:
             self._settled = (count, now)
-        if self._missing() or now - self._settled[1] < SETTLE_S:
+        if now - self._settled[1] < SETTLE_S:
+            return False
+        if self._missing():
+            self._settled = (count, now - SETTLE_S + ASK_S)
             return False
         self._begun = True
-        for record in self._source.latched():
-            self._publish(record)
+        self._players.play(self._source.latched())
         self._next = self._read()
+        if self._next is None:
+            if not self.finished:
+                self._fail("start: no message of the topics to play comes after it; begin earlier", 2)
+            return False
         self._playhead.seek(self._source.start_ns, now)
         length = (self._source.end_ns - self._source.start_ns) / _NANOSECONDS
-        self.get_logger().info(f"playing {len(self._players)} topics, {length:.2f} s")
+        self.get_logger().info(f"playing {len(self._players.publishers)} topics, {length:.2f} s")
         return True
 
     def _missing(self) -> list[str]:
         """Nodes that have not joined yet, and answers that nobody gives yet."""
-        there = {
-            info.node_name
-            for player in self._players.values()
-            for info in self.get_subscriptions_info_by_topic(player.topic_name)
-        }
+        there = self._players.listeners()
         missing = [name for name in self._wait_for if name not in there]
         return missing + [f"a node that answers on {name}" for name in self._answers if not self._answered(name)]
 
@@ -202,8 +179,7 @@ class ReplayNode(Node):
         self._published = (now, now)
         if self._makes_clock:
             self._clock_publisher.publish(ClockMessage(clock=Time(nanoseconds=tick.time_ns).to_msg()))
-        for record in tick.records:
-            self._publish(record)
+        self._players.play(tick.records)
         self._next = self._read()
 
     def _read(self) -> ReplayTick | None:
@@ -218,12 +194,6 @@ class ReplayNode(Node):
         self.get_logger().error(str(error))
         self.finished, self.exit_code = True, code
 
-    def _publish(self, record: Record) -> None:
-        player = self._players.get(record.topic)
-        if player is not None:
-            player.publish(record.data)
-            self._count += 1
-
     def _end(self, now: float) -> None:
         if self._loop:
             self._ticks = self._source.ticks()
@@ -231,7 +201,7 @@ class ReplayNode(Node):
             self._playhead.seek(self._source.start_ns, now)
             return
         self.finished = True
-        self.get_logger().info(f"{self._count} messages of {len(self._players)} topics played")
+        self.get_logger().info(f"{self._players.count} messages of {len(self._players.publishers)} topics played")
 
     # -- answers ------------------------------------------------------------------------------------------------------
 
@@ -251,10 +221,7 @@ class ReplayNode(Node):
             self._fail(f"no answer on {name} to the tick at {stamp / _NANOSECONDS:g} s in {now - first:.1f} s", 1)
         elif now - last > REPEAT_S and self._current is not None:
             self._published = (first, now)
-            for record in self._current.records:
-                player = self._players.get(record.topic)
-                if player is not None and player.qos_profile.durability != DurabilityPolicy.TRANSIENT_LOCAL:
-                    player.publish(record.data)
+            self._players.repeat(self._current.records)
 
     # -- services and parameters --------------------------------------------------------------------------------------
 
@@ -301,22 +268,20 @@ class ReplayNode(Node):
         here = self._current.time_ns if self._current is not None else self._source.start_ns
         values = {
             "time [s]": f"{here / _NANOSECONDS:.2f}",
-            "messages": self._count,
-            "topics": len(self._players),
-            **{f"not played: {name}": why for name, why in self._skipped.items()},
+            "messages": self._players.count,
+            "topics": len(self._players.publishers),
+            **{f"not played: {name}": why for name, why in self._players.skipped.items()},
         }
         if not self._begun:
             return Health(Level.WARN, f"waiting for {', '.join(self._missing()) or 'the graph to settle'}", values)
         if self._awaited:
             return Health(Level.OK, f"waiting for an answer on {min(self._awaited)[0]}", values)
         state = "paused" if self._playhead.paused else "playing"
-        return Health(Level.WARN if self._skipped else Level.OK, state, values)
+        return Health(Level.WARN if self._players.skipped else Level.OK, state, values)
 
     def close(self) -> None:
         """Let the last messages arrive."""
-        deadline = time.monotonic() + ACKNOWLEDGE_S
-        for player in self._players.values():
-            player.wait_for_all_acked(Duration(seconds=max(0.0, deadline - time.monotonic())))
+        self._players.let_arrive(ACKNOWLEDGE_S)
 
 
 def main(args: Sequence[str] | None = None) -> int:

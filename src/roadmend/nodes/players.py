@@ -1,0 +1,83 @@
+"""The publishers of a replay: one for each recorded topic whose type is installed."""
+
+import time
+from collections.abc import Sequence
+
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import DurabilityPolicy
+
+from roadmend.core.errors import InputError
+from roadmend.nodes.message_class import message_class
+from roadmend.nodes.offers import profile_of
+from roadmend.recording.definitions import find
+from roadmend.recording.reader import BagReader, Record
+from roadmend.recording.replay import CLOCK_TOPIC, check_definition, offer_of
+
+
+class Players:
+    """Publish recorded bytes with the recorded offers.
+
+    Args:
+        node: whose publishers they are.
+        reader: the bag.
+        topics: the topics to play; those that cannot be are named in ``skipped``.
+
+    Raises:
+        InputError: none can be played.
+    """
+
+    def __init__(self, node: Node, reader: BagReader, topics: Sequence[str]) -> None:
+        self.publishers: dict[str, Publisher] = {}
+        self.skipped: dict[str, str] = {}  # topic and why
+        self.count = 0  # messages so far
+        self._node = node
+        for name in topics:
+            topic = reader.topics[name]
+            try:
+                check_definition(reader, name)
+                kind = message_class(name, find(topic.type_name).type_name)
+            except InputError as error:
+                self.skipped[name] = str(error)
+                node.get_logger().warning(f"not played: {error}")
+                continue
+            # Relative, so that the topics follow the node's namespace; the clock is one for all.
+            target = name if name == CLOCK_TOPIC else name.lstrip("/")
+            profile = profile_of(offer_of(topic.offers, topic.count))
+            self.publishers[name] = node.create_publisher(kind, target, profile)
+        if not self.publishers:
+            raise InputError(str(reader.path), "no topic can be played", next(iter(self.skipped.values())))
+
+    def play(self, records: Sequence[Record]) -> None:
+        """Publish messages; those of other topics are left out."""
+        for record in records:
+            publisher = self.publishers.get(record.topic)
+            if publisher is not None:
+                publisher.publish(record.data)
+                self.count += 1
+
+    def repeat(self, records: Sequence[Record]) -> None:
+        """Publish messages again, except what late joiners get anyway."""
+        for record in records:
+            publisher = self.publishers.get(record.topic)
+            if publisher is not None and publisher.qos_profile.durability != DurabilityPolicy.TRANSIENT_LOCAL:
+                publisher.publish(record.data)
+
+    def subscriptions(self) -> int:
+        """How many subscriptions listen, over all topics."""
+        return sum(publisher.get_subscription_count() for publisher in self.publishers.values())
+
+    def listeners(self) -> set[str]:
+        """Names of the nodes that listen to any topic."""
+        return {
+            info.node_name
+            for publisher in self.publishers.values()
+            for info in self._node.get_subscriptions_info_by_topic(publisher.topic_name)
+        }
+
+    def let_arrive(self, patience: float) -> None:
+        """Wait until every reliable subscriber has what was sent, but no longer than ``patience`` [s] in all."""
+        deadline = time.monotonic() + patience
+        for publisher in self.publishers.values():
+            publisher.wait_for_all_acked(Duration(seconds=max(0.0, deadline - time.monotonic())))
