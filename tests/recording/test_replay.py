@@ -8,8 +8,7 @@ from roadmend.core.errors import InputError
 from roadmend.recording.qos import Qos
 from roadmend.recording.reader import BagReader
 from roadmend.recording.replay import (
-    LATCHED_DEPTH_MAX,
-    VOLATILE_DEPTH,
+    DEPTH_MAX,
     Playhead,
     ReplaySource,
     check_definition,
@@ -116,9 +115,9 @@ def test_an_offer_serves_whoever_the_recorded_ones_served():
     assert offer_of([weak, known], 100) == Qos(depth=7, deadline_ns=SECOND)
     assert offer_of([weak], 100).reliability == "best_effort"
     unknown = Qos(history="unknown", depth=0)
-    assert offer_of([unknown], 5).depth == VOLATILE_DEPTH
+    assert offer_of([unknown], 5).depth == 5
     assert offer_of([unknown, LATCHED], 5) == Qos(history="unknown", depth=5, durability="transient_local")
-    assert offer_of([LATCHED], 10**6).depth == LATCHED_DEPTH_MAX
+    assert offer_of([LATCHED], 10**6).depth == DEPTH_MAX
 
 
 def test_the_playhead_runs_stands_and_changes_its_pace():

@@ -28,10 +28,11 @@ from roadmend.nodes.replay import main
     "--lockstep", is_flag=True, help="Play no repairs: each tick waits for those of a live repair_node, at any rate."
 )
 @click.option("--wait-for", multiple=True, help="Begin when this node listens; may be repeated.")
+@click.option("--wait-for-listeners", is_flag=True, help="Begin when every topic has a listener, such as a recorder.")
 @click.argument("ros_arguments", nargs=-1, type=click.UNPROCESSED, metavar="[--ros-args ...]")
 def replay(
     bag: Path, rate: float, start: float, topics: tuple[str, ...], exclude: tuple[str, ...], wait_for: tuple[str, ...],
-    ros_arguments: tuple[str, ...], *, loop: bool, paused: bool, lockstep: bool,
+    ros_arguments: tuple[str, ...], *, loop: bool, paused: bool, lockstep: bool, wait_for_listeners: bool,
 ) -> int:  # fmt: skip
     """Publish what a bag holds, with the QoS it was recorded with, and the clock.
 
@@ -43,7 +44,7 @@ def replay(
     parameters: dict[str, Any] = {
         "bag": str(bag), "rate": rate, "start_offset": start, "loop": loop, "topics": topics or [""],
         "exclude": exclude or [""], "start_paused": paused, "clock": "lockstep" if lockstep else "realtime",
-        "wait_for": wait_for or [""],
+        "wait_for": wait_for or [""], "wait_for_listeners": wait_for_listeners,
     }  # fmt: skip
     given = [word for name, value in parameters.items() for word in ("-p", f"{name}:={json.dumps(value)}")]
     return main(["replay_node", "--ros-args", *given, *ros_arguments[1:]])

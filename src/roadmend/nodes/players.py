@@ -68,6 +68,10 @@ class Players:
         """How many subscriptions listen, over all topics."""
         return sum(publisher.get_subscription_count() for publisher in self.publishers.values())
 
+    def unheard(self) -> list[str]:
+        """Topics that nobody listens to."""
+        return [name for name, publisher in self.publishers.items() if not publisher.get_subscription_count()]
+
     def listeners(self) -> set[str]:
         """Names of the nodes that listen to any topic."""
         return {

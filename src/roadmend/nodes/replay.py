@@ -39,7 +39,7 @@ SETTLE_S = 0.5  # [s] without a new subscription after which nobody else is expe
 ASK_S = 0.1  # [s] between two looks for those that must join
 REPEAT_S = 0.25  # [s] after which an unanswered tick is published again: a node may have joined only now
 FIRST_ANSWER_S = 60.0  # [s] of wall time for the first answer: a node may still be loading
-ACKNOWLEDGE_S = 2.0  # [s] for which the end waits for slow subscribers
+LINGER_S = 2.0  # [s] for which the end waits for slow subscribers
 _NANOSECONDS = 1_000_000_000
 _HEADER = "std_msgs/Header"
 
@@ -73,6 +73,9 @@ class ReplayNode(Node):
         )  # fmt: skip
         self._wait_for: list[str] = list(
             filter(None, declare(self, "wait_for", [""], "nodes that must listen before it begins"))
+        )
+        self._wait_for_listeners = declare(
+            self, "wait_for_listeners", False, "begin only when every topic has a listener, a recorder for example"
         )
         paused = declare(self, "start_paused", False, "wait for resume or step at the beginning")
         reader = BagReader(Path(path))
@@ -152,6 +155,8 @@ class ReplayNode(Node):
         """Nodes that have not joined yet, and answers that nobody gives yet."""
         there = self._players.listeners()
         missing = [name for name in self._wait_for if name not in there]
+        if self._wait_for_listeners:
+            missing += [f"a listener on {name}" for name in self._players.unheard()]
         return missing + [f"a node that answers on {name}" for name in self._answers if not self._answered(name)]
 
     def _answered(self, name: str) -> bool:
@@ -281,7 +286,7 @@ class ReplayNode(Node):
 
     def close(self) -> None:
         """Let the last messages arrive."""
-        self._players.let_arrive(ACKNOWLEDGE_S)
+        self._players.let_arrive(LINGER_S)
 
 
 def main(args: Sequence[str] | None = None) -> int:

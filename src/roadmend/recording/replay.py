@@ -10,8 +10,7 @@ from roadmend.recording.qos import Qos
 from roadmend.recording.reader import BagReader, Record
 
 CLOCK_TOPIC = "/clock"
-VOLATILE_DEPTH = 100  # messages that a replayed publisher keeps where the bag does not tell its depth
-LATCHED_DEPTH_MAX = 1000  # the same for a publisher that serves late joiners, which then keeps all the bag has
+DEPTH_MAX = 1000  # messages that a replayed publisher keeps at most where the bag does not tell its depth
 _NANOSECONDS = 1_000_000_000
 _TICK_BYTES_MAX = 1 << 26  # a bag without a clock is one tick as a whole: such a tick is played in parts
 
@@ -182,7 +181,8 @@ def offer_of(recorded: Iterable[Qos], count: int) -> Qos:
     """What one publisher must offer so that whoever listened to the recorded publishers can listen to it.
 
     Equal offers are offered again as they were. Of different ones, the stronger policy is offered. DDS does not tell
-    the depth of a remote publisher: where the bag has none, a latched topic keeps all of its ``count`` messages.
+    the depth of a remote publisher: where the bag has none, room is made for all of a topic's ``count`` messages, so that
+    late joiners get what was latched and slow listeners what they have not acknowledged yet.
     """
     offers = list(dict.fromkeys(recorded)) or [Qos()]
     strongest = replace(
@@ -193,11 +193,7 @@ def offer_of(recorded: Iterable[Qos], count: int) -> Qos:
         lifespan_ns=max(offer.lifespan_ns for offer in offers),
         depth=max(offer.depth for offer in offers),
     )
-    if strongest.depth > 0:
-        return strongest
-    latched = strongest.durability == "transient_local"
-    depth = min(max(count, 1), LATCHED_DEPTH_MAX) if latched else VOLATILE_DEPTH
-    return replace(strongest, depth=depth)
+    return strongest if strongest.depth > 0 else replace(strongest, depth=min(max(count, 1), DEPTH_MAX))
 
 
 def _stronger(policy: str, offered: list[str]) -> str:
