@@ -52,13 +52,13 @@ def test_starting_the_command_line_loads_neither_sumo_nor_ros_nor_numba():
 def test_help_lists_every_command_without_loading_one():
     code = "import sys; from roadmend.cli.main import main; main(['--help']); print(*sys.modules, file=sys.stderr)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    for command in ("run", "demo", "sample", "schema", "bench", "bag", "test"):
+    for command in ("run", "demo", "sample", "schema", "bench", "bag", "replay", "test"):
         assert f"\n  {command} " in done.stdout
     assert "numpy" not in done.stderr.split()
     assert "roadmend.cli.run" not in done.stderr.split()
 
 
-@pytest.mark.parametrize("command", ["run", "demo", "sample", "schema", "bench", "bag"])
+@pytest.mark.parametrize("command", ["run", "demo", "sample", "schema", "bench", "bag", "replay"])
 def test_every_command_has_a_help_page(command, capsys):
     assert main([command, "--help"]) == 0
     assert f"Usage: roadmend {command} " in capsys.readouterr().out

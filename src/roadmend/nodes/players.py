@@ -9,9 +9,8 @@ from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy
 
 from roadmend.core.errors import InputError
-from roadmend.nodes.message_class import message_class
+from roadmend.nodes.discovery import look_up
 from roadmend.nodes.offers import profile_of
-from roadmend.recording.definitions import find
 from roadmend.recording.reader import BagReader, Record
 from roadmend.recording.replay import CLOCK_TOPIC, check_definition, offer_of
 
@@ -37,7 +36,7 @@ class Players:
             topic = reader.topics[name]
             try:
                 check_definition(reader, name)
-                kind = message_class(name, find(topic.type_name).type_name)
+                _, kind = look_up(name, [topic.type_name])
             except InputError as error:
                 self.skipped[name] = str(error)
                 node.get_logger().warning(f"not played: {error}")

@@ -16,12 +16,11 @@ from std_srvs.srv import Trigger
 from roadmend.core.errors import InputError
 from roadmend.nodes import qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
+from roadmend.nodes.discovery import look_up
 from roadmend.nodes.marker_ticks import stamp_of_bytes
-from roadmend.nodes.message_class import message_class
 from roadmend.nodes.parameters import declare
 from roadmend.nodes.players import Players
 from roadmend.nodes.spinning import run_node
-from roadmend.recording.definitions import find
 from roadmend.recording.reader import BagReader
 from roadmend.recording.replay import (
     CLOCK_TOPIC,
@@ -112,10 +111,9 @@ class ReplayNode(Node):
     def _listen(self, reader: BagReader) -> None:
         for name in self._answers:
             topic = reader.topics[name]
-            definition = find(topic.type_name)
+            definition, kind = look_up(name, [topic.type_name])
             if definition.first_field != _HEADER:
                 raise InputError(f"answers {name}", f"{topic.type_name} has no header to tell its tick", "name another")
-            kind = message_class(name, definition.type_name)
             self.create_subscription(kind, name.lstrip("/"), partial(self._on_answer, name), qos.STREAM, raw=True)
 
     # -- time ---------------------------------------------------------------------------------------------------------
