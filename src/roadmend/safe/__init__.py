@@ -1,0 +1,1 @@
+"""From a crash report to scenarios that test the policy (SAFE)."""
