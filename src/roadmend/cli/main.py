@@ -17,6 +17,7 @@ _COMMANDS: Table = {
     "bench": ("roadmend.cli.bench", "bench", "Measure, in ratios."),
     "search": ("roadmend.cli.search", "search", "Find scenarios in which a policy collides by its own fault."),
     "corpus": ("roadmend.cli.corpus", "corpus", "Gather, verify and show what policies are trained and measured on."),
+    "safe": ("roadmend.cli.safe", "safe", "Turn crash reports into scenarios, and test a policy with them."),
     "train": ("roadmend.cli.train", "train", "Train a driving policy, a repair model or a rival's model."),
     "bag": ("roadmend.cli.bag", "bag", "Look into recordings."),
     "replay": ("roadmend.cli.replay", "replay", "Play a bag: publish what it holds, as it was recorded."),

@@ -1,0 +1,118 @@
+"""Who hit whom, and with which sides."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from roadmend.safe.dsl import Side
+from roadmend.safe.reading.clauses import Clause
+
+_SIDES = (
+    (Side.LEFT, r"left|driver'?s?[- ]side"),
+    (Side.RIGHT, r"right|passenger'?s?[- ]side"),
+    (Side.FRONT, r"front(?:al)?|head-?on|nose"),
+    (Side.REAR, r"rear|back|tail|trailer"),
+)
+_CORNER = re.compile(r"\b(?:left|right)[- ](front|rear)(?:al)?\b(?! (?:door|quarter|fender))|\b(front|rear)[- ](?:left|right)\b")
+_HIT = re.compile(
+    r"\b(?:(?P<into>struck|hit|impacted|contacted|collided with|made contact with|ran into|crashed into|rear-ended|sideswiped|"
+    r"t-boned|broadsided|rammed|slammed into|clipped|strikes|hits|impacts|contacts|collides with|rear-ends)|"
+    r"(?P<to>(?<=to )(?:strike|hit|impact|contact|collide with|rear-end)|striking|hitting|impacting|contacting|colliding with|"
+    r"rear-ending|sideswiping|crashing into))\b"
+)
+_PASSIVE = re.compile(r"\b(?:was|were|being|got|is|been)\s+(?:\w+ly\s+|then\s+|also\s+|subsequently\s+)?$")
+_REFERENCE = re.compile(r"\bv(\d)\b")
+_WITH = re.compile(r"\bwith (?:the |its |his |her )?(.{0,60})")
+_TOGETHER = re.compile(r"\bv(\d) and v(\d)\b[^;.]{0,30}\b(?:collided|impacted|struck each|hit each|made contact)\b(?P<how>[^.;]{0,60})")
+_TOLD = re.compile(r"\b(?:stated|said|reported) (?:that )?(?:he|she)")
+_FRONT_OF_NECESSITY = re.compile(r"rear-end|t-boned|broadsided")
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """Two vehicles touch.
+
+    Attributes:
+        striking: number of the one that runs into the other.
+        struck: the other one's.
+        striking_side: None where it is not said.
+        struck_side: None where it is not said.
+        sentence: that says so, as the report puts it.
+    """
+
+    striking: int
+    struck: int
+    striking_side: Side | None
+    struck_side: Side | None
+    sentence: str
+
+    @property
+    def sides(self) -> str:
+        """For instance "front-rear"."""
+        return f"{self.striking_side or ''}-{self.struck_side or ''}".lower()
+
+
+def read_contacts(clauses: Sequence[Clause], numbers: Sequence[int]) -> tuple[Contact, ...]:
+    """The contacts between vehicles in the order of the report, each pair of vehicles once."""
+    contacts: dict[frozenset[int], Contact] = {}
+    for clause in clauses:
+        if _TOLD.search(clause.text):
+            continue
+        for contact in (*_hits(clause), *_together(clause)):
+            pair = frozenset((contact.striking, contact.struck))
+            if len(pair) == 2 and pair <= set(numbers):
+                known = contacts.get(pair)
+                if known is None or (known.struck_side is None and contact.struck_side is not None):
+                    contacts[pair] = contact
+    return tuple(contacts.values())
+
+
+def _hits(clause: Clause) -> list[Contact]:
+    contacts = []
+    for verb in _HIT.finditer(clause.text):
+        before, after = clause.text[: verb.start()], clause.text[verb.end() :]
+        after = _HIT.split(after)[0]
+        earlier, later = list(_REFERENCE.finditer(before)), list(_REFERENCE.finditer(after))
+        one = int(earlier[-1][1]) if earlier else clause.subjects[0] if len(clause.subjects) == 1 else None
+        # The side is named in the last phrase before the verb: "the front of v2".
+        near = re.split(r",|\band the\b|\bwhen\b|\bv\d (?=and)", before)[-1] if earlier else before[-60:]
+        if _PASSIVE.search(before):
+            by = after.find("by ")
+            by_whom = [match for match in later if match.start() > by >= 0]
+            if one is None or not by_whom:
+                continue
+            striking = int(by_whom[0][1])
+            on = _side(after[:by]) or _side(near)
+            contacts.append(Contact(striking, one, _side(after[by:]), on, clause.sentence))
+        elif later:
+            struck = int(later[0][1])
+            with_what = _WITH.search(after)
+            if verb["to"] and with_what and (named := _REFERENCE.search(with_what[1])):
+                one = int(named[1])
+            elif verb["to"] and not re.search(r"of v\d to $", before) and clause.subjects:
+                one = clause.subjects[0]
+            if one is None:
+                continue
+            where = after[: with_what.start()] if with_what else after
+            struck_side = _side(where) or (Side.REAR if verb[0].startswith("rear-end") else None)
+            striking_side = _side(with_what[1]) if with_what else None
+            if striking_side is None and (_FRONT_OF_NECESSITY.search(verb[0])):
+                striking_side = Side.FRONT
+            contacts.append(Contact(one, struck, striking_side or _side(near), struck_side, clause.sentence))
+    return contacts
+
+
+def _together(clause: Clause) -> list[Contact]:
+    match = _TOGETHER.search(clause.text)
+    if match is None:
+        return []
+    side = Side.FRONT if "head" in match["how"] or "front" in match["how"] else None
+    return [Contact(int(match[1]), int(match[2]), side, side, clause.sentence)]
+
+
+def _side(text: str) -> Side | None:
+    corner = _CORNER.search(text)
+    if corner:
+        return Side((corner[1] or corner[2]).title())
+    places = [(match.start(), side) for side, words in _SIDES if (match := re.search(rf"\b(?:{words})\b", text))]
+    return min(places)[1] if places else None

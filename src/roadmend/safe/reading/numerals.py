@@ -1,0 +1,30 @@
+"""Numbers that are written as words."""
+
+import re
+
+_ONES = (
+    "zero one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen sixteen seventeen "
+    "eighteen nineteen"
+).split()
+_TENS = "twenty thirty forty fifty sixty seventy eighty ninety".split()
+_VALUES = {word: value for value, word in enumerate(_ONES)} | {word: 10 * (i + 2) for i, word in enumerate(_TENS)}
+
+ORDINALS = {
+    word: value
+    for value, words in enumerate(("first 1st", "second 2nd", "third 3rd", "fourth 4th", "fifth 5th", "sixth 6th"), 1)
+    for word in words.split()
+}
+
+_TEN = "|".join(_TENS)
+_ONE = "|".join(sorted(_ONES, key=len, reverse=True))
+_NUMERAL = re.compile(rf"\b(?:(?:({_TEN})(?:[ -]({'|'.join(_ONES[1:10])}))?)|({_ONE}))\b")
+
+
+def numerals_to_digits(text: str) -> str:
+    """A text in lower case with 'two' as 2 and 'thirty-five' as 35."""
+    return _NUMERAL.sub(_digits, text)
+
+
+def _digits(match: re.Match[str]) -> str:
+    ten, one, alone = match.groups()
+    return str(_VALUES[alone]) if alone else str(_VALUES[ten] + _VALUES.get(one, 0))
