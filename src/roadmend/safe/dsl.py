@@ -115,20 +115,17 @@ class RoadNetwork:
         road_type: its shape.
         lanes: of the road in all, both directions together; at a junction those of the larger road.
         stem: where the stem of a T-intersection lies; None for every other road type.
-        extras: further fields.
     """
 
     road_type: RoadType | None
     lanes: int | None
     stem: Compass | None = None
-    extras: Extras = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
         if self.lanes is not None and not 1 <= self.lanes <= MAX_LANES:
             raise ValueError(f"num_lanes is {self.lanes}, not from 1 to {MAX_LANES}")
         if self.stem is not None and self.road_type is not RoadType.T_INTERSECTION:
             raise ValueError(f"stem_direction is {self.stem}, but only a T-intersection has a stem")
-        _check_extras(self.extras)
 
 
 @dataclass(frozen=True, slots=True)

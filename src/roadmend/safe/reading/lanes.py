@@ -14,7 +14,7 @@ _TOTAL = re.compile(
     rf"(?<![\w-])(?:([2-9]|1\d)[- ]lane(?:d)?\b(?! {_COMPASS}bound| (?:for|of) {_COMPASS}| in (?:each|either))|(1)[- ]lane(?:d)? (?:[\w-]+ ){{0,2}}{_ROAD})"
 )
 _HAS = re.compile(
-    rf"\b{_ROAD}s?\b[^.;]{{0,40}}?\b(?:has|had|having|with|of|comprising|featur\w+|contain\w+|carr\w+|(?:is|was) (?:made up|composed)(?: of)?|\() ?(?:a total of )?{_N} {_KIND}lanes\b"
+    rf"\b{_ROAD}s?\b[^.;]{{0,40}}?(?:\b(?:has|had|having|with|of|comprising|featur\w+|contain\w+|carr\w+|(?:is|was) (?:made up|composed)(?: of)?)|\() ?(?:a total of )?{_N} {_KIND}lanes\b"
     rf"(?! (?:in (?:each|either)|each|per|{_COMPASS}))"
 )
 _EACH = re.compile(

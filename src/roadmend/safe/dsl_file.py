@@ -1,0 +1,129 @@
+"""Scenarios on disk: JSON, YAML or the text form, told apart by the ending of the name."""
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from roadmend.core.errors import InputError
+from roadmend.safe.dsl import CrashScenario
+from roadmend.safe.dsl_data import dump_data, parse_data
+from roadmend.safe.dsl_text import dump_text, parse_text
+
+_YAML_ENDINGS = {".yaml", ".yml"}
+
+
+def load_crash_scenario(path: Path) -> CrashScenario:
+    """Read a scenario.
+
+    Raises:
+        InputError: the file cannot be read or a field of it is unusable; names line and field.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(str(path), f"cannot be read ({error})", "give a readable UTF-8 text file") from None
+    return parse_crash_scenario(text, path.suffix, str(path))
+
+
+def parse_crash_scenario(text: str, ending: str, where: str) -> CrashScenario:
+    """Read a scenario from a text.
+
+    Args:
+        text: the content.
+        ending: ".json", ".yaml", ".yml"; everything else is the text form.
+        where: what to call the source in an error.
+
+    Raises:
+        InputError: names line and field at fault.
+    """
+    if ending == ".json":
+        return _parse_json(text, where)
+    if ending in _YAML_ENDINGS:
+        return parse_data(*_read_yaml(text, where))
+    return parse_text(text, where)
+
+
+def dump_crash_scenario(scenario: CrashScenario, ending: str) -> str:
+    """The scenario as text, in the form that an ending stands for."""
+    if ending == ".json":
+        return json.dumps(dump_data(scenario), indent=1) + "\n"
+    if ending in _YAML_ENDINGS:
+        return yaml.safe_dump(dump_data(scenario), sort_keys=False, allow_unicode=True, width=120)
+    return dump_text(scenario)
+
+
+def save_crash_scenario(scenario: CrashScenario, path: Path) -> None:
+    """Write a scenario, complete or not at all.
+
+    Raises:
+        InputError: the place cannot be written.
+    """
+    write_whole(path, dump_crash_scenario(scenario, path.suffix))
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a text file, complete or not at all.
+
+    Raises:
+        InputError: the place cannot be written.
+    """
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        beside.write_text(text, encoding="utf-8")
+        beside.replace(path)
+    except OSError as error:
+        raise InputError(str(path), f"cannot be written ({error.strerror})", "choose a writable folder") from None
+
+
+def _parse_json(text: str, where: str) -> CrashScenario:
+    def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        names = [name for name, _ in pairs]
+        for name in names:
+            if names.count(name) > 1:
+                raise InputError(where, f"field {name} is there twice", "keep one of them")
+        return dict(pairs)
+
+    try:
+        content = json.loads(text, object_pairs_hook=unique)
+    except json.JSONDecodeError as error:
+        raise InputError(f"{where}, line {error.lineno}", f"broken JSON: {error.msg}", "mend the line") from None
+    try:
+        _, _, lines = _read_yaml(text, where)  # JSON is YAML, and YAML says where things stand
+    except InputError:
+        lines = {}
+    return parse_data(content, where, lines)
+
+
+def _read_yaml(text: str, where: str) -> tuple[Any, str, dict[str, int]]:
+    lines: dict[str, int] = {}
+    try:
+        node = yaml.compose(text, Loader=yaml.SafeLoader)
+        content = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        place = f"{where}, line {mark.line + 1}" if mark is not None else where
+        problem = getattr(error, "problem", None) or "cannot be parsed"
+        raise InputError(place, f"broken YAML: {problem}", "mend the line") from None
+    if node is not None:
+        _note_lines(node, "", lines, where)
+    return content, where, lines
+
+
+def _note_lines(node: yaml.Node, path: str, lines: dict[str, int], where: str) -> None:
+    lines.setdefault(path, node.start_mark.line + 1)
+    if isinstance(node, yaml.MappingNode):
+        seen: set[str] = set()
+        for key, value in node.value:
+            name = f"{path}.{key.value}" if path else str(key.value)
+            if name in seen:
+                raise InputError(f"{where}, line {key.start_mark.line + 1}", f"field {name} is there twice", "keep one")
+            seen.add(name)
+            lines[name] = key.start_mark.line + 1
+            _note_lines(value, name, lines, where)
+    elif isinstance(node, yaml.SequenceNode):
+        for index, value in enumerate(node.value):
+            _note_lines(value, f"{path}[{index}]", lines, where)
