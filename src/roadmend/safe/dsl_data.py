@@ -102,14 +102,22 @@ class _Parser:
         return InputError(place, f"{f'field {field}: ' if field else ''}{problem}", mend)
 
     def mapping(
-        self, content: object, field: str, needed: Sequence[str], optional: Sequence[str] = (), *, extensible: bool = True
+        self,
+        content: object,
+        field: str,
+        needed: Sequence[str],
+        optional: Sequence[str] = (),
+        *,
+        extensible: bool = True,
     ) -> tuple[Mapping[str, Any], dict[str, Any]]:
         if not isinstance(content, Mapping):
             raise self.fail(field, f"is {_shown(content)}, not fields with values")
         for name in content:
             if name not in needed and name not in optional and not (extensible and str(name).startswith(EXTRA_PREFIX)):
                 known = ", ".join([*needed, *optional])
-                raise self.fail(_join(field, str(name)), f"is none of {known}", f"start fields of your own with {EXTRA_PREFIX}")
+                raise self.fail(
+                    _join(field, str(name)), f"is none of {known}", f"start fields of your own with {EXTRA_PREFIX}"
+                )
         for name in needed:
             if name not in content:
                 raise self.fail(_join(field, name), "is missing", "write null where the report does not say")
@@ -128,7 +136,9 @@ class _Parser:
 
     def number(self, content: Mapping[str, Any], parent: str, name: str) -> float | None:
         value = content.get(name)
-        if value is not None and (not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value)):
+        if value is not None and (
+            not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value)
+        ):
             raise self.fail(_join(parent, name), f"{_shown(value)} is no number", "give a number, or null")
         return value
 
@@ -148,7 +158,9 @@ class _Parser:
             self.vehicle(vehicle, f"vehicles[{index}]") for index, vehicle in enumerate(self.items(fields, "vehicles"))
         )
         env, env_extras = self.mapping(fields["env"], "env", ("time", "weather"))
-        environment = Environment(self.word(env, "env", "time", Time), self.word(env, "env", "weather", Weather), env_extras)
+        environment = Environment(
+            self.word(env, "env", "time", Time), self.word(env, "env", "weather", Weather), env_extras
+        )
         collisions = tuple(
             self.collision(collision, f"collisions[{index}]")
             for index, collision in enumerate(self.items(fields, "collisions") if "collisions" in fields else ())
@@ -187,7 +199,10 @@ class _Parser:
         points = []
         for index, point in enumerate(content):
             pair = list(point) if isinstance(point, Sequence) and not isinstance(point, str) else []
-            if len(pair) != 2 or not all(isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value) for value in pair):
+            if len(pair) != 2 or not all(
+                isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+                for value in pair
+            ):
                 raise self.fail(f"{field}[{index}]", f"{_shown(point)} is no point", "give [x, y] in metres")
             points.append((float(pair[0]), float(pair[1])))
         return tuple(points)

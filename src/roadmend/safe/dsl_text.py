@@ -15,7 +15,12 @@ _VEHICLE = {"Model": "model", "Initial_position": "initial_position", "Actions":
             "Manoeuvre": "manoeuvre"}  # fmt: skip
 _ROAD = {"Road type": "road_type", "No. lanes": "num_lanes", "Stem direction": "stem_direction"}
 _ENV = {"Time": "time", "Weather": "weather"}
-_COLLISION = {"Striking": "striking", "Struck": "struck", "Striking_side": "striking_side", "Struck_side": "struck_side"}
+_COLLISION = {
+    "Striking": "striking",
+    "Struck": "struck",
+    "Striking_side": "striking_side",
+    "Struck_side": "struck_side",
+}
 _NUMBERS = {"num_lanes", "speed_limit_mph", "striking", "struck"}
 
 
@@ -41,7 +46,9 @@ def dump_text(scenario: CrashScenario) -> str:
 
 def _dump_fields(content: dict[str, Any], names: dict[str, str], indent: int) -> list[str]:
     lines = [f"{' ' * indent}<{name}>: {_shown(content[key])}" for name, key in names.items() if key in content]
-    extras = [f"{' ' * indent}<{key}>: {json.dumps(value)}" for key, value in content.items() if key not in names.values()]
+    extras = [
+        f"{' ' * indent}<{key}>: {json.dumps(value)}" for key, value in content.items() if key not in names.values()
+    ]
     return lines + extras
 
 
@@ -85,14 +92,18 @@ def _outline(text: str, where: str) -> _Entry:
             continue
         match = _LINE.match(line)
         if match is None:
-            raise InputError(f"{where}, line {number}", f"{line.strip()[:60]!r} is no '<Field>: value'", "mend the line")
+            raise InputError(
+                f"{where}, line {number}", f"{line.strip()[:60]!r} is no '<Field>: value'", "mend the line"
+            )
         entry = _Entry(match["name"], match["value"], number, len(match["indent"]))
         while stack[-1].indent >= entry.indent:
             stack.pop()
         stack[-1].parts.append(entry)
         stack.append(entry)
     if [entry.name for entry in top.parts] != ["Scenario"]:
-        raise InputError(where, "does not consist of one <Scenario>", "start with '<Scenario>:' and indent the rest below")
+        raise InputError(
+            where, "does not consist of one <Scenario>", "start with '<Scenario>:' and indent the rest below"
+        )
     return top.parts[0]
 
 
@@ -126,7 +137,9 @@ class _Reader:
                     content[name] = self.json(entry)
                 case _:
                     raise self.fail(entry, "is none of Road network, Actors, Env, Collisions")
-            self.lines.setdefault({"Actors": "vehicles", "Env": "env", "Collisions": "collisions"}.get(entry.name, ""), entry.line)
+            self.lines.setdefault(
+                {"Actors": "vehicles", "Env": "env", "Collisions": "collisions"}.get(entry.name, ""), entry.line
+            )
         return content
 
     def numbered(self, parent: _Entry, kind: str, names: dict[str, str], path: str) -> list[dict[str, Any]]:

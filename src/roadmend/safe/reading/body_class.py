@@ -44,7 +44,8 @@ _NO_CLASS = re.compile(
 _TRAILED = re.compile(r"\b(pulling|towing|hauling|with an? (?:\w+ )?trailer)\b")
 _HEAVY_LOAD = re.compile(r"\b(?:semi-?\s?trailer|trailers?)\b")
 _COMPILED = tuple(
-    (model, confidence, re.compile(rf"(?<![\w-])(?:{pattern})(?!\w|-(?!size|trailer))")) for model, confidence, pattern in _BODY_WORDS
+    (model, confidence, re.compile(rf"(?<![\w-])(?:{pattern})(?!\w|-(?!size|trailer))"))
+    for model, confidence, pattern in _BODY_WORDS
 )
 _BARE_TRUCK = re.compile(r"\btruck\b")
 

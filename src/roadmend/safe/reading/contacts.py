@@ -13,7 +13,9 @@ _SIDES = (
     (Side.FRONT, r"front(?:al)?|head-?on|nose"),
     (Side.REAR, r"rear|back|tail|trailer"),
 )
-_CORNER = re.compile(r"\b(?:left|right)[- ](front|rear)(?:al)?\b(?! (?:door|quarter|fender))|\b(front|rear)[- ](?:left|right)\b")
+_CORNER = re.compile(
+    r"\b(?:left|right)[- ](front|rear)(?:al)?\b(?! (?:door|quarter|fender))|\b(front|rear)[- ](?:left|right)\b"
+)
 _HIT = re.compile(
     r"\b(?:(?P<into>struck|hit|impacted|contacted|collided with|made contact with|ran into|crashed into|rear-ended|sideswiped|"
     r"t-boned|broadsided|rammed|slammed into|clipped|strikes|hits|impacts|contacts|collides with|rear-ends)|"
@@ -23,7 +25,9 @@ _HIT = re.compile(
 _PASSIVE = re.compile(r"\b(?:was|were|being|got|is|been)\s+(?:\w+ly\s+|then\s+|also\s+|subsequently\s+)?$")
 _REFERENCE = re.compile(r"\bv(\d)\b")
 _WITH = re.compile(r"\bwith (?:the |its |his |her )?(.{0,60})")
-_TOGETHER = re.compile(r"\bv(\d) and v(\d)\b[^;.]{0,30}\b(?:collided|impacted|struck each|hit each|made contact)\b(?P<how>[^.;]{0,60})")
+_TOGETHER = re.compile(
+    r"\bv(\d) and v(\d)\b[^;.]{0,30}\b(?:collided|impacted|struck each|hit each|made contact)\b(?P<how>[^.;]{0,60})"
+)
 _TOLD = re.compile(r"\b(?:stated|said|reported) (?:that )?(?:he|she)")
 _FRONT_OF_NECESSITY = re.compile(r"rear-end|t-boned|broadsided")
 

@@ -30,7 +30,7 @@ _MISLEADING = tuple(
         r"(?:north|south|east|west)bound (?:\w+ ){0,3}?(?:lanes?|traffic|roadway|shoulder)\b",
         r"\b(?:opposing|oncoming|opposite|adjacent|several|other|all)\s+(?:north|south|east|west)bound\b",
         rf"\b(?:in|on|at) the {_COMPASS}bound (?:shoulder|roadside|ditch|on-ramp|curb)",
-        rf"\b(?:pushed|pushing|redirected|spun|rolled|knocked|thrown|rotat\w+|deflected)\b[^,;]*",
+        r"\b(?:pushed|pushing|redirected|spun|rolled|knocked|thrown|rotat\w+|deflected)\b[^,;]*",
         r"\b(?:came|coming|come|comes) to (?:a |its )?(?:final |complete )*(?:rest|stop)\b.*?(?=, (?:and|when|where)|$)",
         r"\b(?:final )?rest(?:ing|ed)?\b.*",
     )
@@ -44,15 +44,21 @@ _FROM = re.compile(
     rf"\b(?:from|out of) the {_COMPASS}\b(?! (?:side|leg|lane|bound|to\b))|\bfrom (?:the )?{_COMPASS}(?:bound)? to(?:ward)?s? (?:the )?{_COMPASS}"
     rf"|\b{_COMPASS}(?:bound)? to {_COMPASS}(?:bound)?\b"
 )
-_TOKEN = re.compile(rf"(?<![\w/-]){_COMPASS}(?:bound|erly)?\b(?![/-]| (?:and|or) (?:north|south|east|west)|(?:east|west))")
-_HEADING_AFTER = re.compile(rf"\b(?:to|and|onto|then)?\s*(?:travel|head|go|proceed|continue|drive|traveling|heading|going|proceeding|continuing)?\w*\s*(?:onto (?:the )?|to (?:the )?|on (?:the )?)?\(?{_COMPASS}(?:bound)?\b")
+_TOKEN = re.compile(
+    rf"(?<![\w/-]){_COMPASS}(?:bound|erly)?\b(?![/-]| (?:and|or) (?:north|south|east|west)|(?:east|west))"
+)
+_HEADING_AFTER = re.compile(
+    rf"\b(?:to|and|onto|then)?\s*(?:travel|head|go|proceed|continue|drive|traveling|heading|going|proceeding|continuing)?\w*\s*(?:onto (?:the )?|to (?:the )?|on (?:the )?)?\(?{_COMPASS}(?:bound)?\b"
+)
 
 _SAME = re.compile(
     r"\b(?:also|in the same direction|same (?:travel )?(?:lane|direction|travel|way)|behind|following|ahead of|in front of|trailing|passing|overtak\w+|rear-ended)\b"
 )
 _NEAR = r"\b(?:ahead of|behind|following|in front of|pass|passing|overtak\w+|trailing) (?:[^.;,]{0,60}\()?(?:\w+ )?"
 _NOT_OWN = re.compile(r"\b(?:(?:came|coming|come) to (?:a )?(?:final )?rest|rotat\w+|rebounded|spun)\b")
-_OPPOSING = re.compile(r"\b(?:in the )?(?:opposite|opposing|oncoming)(?: travel)?(?: direction|\b)|\bfrom the opposite\b|\b(?:the )?other (?:way|direction)\b|\bhead-?on\b")
+_OPPOSING = re.compile(
+    r"\b(?:in the )?(?:opposite|opposing|oncoming)(?: travel)?(?: direction|\b)|\bfrom the opposite\b|\b(?:the )?other (?:way|direction)\b|\bhead-?on\b"
+)
 _REFERENCE = re.compile(r"\bv(\d)\b")
 
 Headings = Mapping[int, Finding[Position]]
@@ -92,7 +98,10 @@ def heading_of_the_place(clauses: Sequence[Clause]) -> Finding[Position]:
 
 
 def relate_headings(
-    headings: Headings, clauses: Sequence[Clause], turns: Mapping[int, Side | None], contacts: Sequence[tuple[int, int, str]]
+    headings: Headings,
+    clauses: Sequence[Clause],
+    turns: Mapping[int, Side | None],
+    contacts: Sequence[tuple[int, int, str]],
 ) -> dict[int, Finding[Position]]:
     """Fill what is open from how the vehicles stand to each other, from turns, and from what hit what.
 
@@ -118,12 +127,16 @@ def relate_headings(
                 if sides == "front-rear" and turns.get(one) is None and turns.get(other) is None:
                     found[other] = Finding(known.value, 0.7, known.sentence, f"hit from behind, so it headed as v{one}")
                 elif sides == "front-front" and not turns.get(one) and not turns.get(other):
-                    found[other] = Finding(_OPPOSITE[known.value], 0.6, known.sentence, f"head-on, so it came towards v{one}")
+                    found[other] = Finding(
+                        _OPPOSITE[known.value], 0.6, known.sentence, f"head-on, so it came towards v{one}"
+                    )
     return found
 
 
 def _is_aftermath(text: str) -> bool:
-    return bool(re.match(r"(?:after|following) (?:the |this )?(?:initial |first )?(?:impact|collision|contact|crash)", text))
+    return bool(
+        re.match(r"(?:after|following) (?:the |this )?(?:initial |first )?(?:impact|collision|contact|crash)", text)
+    )
 
 
 def _masked(text: str) -> str:
@@ -156,7 +169,9 @@ def _lane(text: str) -> Position | None:
 
 
 def _intended(text: str) -> Position | None:
-    if re.search(r"\b(?:turn\w*|u-turn|struck|impact\w*|hit)\b", text) or not re.search(r"\b(?:continu\w+|straight|inten\w+|attempt\w*)\b", text):
+    if re.search(r"\b(?:turn\w*|u-turn|struck|impact\w*|hit)\b", text) or not re.search(
+        r"\b(?:continu\w+|straight|inten\w+|attempt\w*)\b", text
+    ):
         return None
     match = _TOKEN.search(_masked(text))
     return _OF[match[1]] if match else None
@@ -181,7 +196,11 @@ def _relative(
             known = found.get(other)
             if known is None or known.value is None:
                 continue
-            if _OPPOSING.search(clause.text) and re.search(r"direction|oncoming v|opposite|opposing|other way", clause.text) and re.search(r"travel|approach|from|head|com", clause.text):
+            if (
+                _OPPOSING.search(clause.text)
+                and re.search(r"direction|oncoming v|opposite|opposing|other way", clause.text)
+                and re.search(r"travel|approach|from|head|com", clause.text)
+            ):
                 return Finding(_OPPOSITE[known.value], 0.75, clause.sentence, f"opposite to v{other}")
             if _SAME.search(clause.text) and re.search(rf"{_NEAR}v{other}\b|same|also", clause.text):
                 return Finding(known.value, 0.75, clause.sentence, f"as v{other}")

@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-Value = TypeVar("Value", covariant=True)
+Value_co = TypeVar("Value_co", covariant=True)
 
 
 @dataclass(frozen=True, slots=True)
-class Finding(Generic[Value]):
+class Finding(Generic[Value_co]):
     """A value, or why there is none.
 
     Attributes:
@@ -17,12 +17,12 @@ class Finding(Generic[Value]):
         reason: by which rule it was read, or why there is no value.
     """
 
-    value: Value | None
+    value: Value_co | None
     confidence: float
     sentence: str | None
     reason: str
 
 
-def nothing(reason: str) -> Finding[Value]:
+def nothing(reason: str) -> Finding[Value_co]:
     """No value, and why."""
     return Finding(None, 1.0, None, reason)

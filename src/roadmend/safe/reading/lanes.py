@@ -22,17 +22,31 @@ _EACH = re.compile(
     rf"|(?<![\w-]){_N}[- ]lanes? (?:in )?each (?:way|direction)"
 )
 _DIRECTED = (
-    re.compile(rf"(?<![\w-]){_N} (?:[\w-]+,? ){{0,2}}?({_COMPASS})bound\b(?! (?:vehicle|car|driver|approach))(?: {_KIND}|[- ](?:[\w-]+ ){{0,3}})lanes?"),
-    re.compile(rf"(?<![\w-]){_N} {_KIND}(?:through-)?lanes? (?:for |traveling |heading |running |in the |going |that (?:travel|run) |of )?({_COMPASS})(?:bound|erly|ern)?\b(?! (?:and|/))"),
-    re.compile(rf"(?<!\d )\b({_COMPASS})bound (?:side |approach |roadway |road |direction |lanes |portion |direction of travel |travel lanes |traffic |lane |leg )*(?:[\w' -]{{0,24}})?\b(?:consist\w*|is composed|was composed|had|has|have|contain\w*|provid\w*|of|with|featur\w*|compris\w*|includ\w*|are composed|were composed) (?:of )?(?:only )?{_N} (?:\w+ )?{_KIND}lanes?"),
+    re.compile(
+        rf"(?<![\w-]){_N} (?:[\w-]+,? ){{0,2}}?({_COMPASS})bound\b(?! (?:vehicle|car|driver|approach))(?: {_KIND}|[- ](?:[\w-]+ ){{0,3}})lanes?"
+    ),
+    re.compile(
+        rf"(?<![\w-]){_N} {_KIND}(?:through-)?lanes? (?:for |traveling |heading |running |in the |going |that (?:travel|run) |of )?({_COMPASS})(?:bound|erly|ern)?\b(?! (?:and|/))"
+    ),
+    re.compile(
+        rf"(?<!\d )\b({_COMPASS})bound (?:side |approach |roadway |road |direction |lanes |portion |direction of travel |travel lanes |traffic |lane |leg )*(?:[\w' -]{{0,24}})?\b(?:consist\w*|is composed|was composed|had|has|have|contain\w*|provid\w*|of|with|featur\w*|compris\w*|includ\w*|are composed|were composed) (?:of )?(?:only )?{_N} (?:\w+ )?{_KIND}lanes?"
+    ),
 )
 _PAIR = re.compile(rf"(?<![\w-]){_N} {_KIND}lanes? (?:for )?(?:the )?{_COMPASS}(?:bound)? and {_COMPASS}(?:bound)?\b")
-_TURN_LANE = re.compile(rf"(?:(?<![\w-]){_N}|\ban?|\bthe) (?:[\w-]+ )?(?:center |dedicated |continuous |2-way |two-way |shared |exclusive )*(?:left[- ]turn|turn(?:ing)?|right[- ]turn)(?:[- ]only)?(?:ing)? lanes?")
-_CENTER_TURN_LANE = re.compile(r"\b(?:2-way|two-way|center|middle|continuous|shared|dedicated) (?:\w+[- ])?(?:left[- ])?turn(?:ing)? lane")
-_MIDDLE_OF = re.compile(rf"\b(?:\w+|\d) (?:travel |through )?lane of {_N}\b|\b(?:left|right|middle|center|inside|outside|far left|far right) (?:\w+ )?of {_N} (?:\w+ )?lanes?|\b(?:left|right|middle|center) (?:travel )?lane of (?:a )?{_N}")
+_TURN_LANE = re.compile(
+    rf"(?:(?<![\w-]){_N}|\ban?|\bthe) (?:[\w-]+ )?(?:center |dedicated |continuous |2-way |two-way |shared |exclusive )*(?:left[- ]turn|turn(?:ing)?|right[- ]turn)(?:[- ]only)?(?:ing)? lanes?"
+)
+_CENTER_TURN_LANE = re.compile(
+    r"\b(?:2-way|two-way|center|middle|continuous|shared|dedicated) (?:\w+[- ])?(?:left[- ])?turn(?:ing)? lane"
+)
+_MIDDLE_OF = re.compile(
+    rf"\b(?:\w+|\d) (?:travel |through )?lane of {_N}\b|\b(?:left|right|middle|center|inside|outside|far left|far right) (?:\w+ )?of {_N} (?:\w+ )?lanes?|\b(?:left|right|middle|center) (?:travel )?lane of (?:a )?{_N}"
+)
 _RAMP = re.compile(r"\bramp\b")
 _ONE_WAY = re.compile(r"\b(?:1|one)-?\s?way (?:street|road|roadway|traffic|asphalt|alley)|\bone-way\b|\b1-way\b")
-_TWO_WAY = re.compile(r"\b(?:2|two)-?\s?way\b(?! (?:left|turn|radio|stop))|\bwide enough for 2\b|\bundivided\b|\bcenterline\b|\bopposing lane\b|\boncoming (?:travel )?lane\b|\bdouble yellow\b")
+_TWO_WAY = re.compile(
+    r"\b(?:2|two)-?\s?way\b(?! (?:left|turn|radio|stop))|\bwide enough for 2\b|\bundivided\b|\bcenterline\b|\bopposing lane\b|\boncoming (?:travel )?lane\b|\bdouble yellow\b"
+)
 _LANE_OF = re.compile(rf"\bin the ({_COMPASS})bound (?:travel )?lane\b")
 _OWN_LANES = re.compile(r"\b(?:lane|lanes) (?:number )?\d\b")
 MOST = 16
@@ -55,7 +69,9 @@ def read_lanes(sentences: Sequence[Sentence], *, merging: bool) -> Finding[int]:
 
 
 def _only_of_ramp(plain: str) -> bool:
-    return bool(_RAMP.search(plain)) and not re.search(r"freeway|highway|interstate|expressway|main|turnpike|parkway", plain)
+    return bool(_RAMP.search(plain)) and not re.search(
+        r"freeway|highway|interstate|expressway|main|turnpike|parkway", plain
+    )
 
 
 def _without_ramp(plain: str) -> str:
@@ -91,7 +107,11 @@ def _sums(sentences: Sequence[Sentence]) -> list[Finding[int]]:
     lanes: dict[str, tuple[int, Sentence]] = {}
     extras: dict[str, int] = {}
     for sentence in sentences:
-        plain = re.sub(r"\((?!\d+ (?:lanes )?(?:north|south|east|west)|1 |\d (?:[\w-]+ ){0,2}(?:north|south|east|west))[^)]*\)", " ", sentence.plain)
+        plain = re.sub(
+            r"\((?!\d+ (?:lanes )?(?:north|south|east|west)|1 |\d (?:[\w-]+ ){0,2}(?:north|south|east|west))[^)]*\)",
+            " ",
+            sentence.plain,
+        )
         counts: dict[str, list[tuple[int, int]]] = {}
         for pattern in _DIRECTED:
             for match in pattern.finditer(plain):
@@ -106,13 +126,19 @@ def _sums(sentences: Sequence[Sentence]) -> list[Finding[int]]:
                 lanes[compass] = total, sentence
         for first, second in (("north", "south"), ("east", "west")):
             if first in counts and second in counts:
-                turn = [match for match in _TURN_LANE.finditer(plain) if not re.search(r"(?:north|south|east|west)bound", match[0]) and not _part_of(plain, match)]
+                turn = [
+                    match
+                    for match in _TURN_LANE.finditer(plain)
+                    if not re.search(r"(?:north|south|east|west)bound", match[0]) and not _part_of(plain, match)
+                ]
                 extras[first] = max(extras.get(first, 0), sum(int(match[1] or 1) for match in turn))
     found = []
     for first, second in (("north", "south"), ("east", "west")):
         if first in lanes and second in lanes:
             total = lanes[first][0] + lanes[second][0] + extras.get(first, 0)
-            found.append(Finding(total, 0.9, lanes[first][1].text, f"the {first}- and the {second}bound lanes together"))
+            found.append(
+                Finding(total, 0.9, lanes[first][1].text, f"the {first}- and the {second}bound lanes together")
+            )
         elif first in lanes or second in lanes:
             count, sentence = lanes.get(first) or lanes[second]
             if count > 1:
@@ -125,7 +151,11 @@ def _sums(sentences: Sequence[Sentence]) -> list[Finding[int]]:
 
 def _part_of(plain: str, match: re.Match[str]) -> bool:
     """Whether a turn lane is one of those that were counted before: 'three lanes with the first as a turn lane'."""
-    return bool(re.search(r"\b(?:including|include|with the|composed of|are|as|being|one of)\b[^,;.]{0,40}$", plain[: match.start()])) and not re.search(r"\blanes? with $", plain[: match.start()])
+    return bool(
+        re.search(
+            r"\b(?:including|include|with the|composed of|are|as|being|one of)\b[^,;.]{0,40}$", plain[: match.start()]
+        )
+    ) and not re.search(r"\blanes? with $", plain[: match.start()])
 
 
 def _guess(sentences: Sequence[Sentence]) -> Finding[int]:

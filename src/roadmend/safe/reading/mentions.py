@@ -20,9 +20,13 @@ _DESCRIBED_AFTER = re.compile(
     r"(?:\s*[,.:=-]+\s*(?:(?:was|is)\s+)?(?:also\s+)?(?:an?|the|another)?\s*|\s+(?:was|is)\s+(?:also\s+)?(?:an?|the)\s+|\s*\(\s*(?:an?\s+|the\s+)?|[\s,]+(?:(?:was|is|had been)\s+)?(?:operating|driving|drove|operated|drives|in)\s+(?:an?|the|his|her)\s+)"
     rf"(?P<text>(?:(?!{_VERB}|\bv\d\b)[^.;()]){{2,140}})"
 )
-_DESCRIBED_BEFORE = re.compile(r"\b(?:an?|the|another|\d{4})\s+(?P<text>(?:(?!\bv\d\b)[^;()]){2,100}?),?\s*\(\s*(?:the )?v(?P<number>\d)\b")
+_DESCRIBED_BEFORE = re.compile(
+    r"\b(?:an?|the|another|\d{4})\s+(?P<text>(?:(?!\bv\d\b)[^;()]){2,100}?),?\s*\(\s*(?:the )?v(?P<number>\d)\b"
+)
 _LAST_DETERMINER = re.compile(r".*\b(?:an?|the|another|with|and|of|her|his|their|in|by|driving)\s+(?=\S)")
-_WHO = re.compile(r"\b(?:driver|passenger|occupant|male|female|man|woman|boy|girl|year[- ]old|side|front|rear|lane|road|curve)\b")
+_WHO = re.compile(
+    r"\b(?:driver|passenger|occupant|male|female|man|woman|boy|girl|year[- ]old|side|front|rear|lane|road|curve)\b"
+)
 _NO_CONTACT = re.compile(
     r"\bv(\d)\b(?:\s*\([^)]*non-?contact[^)]*\)|[^.;]{0,40}\b(?:non-?contact vehicle|(?:was|were) not (?:struck|contacted|hit|involved)|"
     r"did not (?:make contact|come (?:in|into) contact|contact|strike|collide)))"
@@ -92,7 +96,9 @@ def find_cast(sentences: Sequence[Sentence]) -> Cast:
 
 
 def _touches(sentences: Sequence[Sentence], number: int) -> bool:
-    contact = re.compile(rf"(?:front|rear|back|side|plane|bumper|corner)s? (?:\w+ )?of v{number}\b|(?:struck|hit|impacted|contacted) (?:the [\w\s-]{{1,30}} of )?v{number}\b")
+    contact = re.compile(
+        rf"(?:front|rear|back|side|plane|bumper|corner)s? (?:\w+ )?of v{number}\b|(?:struck|hit|impacted|contacted) (?:the [\w\s-]{{1,30}} of )?v{number}\b"
+    )
     return any(contact.search(sentence.plain) for sentence in sentences)
 
 
@@ -105,7 +111,9 @@ def _describe(sentences: Sequence[Sentence], numbers: Sequence[int], case: int) 
         opening = re.search(r"\b(?:an?|the)\s+((?:19|20)\d\d\s+(?:(?!\b(?:an?|the)\b)[^.;()]){4,80})", sentence.plain)
         if opening and case in found and found[case].body is None and not REFERENCE.search(sentence.plain):
             names = [described.name for described in found.values() if described.name]
-            if not any((name.make, name.model) == (own.make, own.model) for name in find_names(opening[1])[:1] for own in names):
+            if not any(
+                (name.make, name.model) == (own.make, own.model) for name in find_names(opening[1])[:1] for own in names
+            ):
                 found[case] = _better(found[case], re.split(_VERB, opening[1])[0], sentence.text)
     return found
 
@@ -145,7 +153,10 @@ def _by_number(sentences: Sequence[Sentence], vehicles: Sequence[Described]) -> 
     pattern = re.compile(
         rf"\b(?:the|this) (?:\d{{4}} )?({'|'.join(re.escape(alias) for alias in usable)})(?![\w-])(?!\s*(?:\w+\s*)?,?\s*\(\s*v\d|'s? (?:driver|owner))(?: \(\s*v\d\s*\))?"
     )
-    return tuple(replace(sentence, plain=pattern.sub(lambda match: f"v{aliases[match[1]]}", sentence.plain)) for sentence in sentences)
+    return tuple(
+        replace(sentence, plain=pattern.sub(lambda match: f"v{aliases[match[1]]}", sentence.plain))
+        for sentence in sentences
+    )
 
 
 def _aliases(described: Described) -> set[str]:
@@ -171,7 +182,14 @@ def _number_the_struck(sentences: Sequence[Sentence]) -> tuple[Sentence, ...]:
             mention, kind = match["np"], match["kind"]
             noun = mention.split()[-1]
             return tuple(
-                replace(each, plain=re.sub(rf"\b(?:the|an?) {re.escape(kind)} {noun}\b", f"v{number}", each.plain.replace(mention, f"v{number}, {mention},")))
+                replace(
+                    each,
+                    plain=re.sub(
+                        rf"\b(?:the|an?) {re.escape(kind)} {noun}\b",
+                        f"v{number}",
+                        each.plain.replace(mention, f"v{number}, {mention},"),
+                    ),
+                )
                 if each is sentence
                 else replace(each, plain=re.sub(rf"\bthe {re.escape(kind)} {noun}\b", f"v{number}", each.plain))
                 for each in sentences
@@ -224,7 +242,9 @@ def _mentions(plain: str) -> list[tuple[int, int, tuple[str, ...], bool]]:
             continue
         noun = _noun(match["text"])
         if noun and noun not in {"car", "vehicle", "automobile"}:
-            places.append((match.start(), match.end(), (noun,), match["article"] != "the" or noun not in plain[: match.start()]))
+            places.append(
+                (match.start(), match.end(), (noun,), match["article"] != "the" or noun not in plain[: match.start()])
+            )
     return sorted(places)
 
 

@@ -29,7 +29,9 @@ from roadmend.safe.reading.text import read_sentences
 from roadmend.safe.reading.turns import read_manoeuvres, read_turns
 
 # NMVCCS closes with the investigators' codes, which speak of vehicles in general ("other vehicle stopped").
-_CODES = re.compile(r"\bcritical (?:pre-? ?crash )?(?:event|reason)|\bcritical reason\b|\bwas coded\b|\bassociated factors?\b")
+_CODES = re.compile(
+    r"\bcritical (?:pre-? ?crash )?(?:event|reason)|\bcritical reason\b|\bwas coded\b|\bassociated factors?\b"
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,9 @@ _ON_RAMP = re.compile(
     rf"|\bmerg(?:e|ed|ing) (?:in|on)to\b(?! the (?:left|right|middle|center|inside|outside|adjacent|next))[^.;]{{0,40}}\bfrom\b"
     r"|\b(?:attempt\w*|about|try\w*|inten\w+|beginning|began|in order) to (?:enter|merge onto|merge into|merge with|join) (?:the )?(?:same )?(?:[\w-]+ )?(?:freeway|highway|interstate|expressway|turnpike|traffic|main)"
 )
-_NOT_FROM_RAMP = re.compile(rf"\b(?:to|onto|toward|towards|for|approaching|past|enter(?:ing)?|before|exit(?:ing)? (?:to|onto|at)) (?:the |an? )?(?:[\w-]+ ){{0,4}}?{_RAMP}\b|\bexit[- ]ramp|\boff-ramp|\bramp (?:to|signal|meter)")
+_NOT_FROM_RAMP = re.compile(
+    rf"\b(?:to|onto|toward|towards|for|approaching|past|enter(?:ing)?|before|exit(?:ing)? (?:to|onto|at)) (?:the |an? )?(?:[\w-]+ ){{0,4}}?{_RAMP}\b|\bexit[- ]ramp|\boff-ramp|\bramp (?:to|signal|meter)"
+)
 _T = re.compile(
     r"\b[\"']?t[\"']?[- ]?(?:type )?(?:intersection|junction|shaped|intersecting)|\b3[- ](?:leg(?:ged)?|way|arm(?:ed)?|legs?)(?: [\w-]+){0,3}? (?:intersection|junction)|"
     r"\b(?:intersection|junction) (?:with|of|has|had|having) 3 (?:legs|approaches|arms)|\by[- ](?:intersection|junction)|"
@@ -31,11 +33,21 @@ _ELSEWHERE = re.compile(
 _AT_JUNCTION = re.compile(
     r"\b(?:enter\w*|in|into|at|approach\w*|through|cross\w*|within|of|near|stopped|controlled|reach\w*|middle of)\b[^.;]{0,50}\b(?:intersection|junction|crossroads?|roundabout|intersecting)\b|\bintersection\b[^.;]{0,40}\b(?:was|is|controlled|of)\b"
 )
-_CURVE = re.compile(r"\bcurv(?:e|es|ed|ing|ature|y)\b|\bbend\b|\bbends\b|\bwinding\b|\bbent\b|\bswitchback\b|\bs-curve\b|\bhairpin\b|\bcloverleaf\b|\bveers to the\b|\bturning (?:roadway|road)\b")
-_NO_CURVE = re.compile(r"\b(?:no|not|without|after|past|beyond|following|prior to|before) (?:an? |the |any )?(?:\w+ )?curv\w+|\bcurv\w+ (?:\w+ ){0,5}?(?:prior to|before|ahead of) (?:the )?(?:crash|scene|site|impact|straight)|\bstraight(?:ened)? (?:out )?after|\bcurve warning signs?\b|\bcurv\w+ (?:further|farther|later)\b")
-_NEGOTIATING = re.compile(r"\b(?:negotiat\w*|exit\w*|enter\w*|in|on|through|around|round\w*|driv\w+|travel\w*|maintain\w*|complet\w*|failed)\b[^.;]{0,35}\b(?:curv\w+|bend)\b")
-_AFTERMATH = re.compile(r"\b(?:came|coming|come) to (?:a )?(?:final )?rest|\bfinal rest\b|\bfacing\b[^.;]{0,20}\bat (?:final )?rest|\badjacent (?:intersection|roadway)")
-_ROAD = re.compile(r"\b(?:road|roadway|trafficway|highway|street|freeway|interstate|lane|lanes|avenue|boulevard|thoroughfare|expressway|parkway|turnpike)\b")
+_CURVE = re.compile(
+    r"\bcurv(?:e|es|ed|ing|ature|y)\b|\bbend\b|\bbends\b|\bwinding\b|\bbent\b|\bswitchback\b|\bs-curve\b|\bhairpin\b|\bcloverleaf\b|\bveers to the\b|\bturning (?:roadway|road)\b"
+)
+_NO_CURVE = re.compile(
+    r"\b(?:no|not|without|after|past|beyond|following|prior to|before) (?:an? |the |any )?(?:\w+ )?curv\w+|\bcurv\w+ (?:\w+ ){0,5}?(?:prior to|before|ahead of) (?:the )?(?:crash|scene|site|impact|straight)|\bstraight(?:ened)? (?:out )?after|\bcurve warning signs?\b|\bcurv\w+ (?:further|farther|later)\b"
+)
+_NEGOTIATING = re.compile(
+    r"\b(?:negotiat\w*|exit\w*|enter\w*|in|on|through|around|round\w*|driv\w+|travel\w*|maintain\w*|complet\w*|failed)\b[^.;]{0,35}\b(?:curv\w+|bend)\b"
+)
+_AFTERMATH = re.compile(
+    r"\b(?:came|coming|come) to (?:a )?(?:final )?rest|\bfinal rest\b|\bfacing\b[^.;]{0,20}\bat (?:final )?rest|\badjacent (?:intersection|roadway)"
+)
+_ROAD = re.compile(
+    r"\b(?:road|roadway|trafficway|highway|street|freeway|interstate|lane|lanes|avenue|boulevard|thoroughfare|expressway|parkway|turnpike)\b"
+)
 _STRAIGHT = re.compile(r"\bstraight\b(?! (?:through|ahead|across|truck|out|on|line|at)|-)")
 _PEOPLE = re.compile(r"\b(?:airbag|belt|hospital|trauma|injur\w+|spine|rail-mounted|seat)\b")
 
@@ -47,8 +59,18 @@ _STEM_CONTROL = re.compile(
     r"\bstop sign\w*\b[^.;]{0,40}\b(north|south|east|west)bound\b|\b(north|south|east|west)bound\b[^.;]{0,60}\b(?:controlled by|had|has|with|facing|regulated by) (?:an? )?(?:\w+ )?(?:stop|yield)"
 )
 _COMPASS_OF = {"north": Compass.NORTH, "south": Compass.SOUTH, "east": Compass.EAST, "west": Compass.WEST}
-_COMES_FROM = {Position.W2E: Compass.WEST, Position.E2W: Compass.EAST, Position.N2S: Compass.NORTH, Position.S2N: Compass.SOUTH}
-_GOES_TO = {Position.W2E: Compass.EAST, Position.E2W: Compass.WEST, Position.N2S: Compass.SOUTH, Position.S2N: Compass.NORTH}
+_COMES_FROM = {
+    Position.W2E: Compass.WEST,
+    Position.E2W: Compass.EAST,
+    Position.N2S: Compass.NORTH,
+    Position.S2N: Compass.SOUTH,
+}
+_GOES_TO = {
+    Position.W2E: Compass.EAST,
+    Position.E2W: Compass.WEST,
+    Position.N2S: Compass.SOUTH,
+    Position.S2N: Compass.NORTH,
+}
 _NORTH_SOUTH = {Position.N2S, Position.S2N}
 
 
@@ -58,13 +80,17 @@ def vehicles_on_ramp(clauses: Sequence[Clause]) -> dict[int, str]:
     for clause in clauses:
         text = _NOT_FROM_RAMP.sub(" ", clause.text)
         if len(clause.subjects) == 1 and _ON_RAMP.search(text) and not _AFTERMATH.search(text):
-            entered_by_accident = re.search(r"\b(?:lost control|rotat|drifted|veer|departed|spun|skid|slid|swerv|steer)", text)
+            entered_by_accident = re.search(
+                r"\b(?:lost control|rotat|drifted|veer|departed|spun|skid|slid|swerv|steer)", text
+            )
             if not entered_by_accident:
                 found.setdefault(clause.subjects[0], clause.sentence)
     return found
 
 
-def read_road_type(sentences: Sequence[Sentence], clauses: Sequence[Clause], count: int, turning: Sequence[int]) -> Finding[RoadType]:
+def read_road_type(
+    sentences: Sequence[Sentence], clauses: Sequence[Clause], count: int, turning: Sequence[int]
+) -> Finding[RoadType]:
     """The road type.
 
     Args:
@@ -77,7 +103,11 @@ def read_road_type(sentences: Sequence[Sentence], clauses: Sequence[Clause], cou
     relevant = [sentence for sentence in sentences if not _AFTERMATH.search(sentence.plain)]
     junction = _junction(relevant, turning)
     # One that merges and nobody else on the road is no merging of two roads' traffic.
-    if on_ramp and (count > 1 or _through_lane_is_named(relevant)) and not (junction is not None and junction.confidence > 0.85):
+    if (
+        on_ramp
+        and (count > 1 or _through_lane_is_named(relevant))
+        and not (junction is not None and junction.confidence > 0.85)
+    ):
         return Finding(RoadType.MERGING, 0.9, next(iter(on_ramp.values())), "a vehicle joins from a ramp")
     if junction is not None:
         return junction
@@ -106,10 +136,17 @@ def _junction(sentences: Sequence[Sentence], turning: Sequence[int]) -> Finding[
     for sentence in sentences:
         plain = _ELSEWHERE.sub(" ", sentence.plain)
         match = _CROSS.search(plain)
-        if match and not _is_elsewhere(sentence.plain, match[0]) and (_AT_JUNCTION.search(plain) or re.search(r"\b(?:leg|way)\w* intersection\b", plain)):
+        if (
+            match
+            and not _is_elsewhere(sentence.plain, match[0])
+            and (_AT_JUNCTION.search(plain) or re.search(r"\b(?:leg|way)\w* intersection\b", plain))
+        ):
             return Finding(RoadType.INTERSECTION, 0.9, sentence.text, "an intersection is the place")
     for sentence in sentences:
-        if turning and re.search(r"\b(?:cross[- ]street|traffic (?:control )?(?:signal|light)|stop sign|red light|green light)\b", sentence.plain):
+        if turning and re.search(
+            r"\b(?:cross[- ]street|traffic (?:control )?(?:signal|light)|stop sign|red light|green light)\b",
+            sentence.plain,
+        ):
             return Finding(RoadType.INTERSECTION, 0.7, sentence.text, "a turn where traffic is controlled")
     return None
 
@@ -117,7 +154,12 @@ def _junction(sentences: Sequence[Sentence], turning: Sequence[int]) -> Finding[
 def _is_elsewhere(plain: str, words: str) -> bool:
     """Whether a T-intersection is only a landmark: 'a three-leg intersection just south of the point of impact'."""
     tail = plain[plain.find(words) + len(words) :] if words in plain else ""
-    return bool(re.match(r"[^.;]{0,50}?\b(?:north|south|east|west|feet|meters|beyond|past|short) (?:of|from) the (?:\w+ )?(?:point|impact|crash|collision|scene)", tail))
+    return bool(
+        re.match(
+            r"[^.;]{0,50}?\b(?:north|south|east|west|feet|meters|beyond|past|short) (?:of|from) the (?:\w+ )?(?:point|impact|crash|collision|scene)",
+            tail,
+        )
+    )
 
 
 def _curve(sentences: Sequence[Sentence]) -> Finding[RoadType] | None:
@@ -144,7 +186,9 @@ def read_stem(
     for sentence in sentences:
         match = _STEM.search(sentence.plain)
         if match:
-            return Finding(_COMPASS_OF[next(filter(None, match.groups()))], 0.9, sentence.text, "the report says where it lies")
+            return Finding(
+                _COMPASS_OF[next(filter(None, match.groups()))], 0.9, sentence.text, "the report says where it lies"
+            )
     for sentence in sentences:
         match = _STEM_CONTROL.search(sentence.plain)
         ways = set(re.findall(r"\b(north|south|east|west)bound\b", sentence.plain))
@@ -159,9 +203,13 @@ def read_stem(
         across = [other for other in straight if (headings[other] in _NORTH_SOUTH) != (heading in _NORTH_SOUTH)]
         along = [other for other in straight if other not in across]
         if across:
-            return Finding(_COMES_FROM[heading], 0.75, None, f"v{number} turns, and v{across[0]} goes on across its way")
+            return Finding(
+                _COMES_FROM[heading], 0.75, None, f"v{number} turns, and v{across[0]} goes on across its way"
+            )
         if along:
-            return Finding(_side_of(heading, side), 0.7, None, f"v{number} turns off the road on which v{along[0]} goes on")
+            return Finding(
+                _side_of(heading, side), 0.7, None, f"v{number} turns off the road on which v{along[0]} goes on"
+            )
         return Finding(_COMES_FROM[heading], 0.4, None, f"v{number} turns there")
     if len(straight) == 1:
         return nothing("the report does not say which road ends at the intersection")
@@ -173,6 +221,16 @@ def _opposite(compass: str) -> Compass:
 
 
 def _side_of(heading: Position, side: Side) -> Compass:
-    left = {Position.S2N: Compass.WEST, Position.W2E: Compass.NORTH, Position.N2S: Compass.EAST, Position.E2W: Compass.SOUTH}
-    right = {Position.S2N: Compass.EAST, Position.W2E: Compass.SOUTH, Position.N2S: Compass.WEST, Position.E2W: Compass.NORTH}
+    left = {
+        Position.S2N: Compass.WEST,
+        Position.W2E: Compass.NORTH,
+        Position.N2S: Compass.EAST,
+        Position.E2W: Compass.SOUTH,
+    }
+    right = {
+        Position.S2N: Compass.EAST,
+        Position.W2E: Compass.SOUTH,
+        Position.N2S: Compass.WEST,
+        Position.E2W: Compass.NORTH,
+    }
     return left[heading] if side is Side.LEFT else right[heading]

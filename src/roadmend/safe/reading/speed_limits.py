@@ -10,7 +10,9 @@ from roadmend.safe.reading.text import Sentence
 
 KMH_PER_MPH = 1.609344
 
-_LIMIT = re.compile(r"\bspeed (?:limits?|zone)|\bposted (?:at|limit|speed)|\blimits?\b|(?:mph|km/h) (?:speed )?(?:zone|limit)")
+_LIMIT = re.compile(
+    r"\bspeed (?:limits?|zone)|\bposted (?:at|limit|speed)|\blimits?\b|(?:mph|km/h) (?:speed )?(?:zone|limit)"
+)
 _NO_LIMIT = re.compile(r"\b(?:advisory|recommended|speed limit sign\b(?! (?:of|for|posted))|minimum)\b")
 _VALUE = re.compile(
     r"(?P<first>\d{1,3}(?:\.\d+)?) (?P<unit>mph|km/h)\.?\s*(?:[(/\[]\s*|or |, )?(?:(?P<second>\d{1,3}(?:\.\d+)?) (?P<unit2>mph|km/h))?"
@@ -24,7 +26,9 @@ _TOWARDS = {Position.N2S: "south", Position.S2N: "north", Position.W2E: "east", 
 _LABEL = re.compile(r"\b(\d+)-?\s?lane\b")
 _BOTH = re.compile(r"\b(?:both|all|each|either)\b")
 _VEHICLE = re.compile(r"\bv(\d)\b")
-_SAME_ROAD = re.compile(r"\b(?:this|the same) (?:road|street|highway|trafficway)|\bthe (?:road|roadway|trafficway|street|highway) (?:is|was|had|has|consist)|^(?:it|there|the (?:posted )?speed limit)\b")
+_SAME_ROAD = re.compile(
+    r"\b(?:this|the same) (?:road|street|highway|trafficway)|\bthe (?:road|roadway|trafficway|street|highway) (?:is|was|had|has|consist)|^(?:it|there|the (?:posted )?speed limit)\b"
+)
 _PEOPLE = re.compile(r"\bfor (?:cars|trucks|commercial|heavy|tractor)\w*")
 
 
@@ -69,7 +73,11 @@ def read_limits(sentences: Sequence[Sentence]) -> tuple[Limit, ...]:
             if _BOTH.search(around) and len(vehicles) != 1:
                 axes, vehicles = frozenset(), frozenset()
             towards = re.search(r"\b(north|south|east|west)bound\b", around)
-            one_way = towards[1] if towards and len(set(re.findall(r"\b(north|south|east|west)bound\b", around))) == 1 else None
+            one_way = (
+                towards[1]
+                if towards and len(set(re.findall(r"\b(north|south|east|west)bound\b", around))) == 1
+                else None
+            )
             limits.append(Limit(_mph(match), axes, vehicles, labels, one_way, sentence.text))
     return tuple(limits)
 
@@ -113,12 +121,18 @@ def _mph(match: re.Match[str]) -> int:
 
 def _is_speed_of_travel(plain: str, match: re.Match[str]) -> bool:
     before = plain[max(0, match.start() - 45) : match.start()]
-    return bool(re.search(r"\b(?:travel\w*|going|driving|moving|estimated?|approximately|speeds? of|delta|traveling)\b[^.;]*$", before)) and not re.search(r"limit[^.;]*$", before)
+    return bool(
+        re.search(
+            r"\b(?:travel\w*|going|driving|moving|estimated?|approximately|speeds? of|delta|traveling)\b[^.;]*$", before
+        )
+    ) and not re.search(r"limit[^.;]*$", before)
 
 
 def _own_part(plain: str, start: int, match: re.Match[str], end: int, *, first: bool) -> str:
     """The words that belong to one of several values: those after it where 'for' or 'on' follows, else those before."""
-    after = re.match(r"[^\d]*?\b(?:for|on|in|along)\b((?:(?!\band\b(?! (?:east|west|north|south))).)*)", plain[match.end() : end])
+    after = re.match(
+        r"[^\d]*?\b(?:for|on|in|along)\b((?:(?!\band\b(?! (?:east|west|north|south))).)*)", plain[match.end() : end]
+    )
     if after and "limit" not in after[1]:
         return after[1]
     return plain[0 if first else start : match.start()]

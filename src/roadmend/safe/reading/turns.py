@@ -26,11 +26,17 @@ _OTHER_TURNS = re.compile(
     r"traffic|vehicles? in front|(?:allow|for|waiting for|wait for|yield\w* to|let) (?:a |an |the |another |several )?(?:\w+ ){0,2}(?:vehicle|car|v\d|traffic)s?)\b"
 )
 _CLEARS = re.compile(r"\b(?:wait\w*|allow\w*|yield\w*)\b[^,;]{0,60}?\b(?:clear|pass|go by)\b")
-_TOWARDS = re.compile(r"\bturn(?:ed|ing|s)?\b[^.;]{0,40}?\(?\b(?:onto|into|to|toward|(?=\())\s*(?:the |a )?\(?(north|south|east|west)(?:bound)?\b(?! (?:side|shoulder|curb|edge|corner))")
+_TOWARDS = re.compile(
+    r"\bturn(?:ed|ing|s)?\b[^.;]{0,40}?\(?\b(?:onto|into|to|toward|(?=\())\s*(?:the |a )?\(?(north|south|east|west)(?:bound)?\b(?! (?:side|shoulder|curb|edge|corner))"
+)
 _NOT = re.compile(r"\b(?:no|not|never|without|instead of|rather than)\s+(?:\w+ ){0,2}$")
 _AFTER = re.compile(r"^(?:after|following) (?:the |this )?(?:initial |first )?(?:impact|collision|contact|crash|event)")
-_LANE = re.compile(rf"\b(?:travel\w*|stopped|driv\w+|head\w*|position\w*|waiting|was|northbound|southbound|eastbound|westbound|east|west|north|south|turning)\b(?:(?! lane\b| of\b)[^,;.]){{0,50}}\b{_SIDE}[- ]turn(?:ing)?(?:[- ]only)?[- ]lane")
-_STRAIGHT = re.compile(r"\b(?:go|going|proceed\w*|continu\w+|travel\w*|driv\w+|pass\w*|cross\w*) (?:straight|through|over)|\bstraight (?:through|ahead|across|on)|\bcross(?:ing)?(?:-| )?(?:over )?(?:through )?the intersection|\bcontinue (?:traveling |driving |heading )?(?:north|south|east|west)")
+_LANE = re.compile(
+    rf"\b(?:travel\w*|stopped|driv\w+|head\w*|position\w*|waiting|was|northbound|southbound|eastbound|westbound|east|west|north|south|turning)\b(?:(?! lane\b| of\b)[^,;.]){{0,50}}\b{_SIDE}[- ]turn(?:ing)?(?:[- ]only)?[- ]lane"
+)
+_STRAIGHT = re.compile(
+    r"\b(?:go|going|proceed\w*|continu\w+|travel\w*|driv\w+|pass\w*|cross\w*) (?:straight|through|over)|\bstraight (?:through|ahead|across|on)|\bcross(?:ing)?(?:-| )?(?:over )?(?:through )?the intersection|\bcontinue (?:traveling |driving |heading )?(?:north|south|east|west)"
+)
 
 _MANOEUVRES = (
     (Manoeuvre.MERGE, re.compile(r"\b(?:merg(?:e|ed|ing)\b|(?:entering|enter|entered) (?:the |onto the )?(?:same )?(?:freeway|highway|interstate|expressway)|acceleration lane)")),
@@ -52,7 +58,9 @@ _MANOEUVRES = (
     (Manoeuvre.STOP, re.compile(r"\b(?:was|were|is|been|sat|and|which|that)\s+(?:\w+ ){0,2}(?:stopped|parked|stationary|at a (?:complete )?stop|disabled|stalled)\b|\b(?:came|brought[^.;]{0,20}) to a stop\b|^v\d (?:had )?stopped\b")),
 )  # fmt: skip
 
-_INTO_LANE = re.compile(r"\b(?:enter\w*|into|across|cross\w*|onto|over)\b[^.;]{0,30}?\b(north|south|east|west)bound\b(?! (?:shoulder|roadside|curb))")
+_INTO_LANE = re.compile(
+    r"\b(?:enter\w*|into|across|cross\w*|onto|over)\b[^.;]{0,30}?\b(north|south|east|west)bound\b(?! (?:shoulder|roadside|curb))"
+)
 _OPPOSED = {"north": Position.N2S, "south": Position.S2N, "east": Position.E2W, "west": Position.W2E}
 
 
@@ -110,10 +118,14 @@ def read_manoeuvres(
             continue
         own = [clause for clause in clauses if clause.subjects == (number,) and not _AFTER.search(clause.text)]
         for clause in own:
-            before_rest = re.split(r"\b(?:rotat|(?:came|coming|come) to (?:a )?(?:final )?rest|struck by|was struck)", clause.text)[0]
+            before_rest = re.split(
+                r"\b(?:rotat|(?:came|coming|come) to (?:a )?(?:final )?rest|struck by|was struck)", clause.text
+            )[0]
             lane = _INTO_LANE.search(before_rest)
             if lane and _OPPOSED.get(lane[1]) is headings[number].value:
-                found[number] = Finding(Manoeuvre.ENTER_THE_WRONG_WAY, 0.85, clause.sentence, "it enters the other direction")
+                found[number] = Finding(
+                    Manoeuvre.ENTER_THE_WRONG_WAY, 0.85, clause.sentence, "it enters the other direction"
+                )
                 break
             kind = next((kind for kind, pattern in _MANOEUVRES if pattern.search(before_rest)), None)
             if kind is not None:

@@ -3,14 +3,16 @@
 import re
 
 _WORDS = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
-_NUMBER = rf"(?:\#|no\.?|number)?\s*\#?\s*(?P<number>{'|'.join(_WORDS)}|[1-9](?!\d|\.\d|,\d{1,3}\b))"
+_NUMBER = rf"(?:\#|no\.?|number)?\s*\#?\s*(?P<number>{'|'.join(_WORDS)}|[1-9](?!\d|\.\d|,\d{1, 3}\b))"
 _KIND = r"(?:vehicle|veh\.?|unit|car|truck|driver|automobile|motorist|operator|v|d)s?"
 _NOT_A_NUMBER = (
     r"(?!\s*(?:lane|door|mph|km|%|st\b|nd\b|rd\b|th\b|of\b|hundred|quarter|occupant|other|feet|met(?:er|re)|car|"
     r"passenger|more|seconds?|minutes?|hours?|years?)|-(?!\w*\s*case))"
 )
 _REFERENCE = re.compile(rf"\b{_KIND}[\s-]*{_NUMBER}\b{_NOT_A_NUMBER}")
-_FURTHER = re.compile(rf"(v\d(?:'s)?\s*(?:,\s*and|,\s*or|and|or|&|,)\s*){_NUMBER}\b{_NOT_A_NUMBER}(?=\s*(?:,|\.|;|and\b|or\b|\w+ed\b|were\b|\w+\s+\w+))")
+_FURTHER = re.compile(
+    rf"(v\d(?:'s)?\s*(?:,\s*and|,\s*or|and|or|&|,)\s*){_NUMBER}\b{_NOT_A_NUMBER}(?=\s*(?:,|\.|;|and\b|or\b|\w+ed\b|were\b|\w+\s+\w+))"
+)
 _LETTER = re.compile(r"\b([Vv]ehicle|[Cc]ar|[Uu]nit|VEHICLE|CAR|UNIT) ([A-F])\b(?![\w'/-])")
 _ORDINAL = re.compile(r"\b(?:the|a) (first|second|third) (?:vehicle|car|automobile)\b")
 _DEFINES_CASE = re.compile(

@@ -1,0 +1,92 @@
+"""``roadmend safe extract``: what happened in a crash, from its report."""
+
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from roadmend import __version__
+from roadmend.cli.table import wide_console
+from roadmend.safe.backends import BACKENDS, BackendOptions
+from roadmend.safe.extraction_run import Extracted, extract_reports
+from roadmend.safe.report import find_reports
+from roadmend.safe.stage_one import StageOneOptions
+
+
+@click.command()
+@click.argument("reports", type=click.Path(path_type=Path))
+@click.option("--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Folder for the results.")
+@click.option("--backend", default="embedded", show_default=True, type=click.Choice([*BACKENDS]))
+@click.option(
+    "--settings",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="YAML file with the endpoint of openai (see config/language); the environment wins.",
+)
+@click.option("--recording", type=click.Path(path_type=Path), help="Results of an earlier run, for replay.")
+@click.option("--no-prompt-generation", is_flag=True, help="With a model: ask without the knowledge base.")
+@click.option("--no-validation", is_flag=True, help="With a model: take its answers unchecked.")
+@click.option(
+    "--attempts",
+    default=StageOneOptions().attempts,
+    show_default=True,
+    type=click.IntRange(1, 20),
+    help="With a model: executions of a step.",
+)
+@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def extract(
+    reports: Path, out: Path, backend: str, settings: Path | None, recording: Path | None, attempts: int, workers: int,
+    *, no_prompt_generation: bool, no_validation: bool, as_json: bool,
+) -> int:  # fmt: skip
+    """Read a crash report, or a folder of them; exit code 1 if one of them gave no scenario.
+
+    A report is a folder with summary.txt and perhaps a sketch (sketch.jpg, .png), or a text file. Reports that an
+    earlier call with the same settings has done are not done again.
+    """
+    options = StageOneOptions(not no_prompt_generation, not no_validation, attempts)
+    paths = find_reports(reports)
+    extractor = BACKENDS[backend](BackendOptions(options, settings, recording))
+    key = f"{__version__} {backend} {options}"
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    done = []
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        task = progress.add_task("reports", total=len(paths))
+        for extracted in extract_reports(paths, extractor, key, out, workers):
+            done.append(extracted)
+            progress.advance(task)
+    done.sort(key=lambda extracted: extracted.case)
+    if as_json:
+        click.echo(json.dumps([asdict(extracted) for extracted in done], indent=2))
+    else:
+        _show(done, out)
+    return 1 if any(extracted.error for extracted in done) else 0
+
+
+def _show(done: Sequence[Extracted], out: Path) -> None:
+    table = Table(
+        "report", "road", "lanes", "vehicles", "environment", "left open", box=None, pad_edge=False, header_style="bold"
+    )
+    for extracted in done:
+        scenario = extracted.scenario
+        if scenario is None:
+            table.add_row(extracted.case, f"[red]{extracted.error}[/]")
+            continue
+        vehicles = ", ".join(
+            " ".join(str(vehicle[name] or "?") for name in ("model", "initial_position", "action"))
+            for vehicle in scenario["vehicles"]
+        )
+        environment = " ".join(str(scenario["env"][name] or "?") for name in ("time", "weather"))
+        road = " ".join(filter(None, (scenario["road_type"] or "?", scenario["stem_direction"])))
+        lanes = str(scenario["num_lanes"] or "?")
+        table.add_row(extracted.case, road, lanes, vehicles, environment, str(len(extracted.open_fields)))
+    console = wide_console()
+    console.print(table)
+    failed = sum(extracted.error is not None for extracted in done)
+    known = sum(not extracted.is_new for extracted in done)
+    console.print(f"{len(done) - failed} of {len(done)} read ({known} by an earlier call), in {out}")

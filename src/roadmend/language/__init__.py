@@ -1,0 +1,1 @@
+"""Language models: one interface, and the backends behind it."""

@@ -1,0 +1,103 @@
+"""The interface to a language model: messages with text and images in, text that fits a schema out."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, Protocol
+
+
+class Role(StrEnum):
+    """Who speaks."""
+
+    SYSTEM = "system"
+    USER = "user"
+    ASSISTANT = "assistant"
+
+
+@dataclass(frozen=True, slots=True)
+class Image:
+    """A picture as a part of a message.
+
+    Attributes:
+        data: the file's content.
+        media_type: for instance "image/png".
+    """
+
+    data: bytes
+    media_type: str
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """One turn of a conversation; its parts are texts and images."""
+
+    role: Role
+    parts: tuple[str | Image, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """A conversation and what its continuation has to look like.
+
+    Attributes:
+        purpose: what is asked for, in a word; the schema goes by this name.
+        messages: so far.
+        schema: JSON schema of the answer.
+    """
+
+    purpose: str
+    messages: tuple[Message, ...]
+    schema: Mapping[str, Any]
+
+    def as_record(self) -> dict[str, Any]:
+        """Plain data; an image is represented by its digest."""
+        return {
+            "purpose": self.purpose,
+            "messages": [
+                {"role": message.role.value, "parts": [_record(part) for part in message.parts]}
+                for message in self.messages
+            ],
+            "schema": dict(self.schema),
+        }
+
+    def digest(self) -> str:
+        """The same for the same request, whatever answers it."""
+        return hashlib.sha256(json.dumps(self.as_record(), sort_keys=True).encode()).hexdigest()
+
+
+def _record(part: str | Image) -> str | dict[str, str]:
+    if isinstance(part, str):
+        return part
+    return {"image": part.media_type, "sha256": hashlib.sha256(part.data).hexdigest()}
+
+
+@dataclass(frozen=True, slots=True)
+class Reply:
+    """An answer.
+
+    Attributes:
+        text: JSON, if the model kept to the schema.
+        model: that answered, by its own name.
+        input_tokens: as the endpoint counts them; 0 where it does not.
+        output_tokens: likewise.
+        cost: [US dollars], where prices are configured.
+    """
+
+    text: str
+    model: str
+    input_tokens: int = 0
+    output_tokens: int = 0
+    cost: float | None = None
+
+
+class ChatModel(Protocol):
+    """Something that answers."""
+
+    def ask(self, request: Request) -> Reply:
+        """Answer one request.
+
+        Raises:
+            LanguageError: there is no usable answer.
+        """

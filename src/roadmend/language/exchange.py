@@ -1,0 +1,76 @@
+"""Exchanges with a language model on record: kept with every result, and enough to replay it."""
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from roadmend.core.errors import InputError
+from roadmend.language.chat import ChatModel, Reply, Request
+from roadmend.language.errors import LanguageError
+
+
+@dataclass(frozen=True, slots=True)
+class Exchange:
+    """A request and what came of it.
+
+    Attributes:
+        digest: of the request.
+        request: as plain data.
+        reply: None where there was none.
+        error: what went wrong then.
+    """
+
+    digest: str
+    request: Mapping[str, Any]
+    reply: Reply | None
+    error: str | None = None
+
+
+class RecordingModel:
+    """A model that keeps what it was asked and what it answered.
+
+    Args:
+        model: that answers.
+    """
+
+    def __init__(self, model: ChatModel) -> None:
+        self.model = model
+        self.exchanges: list[Exchange] = []
+
+    def ask(self, request: Request) -> Reply:
+        """Pass a request on."""
+        try:
+            reply = self.model.ask(request)
+        except LanguageError as error:
+            self.exchanges.append(Exchange(request.digest(), request.as_record(), None, str(error)))
+            raise
+        self.exchanges.append(Exchange(request.digest(), request.as_record(), reply))
+        return reply
+
+
+def dump_exchanges(exchanges: Iterable[Exchange]) -> str:
+    """One JSON object a line."""
+    return "".join(json.dumps(asdict(exchange), ensure_ascii=False) + "\n" for exchange in exchanges)
+
+
+def load_exchanges(path: Path) -> tuple[Exchange, ...]:
+    """Read what ``dump_exchanges`` wrote.
+
+    Raises:
+        InputError: the file cannot be read or a line of it is no exchange.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(str(path), f"cannot be read ({error})", "give a recording of exchanges") from None
+    exchanges = []
+    for number, line in enumerate(lines, start=1):
+        try:
+            content = json.loads(line)
+            reply = None if content["reply"] is None else Reply(**content["reply"])
+            exchanges.append(Exchange(content["digest"], content["request"], reply, content["error"]))
+        except (ValueError, KeyError, TypeError):
+            raise InputError(f"{path}, line {number}", "is no exchange", "give a recording of exchanges") from None
+    return tuple(exchanges)

@@ -1,0 +1,65 @@
+"""What comes out of a crash report, and the ways to get it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from roadmend.core.errors import RoadmendError
+from roadmend.language.exchange import Exchange
+from roadmend.safe.dsl import CrashScenario
+from roadmend.safe.report import CrashReport
+
+
+class ExtractionError(RoadmendError):
+    """A report was read, and no scenario came out."""
+
+    def __init__(self, problem: str, exchanges: tuple[Exchange, ...] = ()) -> None:
+        super().__init__(problem)
+        self.exchanges = exchanges
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """What a field rests on.
+
+    Attributes:
+        value: of the field, as the JSON form has it.
+        sentence: of the report; None where the field rests on none.
+        confidence: from 0 to 1; None where the backend gives none.
+        reason: by what rule, or why there is no value.
+    """
+
+    value: Any
+    sentence: str | None
+    confidence: float | None
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Extraction:
+    """A scenario and where it comes from.
+
+    Attributes:
+        scenario: what happened.
+        evidence: by field, as the JSON form calls it ("vehicles[0].model").
+        sketch: whether the sketch was read, and if not, why.
+        notes: whatever else is to be known, the limits of the backend among it.
+        exchanges: with a language model, in order.
+    """
+
+    scenario: CrashScenario
+    evidence: Mapping[str, Evidence]
+    sketch: str
+    notes: tuple[str, ...] = ()
+    exchanges: tuple[Exchange, ...] = field(default=(), repr=False)
+
+
+class Extractor(Protocol):
+    """Reads crash reports."""
+
+    def extract(self, report: CrashReport) -> Extraction:
+        """Read one report; may be called from several threads.
+
+        Raises:
+            ExtractionError: no scenario came out.
+        """

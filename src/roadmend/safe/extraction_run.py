@@ -1,0 +1,117 @@
+"""Extraction of many reports: side by side, and resumable."""
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from roadmend.core.errors import InputError, RoadmendError
+from roadmend.language.exchange import dump_exchanges
+from roadmend.language.replay import ENDING
+from roadmend.safe.dsl_data import dump_data
+from roadmend.safe.dsl_file import load_crash_scenario, save_crash_scenario, write_whole
+from roadmend.safe.extraction import Extraction, ExtractionError, Extractor
+from roadmend.safe.report import load_report
+
+
+@dataclass(frozen=True, slots=True)
+class Extracted:
+    """What became of one report.
+
+    Attributes:
+        case: its name.
+        scenario: plain data; None where none came out.
+        error: why, then.
+        open_fields: names of the fields that the report leaves open.
+        is_new: False where an earlier run had done it.
+    """
+
+    case: str
+    scenario: dict[str, Any] | None
+    error: str | None
+    open_fields: tuple[str, ...]
+    is_new: bool
+
+
+def extract_reports(
+    paths: Sequence[Path], extractor: Extractor, settings: str, out: Path, workers: int
+) -> Iterator[Extracted]:
+    """Extract reports; each result is written before it is given, in the order in which they are done.
+
+    CASE.json is the scenario, CASE.evidence.json what each field rests on, CASE.exchanges.jsonl what was said to a
+    language model and what it answered. A report whose files are there from an earlier run with the same settings is
+    not done again; one that failed is.
+
+    Args:
+        paths: of the reports.
+        extractor: reads them; called from several threads.
+        settings: a text that differs when the result may.
+        out: folder to write to.
+        workers: threads.
+
+    Raises:
+        InputError: the folder cannot be written.
+    """
+    with ThreadPoolExecutor(workers) as pool:
+        tasks = [pool.submit(_extract_one, path, extractor, settings, out) for path in paths]
+        try:
+            for task in as_completed(tasks):
+                yield task.result()
+        finally:
+            for task in tasks:
+                task.cancel()
+
+
+def _extract_one(path: Path, extractor: Extractor, settings: str, out: Path) -> Extracted:
+    case = path.stem if path.is_file() else path.resolve().name
+    try:
+        report = load_report(path)
+    except InputError as error:
+        return Extracted(case, None, str(error), (), is_new=True)
+    key = hashlib.sha256(f"{report.digest()} {settings}".encode()).hexdigest()
+    known = _known(out, case, key)
+    if known is not None:
+        return known
+    try:
+        extraction = extractor.extract(report)
+    except ExtractionError as error:
+        if error.exchanges:
+            write_whole(out / f"{case}{ENDING}", dump_exchanges(error.exchanges))
+        return Extracted(case, None, f"{path}: {error}", (), is_new=True)
+    return _save(extraction, case, key, out)
+
+
+def _known(out: Path, case: str, key: str) -> Extracted | None:
+    try:
+        evidence = json.loads((out / f"{case}.evidence.json").read_text(encoding="utf-8"))
+        scenario = load_crash_scenario(out / f"{case}.json")
+        if evidence["key"] != key:
+            return None
+        fields = _open_fields(evidence["fields"])
+    except (OSError, ValueError, KeyError, TypeError, RoadmendError):
+        return None  # done again, then
+    return Extracted(case, dump_data(scenario), None, fields, is_new=False)
+
+
+def _save(extraction: Extraction, case: str, key: str, out: Path) -> Extracted:
+    fields = {name: asdict(evidence) for name, evidence in extraction.evidence.items()}
+    content = {
+        "key": key,
+        "sketch": extraction.sketch,
+        "notes": extraction.notes,
+        "fields": fields,
+    }
+    if extraction.exchanges:
+        write_whole(out / f"{case}{ENDING}", dump_exchanges(extraction.exchanges))
+    save_crash_scenario(extraction.scenario, out / f"{case}.json")
+    # Last, for it is what tells a later run that the report is done.
+    write_whole(out / f"{case}.evidence.json", json.dumps(content, indent=1, ensure_ascii=False) + "\n")
+    scenario = dump_data(extraction.scenario)
+    return Extracted(case, scenario, None, _open_fields(fields), is_new=True)
+
+
+def _open_fields(fields: Mapping[str, Any]) -> tuple[str, ...]:
+    return tuple(name for name, evidence in fields.items() if evidence["value"] is None and name != "stem_direction")

@@ -1,0 +1,150 @@
+"""Crash reports on disk: a folder with a summary and perhaps a sketch, or a text file alone."""
+
+import hashlib
+import io
+import re
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+
+from PIL import Image, UnidentifiedImageError
+
+from roadmend.core.errors import InputError
+
+MAX_SUMMARY = 60_000  # [characters] the longest report of NHTSA that we know has 6000
+MAX_SKETCH = 20_000_000  # [bytes]
+_SKETCHES = (".jpg", ".jpeg", ".png", ".gif", ".webp", ".bmp", ".tif", ".tiff")
+_CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
+
+
+@dataclass(frozen=True, slots=True)
+class Sketch:
+    """A picture of the scene.
+
+    Attributes:
+        data: the file's content.
+        media_type: for instance "image/jpeg".
+    """
+
+    data: bytes
+    media_type: str
+
+
+@dataclass(frozen=True, slots=True)
+class CrashReport:
+    """What an extraction starts from.
+
+    Attributes:
+        case: name of the report.
+        summary: its text.
+        sketch: None where there is none that can be opened.
+        notes: what is to be said of the files.
+    """
+
+    case: str
+    summary: str
+    sketch: Sketch | None = None
+    notes: tuple[str, ...] = ()
+
+    def digest(self) -> str:
+        """The same for the same summary and sketch."""
+        value = hashlib.sha256(self.summary.encode())
+        value.update(b"\0" + (self.sketch.data if self.sketch is not None else b""))
+        return value.hexdigest()
+
+
+def find_reports(path: Path) -> tuple[Path, ...]:
+    """The reports at a path: itself, or what a folder of reports holds.
+
+    Raises:
+        InputError: there is none.
+    """
+    if path.is_file() or (path.is_dir() and _summary_of(path) is not None):
+        return (path,)
+    if not path.is_dir():
+        raise InputError(
+            str(path), "no such report or folder", "give a text file, a report's folder, or a folder of those"
+        )
+    entries = sorted(entry for entry in path.iterdir() if not entry.name.startswith("."))
+    reports = tuple(
+        entry
+        for entry in entries
+        if (entry.is_dir() and _summary_of(entry) is not None) or entry.suffix.lower() == ".txt"
+    )
+    if not reports:
+        raise InputError(str(path), "holds no report", "a report is a .txt file, or a folder with summary.txt in it")
+    names = [_case(report) for report in reports]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(str(path), f"has two reports called {name}", "rename one of them")
+    return reports
+
+
+def _case(path: Path) -> str:
+    return path.stem if path.is_file() else path.resolve().name
+
+
+def _summary_of(folder: Path) -> Path | None:
+    texts = [entry for entry in sorted(folder.iterdir()) if entry.is_file() and entry.name.lower() == "summary.txt"]
+    return texts[0] if texts else None
+
+
+def load_report(path: Path) -> CrashReport:
+    """Read one report.
+
+    Raises:
+        InputError: the summary is missing, empty, too long, or no text.
+    """
+    summary = path if path.is_file() else _summary_of(path)
+    if summary is None:
+        raise InputError(str(path), "has no summary", "put the text of the report into summary.txt")
+    text = _read_text(summary)
+    if path.is_file():
+        return CrashReport(_case(path), text)
+    sketch, notes = _read_sketch(path)
+    return CrashReport(_case(path), text, sketch, notes)
+
+
+def _read_text(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            data = file.read(4 * MAX_SUMMARY + 4)
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read ({error.strerror})", "give a readable text file") from None
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        if error.start >= 4 * MAX_SUMMARY:  # cut within a character
+            text = data[: error.start].decode("utf-8-sig")
+        else:
+            text = data.decode("cp1252", errors="replace")  # what NHTSA's older exports are in
+    if _CONTROL.search(text) or text.count("\ufffd") > len(text) // 100:
+        raise InputError(str(path), "is no text", "give the summary as a plain text file")
+    if len(text) > MAX_SUMMARY:
+        raise InputError(str(path), f"is longer than {MAX_SUMMARY} characters", "give the summary of one crash alone")
+    if not text.strip():
+        raise InputError(str(path), "is empty", "put the summary of the crash into it")
+    return text
+
+
+def _read_sketch(folder: Path) -> tuple[Sketch | None, tuple[str, ...]]:
+    files = [
+        entry
+        for entry in sorted(folder.iterdir())
+        if entry.stem.lower() == "sketch" and entry.suffix.lower() in _SKETCHES
+    ]
+    if not files:
+        return None, ("the report has no sketch",)
+    file = files[0]
+    if file.stat().st_size > MAX_SKETCH:
+        return None, (f"{file.name} is larger than {MAX_SKETCH // 1_000_000} MB and was left out",)
+    data = file.read_bytes()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", Image.DecompressionBombWarning)
+            with Image.open(io.BytesIO(data)) as image:
+                media_type = Image.MIME[image.format or ""]
+                image.verify()
+    except (UnidentifiedImageError, OSError, SyntaxError, ValueError, KeyError, Image.DecompressionBombError, Warning):
+        return None, (f"{file.name} is no image that can be opened and was left out",)
+    return Sketch(data, media_type), ()
