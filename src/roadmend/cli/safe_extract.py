@@ -11,8 +11,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from roadmend import __version__
 from roadmend.cli.table import wide_console
+from roadmend.evaluation.source_digest import source_digest
 from roadmend.safe.backends import BACKENDS, BackendOptions
 from roadmend.safe.extraction_run import Extracted, extract_reports
 from roadmend.safe.report import find_reports
@@ -52,7 +52,7 @@ def extract(
     options = StageOneOptions(not no_prompt_generation, not no_validation, attempts)
     paths = find_reports(reports)
     extractor = BACKENDS[backend](BackendOptions(options, settings, recording))
-    key = f"{__version__} {backend} {options}"
+    key = f"{source_digest(['roadmend.safe.backends'])} {backend} {options}"  # other rules, other results
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
     done = []
     with Progress(*columns, console=Console(stderr=True)) as progress:

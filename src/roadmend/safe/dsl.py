@@ -211,11 +211,11 @@ class CrashScenario:
         if not self.vehicles:
             raise ValueError("vehicles is empty: a crash needs at least one")
         merging = self.road.road_type is RoadType.MERGING
-        for number, vehicle in enumerate(self.vehicles, start=1):
+        for index, vehicle in enumerate(self.vehicles):
             on_merge = vehicle.initial_position in {Position.MAIN_ROAD, Position.ON_RAMP}
             if vehicle.initial_position is not None and on_merge != merging:
                 raise ValueError(
-                    f"initial_position of vehicle {number} is {vehicle.initial_position}, which a road of type "
+                    f"vehicles[{index}].initial_position is {vehicle.initial_position}, which a road of type "
                     f"{self.road.road_type} does not have"
                 )
         for collision in self.collisions:

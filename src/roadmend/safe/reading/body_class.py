@@ -114,7 +114,7 @@ def find_names(text: str) -> tuple[Name, ...]:
     names = []
     for match in _makes().finditer(text):
         make = _MAKE_ALIASES.get(match[1], match[1])
-        tail = re.match(r"[^.;()]{0,40}", text[match.end() :])
+        tail = re.match(r"(?:[^.;()]|\.(?=\w)){0,40}", text[match.end() :])
         model = _models(make).search(tail[0] if tail else "")
         if model is None:
             names.append(Name(make, "", match.span()))

@@ -17,6 +17,7 @@ _BOUNDARY = re.compile(
     rf"|(?:(?<=v\d)|(?<=v\d\))),?\s+(?={_TRAVELING})"
     r"|,?\s+(?=(?:which|who|that)\s+(?:was|were|had|is|has)\b)|,\s+(?=(?:where|causing)\b)"
 )
+_LAST_NAMED = re.compile(r"\bv(\d)\)?(?:\s*\([^)]*\)|,? (?:an?|the) [^.;]*)?,?$")
 _REFERENCE = re.compile(r"\bv(\d)\b")
 _PRONOUN = re.compile(
     r"^(?:(?:and|when|as|while|before|after|but|then)\s+)?(?:he|she|it|they|this vehicle|the vehicle|the driver(?! (?:of|in) v\d)|its|his|her)\b"
@@ -59,8 +60,8 @@ def cut_clauses(sentences: Sequence[Sentence], numbers: Sequence[int]) -> tuple[
             found = _subjects(text, numbers)
             if _RELATIVE.match(text) and clauses:
                 # "struck v2, which was stopped": the last vehicle named is meant
-                last = _REFERENCE.findall(clauses[-1].text[-60:])
-                found = (int(last[-1]),) if last else subject
+                last = _LAST_NAMED.search(clauses[-1].text)
+                found = (int(last[1]),) if last else ()
                 clauses.append(Clause(_known(found, numbers), text, sentence.text))
                 continue
             if _PRONOUN.match(text) and (subject or topic):

@@ -124,7 +124,7 @@ def relate_headings(
                 known, open_one = found.get(one), found.get(other)
                 if known is None or open_one is None or known.value is None or open_one.value is not None:
                     continue
-                if sides == "front-rear" and turns.get(one) is None and turns.get(other) is None:
+                if sides in {"front-rear", "-rear"} and turns.get(one) is None and turns.get(other) is None:
                     found[other] = Finding(known.value, 0.7, known.sentence, f"hit from behind, so it headed as v{one}")
                 elif sides == "front-front" and not turns.get(one) and not turns.get(other):
                     found[other] = Finding(

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from roadmend.safe.dsl import (
@@ -78,6 +78,8 @@ def _assemble(cast: Cast) -> Reading:
     time, sun_is_up = read_time(sentences)
     weather = read_weather(sentences, time.value, sun_is_up=sun_is_up)
     limits = read_limits(sentences)
+    if merging:  # the limit of the main road is what those who join it go for
+        limits = tuple(replace(limit, axes=frozenset()) for limit in limits)
 
     findings: dict[str, Finding[Any]] = {"road_type": road_type, "num_lanes": lanes, "stem_direction": stem}
     vehicles = []

@@ -1,0 +1,96 @@
+"""``roadmend safe extract``: files, resumption, tables, and reports that are none."""
+
+import json
+
+import pytest
+
+from roadmend.cli.main import main
+from roadmend.cli.resources import config_folder
+from roadmend.safe.dsl_file import load_crash_scenario
+
+REPORTS = config_folder() / "reports"
+
+
+def read(capsys, *arguments):
+    code = main(["safe", "extract", *map(str, arguments), "--workers", "2", "--json"])
+    return code, json.loads(capsys.readouterr().out)
+
+
+def test_a_folder_of_reports(tmp_path, capsys):
+    code, done = read(capsys, REPORTS, "--out", tmp_path)
+    assert code == 0
+    cases = ["curve", "intersection", "merging", "straight", "t-intersection"]
+    assert [each["case"] for each in done] == cases
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
+        name for case in cases for name in (f"{case}.json", f"{case}.evidence.json")
+    )
+    assert load_crash_scenario(tmp_path / "curve.json").road.road_type == "Curve"
+    evidence = json.loads((tmp_path / "curve.evidence.json").read_text())
+    assert evidence["fields"]["env.weather"]["value"] == "Snowy"
+    assert evidence["fields"]["env.weather"]["sentence"] in (REPORTS / "curve" / "summary.txt").read_text()
+    assert evidence["notes"] == ["the report has no sketch"]
+
+
+def test_a_second_call_does_what_is_left(tmp_path, capsys):
+    read(capsys, REPORTS, "--out", tmp_path)
+    (tmp_path / "curve.json").unlink()
+    (tmp_path / "merging.evidence.json").write_text("{")
+    (tmp_path / "straight.json").write_text("{}")
+    before = (tmp_path / "intersection.json").stat().st_mtime_ns
+    _, done = read(capsys, REPORTS, "--out", tmp_path)
+    assert [each["case"] for each in done if each["is_new"]] == ["curve", "merging", "straight"]
+    assert (tmp_path / "intersection.json").stat().st_mtime_ns == before
+
+
+def test_a_report_that_changed_is_read_again(tmp_path, capsys):
+    report = tmp_path / "case.txt"
+    report.write_text("V1, a van, was traveling north on a two-lane road at night and hit a tree.")
+    assert read(capsys, report, "--out", tmp_path / "out")[1][0]["is_new"]
+    assert not read(capsys, report, "--out", tmp_path / "out")[1][0]["is_new"]
+    report.write_text("V1, a van, was traveling south on a two-lane road at night and hit a tree.")
+    assert read(capsys, report, "--out", tmp_path / "out")[1][0]["is_new"]
+
+
+def test_reports_that_are_none_do_not_stop_the_others(tmp_path, capsys):
+    reports = tmp_path / "reports"
+    reports.mkdir()
+    (reports / "a-empty.txt").write_text("")
+    (reports / "b-binary.txt").write_bytes(bytes(100))
+    (reports / "c-german.txt").write_text(
+        "Der Wagen fuhr nach Norden und stieß an der Kreuzung mit dem anderen Wagen zusammen, sagt er."
+    )
+    (reports / "d-fine.txt").write_text("V1, a van, was traveling north on a two-lane road at night and hit a tree.")
+    code, done = read(capsys, reports, "--out", tmp_path / "out")
+    assert code == 1
+    assert ["is empty" in done[0]["error"], "is no text" in done[1]["error"], "English" in done[2]["error"]] == [
+        True
+    ] * 3
+    assert done[3]["error"] is None
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["d-fine.evidence.json", "d-fine.json"]
+
+
+def test_the_table(tmp_path, capsys):
+    assert main(["safe", "extract", str(REPORTS), "--out", str(tmp_path)]) == 0
+    shown = capsys.readouterr().out
+    assert "T-intersection West" in shown
+    assert "SUV On-ramp Move Forward, Semi Truck Main road Move Forward" in shown
+    assert "5 of 5 read (0 by an earlier call)" in " ".join(shown.split())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["missing"], "no such report"),
+        ([REPORTS, "--backend", "replay"], "has no recording"),
+        ([REPORTS, "--backend", "replay", "--recording", "missing"], "missing"),
+        ([REPORTS, "--backend", "openai", "--settings", "missing.yaml"], "missing.yaml"),
+        ([REPORTS, "--backend", "magic"], "'magic' is not one of"),
+        ([REPORTS, "--attempts", "0"], "attempts"),
+    ],
+)
+def test_bad_arguments_are_one_line(arguments, complaint, tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("OPENAI_API_KEY", "secret")
+    assert main(["safe", "extract", *map(str, arguments), "--out", str(tmp_path / "out")]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert complaint in line
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,85 @@
+"""A server on this machine that speaks OpenAI's chat protocol, as far as the client uses it."""
+
+import json
+import threading
+from contextlib import contextmanager
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+
+
+def completion(content, **changes):
+    """The body of a chat completion."""
+    message = {"role": "assistant", "content": content, "refusal": None} | changes.pop("message", {})
+    choice = {"index": 0, "finish_reason": "stop", "message": message} | changes.pop("choice", {})
+    return {
+        "id": "chatcmpl-1",
+        "object": "chat.completion",
+        "created": 1,
+        "model": "test-model-1",
+        "choices": [choice],
+        "usage": {"prompt_tokens": 1000, "completion_tokens": 50, "total_tokens": 1050},
+    } | changes
+
+
+class Server:
+    """Answers each request with the next of the answers, the last one again and again.
+
+    Args:
+        answers: each a body (a dict, or bytes as they are), or (status, headers, body), or a function of the request's
+            body that gives one of these.
+    """
+
+    def __init__(self, answers):
+        self.answers = answers
+        self.requests = []
+        self.headers = []
+        self.release = threading.Event()  # lets go whoever was made to wait
+
+    def answer(self, headers, body):
+        self.headers.append(headers)
+        self.requests.append(body)
+        answer = self.answers[min(len(self.requests), len(self.answers)) - 1]
+        answer = answer(body) if callable(answer) else answer
+        return answer if isinstance(answer, tuple) else (200, {}, answer)
+
+    def wait(self, _body):
+        """An answer that does not come before the client has given up."""
+        self.release.wait(20)
+        return completion("too late")
+
+
+@contextmanager
+def serving(*answers):
+    """A running server and its base URL."""
+    server = Server(answers)
+
+    class Handler(BaseHTTPRequestHandler):
+        def do_POST(self):
+            assert self.path == "/v1/chat/completions"
+            body = json.loads(self.rfile.read(int(self.headers["Content-Length"])))
+            status, headers, content = server.answer(
+                {name.lower(): value for name, value in self.headers.items()}, body
+            )
+            data = content if isinstance(content, bytes) else json.dumps(content).encode()
+            try:
+                self.send_response(status)
+                for name, value in {"Content-Type": "application/json", **headers}.items():
+                    self.send_header(name, value)
+                self.send_header("Content-Length", str(len(data)))
+                self.end_headers()
+                self.wfile.write(data)
+            except OSError:
+                pass  # the client has given up
+
+        def log_message(self, *_):
+            pass
+
+    http = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+    thread = threading.Thread(target=http.serve_forever, kwargs={"poll_interval": 0.01}, daemon=True)
+    thread.start()
+    try:
+        yield server, f"http://127.0.0.1:{http.server_port}/v1"
+    finally:
+        server.release.set()
+        http.shutdown()
+        http.server_close()
+        thread.join()

@@ -1,0 +1,177 @@
+"""The embedded reader against made-up summaries in many styles, and against rules of its parts."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from roadmend.cli.resources import config_folder
+from roadmend.safe.dsl import Action, Manoeuvre, Position, RoadType, Side, Time, Weather
+from roadmend.safe.dsl_data import dump_data
+from roadmend.safe.reading.reader import read_summary
+
+PARAPHRASES = yaml.safe_load((Path(__file__).parent / "paraphrases.yaml").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("case", PARAPHRASES, ids=[case["style"] for case in PARAPHRASES])
+def test_paraphrases(case):
+    data = dump_data(read_summary(case["summary"]).scenario)
+    got = {
+        "road": [data["road_type"], data["num_lanes"], data["stem_direction"]],
+        "vehicles": [[v["model"], v["initial_position"], v["action"], v["speed_limit_mph"]] for v in data["vehicles"]],
+        "env": [data["env"]["time"], data["env"]["weather"]],
+    }
+
+    def agree(want, value):
+        return (
+            all(map(agree, want, value)) and len(want) == len(value)
+            if isinstance(want, list)
+            else want in {"any", value}
+        )
+
+    for part, value in got.items():
+        assert agree(case[part], value), (part, case[part], value)
+
+
+@pytest.mark.parametrize("road_type", RoadType)
+def test_the_sample_reports(road_type):
+    folder = config_folder() / "reports" / road_type.value.lower()
+    reading = read_summary((folder / "summary.txt").read_text(encoding="utf-8"))
+    scenario = reading.scenario
+    assert scenario.road.road_type is road_type
+    assert None not in (scenario.road.lanes, scenario.environment.time, scenario.environment.weather)
+    for vehicle in scenario.vehicles:
+        assert None not in (vehicle.model, vehicle.initial_position, vehicle.action, vehicle.speed_limit_mph)
+    assert len(scenario.collisions) == 1
+
+
+def test_every_field_has_what_it_rests_on():
+    summary = "V1, a 2010 Ford Focus, was northbound on a two-lane road. It was raining. V1 hit the rear of V2, a Jeep Wrangler."
+    reading = read_summary(summary)
+    for name, finding in reading.findings.items():
+        assert finding.reason, name
+        assert 0 < finding.confidence <= 1, name
+        assert finding.sentence is None or finding.sentence in summary, name
+    assert reading.findings["env.weather"].sentence == "It was raining."
+    assert reading.findings["env.time"].value is None
+    assert reading.findings["vehicles[0].speed_limit_mph"].reason == "no speed limit is mentioned"
+    assert reading.scenario.vehicles[1].initial_position is Position.S2N  # hit from behind
+
+
+def one(text):
+    return read_summary(
+        f"V1, a sedan, was traveling north on a two-lane road. V2, a van, was traveling south. {text}"
+    ).scenario
+
+
+@pytest.mark.parametrize(
+    ("words", "time"),
+    [
+        ("It was dark but lighted.", Time.NIGHTTIME),
+        ("The crash occurred at dawn.", Time.DAYTIME),
+        ("It was dusk.", Time.DAYTIME),
+        ("It happened in the predawn hours.", Time.NIGHTTIME),
+        ("It happened in the evening hours (daylight).", Time.DAYTIME),
+        ("It happened in the late evening.", Time.NIGHTTIME),
+        ("The time was 11:20 p.m.", Time.NIGHTTIME),
+        ("It happened at 1430 hours.", Time.DAYTIME),
+        ("V1 was dark blue.", None),
+        ("V2 had daytime running lights.", None),
+        ("Later that day the driver went to a hospital.", None),
+    ],
+)
+def test_time(words, time):
+    assert one(words).environment.time is time
+
+
+@pytest.mark.parametrize(
+    ("words", "weather"),
+    [
+        ("It was daylight and the sky was clear.", Weather.SUNNY),
+        ("It was dark and the sky was clear.", Weather.CLEAR),
+        ("It was cloudy and raining.", Weather.RAINY),
+        ("There were no adverse weather conditions at night.", Weather.CLEAR),
+        ("There was heavy fog.", Weather.FOGGY),
+        ("Strong winds were blowing.", Weather.WINDY),
+        ("It was sleeting.", Weather.SNOWY),
+        ("It was not raining.", None),
+        ("The road was wet.", None),
+        ("V2 waited for traffic to clear.", None),
+        ("They were on a windy road.", None),
+        ("V1 had its fog lights on.", None),
+    ],
+)
+def test_weather(words, weather):
+    assert one(words).environment.weather is weather
+
+
+@pytest.mark.parametrize(
+    ("words", "limit"),
+    [
+        ("The posted speed limit was 35 mph.", 35),
+        ("The speed limit was thirty-five miles per hour.", 35),
+        ("The speed limit was 72 km/h.", 45),
+        ("The posted speed limit was 89KMPH (55MPH).", 55),
+        ("V1 was traveling at approximately 60 mph.", None),
+        ("An advisory speed of 25 mph is posted with a speed limit sign.", None),
+        ("The speed limit of the east/west road is 30 mph.", None),
+    ],
+)
+def test_speed_limit(words, limit):
+    assert one(words).vehicles[0].speed_limit_mph == limit
+
+
+@pytest.mark.parametrize(
+    ("words", "action", "manoeuvre"),
+    [
+        ("V1 turned left into a lot.", Action.TURN_LEFT, Manoeuvre.TURN_LEFT),
+        ("V1 was making a right-hand turn.", Action.TURN_RIGHT, Manoeuvre.TURN_RIGHT),
+        ("The driver of V1 turned the steering wheel to the left.", Action.MOVE_FORWARD, Manoeuvre.MOVE_FORWARD),
+        ("V1 stopped for a vehicle ahead that was turning left.", Action.MOVE_FORWARD, None),
+        ("V1 crossed the centerline into the southbound lane.", Action.MOVE_FORWARD, Manoeuvre.ENTER_THE_WRONG_WAY),
+        ("V1 changed lanes.", Action.MOVE_FORWARD, Manoeuvre.CHANGING_LANE),
+        ("V1 was stopped at the curb.", Action.MOVE_FORWARD, Manoeuvre.STOP),
+        ("After the impact V1 turned left.", Action.MOVE_FORWARD, None),
+    ],
+)
+def test_actions(words, action, manoeuvre):
+    vehicle = one(words).vehicles[0]
+    assert vehicle.action is action
+    assert manoeuvre is None or vehicle.manoeuvre is manoeuvre
+
+
+@pytest.mark.parametrize(
+    ("words", "collision"),
+    [
+        ("The front of V1 struck the left side of V2.", (1, 2, Side.FRONT, Side.LEFT)),
+        ("The right side of V1 was struck by the front of V2.", (2, 1, Side.FRONT, Side.RIGHT)),
+        ("V1's front impacted V2's rear.", (1, 2, Side.FRONT, Side.REAR)),
+        ("V2 impacted the rear of V1 with its front.", (2, 1, Side.FRONT, Side.REAR)),
+        ("V1 and V2 collided head-on.", (1, 2, Side.FRONT, Side.FRONT)),
+        ("V2 drifted over, striking the left side of V1 with the front of V2.", (2, 1, Side.FRONT, Side.LEFT)),
+        ("V1 rear-ended V2.", (1, 2, Side.FRONT, Side.REAR)),
+    ],
+)
+def test_collisions(words, collision):
+    (found,) = one(words).collisions
+    assert (found.striking, found.struck, found.striking_side, found.struck_side) == collision
+
+
+def test_who_touched_nothing_is_left_out():
+    reading = read_summary(
+        "V1, a sedan, hit V2, a van. V3 (non-contact vehicle), a bus, was ahead of V1. They were on a two-lane road."
+    )
+    assert len(reading.scenario.vehicles) == 2
+    assert reading.left_out == (3,)
+
+
+@pytest.mark.parametrize("summary", ["", "   ", "No one was there.", "12345 !!! ???"])
+def test_no_vehicle(summary):
+    assert read_summary(summary) is None
+
+
+@pytest.mark.parametrize(
+    "word", ["v1 ", "(", "a the ", "vehicle 1, ", "north ", "lane in ", "turned left ", "struck the "]
+)
+def test_long_nonsense_takes_bounded_time(word):
+    read_summary(word * (60_000 // len(word)))  # pytest's time-out is the assertion

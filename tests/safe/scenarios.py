@@ -1,0 +1,71 @@
+"""Scenarios of every kind that the language can express, for hypothesis."""
+
+from hypothesis import strategies as st
+
+from roadmend.safe.dsl import (
+    MAX_LANES,
+    MAX_SPEED_LIMIT,
+    Action,
+    Collision,
+    Compass,
+    CrashScenario,
+    Environment,
+    Manoeuvre,
+    Model,
+    Position,
+    RoadNetwork,
+    RoadType,
+    Side,
+    Time,
+    Vehicle,
+    Weather,
+)
+
+RAMP = [Position.MAIN_ROAD, Position.ON_RAMP]
+COMPASS = [position for position in Position if position not in RAMP]
+
+_finite = st.floats(-1e6, 1e6, allow_nan=False)
+_actions = (
+    st.none() | st.sampled_from(Action) | st.lists(st.tuples(_finite, _finite), min_size=2, max_size=4).map(tuple)
+)
+_values = (
+    st.none()
+    | st.booleans()
+    | st.integers(-9, 9)
+    | st.text('aé"\\<>:#\n', max_size=5)
+    | st.lists(st.integers(), max_size=2)
+)
+_extras = st.dictionaries(st.from_regex(r"x-[a-z][a-z0-9-]{0,6}", fullmatch=True), _values, max_size=2)
+
+
+@st.composite
+def scenarios(draw):
+    road_type = draw(st.none() | st.sampled_from(RoadType))
+    stem = draw(st.none() | st.sampled_from(Compass)) if road_type is RoadType.T_INTERSECTION else None
+    positions = st.none() | st.sampled_from(RAMP if road_type is RoadType.MERGING else COMPASS)
+    vehicle = st.builds(
+        Vehicle,
+        st.none() | st.sampled_from(Model),
+        positions,
+        _actions,
+        st.none() | st.integers(1, MAX_SPEED_LIMIT) | st.floats(0.5, MAX_SPEED_LIMIT),
+        st.none() | st.sampled_from(Manoeuvre),
+        _extras,
+    )
+    vehicles = tuple(draw(st.lists(vehicle, min_size=1, max_size=4)))
+    pairs = [
+        (one, other) for one in range(1, len(vehicles) + 1) for other in range(1, len(vehicles) + 1) if one != other
+    ]
+    sides = st.none() | st.sampled_from(Side)
+    collision = (
+        st.builds(lambda pair, *both: Collision(*pair, *both), st.sampled_from(pairs), sides, sides)
+        if pairs
+        else st.nothing()
+    )
+    return CrashScenario(
+        RoadNetwork(road_type, draw(st.none() | st.integers(1, MAX_LANES)), stem),
+        vehicles,
+        Environment(draw(st.none() | st.sampled_from(Time)), draw(st.none() | st.sampled_from(Weather)), draw(_extras)),
+        tuple(draw(st.lists(collision, max_size=2))) if pairs else (),
+        draw(_extras),
+    )

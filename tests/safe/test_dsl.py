@@ -1,0 +1,68 @@
+"""What a scenario may not say."""
+
+import pytest
+
+from roadmend.safe.dsl import (
+    Action,
+    Collision,
+    Compass,
+    CrashScenario,
+    Environment,
+    Model,
+    Position,
+    RoadNetwork,
+    RoadType,
+    Vehicle,
+)
+
+CAR = Vehicle(Model.SEDAN, Position.W2E, Action.MOVE_FORWARD, 45)
+NOWHERE = Environment(None, None)
+
+
+@pytest.mark.parametrize("lanes", [0, -1, 25])
+def test_lanes_out_of_range(lanes):
+    with pytest.raises(ValueError, match="num_lanes"):
+        RoadNetwork(RoadType.STRAIGHT, lanes)
+
+
+@pytest.mark.parametrize("road_type", [None, *(kind for kind in RoadType if kind is not RoadType.T_INTERSECTION)])
+def test_a_stem_needs_a_t_intersection(road_type):
+    with pytest.raises(ValueError, match="stem_direction"):
+        RoadNetwork(road_type, 2, Compass.WEST)
+
+
+@pytest.mark.parametrize("limit", [0, -5, 100.5])
+def test_speed_limits_out_of_range(limit):
+    with pytest.raises(ValueError, match="speed_limit_mph"):
+        Vehicle(None, None, None, limit)
+
+
+def test_a_way_needs_two_points():
+    with pytest.raises(ValueError, match="action"):
+        Vehicle(None, None, ((0.0, 0.0),), None)
+
+
+def test_a_crash_needs_a_vehicle():
+    with pytest.raises(ValueError, match="vehicles is empty"):
+        CrashScenario(RoadNetwork(None, None), (), NOWHERE)
+
+
+@pytest.mark.parametrize(
+    ("road_type", "position"),
+    [(RoadType.MERGING, Position.W2E), (RoadType.CURVE, Position.ON_RAMP), (None, Position.MAIN_ROAD)],
+)
+def test_positions_belong_to_road_types(road_type, position):
+    with pytest.raises(ValueError, match=r"vehicles\[0\].initial_position"):
+        CrashScenario(RoadNetwork(road_type, 2), (Vehicle(None, position, None, None),), NOWHERE)
+
+
+def test_collisions_need_two_vehicles_that_are_there():
+    with pytest.raises(ValueError, match="itself"):
+        Collision(1, 1)
+    with pytest.raises(ValueError, match="name vehicle 2"):
+        CrashScenario(RoadNetwork(None, None), (CAR,), NOWHERE, (Collision(1, 2),))
+
+
+def test_own_fields_need_their_prefix():
+    with pytest.raises(ValueError, match="x-"):
+        Environment(None, None, {"wind": 3})

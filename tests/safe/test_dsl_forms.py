@@ -1,0 +1,176 @@
+"""The three written forms of a scenario: what is written is read back, and mistakes are named by line and field."""
+
+import json
+
+import pytest
+from hypothesis import given, settings
+
+from roadmend.core.errors import InputError
+from roadmend.safe.dsl import Compass, CrashScenario, RoadType
+from roadmend.safe.dsl_data import answer_schema, dump_data, parse_data
+from roadmend.safe.dsl_file import dump_crash_scenario, load_crash_scenario, parse_crash_scenario, save_crash_scenario
+
+from .scenarios import scenarios
+
+FORMS = (".json", ".yaml", ".txt")
+LISTING = """\
+<Scenario>:
+  <Road network>:
+    <Road type>: T-intersection
+    <No. lanes>: 3
+    <Stem direction>: West
+  <Actors>:
+    <Vehicle_1>:
+      <Model>: Sedan
+      <Initial_position>: W2E
+      <Actions>: Turn Left
+      <Speed_limit>: 45
+    <Vehicle_2>:
+      <Model>: SUV
+      <Initial_position>: N2S
+      <Actions>: [[0, 0], [12.5, 3]]
+      <Speed_limit>: Unknown
+      <x-colour>: "red"
+  <Env>:
+    <Time>: Nighttime
+    <Weather>: Clear
+"""
+
+
+@pytest.mark.parametrize("form", FORMS)
+@given(scenario=scenarios())
+@settings(max_examples=60, deadline=None)
+def test_what_is_written_is_read_back(form, scenario):
+    assert parse_crash_scenario(dump_crash_scenario(scenario, form), form, "here") == scenario
+
+
+def test_the_listing_of_the_paper_reads():
+    scenario = parse_crash_scenario(LISTING, ".txt", "listing")
+    assert (scenario.road.road_type, scenario.road.lanes, scenario.road.stem) == (
+        RoadType.T_INTERSECTION,
+        3,
+        Compass.WEST,
+    )
+    assert scenario.vehicles[1].action == ((0.0, 0.0), (12.5, 3.0))
+    assert scenario.vehicles[1].speed_limit_mph is None
+    assert scenario.vehicles[1].extras == {"x-colour": "red"}
+
+
+def test_not_applicable_is_no_stem():
+    data = dump_data(parse_crash_scenario(LISTING, ".txt", "listing"))
+    data |= {"road_type": "Intersection", "stem_direction": "Not applicable"}
+    assert parse_data(data, "here").road.stem is None
+
+
+def test_files(tmp_path):
+    scenario = parse_crash_scenario(LISTING, ".txt", "listing")
+    for form in FORMS:
+        save_crash_scenario(scenario, tmp_path / f"case{form}")
+        assert load_crash_scenario(tmp_path / f"case{form}") == scenario
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(f"case{form}" for form in FORMS)
+    with pytest.raises(InputError, match="cannot be read"):
+        load_crash_scenario(tmp_path / "missing.json")
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be written"):
+        save_crash_scenario(scenario, tmp_path / "file" / "case.json")
+
+
+MISTAKES = [  # what is put in the place of what, and what the error says: line, field
+    ("<No. lanes>: 3", "<No. lanes>: many", 4, "No. lanes"),
+    ("<No. lanes>: 3", "<No. lanes>: 3.5", 4, "num_lanes"),
+    ("<No. lanes>: 3", "<No. lanes>: 0", 4, "num_lanes"),
+    ("<No. lanes>: 3", "<No. lanes>:", 4, "No. lanes"),
+    ("<No. lanes>: 3", "<Lanes>: 3", 4, "Lanes"),
+    ("<No. lanes>: 3", "no lanes", 4, "no lanes"),
+    ("    <No. lanes>: 3\n", "", 2, "num_lanes"),
+    ("T-intersection", "Roundabout", 3, "road_type"),
+    ("T-intersection", "Curve", 5, "stem_direction"),
+    ("Sedan", "Car", 8, "vehicles[0].model"),
+    ("W2E", "Main road", 7, "initial_position"),
+    ("Turn Left", "Fly", 10, "vehicles[0].action"),
+    ("45", "500", 11, "vehicles[0].speed_limit_mph"),
+    ("45", "NaN", 11, "vehicles[0].speed_limit_mph"),
+    ("<Vehicle_2>", "<Vehicle_3>", 12, "Vehicle_3"),
+    ("[[0, 0], [12.5, 3]]", "[[0, 0], [12.5]]", 15, "vehicles[1].action[1]"),
+    ("[[0, 0], [12.5, 3]]", "[[0, 0]]", 15, "vehicles[1].action"),
+    ("<x-colour>", "<colour>", 17, "colour"),
+    ("<Time>: Nighttime", "<Time>: Nighttime\n    <Time>: Daytime", 20, "Time"),
+    ("  <Env>:", "  <Weather report>:", 18, "Weather report"),
+    ("<Road network>:", "<Road network>: 7", 2, "Road network"),
+]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "field"), MISTAKES, ids=[f"{new or 'nothing'}" for _, new, _, _ in MISTAKES]
+)
+def test_the_text_form_names_line_and_field(old, new, line, field):
+    assert old in LISTING
+    with pytest.raises(InputError) as caught:
+        parse_crash_scenario(LISTING.replace(old, new, 1), ".txt", "case")
+    assert caught.value.where == f"case, line {line}"
+    assert field in caught.value.what
+
+
+@pytest.mark.parametrize("text", ["", "<Road network>:\n", LISTING + LISTING])
+def test_a_text_is_one_scenario(text):
+    with pytest.raises(InputError, match="one <Scenario>"):
+        parse_crash_scenario(text, ".txt", "case")
+
+
+def changed(**changes):
+    return dump_data(parse_crash_scenario(LISTING, ".txt", "listing")) | changes
+
+
+@pytest.mark.parametrize(
+    ("content", "complaint"),
+    [
+        ([], "not fields"),
+        (changed(wether="Clear"), "field wether: is none of"),
+        (changed(env={"time": None}), "field env.weather: is missing"),
+        (changed(vehicles=[]), "vehicles"),
+        (changed(vehicles="none"), "field vehicles: is .*not a list"),
+        (changed(vehicles=[3]), r"field vehicles\[0\]"),
+        (changed(num_lanes=True), "field num_lanes: true is no number"),
+        (changed(num_lanes="3"), "field num_lanes"),
+        (changed(stem_direction="Up"), "field stem_direction"),
+        (changed(collisions=[{"striking": 1}]), r"field collisions\[0\].struck: is missing"),
+        (changed(collisions=[{"striking": 1, "struck": None}]), r"field collisions\[0\]"),
+        (changed(collisions=[{"striking": 1, "struck": 1}]), "itself"),
+        (changed(collisions=[{"striking": 1, "struck": 7}]), "vehicle 7"),
+        (changed(collisions=[{"striking": 1, "struck": 2, "x-speed": 3}]), "x-speed"),
+    ],
+)
+def test_data_is_checked(content, complaint):
+    with pytest.raises(InputError, match=complaint):
+        parse_data(content, "case")
+
+
+@pytest.mark.parametrize("form", [".json", ".yaml"])
+def test_files_name_line_and_field(form):
+    text = dump_crash_scenario(parse_crash_scenario(LISTING, ".txt", "listing"), form)
+    line = 1 + text[: text.index("Nighttime")].count("\n")
+    with pytest.raises(InputError, match=rf"case, line {line}: field env.time"):
+        parse_crash_scenario(text.replace("Nighttime", "Teatime"), form, "case")
+
+
+@pytest.mark.parametrize(
+    ("form", "text", "complaint"),
+    [
+        (".json", '{"road_type": ', "line 1: broken JSON"),
+        (".json", '{"a": 1, "a": 2}', "field a is there twice"),
+        (".yaml", "a: [1", "broken YAML"),
+        (".yaml", "a: 1\na: 2", "line 2: field a is there twice"),
+        (".yaml", "", "not fields"),
+    ],
+)
+def test_broken_files(form, text, complaint):
+    with pytest.raises(InputError, match=complaint):
+        parse_crash_scenario(text, form, "case")
+
+
+def test_the_schema_asks_for_every_field_and_no_other():
+    schema = answer_schema()
+    assert schema["required"] == ["road_type", "num_lanes", "stem_direction", "vehicles", "env"]
+    assert "false" in json.dumps(schema["additionalProperties"])
+    assert None in schema["properties"]["env"]["properties"]["weather"]["enum"]
+    assert isinstance(parse_data(changed(), "case"), CrashScenario)

@@ -1,0 +1,97 @@
+"""Reports on disk, whole and broken."""
+
+import io
+
+import pytest
+from PIL import Image
+
+from roadmend.core.errors import InputError
+from roadmend.safe.report import MAX_SUMMARY, find_reports, load_report
+
+
+def png(size=(8, 8)):
+    data = io.BytesIO()
+    Image.new("RGB", size, "white").save(data, "png")
+    return data.getvalue()
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "case").mkdir()
+    (tmp_path / "case" / "summary.txt").write_text("V1 hit V2.")
+    return tmp_path / "case"
+
+
+def test_a_report_with_a_sketch(folder):
+    (folder / "sketch.png").write_bytes(png())
+    report = load_report(folder)
+    assert (report.case, report.summary, report.notes) == ("case", "V1 hit V2.", ())
+    assert report.sketch.media_type == "image/png"
+    assert report.digest() != load_report(folder / "summary.txt").digest()
+
+
+@pytest.mark.parametrize("data", [b"", b"no image", png()[:40], b"\x89PNG\r\n\x1a\n" + bytes(30)])
+def test_an_image_that_is_none_is_left_out_and_said(folder, data):
+    (folder / "sketch.jpg").write_bytes(data)
+    report = load_report(folder)
+    assert report.sketch is None
+    assert "sketch.jpg is no image" in report.notes[0]
+
+
+def test_a_sketch_that_unpacks_to_gigabytes_is_left_out(folder, monkeypatch):
+    monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", 10)
+    (folder / "sketch.png").write_bytes(png())
+    assert load_report(folder).sketch is None
+
+
+def test_no_sketch_is_said(folder):
+    assert load_report(folder).notes == ("the report has no sketch",)
+
+
+@pytest.mark.parametrize(
+    ("content", "complaint"),
+    [
+        (b"", "is empty"),
+        (b" \n\t ", "is empty"),
+        (bytes(range(256)), "is no text"),
+        (b"\x7fELF\x02\x01\x01\x00", "is no text"),
+        (b"V1 hit V2. " * 1_000_000, "is longer than"),
+        ("\u00e9".encode() * 200_000, "is longer than"),
+    ],
+    ids=["empty", "blank", "binary", "program", "10 MB", "two-byte characters"],
+)
+def test_summaries_that_are_none(tmp_path, content, complaint):
+    (tmp_path / "case.txt").write_bytes(content)
+    with pytest.raises(InputError, match=complaint):
+        load_report(tmp_path / "case.txt")
+
+
+def test_old_encodings_and_marks(tmp_path):
+    (tmp_path / "old.txt").write_bytes("V1\x92s front".encode("latin-1"))
+    (tmp_path / "mark.txt").write_bytes(b"\xef\xbb\xbfV1")
+    assert load_report(tmp_path / "old.txt").summary == "V1\u2019s front"
+    assert load_report(tmp_path / "mark.txt").summary == "V1"
+    (tmp_path / "most.txt").write_text("x" * MAX_SUMMARY)
+    assert len(load_report(tmp_path / "most.txt").summary) == MAX_SUMMARY
+
+
+def test_finding_reports(folder):
+    (folder.parent / "other.txt").write_text("x")
+    (folder.parent / "notes.md").write_text("x")
+    (folder.parent / "empty").mkdir()
+    assert [path.name for path in find_reports(folder.parent)] == ["case", "other.txt"]
+    assert find_reports(folder) == (folder,)
+    assert find_reports(folder.parent / "other.txt") == (folder.parent / "other.txt",)
+
+
+def test_no_reports(folder):
+    with pytest.raises(InputError, match="no such report"):
+        find_reports(folder / "missing")
+    (folder.parent / "empty").mkdir()
+    with pytest.raises(InputError, match="holds no report"):
+        find_reports(folder.parent / "empty")
+    with pytest.raises(InputError, match="has no summary"):
+        load_report(folder.parent / "empty")
+    (folder.parent / "case.txt").write_text("x")
+    with pytest.raises(InputError, match="two reports called case"):
+        find_reports(folder.parent)
