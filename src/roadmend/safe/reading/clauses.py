@@ -13,7 +13,7 @@ _TRAVELING = (
 _BOUNDARY = re.compile(
     rf";\s*|,?\s+(?:while|when|as|but|before|after|until|whereas|then|causing|because)\s+(?={_NEW_SUBJECT})"
     rf"|,\s+(?=(?:and\s+)?(?:the (?:driver|operator|front|rear)\b|v\d\b(?!\s*,?\s*(?:and|or)\b)|both\b|he\b|she\b))"
-    rf"|\s+and\s+(?=(?:the (?:driver|operator|front|rear|left side|right side|frontal plane)\b|v\d\b(?=[^,;.]{{0,40}}?\b(?:was|were|had|is|struck|turned|continued|entered|did|drifted|came|began|traveled|attempted|proceeded|made|failed))))"
+    rf"|\s+and\s+(?=(?:the (?:driver|operator|front|rear|left side|right side|frontal plane)\b|v\d\b(?=[^,;.]{{0,40}}?\b(?:was|were(?! both| all| each)|had|is|struck|turned|continued|entered|did|drifted|came|began|traveled|attempted|proceeded|made|failed))))"
     rf"|(?:(?<=v\d)|(?<=v\d\))),?\s+(?={_TRAVELING})"
     r"|,?\s+(?=(?:which|who|that)\s+(?:was|were|had|is|has)\b)|,\s+(?=(?:where|causing)\b)"
 )
@@ -32,6 +32,8 @@ _PLACED = re.compile(
 _BOTH = re.compile(
     r"\b(?:both|the (?:2|3|4)) (?:vehicles|drivers|cars|motorists)\b|\ball (?:3|4|of the)? ?vehicles\b|\bv\d(?:,| and)[^.;]{0,20}\bv\d were (?:both )?"
 )
+
+_ALL_NAMED = re.compile(r"(?:(?!\b(?:was|struck|hit|impacted|contacted)\b)[^;])*\bv\d\b[^;]*?\bv\d\b[^;]{0,60}?\bwere (?:both|all|each)\b")
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +86,9 @@ def _known(subjects: tuple[int, ...], numbers: Sequence[int]) -> tuple[int, ...]
 
 
 def _subjects(text: str, numbers: Sequence[int]) -> tuple[int, ...]:
+    all_of_them = _ALL_NAMED.match(text)
+    if all_of_them:
+        return tuple(dict.fromkeys(int(number) for number in _REFERENCE.findall(all_of_them[0])))
     if _BOTH.search(text[:60]):
         named = tuple(dict.fromkeys(int(number) for number in _REFERENCE.findall(text[:60])))
         return named if len(named) > 1 else tuple(numbers)

@@ -54,6 +54,12 @@ _HEADING_AFTER = re.compile(
 _SAME = re.compile(
     r"\b(?:also|in the same direction|same (?:travel )?(?:lane|direction|travel|way)|behind|following|ahead of|in front of|trailing|passing|overtak\w+|rear-ended)\b"
 )
+_TURN_LANE = re.compile(r"\b(?:(?:left|right|center|2-way|only)[- ])*turn(?:ing)?(?:[- ]only)?[- ]lanes?\b")
+# "a southbound 2006 Ford (v2)"
+_ADJECTIVE = re.compile(
+    rf"\b{_COMPASS}bound (?:(?!(?:lanes?|roadway|road|traffic|shoulder|direction|travel|side|street|highway|v\d|and|when|where|was|by|at)\b)[\w/-]+,? ){{0,7}}\(?v(\d)\b"
+    rf"|\bv(\d)\)?,? an? {_COMPASS}bound\b"
+)
 _NEAR = r"\b(?:ahead of|behind|following|in front of|pass|passing|overtak\w+|trailing) (?:[^.;,]{0,60}\()?(?:\w+ )?"
 _NOT_OWN = re.compile(r"\b(?:(?:came|coming|come) to (?:a )?(?:final )?rest|rotat\w+|rebounded|spun)\b")
 _OPPOSING = re.compile(
@@ -67,6 +73,11 @@ Headings = Mapping[int, Finding[Position]]
 def read_headings(clauses: Sequence[Clause], numbers: Sequence[int]) -> dict[int, Finding[Position]]:
     """The direction of travel of each vehicle, as far as the report says it of that vehicle."""
     found: dict[int, Finding[Position]] = {}
+    for clause in clauses:
+        for match in _ADJECTIVE.finditer(clause.text):
+            compass, number = (match[1], int(match[2])) if match[2] else (match[4], int(match[3]))
+            if number in numbers and not _is_aftermath(clause.text):
+                found.setdefault(number, Finding(_OF[compass], 0.9, clause.sentence, "the word before its name"))
     for read, confidence, reason in (
         (_stated, 0.95, "said of this vehicle"),
         (_from_where, 0.85, "where it came from"),
@@ -146,6 +157,7 @@ def _masked(text: str) -> str:
 
 
 def _stated(text: str) -> Position | None:
+    text = _TURN_LANE.sub(" lane", text)
     if _FROM.search(text):
         return None
     own = _NOT_OWN.split(_INTENT.sub(" ", _masked(text)))[0]

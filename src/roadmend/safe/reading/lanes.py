@@ -18,7 +18,7 @@ _HAS = re.compile(
     rf"(?! (?:in (?:each|either)|each|per|{_COMPASS}))"
 )
 _EACH = re.compile(
-    rf"(?<![\w-])(?:{_N}|(a single|a|single)) {_KIND}lanes?\b(?: of (?:travel|traffic))?(?:(?!(?<!turn )(?<!turning )\blanes?\b)[^.;]){{0,45}}?\b(?:in|for|per|going|each)\s*(?:each|either|both|every|opposite|opposing|per)?\s*(?:travel |traffic |of the )?(?:direction|way|directions|side)s?\b(?: of travel)?"
+    rf"(?<![\w-])(?:{_N}|(a single|a|single)) {_KIND}lanes?\b(?: of (?:travel|traffic))?(?:(?!(?<!turn )(?<!turning )\blanes?\b)[^.;\d]){{0,45}}?\b(?:in|for|per|going|each)\s*(?:each|either|both|every|opposite|opposing|per)?\s*(?:travel |traffic |of the )?(?:direction|way|directions|side)s?\b(?: of travel)?"
     rf"|(?<![\w-]){_N}[- ]lanes? (?:in )?each (?:way|direction)"
 )
 _DIRECTED = (

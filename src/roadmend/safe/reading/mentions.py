@@ -17,8 +17,8 @@ _VERB = (
 )
 _DESCRIBED_AFTER = re.compile(
     r"\bv(?P<number>\d)\b\)?(?:\s*\([^)]{0,60}\))*"
-    r"(?:\s*[,.:=-]+\s*(?:(?:was|is)\s+)?(?:also\s+)?(?:an?|the|another)?\s*|\s+(?:was|is)\s+(?:also\s+)?(?:an?|the)\s+|\s*\(\s*(?:an?\s+|the\s+)?|[\s,]+(?:(?:was|is|had been)\s+)?(?:operating|driving|drove|operated|drives|in)\s+(?:an?|the|his|her)\s+)"
-    rf"(?P<text>(?:(?!{_VERB}|\bv\d\b)[^.;()]){{2,140}})"
+    r"(?:\s*[,.:=-]+\s*(?:(?:was|is)\s+)?(?:also\s+)?(?:an?|the|another)?\s*|\s+(?:was|is)\s+(?:also\s+)?(?:an?|the)\s+|\s*\(\s*(?:an?\s+|the\s+)?|\s+an?\s+(?=(?:19|20)\d\d\b)|[\s,]+(?:(?:was|is|had been)\s+)?(?:operating|driving|drove|operated|drives|in)\s+(?:an?|the|his|her)\s+)"
+    rf"(?:(?:north|south|east|west)bound,?\s+)?(?P<text>(?:(?!{_VERB}|\bv\d\b)[^.;()]){{2,140}})"
 )
 _DESCRIBED_BEFORE = re.compile(
     r"\b(?:an?|the|another|\d{4})\s+(?P<text>(?:(?!\bv\d\b)[^;()]){2,100}?),?\s*\(\s*(?:the )?v(?P<number>\d)\b"

@@ -72,9 +72,10 @@ def _assemble(cast: Cast) -> Reading:
 
     road_type = read_road_type(sentences, clauses, len(numbers), [number for number in numbers if sides[number]])
     is_t, merging = road_type.value is RoadType.T_INTERSECTION, road_type.value is RoadType.MERGING
+    at_junction = is_t or road_type.value is RoadType.INTERSECTION
     lanes = read_lanes(sentences, merging=merging)
     known = {number: finding.value for number, finding in headings.items()}
-    stem = read_stem(sentences, known, sides) if is_t else nothing("only a T-intersection has a stem")
+    stem = read_stem(sentences, clauses, known, sides) if is_t else nothing("only a T-intersection has a stem")
     time, sun_is_up = read_time(sentences)
     weather = read_weather(sentences, time.value, sun_is_up=sun_is_up)
     limits = read_limits(sentences)
@@ -94,7 +95,7 @@ def _assemble(cast: Cast) -> Reading:
         )
         position = _on_merging_road(number, on_ramp, headings[number]) if merging else headings[number]
         action = _action(turns[number])
-        limit = limit_for(number, known[number], limits)
+        limit = limit_for(number, known[number], limits, at_junction=at_junction)
         fields = {"model": model, "initial_position": position, "action": action, "speed_limit_mph": limit,
                   "manoeuvre": manoeuvres[number]}  # fmt: skip
         findings |= {f"vehicles[{index}].{name}": finding for name, finding in fields.items()}

@@ -58,6 +58,7 @@ _STEM = re.compile(
 _STEM_CONTROL = re.compile(
     r"\bstop sign\w*\b[^.;]{0,40}\b(north|south|east|west)bound\b|\b(north|south|east|west)bound\b[^.;]{0,60}\b(?:controlled by|had|has|with|facing|regulated by) (?:an? )?(?:\w+ )?(?:stop|yield)"
 )
+_HAS_TO_WAIT = re.compile(r"\b(?:stop|yield) sign\b")
 _COMPASS_OF = {"north": Compass.NORTH, "south": Compass.SOUTH, "east": Compass.EAST, "west": Compass.WEST}
 _COMES_FROM = {
     Position.W2E: Compass.WEST,
@@ -174,12 +175,16 @@ def _curve(sentences: Sequence[Sentence]) -> Finding[RoadType] | None:
 
 
 def read_stem(
-    sentences: Sequence[Sentence], headings: Mapping[int, Position | None], turns: Mapping[int, Side | None]
+    sentences: Sequence[Sentence],
+    clauses: Sequence[Clause],
+    headings: Mapping[int, Position | None],
+    turns: Mapping[int, Side | None],
 ) -> Finding[Compass]:
     """Where the stem of a T-intersection lies.
 
     Args:
         sentences: of the report.
+        clauses: of the report.
         headings: of the vehicles, where known.
         turns: the sides to which they turn, None for straight on or unknown.
     """
@@ -211,8 +216,11 @@ def read_stem(
                 _side_of(heading, side), 0.7, None, f"v{number} turns off the road on which v{along[0]} goes on"
             )
         return Finding(_COMES_FROM[heading], 0.4, None, f"v{number} turns there")
-    if len(straight) == 1:
-        return nothing("the report does not say which road ends at the intersection")
+    for clause in clauses:
+        if len(clause.subjects) == 1 and _HAS_TO_WAIT.search(clause.text):
+            heading = headings.get(clause.subjects[0])
+            if heading is not None:
+                return Finding(_COMES_FROM[heading], 0.7, clause.sentence, f"v{clause.subjects[0]} has to stop there")
     return nothing("the report does not say where the road that ends there lies")
 
 

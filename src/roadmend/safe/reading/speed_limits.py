@@ -59,10 +59,11 @@ def read_limits(sentences: Sequence[Sentence]) -> tuple[Limit, ...]:
             if not _SAME_ROAD.search(plain) and not named:
                 topic = frozenset()
             continue
+        road_first = bool(_axes(plain[: values[0].start()][-80:]))  # "for the north/south road 45 mph"
         for index, match in enumerate(values):
             start = values[index - 1].end() if index else 0
             end = values[index + 1].start() if index + 1 < len(values) else len(plain)
-            around = plain if len(values) == 1 else _own_part(plain, start, match, end, first=index == 0)
+            around = plain if len(values) == 1 else _own_part(plain, start, match, end, road_first=road_first)
             axes = _axes(around)
             labels = frozenset(int(label) for label in _LABEL.findall(around))
             if not axes and len(values) == 1:
@@ -82,13 +83,16 @@ def read_limits(sentences: Sequence[Sentence]) -> tuple[Limit, ...]:
     return tuple(limits)
 
 
-def limit_for(number: int, heading: Position | None, limits: Sequence[Limit]) -> Finding[int]:
+def limit_for(
+    number: int, heading: Position | None, limits: Sequence[Limit], *, at_junction: bool
+) -> Finding[int]:
     """The limit that holds for a vehicle.
 
     Args:
         number: the vehicle's.
         heading: its direction of travel, where known.
         limits: those of the report.
+        at_junction: the vehicles may have been on different roads.
     """
     if not limits:
         return nothing("no speed limit is mentioned")
@@ -106,7 +110,7 @@ def limit_for(number: int, heading: Position | None, limits: Sequence[Limit]) ->
     general = [limit for limit in others if not limit.axes or len(limit.axes) == 2]
     if general:
         return Finding(general[0].mph, 0.9 if len(general) == 1 else 0.6, general[0].sentence, "the limit of the place")
-    if axis is None and len({limit.mph for limit in others}) == 1:
+    if (axis is None or not at_junction) and len({limit.mph for limit in others}) == 1:
         return Finding(others[0].mph, 0.5, others[0].sentence, "the only limit mentioned")
     return nothing("the limits mentioned are those of another road")
 
@@ -128,14 +132,16 @@ def _is_speed_of_travel(plain: str, match: re.Match[str]) -> bool:
     ) and not re.search(r"limit[^.;]*$", before)
 
 
-def _own_part(plain: str, start: int, match: re.Match[str], end: int, *, first: bool) -> str:
+def _own_part(plain: str, start: int, match: re.Match[str], end: int, *, road_first: bool) -> str:
     """The words that belong to one of several values: those after it where 'for' or 'on' follows, else those before."""
+    if road_first:
+        return plain[start : match.start()]
     after = re.match(
         r"[^\d]*?\b(?:for|on|in|along)\b((?:(?!\band\b(?! (?:east|west|north|south))).)*)", plain[match.end() : end]
     )
     if after and "limit" not in after[1]:
         return after[1]
-    return plain[0 if first else start : match.start()]
+    return plain[start : match.start()]
 
 
 def _axes(text: str) -> frozenset[str]:
