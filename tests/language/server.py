@@ -5,6 +5,8 @@ import threading
 from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
+WAIT = "wait"
+
 
 def completion(content, **changes):
     """The body of a chat completion."""
@@ -25,7 +27,7 @@ class Server:
 
     Args:
         answers: each a body (a dict, or bytes as they are), or (status, headers, body), or a function of the request's
-            body that gives one of these.
+            body that gives one of these, or WAIT for none before the client has given up.
     """
 
     def __init__(self, answers):
@@ -38,13 +40,10 @@ class Server:
         self.headers.append(headers)
         self.requests.append(body)
         answer = self.answers[min(len(self.requests), len(self.answers)) - 1]
+        if answer == WAIT:
+            self.release.wait(20)
         answer = answer(body) if callable(answer) else answer
         return answer if isinstance(answer, tuple) else (200, {}, answer)
-
-    def wait(self, _body):
-        """An answer that does not come before the client has given up."""
-        self.release.wait(20)
-        return completion("too late")
 
 
 @contextmanager

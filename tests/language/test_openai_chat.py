@@ -13,7 +13,7 @@ from roadmend.language.errors import AnswerError, RefusalError, UnavailableError
 from roadmend.language.exchange import RecordingModel, dump_exchanges
 from roadmend.language.openai_chat import OpenAIModel, OpenAISettings, read_openai_settings
 
-from .server import completion, serving
+from .server import WAIT, completion, serving
 
 KEY = "sk-very-secret-4711"
 SCHEMA = {"type": "object", "properties": {}, "required": [], "additionalProperties": False}
@@ -62,18 +62,22 @@ def test_too_many_requests_are_repeated_after_the_pause_that_the_server_asks_for
 
 
 def test_server_errors_are_repeated_with_growing_pauses_and_a_bound(pauses):
-    with serving((503, {}, {"error": {"message": "down"}})) as (server, url):
-        with pytest.raises(UnavailableError, match="answered 503"):
-            model(url, attempts=4).ask(REQUEST)
+    with (
+        serving((503, {}, {"error": {"message": "down"}})) as (server, url),
+        pytest.raises(UnavailableError, match="answered 503"),
+    ):
+        model(url, attempts=4).ask(REQUEST)
     assert len(server.requests) == 4
     assert len(pauses) == 3
     assert pauses[0] < pauses[2]
 
 
 def test_a_server_that_does_not_answer_is_given_up(pauses):
-    with serving(lambda body: server.wait(body)) as (server, url):
-        with pytest.raises(UnavailableError, match=r"did not answer within 0\.05 s, tried 2 times"):
-            model(url, timeout=0.05, attempts=2).ask(REQUEST)
+    with (
+        serving(WAIT) as (server, url),
+        pytest.raises(UnavailableError, match=r"did not answer within 0\.05 s, tried 2 times"),
+    ):
+        model(url, timeout=0.05, attempts=2).ask(REQUEST)
     assert len(server.requests) == 2
     assert len(pauses) == 1
 
@@ -86,9 +90,11 @@ def test_no_server(pauses):
 
 
 def test_a_wrong_key_is_not_repeated_and_not_told():
-    with serving((401, {}, ERROR)) as (server, url):
-        with pytest.raises(UnavailableError, match=r"answered 401: .*\[key\]") as caught:
-            model(url).ask(REQUEST)
+    with (
+        serving((401, {}, ERROR)) as (server, url),
+        pytest.raises(UnavailableError, match=r"answered 401: .*\[key\]") as caught,
+    ):
+        model(url).ask(REQUEST)
     assert len(server.requests) == 1
     assert KEY not in str(caught.value)
 
@@ -107,9 +113,8 @@ def test_a_wrong_key_is_not_repeated_and_not_told():
     ids=["refusal", "filter", "cut off", "empty", "no choice", "something else", "broken JSON"],
 )
 def test_answers_that_are_none(answer, error, complaint):
-    with serving(answer) as (server, url):
-        with pytest.raises(error, match=complaint):
-            model(url).ask(REQUEST)
+    with serving(answer) as (server, url), pytest.raises(error, match=complaint):
+        model(url).ask(REQUEST)
     assert len(server.requests) == 1
 
 

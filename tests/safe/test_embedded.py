@@ -6,6 +6,7 @@ from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.embedded import EmbeddedExtractor
 from roadmend.safe.extraction import ExtractionError
 from roadmend.safe.report import CrashReport, Sketch
+from roadmend.safe.sketch_text import SketchText
 
 SUMMARY = (
     "V1, a 2012 Honda Civic, was traveling north on a straight two-lane road. V2, a 2001 Ford F-150, was traveling south. "
@@ -13,8 +14,12 @@ SUMMARY = (
 )
 
 
-def extract(summary, sketch=None):
-    return EmbeddedExtractor().extract(CrashReport("case", summary, sketch))
+SKETCH = Sketch(b"...", "image/png")
+
+
+def extract(summary, sketch=None, words=None):
+    reader = EmbeddedExtractor(lambda _: SketchText(words, "not read" if words is None else "read"))
+    return reader.extract(CrashReport("case", summary, sketch))
 
 
 @pytest.mark.parametrize(
@@ -51,9 +56,26 @@ def test_a_vehicle_alone_is_said():
     assert any("alone" in note for note in extraction.notes)
 
 
+def limits(extraction):
+    return [vehicle.speed_limit_mph for vehicle in extraction.scenario.vehicles]
+
+
 def test_what_becomes_of_the_sketch_is_said():
     assert extract(SUMMARY).sketch == "there is none"
-    assert extract(SUMMARY, Sketch(b"...", "image/png")).sketch.startswith("not read")
+    assert extract(SUMMARY, SKETCH).sketch == "not read"
+    assert extract(SUMMARY, SKETCH, "a tree").sketch == "read"
+    with_limit = extract(f"{SUMMARY} The speed limit was 45 mph.", SKETCH, "Speed limit 35 mph")
+    assert with_limit.sketch.startswith("not read: ")
+    assert limits(with_limit) == [45, 45]
+
+
+def test_the_sketch_gives_the_limit_that_the_summary_leaves_open():
+    extraction = extract(SUMMARY, SKETCH, "NORTH\nSpeed Limit = 35 mph (56 kmph)")
+    assert limits(extraction) == [35, 35]
+    assert extraction.evidence["vehicles[1].speed_limit_mph"].reason == "the sketch says 35 mph"
+    assert limits(extract(SUMMARY, SKETCH, "70 mph for cars, speed limit for trucks 55 mph")) == [None, None]
+    crossing = "V1, a van, drove north and V2, a van, drove east into the intersection. The limit for V2 was 45 mph."
+    assert limits(extract(crossing, SKETCH, "Speed limit 35 mph")) == [35, 45]
 
 
 @pytest.mark.parametrize(

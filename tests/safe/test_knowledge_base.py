@@ -14,7 +14,8 @@ def test_every_road_type_has_a_template_with_a_worked_example(road_type):
     for each in template.examples:
         assert each.answer.road.road_type is road_type
         assert each.directions == tuple(vehicle.initial_position for vehicle in each.answer.vehicles)
-        assert each.analysis and each.summary
+        assert each.analysis
+        assert each.summary
     assert example in template.examples
 
 

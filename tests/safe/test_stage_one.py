@@ -17,7 +17,7 @@ from roadmend.safe.extraction import ExtractionError
 from roadmend.safe.report import CrashReport, Sketch
 from roadmend.safe.stage_one import LanguageExtractor, StageOneOptions
 
-from ..language.server import completion, serving
+from ..language.server import completion, serving  # noqa: TID252 - one server for two rooms
 
 TRUTH = {
     "road_type": "T-intersection",

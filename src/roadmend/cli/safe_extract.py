@@ -16,6 +16,7 @@ from roadmend.evaluation.source_digest import source_digest
 from roadmend.safe.backends import BACKENDS, BackendOptions
 from roadmend.safe.extraction_run import Extracted, extract_reports
 from roadmend.safe.report import find_reports
+from roadmend.safe.sketch_text import is_sketch_read
 from roadmend.safe.stage_one import StageOneOptions
 
 
@@ -52,7 +53,8 @@ def extract(
     options = StageOneOptions(not no_prompt_generation, not no_validation, attempts)
     paths = find_reports(reports)
     extractor = BACKENDS[backend](BackendOptions(options, settings, recording))
-    key = f"{source_digest(['roadmend.safe.backends'])} {backend} {options}"  # other rules, other results
+    # Other rules, other results; and a sketch is read by a program that may be there or not.
+    key = f"{source_digest(['roadmend.safe.backends'])} {backend} {options} {is_sketch_read()}"
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
     done = []
     with Progress(*columns, console=Console(stderr=True)) as progress:

@@ -1,19 +1,63 @@
-"""The embedded backend: rules for English, no model, no network, the same answer every time."""
+"""The embedded backend: rules for English, no language model, no network, the same answer every time."""
 
 import re
+from collections.abc import Callable
+from dataclasses import replace
 from enum import StrEnum
 from typing import Any
 
+from roadmend.safe.dsl import CrashScenario
 from roadmend.safe.extraction import Evidence, Extraction, ExtractionError
 from roadmend.safe.reading.finding import Finding
 from roadmend.safe.reading.reader import read_summary
-from roadmend.safe.report import CrashReport
+from roadmend.safe.report import CrashReport, Sketch
+from roadmend.safe.sketch_text import SketchText, posted_limit, read_sketch
 
 _WORDS = re.compile(r"[^\W\d_]+")
 _FUNCTION_WORDS = frozenset(
-    ["the", "a", "an", "of", "to", "in", "on", "at", "and", "was", "were", "is", "are", "it", "its", "by", "from", "with", "that", "this", "for", "as", "had", "has", "which", "but", "not", "or", "into", "be", "been", "when", "while", "after", "before", "both", "one", "two"]
+    [
+        "the",
+        "a",
+        "an",
+        "of",
+        "to",
+        "in",
+        "on",
+        "at",
+        "and",
+        "was",
+        "were",
+        "is",
+        "are",
+        "it",
+        "its",
+        "by",
+        "from",
+        "with",
+        "that",
+        "this",
+        "for",
+        "as",
+        "had",
+        "has",
+        "which",
+        "but",
+        "not",
+        "or",
+        "into",
+        "be",
+        "been",
+        "when",
+        "while",
+        "after",
+        "before",
+        "both",
+        "one",
+        "two",
+    ]
 )
 _LEAST_ENGLISH = 0.2  # share of function words; in English prose it is near one half
+_TRUST_IN_SKETCH = 0.6
 _FEWEST_WORDS = 12  # below that, shares say nothing
 _OTHERS = re.compile(
     r"\b(?:struck|hit|hitting|striking|ran over|collided with|impacted|contacted)\b[^.]{0,60}?"
@@ -23,7 +67,14 @@ _OTHERS = re.compile(
 
 
 class EmbeddedExtractor:
-    """Reads the summary; the sketch it cannot read, and says so."""
+    """Reads the summary; of the sketch no more than a posted limit about which the summary is silent.
+
+    Args:
+        read: gives the words of a sketch.
+    """
+
+    def __init__(self, read: Callable[[Sketch], SketchText] = read_sketch) -> None:
+        self.read = read
 
     def extract(self, report: CrashReport) -> Extraction:
         """Read one report.
@@ -41,8 +92,31 @@ class EmbeddedExtractor:
         notes = [*report.notes, *_limits(report, len(reading.scenario.vehicles))]
         notes += [f"vehicle {number} touched nothing and was left out" for number in reading.left_out]
         evidence = {name: _evidence(finding) for name, finding in reading.findings.items()}
-        sketch = "not read: the embedded backend reads text only" if report.sketch is not None else "there is none"
-        return Extraction(reading.scenario, evidence, sketch, tuple(notes))
+        scenario, sketch = reading.scenario, "there is none"
+        if report.sketch is not None and all(vehicle.speed_limit_mph is not None for vehicle in scenario.vehicles):
+            sketch = "not read: this backend looks for nothing but speed limits there, and the summary has them"
+        elif report.sketch is not None:
+            written = self.read(report.sketch)
+            sketch = written.note
+            limit = posted_limit(written.text or "")
+            if limit is not None:
+                found = Evidence(limit, None, _TRUST_IN_SKETCH, f"the sketch says {limit} mph")
+                scenario, evidence = _with_limit(scenario, evidence, found)
+        return Extraction(scenario, evidence, sketch, tuple(notes))
+
+
+def _with_limit(
+    scenario: CrashScenario, evidence: dict[str, Evidence], found: Evidence
+) -> tuple[CrashScenario, dict[str, Evidence]]:
+    """Give the vehicles the limit of the sketch that have none from the summary."""
+    vehicles = []
+    filled = dict(evidence)
+    for index, vehicle in enumerate(scenario.vehicles):
+        is_open = vehicle.speed_limit_mph is None
+        vehicles.append(replace(vehicle, speed_limit_mph=found.value) if is_open else vehicle)
+        if is_open:
+            filled[f"vehicles[{index}].speed_limit_mph"] = found
+    return replace(scenario, vehicles=tuple(vehicles)), filled
 
 
 def _limits(report: CrashReport, vehicles: int) -> list[str]:

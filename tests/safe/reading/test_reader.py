@@ -1,13 +1,16 @@
 """The embedded reader against made-up summaries in many styles, and against rules of its parts."""
 
+import re
 from pathlib import Path
 
 import pytest
 import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from roadmend.cli.resources import config_folder
 from roadmend.safe.dsl import Action, Manoeuvre, Position, RoadType, Side, Time, Weather
-from roadmend.safe.dsl_data import dump_data
+from roadmend.safe.dsl_data import dump_data, parse_data
 from roadmend.safe.reading.reader import read_summary
 
 PARAPHRASES = yaml.safe_load((Path(__file__).parent / "paraphrases.yaml").read_text(encoding="utf-8"))
@@ -114,7 +117,7 @@ def test_weather(words, weather):
         ("The posted speed limit was 89KMPH (55MPH).", 55),
         ("V1 was traveling at approximately 60 mph.", None),
         ("An advisory speed of 25 mph is posted with a speed limit sign.", None),
-        ("The speed limit of the east/west road is 30 mph.", None),
+        ("They met at an intersection. The speed limit of the east/west road is 30 mph.", None),
     ],
 )
 def test_speed_limit(words, limit):
@@ -175,3 +178,165 @@ def test_no_vehicle(summary):
 )
 def test_long_nonsense_takes_bounded_time(word):
     read_summary(word * (60_000 // len(word)))  # pytest's time-out is the assertion
+
+
+PIECES = [
+    "V1",
+    "V2",
+    "V3",
+    "V9",
+    "a",
+    "sedan,",
+    "(V2)",
+    "was",
+    "the",
+    "driver",
+    "of",
+    "were",
+    "both",
+    "vehicles",
+    "traveling",
+    "heading",
+    "stopped",
+    "parked",
+    "north",
+    "southbound",
+    "east",
+    "west/east",
+    "in",
+    "lane",
+    "of",
+    "on-ramp",
+    "ramp",
+    "merged",
+    "intersection",
+    "T-intersection",
+    "curve",
+    "struck",
+    "hit",
+    "the",
+    "front",
+    "rear",
+    "left",
+    "side",
+    "by",
+    "with",
+    "its",
+    "turned",
+    "left",
+    "two-lane",
+    "four",
+    "lanes",
+    "in",
+    "each",
+    "direction",
+    "speed",
+    "limit",
+    "35",
+    "mph",
+    "0",
+    "300",
+    "km/h",
+    "for",
+    "and",
+    "while",
+    "which",
+    "that",
+    "it",
+    "he",
+    ".",
+    ".",
+    ".",
+    ",",
+    ";",
+    "(",
+    ")",
+    "dark",
+    "daylight",
+    "raining",
+    "clear",
+    "2003",
+    "Ford",
+    "F-150",
+    "Mazda",
+    "3",
+    "pickup",
+    "and",
+    "V2",
+    "came",
+    "to",
+    "rest",
+    "facing",
+    "stop",
+    "sign",
+    "one-way",
+    "24",
+    "Vehicle",
+    "Vehicle",
+    "1",
+    "#2",
+]
+
+
+@given(st.lists(st.sampled_from(PIECES), max_size=60))
+@settings(max_examples=150, deadline=None)
+def test_whatever_the_words_the_result_is_a_scenario_or_nothing(pieces):
+    reading = read_summary(" ".join(pieces))
+    if reading is not None:
+        data = dump_data(reading.scenario)
+        assert parse_data(data, "here") == reading.scenario
+        assert data["road_type"] == reading.findings["road_type"].value
+        assert len(data["vehicles"]) == sum(name.endswith(".model") for name in reading.findings)
+
+
+TURNED = {"north": "east", "east": "south", "south": "west", "west": "north"}
+TURNED_POSITION = {"S2N": "W2E", "W2E": "N2S", "N2S": "E2W", "E2W": "S2N"}
+
+
+def facts(summary):
+    data = dump_data(read_summary(summary).scenario)
+    for vehicle in data["vehicles"]:
+        del vehicle["manoeuvre"]  # its words are fewer than those of the rest
+    return data
+
+
+@pytest.mark.parametrize("case", PARAPHRASES, ids=[case["style"] for case in PARAPHRASES])
+def test_a_turned_world_gives_a_turned_scenario(case):
+    if "/B" in case["summary"]:
+        pytest.skip("has its directions as single letters")
+
+    def turn(match):
+        word = TURNED[match[0].lower()]
+        return word.capitalize() if match[0][0].isupper() else word
+
+    want = facts(case["summary"])
+    for vehicle in want["vehicles"]:
+        vehicle["initial_position"] = TURNED_POSITION.get(vehicle["initial_position"], vehicle["initial_position"])
+    if want["stem_direction"]:
+        want["stem_direction"] = TURNED[want["stem_direction"].lower()].capitalize()
+    assert facts(re.sub("north|south|east|west", turn, case["summary"], flags=re.IGNORECASE)) == want
+
+
+@pytest.mark.parametrize(
+    ("pattern", "put"),
+    [
+        (r"\b(?:V|Vehicle (?:no\. )?)([123])\b", r"Unit #\1"),
+        (r"\bwas traveling (north|south|east|west)\b", r"was proceeding in a \1erly direction"),
+        (r"\bwas traveling (north|south|east|west)(?:bound)?\b", r"was \1bound"),
+        (r"\bstruck\b", "collided with"),
+        (r"\broad(?:way)?\b", "highway"),
+        (r"It was daylight", "It happened in daylight hours"),
+        (r"(?i)the sky was (\w+)", r"there were \1 skies"),
+        (r"\d+ ?k\w*/?h\w* \((\d+) ?mph\)", r"\1 MPH"),
+        (r"^.*$", lambda match: match[0].upper()),
+    ],
+    ids=["unit", "direction", "bound", "collided", "highway", "daylight", "skies", "mph alone", "capitals"],
+)
+def test_other_words_for_the_same_change_nothing(pattern, put):
+    changed = 0
+    for road_type in RoadType:
+        summary = (config_folder() / "reports" / road_type.value.lower() / "summary.txt").read_text(encoding="utf-8")
+        other = re.sub(pattern, put, summary, flags=re.MULTILINE)
+        changed += other != summary
+        assert facts(other) == facts(summary)
+    assert changed > 0

@@ -33,7 +33,8 @@ _BOTH = re.compile(
     r"\b(?:both|the (?:2|3|4)) (?:vehicles|drivers|cars|motorists)\b|\ball (?:3|4|of the)? ?vehicles\b|\bv\d(?:,| and)[^.;]{0,20}\bv\d were (?:both )?"
 )
 
-_ALL_NAMED = re.compile(r"(?:(?!\b(?:was|struck|hit|impacted|contacted)\b)[^;])*\bv\d\b[^;]*?\bv\d\b[^;]{0,60}?\bwere (?:both|all|each)\b")
+_WERE_ALL = re.compile(r"\bwere (?:both|all|each)\b")
+_TOUCHED = re.compile(r"\b(?:was|struck|hit|impacted|contacted)\b")
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,9 +87,11 @@ def _known(subjects: tuple[int, ...], numbers: Sequence[int]) -> tuple[int, ...]
 
 
 def _subjects(text: str, numbers: Sequence[int]) -> tuple[int, ...]:
-    all_of_them = _ALL_NAMED.match(text)
-    if all_of_them:
-        return tuple(dict.fromkeys(int(number) for number in _REFERENCE.findall(all_of_them[0])))
+    all_of_them = _WERE_ALL.search(text)
+    before = text[: all_of_them.start()] if all_of_them else ""
+    named = tuple(dict.fromkeys(int(number) for number in _REFERENCE.findall(before)))
+    if len(named) > 1 and not _TOUCHED.search(before):
+        return named
     if _BOTH.search(text[:60]):
         named = tuple(dict.fromkeys(int(number) for number in _REFERENCE.findall(text[:60])))
         return named if len(named) > 1 else tuple(numbers)

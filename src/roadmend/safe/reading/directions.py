@@ -17,17 +17,19 @@ _TO_THE_LEFT = {
 _TO_THE_RIGHT = {left: straight for straight, left in _TO_THE_LEFT.items()}
 
 _COMPASS = r"(north|south|east|west)"
-_PLACE = r"(?:side|edge|corner|shoulder|curb|leg|roadside|ditch|road edge|end|portion|half|of\b|roadway edge|bank|sidewalk|parking|fork|lot)"
+_PLACE = r"(?:side|(?:\w+ )?edge|corner|shoulder|curb|leg|roadside|ditch|road edge|end|portion|half|of\b|roadway edge|bank|sidewalk|parking|fork|lot)"
 # Text that has a compass word in it and says nothing about where the vehicle came from.
 _MISLEADING = tuple(
     re.compile(pattern)
     for pattern in (
         r"\b(?:north|south|east|west)(?:bound)?\s*(?:/|-|and|or|to)\s*(?:north|south|east|west)(?:bound)?\b(?! to)",
         rf"\b{_COMPASS}(?:bound)? {_PLACE}",
-        r"\b(?:into|onto|entered|entering|enters|enter|re-?enter\w*|across|cross(?:ed|ing|es)?|over|toward|towards)\s+"
-        r"(?:into |across |onto |over )?(?:the |both |all |all of the )?(?:opposing |opposite |oncoming |adjacent |intersecting |"
-        r"path of (?:the )?|\d+ |first |second |third |inside |outside |left |right |center |near |far )*"
-        r"(?:north|south|east|west)bound (?:\w+ ){0,3}?(?:lanes?|traffic|roadway|shoulder)\b",
+        (
+            r"\b(?:into|onto|entered|entering|enters|enter|re-?enter\w*|across|cross(?:ed|ing|es)?|over|toward|towards)\s+"
+            r"(?:into |across |onto |over )?(?:the |both |all |all of the )?(?:opposing |opposite |oncoming |adjacent |intersecting |"
+            r"path of (?:the )?|\d+ |first |second |third |inside |outside |left |right |center |near |far )*"
+            r"(?:north|south|east|west)bound (?:\w+ ){0,3}?(?:lanes?|traffic|roadway|shoulder)\b"
+        ),
         r"\b(?:opposing|oncoming|opposite|adjacent|several|other|all)\s+(?:north|south|east|west)bound\b",
         rf"\b(?:in|on|at) the {_COMPASS}bound (?:shoulder|roadside|ditch|on-ramp|curb)",
         r"\b(?:pushed|pushing|redirected|spun|rolled|knocked|thrown|rotat\w+|deflected)\b[^,;]*",

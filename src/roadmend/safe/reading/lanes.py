@@ -21,15 +21,23 @@ _EACH = re.compile(
     rf"(?<![\w-])(?:{_N}|(a single|a|single)) {_KIND}lanes?\b(?: of (?:travel|traffic))?(?:(?!(?<!turn )(?<!turning )\blanes?\b)[^.;\d]){{0,45}}?\b(?:in|for|per|going|each)\s*(?:each|either|both|every|opposite|opposing|per)?\s*(?:travel |traffic |of the )?(?:direction|way|directions|side)s?\b(?: of travel)?"
     rf"|(?<![\w-]){_N}[- ]lanes? (?:in )?each (?:way|direction)"
 )
+_COUNT = rf"(?<![\w-])(?<!number )(?<!lane )(?<!no )(?<!event ){_N}"  # "lane 2" and "the number 2 lane" count nothing
+_HAS_OR_IS_OF = r"(?:consist\w*|(?:is|was|are|were) composed|had|has|have|contain\w*|provid\w*|of|with|featur\w*|compris\w*|includ\w*)"
 _DIRECTED = (
+    # "2 northbound lanes", "1 northbound left-turn lane"
     re.compile(
-        rf"(?<![\w-]){_N} (?:[\w-]+,? ){{0,2}}?({_COMPASS})bound\b(?! (?:vehicle|car|driver|approach))(?: {_KIND}|[- ](?:[\w-]+ ){{0,3}})lanes?"
+        rf"{_COUNT} (?:[\w-]+,? ){{0,2}}?({_COMPASS})bound\b(?! (?:vehicle|car|driver|approach))"
+        rf"(?: {_KIND}|[- ](?:[\w-]+ ){{0,3}})lanes?"
     ),
+    # "2 lanes northbound", "2 through lanes for northbound traffic"
     re.compile(
-        rf"(?<![\w-]){_N} {_KIND}(?:through-)?lanes? (?:for |traveling |heading |running |in the |going |that (?:travel|run) |of )?({_COMPASS})(?:bound|erly|ern)?\b(?! (?:and|/))"
+        rf"{_COUNT} {_KIND}(?:through-)?lanes? (?:for |traveling |heading |running |in the |going |that (?:travel|run) |of )?"
+        rf"({_COMPASS})(?:bound|erly|ern)?\b(?!/| and)"
     ),
+    # "the northbound roadway consists of 2 travel lanes"
     re.compile(
-        rf"(?<!\d )\b({_COMPASS})bound (?:side |approach |roadway |road |direction |lanes |portion |direction of travel |travel lanes |traffic |lane |leg )*(?:[\w' -]{{0,24}})?\b(?:consist\w*|is composed|was composed|had|has|have|contain\w*|provid\w*|of|with|featur\w*|compris\w*|includ\w*|are composed|were composed) (?:of )?(?:only )?{_N} (?:\w+ )?{_KIND}lanes?"
+        rf"(?<!\d )\b({_COMPASS})bound (?:side |approach |roadway |road |direction |lanes |portion |direction of travel |"
+        rf"travel lanes |traffic |lane |leg )*(?:[\w' -]{{0,24}})?\b{_HAS_OR_IS_OF} (?:of )?(?:only )?{_N} (?:\w+ )?{_KIND}lanes?"
     ),
 )
 _PAIR = re.compile(rf"(?<![\w-]){_N} {_KIND}lanes? (?:for )?(?:the )?{_COMPASS}(?:bound)? and {_COMPASS}(?:bound)?\b")
@@ -81,8 +89,10 @@ def _without_ramp(plain: str) -> str:
 def _totals(sentences: Sequence[Sentence]) -> list[Finding[int]]:
     found = []
     for sentence in sentences:
-        for match in _TOTAL.finditer(_without_ramp(sentence.plain)):
-            found.append(Finding(int(match[1] or match[2]), 0.95, sentence.text, "the road is called so"))
+        found += [
+            Finding(int(match[1] or match[2]), 0.95, sentence.text, "the road is called so")
+            for match in _TOTAL.finditer(_without_ramp(sentence.plain))
+        ]
         for match in _HAS.finditer(sentence.plain):
             one_way = re.search(rf"\b{_COMPASS}bound\b", match[0]) is not None
             found.append(Finding(int(match[1]), 0.5 if one_way else 0.8, sentence.text, "the lanes the road has"))
@@ -143,9 +153,11 @@ def _sums(sentences: Sequence[Sentence]) -> list[Finding[int]]:
             count, sentence = lanes.get(first) or lanes[second]
             if count > 1:
                 found.append(Finding(count, 0.5, sentence.text, "only the lanes of one direction are counted"))
-    for sentence in sentences:
-        for match in _PAIR.finditer(sentence.plain):
-            found.append(Finding(int(match[1]), 0.6, sentence.text, "the lanes of both directions"))
+    found += [
+        Finding(int(match[1]), 0.6, sentence.text, "the lanes of both directions")
+        for sentence in sentences
+        for match in _PAIR.finditer(sentence.plain)
+    ]
     return found
 
 

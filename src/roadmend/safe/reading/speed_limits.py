@@ -4,11 +4,12 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from roadmend.safe.dsl import Position
+from roadmend.safe.dsl import MAX_SPEED_LIMIT, Position
 from roadmend.safe.reading.finding import Finding, nothing
 from roadmend.safe.reading.text import Sentence
 
 KMH_PER_MPH = 1.609344
+_LEAST = 5  # [mph]
 
 _LIMIT = re.compile(
     r"\bspeed (?:limits?|zone)|\bposted (?:at|limit|speed)|\blimits?\b|(?:mph|km/h) (?:speed )?(?:zone|limit)"
@@ -54,7 +55,11 @@ def read_limits(sentences: Sequence[Sentence]) -> tuple[Limit, ...]:
         named = _axes(plain)
         if named:
             topic = named
-        values = [match for match in _VALUE.finditer(plain) if not _is_speed_of_travel(plain, match)]
+        values = [
+            match
+            for match in _VALUE.finditer(plain)
+            if not _is_speed_of_travel(plain, match) and _LEAST <= _mph(match) <= MAX_SPEED_LIMIT
+        ]
         if not values or not _LIMIT.search(plain) or _NO_LIMIT.search(plain):
             if not _SAME_ROAD.search(plain) and not named:
                 topic = frozenset()
@@ -83,9 +88,7 @@ def read_limits(sentences: Sequence[Sentence]) -> tuple[Limit, ...]:
     return tuple(limits)
 
 
-def limit_for(
-    number: int, heading: Position | None, limits: Sequence[Limit], *, at_junction: bool
-) -> Finding[int]:
+def limit_for(number: int, heading: Position | None, limits: Sequence[Limit], *, at_junction: bool) -> Finding[int]:
     """The limit that holds for a vehicle.
 
     Args:
@@ -100,7 +103,7 @@ def limit_for(
     own = [limit for limit in limits if number in limit.vehicles]
     if own:
         return Finding(own[0].mph, 0.9, own[0].sentence, "the limit said of this vehicle")
-    others = [limit for limit in limits if not limit.vehicles] or list(limits)
+    others = [limit for limit in limits if not limit.vehicles or not at_junction]
     on_axis = [limit for limit in others if axis is not None and limit.axes == {axis}]
     if on_axis:
         towards = _TOWARDS[heading] if heading is not None else ""
