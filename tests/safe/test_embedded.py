@@ -2,10 +2,11 @@
 
 import pytest
 
+from roadmend.language.chat import Image
 from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.embedded import EmbeddedExtractor
 from roadmend.safe.extraction import ExtractionError
-from roadmend.safe.report import CrashReport, Sketch
+from roadmend.safe.report import CrashReport
 from roadmend.safe.sketch_text import SketchText
 
 SUMMARY = (
@@ -14,7 +15,7 @@ SUMMARY = (
 )
 
 
-SKETCH = Sketch(b"...", "image/png")
+SKETCH = Image(b"...", "image/png")
 
 
 def extract(summary, sketch=None, words=None):

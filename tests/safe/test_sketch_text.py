@@ -6,7 +6,7 @@ import stat
 import pytest
 from PIL import Image, ImageDraw, ImageFont
 
-from roadmend.safe.report import Sketch
+from roadmend.language.chat import Image as Sketch
 from roadmend.safe.sketch_text import PROGRAM, is_sketch_read, posted_limit, read_sketch
 
 

@@ -8,13 +8,14 @@ import pytest
 from PIL import Image
 
 from roadmend.core.errors import InputError
+from roadmend.language.chat import Image as Picture
 from roadmend.language.exchange import dump_exchanges
 from roadmend.language.openai_chat import OpenAIModel, OpenAISettings
 from roadmend.language.replay import ReplayModel
 from roadmend.safe.backends import BACKENDS, BackendOptions
 from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.extraction import ExtractionError
-from roadmend.safe.report import CrashReport, Sketch
+from roadmend.safe.report import CrashReport
 from roadmend.safe.stage_one import LanguageExtractor, StageOneOptions
 
 from ..language.server import completion, serving  # noqa: TID252 - one server for two rooms
@@ -47,7 +48,7 @@ def png():
     return data.getvalue()
 
 
-REPORT = CrashReport("case", SUMMARY, Sketch(png(), "image/png"))
+REPORT = CrashReport("case", SUMMARY, Picture(png(), "image/png"))
 
 
 def purpose(body):

@@ -6,11 +6,12 @@ from dataclasses import replace
 from enum import StrEnum
 from typing import Any
 
+from roadmend.language.chat import Image
 from roadmend.safe.dsl import CrashScenario
 from roadmend.safe.extraction import Evidence, Extraction, ExtractionError
 from roadmend.safe.reading.finding import Finding
 from roadmend.safe.reading.reader import read_summary
-from roadmend.safe.report import CrashReport, Sketch
+from roadmend.safe.report import CrashReport
 from roadmend.safe.sketch_text import SketchText, posted_limit, read_sketch
 
 _WORDS = re.compile(r"[^\W\d_]+")
@@ -73,7 +74,7 @@ class EmbeddedExtractor:
         read: gives the words of a sketch.
     """
 
-    def __init__(self, read: Callable[[Sketch], SketchText] = read_sketch) -> None:
+    def __init__(self, read: Callable[[Image], SketchText] = read_sketch) -> None:
         self.read = read
 
     def extract(self, report: CrashReport) -> Extraction:

@@ -7,7 +7,7 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-from roadmend.language.chat import Image, Message, Request, Role
+from roadmend.language.chat import Message, Request, Role
 from roadmend.safe.dsl import Position, RoadType
 from roadmend.safe.dsl_data import answer_schema, dump_data
 from roadmend.safe.knowledge_base import Template, WorkedExample
@@ -155,7 +155,7 @@ def _hand_over(report: CrashReport) -> Message:
     text = _case(report.summary, has_sketch=report.sketch is not None)
     if report.sketch is None:
         return Message(Role.USER, (text,))
-    return Message(Role.USER, (text, Image(report.sketch.data, report.sketch.media_type)))
+    return Message(Role.USER, (text, report.sketch))
 
 
 def _case(summary: str, *, has_sketch: bool = False) -> str:

@@ -7,27 +7,15 @@ import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
-from PIL import Image, UnidentifiedImageError
+import PIL.Image
 
 from roadmend.core.errors import InputError
+from roadmend.language.chat import Image
 
 MAX_SUMMARY = 60_000  # [characters] the longest report of NHTSA that we know has 6000
 MAX_SKETCH = 20_000_000  # [bytes]
 _SKETCHES = (".jpg", ".jpeg", ".png", ".gif", ".webp", ".bmp", ".tif", ".tiff")
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
-
-
-@dataclass(frozen=True, slots=True)
-class Sketch:
-    """A picture of the scene.
-
-    Attributes:
-        data: the file's content.
-        media_type: for instance "image/jpeg".
-    """
-
-    data: bytes
-    media_type: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +31,7 @@ class CrashReport:
 
     case: str
     summary: str
-    sketch: Sketch | None = None
+    sketch: Image | None = None
     notes: tuple[str, ...] = ()
 
     def digest(self) -> str:
@@ -127,7 +115,7 @@ def _read_text(path: Path) -> str:
     return text
 
 
-def _read_sketch(folder: Path) -> tuple[Sketch | None, tuple[str, ...]]:
+def _read_sketch(folder: Path) -> tuple[Image | None, tuple[str, ...]]:
     files = [
         entry
         for entry in sorted(folder.iterdir())
@@ -141,10 +129,18 @@ def _read_sketch(folder: Path) -> tuple[Sketch | None, tuple[str, ...]]:
     data = file.read_bytes()
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("error", Image.DecompressionBombWarning)
-            with Image.open(io.BytesIO(data)) as image:
-                media_type = Image.MIME[image.format or ""]
+            warnings.simplefilter("error", PIL.Image.DecompressionBombWarning)
+            with PIL.Image.open(io.BytesIO(data)) as image:
+                media_type = PIL.Image.MIME[image.format or ""]
                 image.verify()
-    except (UnidentifiedImageError, OSError, SyntaxError, ValueError, KeyError, Image.DecompressionBombError, Warning):
+    except (
+        PIL.UnidentifiedImageError,
+        OSError,
+        SyntaxError,
+        ValueError,
+        KeyError,
+        PIL.Image.DecompressionBombError,
+        Warning,
+    ):
         return None, (f"{file.name} is no image that can be opened and was left out",)
-    return Sketch(data, media_type), ()
+    return Image(data, media_type), ()

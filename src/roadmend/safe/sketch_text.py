@@ -7,10 +7,10 @@ import shutil
 import subprocess
 from dataclasses import dataclass
 
-from PIL import Image
+import PIL.Image
 
+from roadmend.language.chat import Image
 from roadmend.safe.dsl import MAX_SPEED_LIMIT
-from roadmend.safe.report import Sketch
 
 PROGRAM = "tesseract"
 _LONGER_SIDE = 2400  # [pixels] below that the small print of NHTSA's sketches is not made out
@@ -37,7 +37,7 @@ def is_sketch_read() -> bool:
     return shutil.which(PROGRAM) is not None
 
 
-def read_sketch(sketch: Sketch) -> SketchText:
+def read_sketch(sketch: Image) -> SketchText:
     """Read the words of a sketch; never raises, for a report has more than its sketch."""
     if not is_sketch_read():
         return SketchText(None, f"not read: the program {PROGRAM} is not installed")
@@ -50,19 +50,19 @@ def read_sketch(sketch: Sketch) -> SketchText:
             [PROGRAM, "-", "-", "--psm", "11"], input=_enlarged(sketch), capture_output=True, check=True,
             timeout=_PATIENCE, env=environ,
         )  # fmt: skip
-    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError, subprocess.SubprocessError) as error:
+    except (OSError, ValueError, SyntaxError, PIL.Image.DecompressionBombError, subprocess.SubprocessError) as error:
         return SketchText(None, f"not read: {PROGRAM} failed on it ({type(error).__name__})")
     note = f"its words were read by {PROGRAM}; lanes, ways and the north arrow were not"
     return SketchText(done.stdout.decode(errors="replace"), note)
 
 
-def _enlarged(sketch: Sketch) -> bytes:
-    with Image.open(io.BytesIO(sketch.data)) as image:
+def _enlarged(sketch: Image) -> bytes:
+    with PIL.Image.open(io.BytesIO(sketch.data)) as image:
         grey = image.convert("L")
     scale = _LONGER_SIDE / max(grey.size)
     size = tuple(max(1, round(scale * side)) for side in grey.size)
     data = io.BytesIO()
-    grey.resize((size[0], size[1]), Image.Resampling.LANCZOS).save(data, "png")
+    grey.resize((size[0], size[1]), PIL.Image.Resampling.LANCZOS).save(data, "png")
     return data.getvalue()
 
 

@@ -6,31 +6,39 @@ from dataclasses import dataclass
 
 from roadmend.safe.reading.text import Sentence
 
-_NEW_SUBJECT = r"(?:the (?:\w+ )?(?:driver|operator|front|rear|left|right|frontal|back|impact|\w+ plane)\b|v\d\b|both\b|it\b|he\b|she\b|they\b|this (?:impact|caused)\b)"
+_NEW_SUBJECT = (
+    r"(?:the (?:\w+ )?(?:driver|operator|front|rear|left|right|frontal|back|impact|\w+ plane)\b|v\d\b|"
+    r"both\b|it\b|he\b|she\b|they\b|this (?:impact|caused)\b)"
+)
 _TRAVELING = (
     r"(?:also |who |which )?(?:traveling|heading|headed|going|driving) (?:[\w-]+ ){0,4}?(?:north|south|east|west)"
 )
 _BOUNDARY = re.compile(
     rf";\s*|,?\s+(?:while|when|as|but|before|after|until|whereas|then|causing|because)\s+(?={_NEW_SUBJECT})"
     rf"|,\s+(?=(?:and\s+)?(?:the (?:driver|operator|front|rear)\b|v\d\b(?!\s*,?\s*(?:and|or)\b)|both\b|he\b|she\b))"
-    rf"|\s+and\s+(?=(?:the (?:driver|operator|front|rear|left side|right side|frontal plane)\b|v\d\b(?=[^,;.]{{0,40}}?\b(?:was|were(?! both| all| each)|had|is|struck|turned|continued|entered|did|drifted|came|began|traveled|attempted|proceeded|made|failed))))"
+    rf"|\s+and\s+(?=(?:the (?:driver|operator|front|rear|left side|right side|frontal plane)\b|"
+    rf"v\d\b(?=[^,;.]{{0,40}}?\b(?:was|were(?! both| all| each)|had|is|struck|turned|continued|entered|"
+    rf"did|drifted|came|began|traveled|attempted|proceeded|made|failed))))"
     rf"|(?:(?<=v\d)|(?<=v\d\))),?\s+(?={_TRAVELING})"
     r"|,?\s+(?=(?:which|who|that)\s+(?:was|were|had|is|has)\b)|,\s+(?=(?:where|causing)\b)"
 )
 _LAST_NAMED = re.compile(r"\bv(\d)\)?(?:\s*\([^)]*\)|,? (?:an?|the) [^.;]*)?,?$")
 _REFERENCE = re.compile(r"\bv(\d)\b")
 _PRONOUN = re.compile(
-    r"^(?:(?:and|when|as|while|before|after|but|then)\s+)?(?:he|she|it|they|this vehicle|the vehicle|the driver(?! (?:of|in) v\d)|its|his|her)\b"
+    r"^(?:(?:and|when|as|while|before|after|but|then)\s+)?(?:he|she|it|they|this vehicle|the vehicle|"
+    r"the driver(?! (?:of|in) v\d)|its|his|her)\b"
 )
 _ASIDE = re.compile(
     r"\s*\((?!v\d|(?:north|south|east|west)(?:bound)?(?: to \w+)?\))[^)]*\)"
 )  # counts of lanes, ages, belts
 _RELATIVE = re.compile(rf"^(?:(?:which|who|that)\b|{_TRAVELING})")
 _PLACED = re.compile(
-    r"^(?:while |and |as )?(?:ahead of|behind|in front of|following|in advance of|directly ahead of|to the (?:left|right) of) v\d,?\s*(?:was|were)?\s*(?=.*\bv\d)"
+    r"^(?:while |and |as )?(?:ahead of|behind|in front of|following|in advance of|directly ahead of|"
+    r"to the (?:left|right) of) v\d,?\s*(?:was|were)?\s*(?=.*\bv\d)"
 )
 _BOTH = re.compile(
-    r"\b(?:both|the (?:2|3|4)) (?:vehicles|drivers|cars|motorists)\b|\ball (?:3|4|of the)? ?vehicles\b|\bv\d(?:,| and)[^.;]{0,20}\bv\d were (?:both )?"
+    r"\b(?:both|the (?:2|3|4)) (?:vehicles|drivers|cars|motorists)\b|\ball (?:3|4|of the)? "
+    r"?vehicles\b|\bv\d(?:,| and)[^.;]{0,20}\bv\d were (?:both )?"
 )
 
 _WERE_ALL = re.compile(r"\bwere (?:both|all|each)\b")

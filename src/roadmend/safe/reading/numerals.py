@@ -27,12 +27,6 @@ _ONES = [
 _TENS = ["twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety"]
 _VALUES = {word: value for value, word in enumerate(_ONES)} | {word: 10 * (i + 2) for i, word in enumerate(_TENS)}
 
-ORDINALS = {
-    word: value
-    for value, words in enumerate(("first 1st", "second 2nd", "third 3rd", "fourth 4th", "fifth 5th", "sixth 6th"), 1)
-    for word in words.split()
-}
-
 _TEN = "|".join(_TENS)
 _ONE = "|".join(sorted(_ONES, key=len, reverse=True))
 _NUMERAL = re.compile(rf"\b(?:(?:({_TEN})(?:[ -]({'|'.join(_ONES[1:10])}))?)|({_ONE}))\b")

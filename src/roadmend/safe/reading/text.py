@@ -27,7 +27,13 @@ _SPELLINGS = tuple(
         (r"\btravell(?=ing|ed)", "travel"),
         (r"\bmaneuver|\bmanouver", "manoeuvre"),
         (r"\bcentre ?line|\bcenter ?line", "centerline"),
-        (r"(?<=\d)\s*(?:km ?/ ?hr?|kmh|k\.?p\.?h\.?|km?mph|kmph|kilomet(?:er|re)s? (?:per|an) hour)(?![a-z])", " km/h"),
+        (
+            (
+                r"(?<=\d)\s*(?:km ?/ ?hr?|kmh|k\.?p\.?h\.?|km?mph|kmph|kilomet(?:er|re)s? (?:per|an) "
+                r"hour)(?![a-z])"
+            ),
+            " km/h",
+        ),
         (r"(?<=\d)[ -]*(?:m\.p\.h\.?|mph|miles? (?:per|an) hour|mi/h)(?![a-z])", " mph"),
         (r"\b(north|south|east|west)[ -](?=bound\b)", r"\1"),
         (r"\b(north|south|east|west)(?:ern|ward|wards|wardly)\b", r"\1"),
