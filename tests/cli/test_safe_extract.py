@@ -6,7 +6,11 @@ import pytest
 
 from roadmend.cli.main import main
 from roadmend.cli.resources import config_folder
+from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.dsl_file import load_crash_scenario
+from roadmend.safe.reading.reader import read_summary
+
+from ..language.server import completion, serving  # noqa: TID252 - one server for three rooms
 
 REPORTS = config_folder() / "reports"
 
@@ -67,6 +71,41 @@ def test_reports_that_are_none_do_not_stop_the_others(tmp_path, capsys):
     ] * 3
     assert done[3]["error"] is None
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["d-fine.evidence.json", "d-fine.json"]
+
+
+def test_a_run_with_a_model_is_kept_without_the_key_and_replayed(tmp_path, capsys, monkeypatch):
+    scenario = dump_data(read_summary((REPORTS / "curve" / "summary.txt").read_text()).scenario)
+    del scenario["collisions"]
+    for vehicle in scenario["vehicles"]:
+        del vehicle["manoeuvre"]
+    answers = {
+        "meta_message": {
+            "analysis": "",
+            "road_type": "Curve",
+            "number_of_vehicles": 2,
+            "driving_directions": ["W2E", "E2W"],
+        },
+        "scenario": {"analysis": "", "scenario": scenario},
+        "validation": {"verdict": "Pass", "problems": []},
+    }
+    monkeypatch.setenv("OPENAI_API_KEY", "sk-very-secret-4711")
+    with serving(lambda body: completion(json.dumps(answers[body["response_format"]["json_schema"]["name"]]))) as (
+        _,
+        url,
+    ):
+        monkeypatch.setenv("OPENAI_BASE_URL", url)
+        code, done = read(capsys, REPORTS / "curve", "--out", tmp_path / "asked", "--backend", "openai")
+    assert (code, done[0]["scenario"]) == (0, scenario)
+    files = sorted((tmp_path / "asked").iterdir())
+    assert [path.name for path in files] == ["curve.evidence.json", "curve.exchanges.jsonl", "curve.json"]
+    assert not any("sk-very-secret" in path.read_text() for path in files)
+    monkeypatch.delenv("OPENAI_API_KEY")
+    replay = ("--backend", "replay", "--recording", tmp_path / "asked")
+    code, done = read(capsys, REPORTS / "curve", "--out", tmp_path / "again", *replay)
+    assert (code, done[0]["scenario"]) == (0, scenario)
+    code, done = read(capsys, REPORTS / "straight", "--out", tmp_path / "again", *replay)
+    assert code == 1
+    assert "recording has no" in done[0]["error"]
 
 
 def test_the_table(tmp_path, capsys):
