@@ -26,7 +26,7 @@ _ON_RAMP = re.compile(
 )
 _NOT_FROM_RAMP = re.compile(
     rf"\b(?:to|onto|toward|towards|for|approaching|past|enter(?:ing)?|before|exit(?:ing)? (?:to|onto|"
-    rf"at)) (?:the |an? )?(?:[\w-]+ ){{0,4}}?{_RAMP}\b|\bexit[- ]ramp|\boff-ramp|\bramp (?:to|signal|"
+    rf"at)) (?:the |an? )?(?:(?!from\b)[\w-]+ ){{0,4}}?{_RAMP}\b|\bexit[- ]ramp|\boff-ramp|\bramp (?:to|signal|"
     rf"meter)"
 )
 _T = re.compile(
