@@ -103,7 +103,6 @@ def find_cast(sentences: Sequence[Sentence]) -> Cast:
         named = _number_the_struck(named)
     left_out = {int(match[1]) for sentence in named for match in _NO_CONTACT.finditer(sentence.plain)}
     numbers = sorted({int(match[1]) for sentence in named for match in REFERENCE.finditer(sentence.plain)})
-    # A report of three vehicles that mentions a fourth number once has a slip of the pen, not a fourth vehicle.
     described = _describe(named, numbers, case)
     left_out &= {number for number in numbers if not _touches(named, number)}
     vehicles = tuple(described[number] for number in numbers if number not in left_out)
