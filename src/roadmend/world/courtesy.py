@@ -85,8 +85,8 @@ class Courtesy:
         """Names of those who wait."""
         return self._waiting.keys()
 
-    def step(self, ego: EgoState, names: tuple[str, ...], around: ObjectList) -> None:
-        """Look at everybody once; ``names`` are SUMO's, in the order of the list."""
+    def step(self, ego: EgoState, names: tuple[str, ...], around: ObjectList, heedless: Collection[str] = ()) -> None:
+        """Look at everybody once; ``names`` are SUMO's, in the order of the list. Who is ``heedless`` brakes for none."""
         if ego.speed >= STANDING:
             if self._waiting:
                 self._release([*self._waiting], names)
@@ -95,7 +95,7 @@ class Courtesy:
             ego.x, ego.y, ego.yaw, ego.length, ego.width, around.kind, around.x, around.y, around.yaw, around.speed,
             around.yaw_rate, around.length, around.width,
         )  # fmt: skip
-        wait = {names[index] for index in indices}
+        wait = {names[index] for index in indices if names[index] not in heedless}
         for name in sorted(wait - self._waiting.keys()):
             usual = self._waiting[name] = libsumo.vehicle.getDecel(name)
             libsumo.vehicle.setDecel(name, max(usual, _BRAKING))

@@ -20,7 +20,11 @@ class Body:
 
 BODIES: dict[str, Body] = {
     "car": Body("passenger", 4.6, 1.8, 55.0, 2.6, 4.5),
+    "suv": Body("passenger", 4.9, 1.95, 55.0, 2.6, 4.5),
+    "minivan": Body("passenger", 5.2, 2.0, 50.0, 2.4, 4.5),
+    "pickup": Body("passenger", 5.8, 2.05, 50.0, 2.4, 4.3),
     "truck": Body("truck", 10.0, 2.5, 27.0, 1.3, 4.0),
+    "semi_truck": Body("trailer", 18.0, 2.55, 27.0, 0.9, 3.5),
     "bus": Body("bus", 12.0, 2.5, 27.0, 1.2, 4.0),
     "motorcycle": Body("motorcycle", 2.2, 0.8, 55.0, 4.0, 6.0),
     "bicycle": Body("bicycle", 1.7, 0.6, 6.5, 1.2, 3.0),

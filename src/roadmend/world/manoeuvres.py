@@ -1,17 +1,20 @@
 """Scripted misbehaviour of single actors, on top of what SUMO's drivers do by themselves."""
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import libsumo
 
 from roadmend.core.scene import ObjectList
+from roadmend.world.drifting import Drifter
 from roadmend.world.ego import GRAVITY
 from roadmend.world.participants import Observation
-from roadmend.world.scenario import Brake, CutIn, Manoeuvre, Scenario, Vehicle
+from roadmend.world.scenario import Brake, CutIn, Drift, Heedless, Manoeuvre, RunRightOfWay, Scenario, Vehicle
 from roadmend.world.traffic_file import EGO
 
 _SPEED_MODE_NORMAL = 31
+_SPEED_MODE_HEEDLESS = 2 + 4  # keeps to what its engine and brakes can do, and to nothing else
 _SPEED_MODE_NO_RIGHT_OF_WAY = 31 - 8 - 16  # gives way to nobody who is not in the junction yet, sees no red light
 _RUN_ACCELERATION = 4.0  # [m/s2] of a driver in haste
 _LANE_CHANGE_FORCED = 0  # SUMO obeys the request whatever is in the way
@@ -20,12 +23,15 @@ _SAME_LANE = 1.6  # [m] half a lane
 _CUT_IN_TIME = 3.0  # [s] that a cut-in keeps its lane
 
 
+_Passing = Brake | CutIn | RunRightOfWay  # over after a while
+
+
 @dataclass
 class _Running:
     until: float  # [s]
     slow_at: float  # [s] a braking vehicle has its low speed and keeps it from then on
     vehicle: str
-    manoeuvre: Manoeuvre
+    manoeuvre: _Passing
     deceleration: float  # [m/s2] that the driver brakes with otherwise
 
 
@@ -41,16 +47,24 @@ class ManoeuvreScript:
         ]
         self._grip = scenario.environment.effective_friction * GRAVITY  # [m/s2]
         self._running: list[_Running] = []
+        self._drifting: dict[str, Drifter] = {}
+        self._heedless: set[str] = set()
         self._names: tuple[str, ...] = ()
         self._places: dict[str, int] = {}
+
+    @property
+    def heedless(self) -> Collection[str]:
+        """Names of those who have stopped to look at others."""
+        return self._heedless
 
     def step(self, time: float, ego: tuple[float, float, float], seen: Observation | None) -> None:
         """Start what is due at ``time`` [s] with the ego at a pose ([m], [m], [rad]), end what is over.
 
         ``seen`` is the last observation; an actor that is not in it is not near the ego.
         """
-        if not self._running and not self._waiting:
+        if not self._running and not self._waiting and not self._drifting:
             return
+        self._drifting = {name: drifter for name, drifter in self._drifting.items() if drifter.step(time)}
         if self._running:
             self._end(time)
         if not self._waiting or seen is None:
@@ -61,6 +75,9 @@ class ManoeuvreScript:
         still = []
         for vehicle, manoeuvre in self._waiting:
             if self._due(time, ego, vehicle, manoeuvre, seen.around) and vehicle in libsumo.vehicle.getIDList():
+                if isinstance(manoeuvre, Heedless | Drift):
+                    self._begin_heedless(time, vehicle, manoeuvre)
+                    continue
                 deceleration = libsumo.vehicle.getDecel(vehicle)
                 until = time + _start(vehicle, manoeuvre, self._grip)
                 slow_at = until - manoeuvre.hold if isinstance(manoeuvre, Brake) else math.inf
@@ -68,6 +85,15 @@ class ManoeuvreScript:
             else:
                 still.append((vehicle, manoeuvre))
         self._waiting = still
+
+    def _begin_heedless(self, time: float, vehicle: str, manoeuvre: Heedless | Drift) -> None:
+        """Begin what lasts to the end of the episode."""
+        self._heedless.add(vehicle)
+        if isinstance(manoeuvre, Drift):
+            self._drifting[vehicle] = Drifter(vehicle, manoeuvre, time)
+            return
+        libsumo.vehicle.setSpeedMode(vehicle, _SPEED_MODE_HEEDLESS)
+        libsumo.vehicle.setSpeed(vehicle, manoeuvre.speed)
 
     def _due(
         self, time: float, ego: tuple[float, float, float], vehicle: str, manoeuvre: Manoeuvre, around: ObjectList
@@ -125,7 +151,7 @@ def _set_deceleration(vehicle: str, deceleration: float) -> None:
     libsumo.vehicle.setSpeedFactor(vehicle, factor)
 
 
-def _start(vehicle: str, manoeuvre: Manoeuvre, grip: float) -> float:
+def _start(vehicle: str, manoeuvre: _Passing, grip: float) -> float:
     """Begin a manoeuvre on a road that transmits ``grip`` [m/s2]; returns how long it lasts [s]."""
     if isinstance(manoeuvre, Brake):
         speed = libsumo.vehicle.getSpeed(vehicle)

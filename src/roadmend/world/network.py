@@ -15,6 +15,7 @@ from roadmend.world.scenario import (
     Network,
     NetworkFile,
     OnRampNetwork,
+    OpenRoadNetwork,
     SumoConfiguration,
 )
 from roadmend.world.user_configuration import network_of
@@ -28,7 +29,8 @@ _NODE_TYPES = {
 }
 _RAMP_ANGLE = math.radians(14.0)  # between the far end of a ramp and the highway
 _RAMP_POINTS = 16
-_LANE_WIDTH = 3.2  # [m] SUMO's default
+_BEND_STEP = math.radians(4.0)  # between two points of a bend
+LANE_WIDTH = 3.2  # [m] SUMO's default
 
 
 class PlainNetwork:
@@ -77,7 +79,7 @@ def describe_intersection(spec: IntersectionNetwork) -> PlainNetwork:
         plain.node(arm.name, arm.length * math.cos(angle), arm.length * math.sin(angle), "dead_end")
         priority = {"priority": "10" if arm.major else "5"}
         plain.edge(f"{arm.name}_in", arm.name, "centre", arm.lanes, arm.speed_limit, **priority)
-        plain.edge(f"{arm.name}_out", "centre", arm.name, arm.lanes, arm.speed_limit, **priority)
+        plain.edge(f"{arm.name}_out", "centre", arm.name, arm.lanes_out or arm.lanes, arm.speed_limit, **priority)
     plain.options += ["--no-turnarounds", "true", "--junctions.corner-detail", "8"]
     plain.options += ["--tls.cycle.time", str(round(spec.cycle))]
     if spec.crossings:
@@ -95,7 +97,7 @@ def describe_highway_exit(spec: HighwayExitNetwork) -> PlainNetwork:
     plain.node("widen", first, 0.0)
     plain.node("split", second, 0.0)
     plain.node("end", second + 300.0, 0.0)
-    side = -_LANE_WIDTH * spec.lanes
+    side = -LANE_WIDTH * spec.lanes
     curve = [(second + x, side - y) for x, y in _ramp_curve(spec.ramp_length)]
     plain.node("ramp_end", *curve[-1])
     plain.edge("approach", "begin", "widen", spec.lanes, spec.speed_limit)
@@ -117,7 +119,7 @@ def describe_on_ramp(spec: OnRampNetwork) -> PlainNetwork:
     plain.node("join", first, 0.0)
     plain.node("narrow", second, 0.0)
     plain.node("end", second + 300.0, 0.0)
-    side = -_LANE_WIDTH * spec.lanes
+    side = -LANE_WIDTH * spec.lanes
     curve = [(first - x, side - y) for x, y in reversed(_ramp_curve(spec.ramp_length))]
     plain.node("ramp_begin", *curve[0])
     plain.edge("approach", "begin", "join", spec.lanes, spec.speed_limit)
@@ -129,6 +131,33 @@ def describe_on_ramp(spec: OnRampNetwork) -> PlainNetwork:
         plain.connection("merge", "mainline", lane + 1, lane)
     plain.connection("ramp", "merge", 0, 0)
     return plain
+
+
+def describe_road(spec: OpenRoadNetwork) -> PlainNetwork:
+    """A road whose middle, that of its bend too, lies in the origin."""
+    line = _bent_line(spec)
+    plain = PlainNetwork()
+    plain.node("begin", *line[0], "dead_end")
+    plain.node("end", *line[-1], "dead_end")
+    plain.edge("forward", "begin", "end", spec.lanes, spec.speed_limit, shape=_shape(line))
+    if spec.backward_lanes:
+        plain.edge("backward", "end", "begin", spec.backward_lanes, spec.backward_speed_limit, shape=_shape(line[::-1]))
+    return plain
+
+
+def _bent_line(spec: OpenRoadNetwork) -> list[tuple[float, float]]:
+    """The reference line [m] of a road: half its length straight on, the bend, half its length straight on."""
+    bend, heading = math.radians(spec.bend), math.radians(spec.bearing)
+    half, steps = 0.5 * spec.length, math.ceil(abs(bend) / _BEND_STEP)
+    points = [(0.0, 0.0), (half * math.cos(heading), half * math.sin(heading))]
+    for _ in range(steps):
+        heading += 0.5 * bend / steps
+        chord = 2.0 * spec.radius * math.sin(0.5 * abs(bend) / steps)
+        points.append((points[-1][0] + chord * math.cos(heading), points[-1][1] + chord * math.sin(heading)))
+        heading += 0.5 * bend / steps
+    points.append((points[-1][0] + half * math.cos(heading), points[-1][1] + half * math.sin(heading)))
+    x, y = points[len(points) // 2] if steps else points[1]
+    return [(px - x, py - y) for px, py in points]
 
 
 def _ramp_curve(length: float) -> list[tuple[float, float]]:
@@ -159,6 +188,8 @@ def network_file(network: Network) -> Path:
             return _build(describe_highway_exit(network))
         case OnRampNetwork():
             return _build(describe_on_ramp(network))
+        case OpenRoadNetwork():
+            return _build(describe_road(network))
         case NetworkFile():
             path = Path(network.path)
             if not path.is_file():

@@ -94,26 +94,41 @@ def run_episode(
         InputError: the scenario cannot be run.
         SimulationError: SUMO failed.
     """
-    summary = EpisodeSummary(scenario.name)
-    digest = TrajectoryDigest()
     with Simulation(scenario) as simulation:
-        policy.reset(simulation.route)
-        repairer.reset(simulation.route)
-        tick = simulation.first()
+        return drive(simulation, policy, repairer, watcher, ending)
+
+
+def drive(
+    simulation: Simulation,
+    policy: Policy,
+    repairer: Repairer,
+    watcher: Watcher | None = None,
+    ending: Callable[[Tick], None] | None = None,
+) -> EpisodeSummary:
+    """Drive a simulation that has just been opened to its end; see :func:`run_episode`.
+
+    Raises:
+        SimulationError: SUMO failed.
+    """
+    summary = EpisodeSummary(simulation.scenario.name)
+    digest = TrajectoryDigest()
+    policy.reset(simulation.route)
+    repairer.reset(simulation.route)
+    tick = simulation.first()
+    summary.observe(tick)
+    while tick.final is None:
+        decision = policy.step(tick.scene)
+        repair = repairer.step(tick.scene, decision)
+        if watcher is not None:
+            watcher(tick, decision, repair)
+        summary.add(repair.policy_action, repair.final_action, intervened=repair.intervened)
+        add_tick(digest, tick, repair.command)
+        tick = simulation.step(repair.command)
         summary.observe(tick)
-        while tick.final is None:
-            decision = policy.step(tick.scene)
-            repair = repairer.step(tick.scene, decision)
-            if watcher is not None:
-                watcher(tick, decision, repair)
-            summary.add(repair.policy_action, repair.final_action, intervened=repair.intervened)
-            add_tick(digest, tick, repair.command)
-            tick = simulation.step(repair.command)
-            summary.observe(tick)
-        summary.loop_ended = time.perf_counter()
-        if ending is not None:
-            ending(tick)
-        add_tick(digest, tick, Command(0.0, 0.0))
+    summary.loop_ended = time.perf_counter()
+    if ending is not None:
+        ending(tick)
+    add_tick(digest, tick, Command(0.0, 0.0))
     summary.digest = digest.hexadecimal
     return summary
 

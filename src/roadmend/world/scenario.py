@@ -14,7 +14,9 @@ Speed = Annotated[float, Field(ge=0.0, le=70.0, allow_inf_nan=False, description
 EdgeList = Annotated[list[str], Field(min_length=1, description="road network edges in driving order")]
 
 FamilyName = Literal["S1", "S2", "S3", "S4", "S5"]
-VehicleKind = Literal["car", "truck", "bus", "motorcycle", "bicycle"]
+VehicleKind = Literal[
+    "car", "suv", "minivan", "pickup", "truck", "semi_truck", "bus", "motorcycle", "bicycle",
+]  # fmt: skip
 DriverName = Literal["careful", "normal", "aggressive", "reckless"]
 Weather = Literal["clear", "sunny", "cloudy", "overcast", "windy", "rainy", "foggy", "snowy"]
 
@@ -25,12 +27,19 @@ class Model(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+def _is_none(value: object) -> bool:
+    return value is None
+
+
 class Arm(Model):
     """One road that meets the others at an intersection: edges NAME_in (towards it) and NAME_out."""
 
     name: Identifier
     bearing: float = Field(ge=-360.0, le=360.0, description="[deg] seen from the centre, counter-clockwise from east")
     lanes: int = Field(default=1, ge=1, le=6, description="lanes in each direction")
+    lanes_out: int | None = Field(
+        default=None, ge=1, le=6, exclude_if=_is_none, description="lanes of NAME_out where they are not as many"
+    )
     speed_limit: Speed = 13.89
     length: float = Field(default=150.0, ge=20.0, le=5000.0, description="[m]")
     major: bool = Field(default=False, description="has right of way where control is 'priority'")
@@ -70,6 +79,20 @@ class OnRampNetwork(Model):
     ramp_length: float = Field(default=150.0, ge=50.0, le=2000.0, description="[m]")
 
 
+class OpenRoadNetwork(Model):
+    """One road between two ends: edge forward and, where it has lanes the other way, edge backward."""
+
+    kind: Literal["road"] = "road"
+    lanes: int = Field(default=1, ge=1, le=12)
+    backward_lanes: int = Field(default=1, ge=0, le=12)
+    bearing: float = Field(default=0.0, ge=-360.0, le=360.0, description="[deg] of edge forward where it begins")
+    bend: float = Field(default=0.0, ge=-170.0, le=170.0, description="[deg] turn half way along, left is positive")
+    radius: float = Field(default=100.0, ge=25.0, le=2000.0, description="[m] of the bend")
+    length: float = Field(default=400.0, ge=100.0, le=5000.0, description="[m] without the bend")
+    speed_limit: Speed = 22.35
+    backward_speed_limit: Speed = 22.35
+
+
 class NetworkFile(Model):
     """Any SUMO network."""
 
@@ -86,7 +109,7 @@ class SumoConfiguration(Model):
 
 
 Network = Annotated[
-    IntersectionNetwork | HighwayExitNetwork | OnRampNetwork | NetworkFile | SumoConfiguration,
+    IntersectionNetwork | HighwayExitNetwork | OnRampNetwork | OpenRoadNetwork | NetworkFile | SumoConfiguration,
     Field(discriminator="kind"),
 ]
 
@@ -147,7 +170,24 @@ class RunRightOfWay(Model):
     hold: Seconds = Field(default=10.0, description="[s] how long")
 
 
-Manoeuvre = Annotated[Brake | CutIn | RunRightOfWay, Field(discriminator="action")]
+class Heedless(Model):
+    """Hold a speed as if nobody else were there: no braking for those ahead, no right of way, no red light."""
+
+    action: Literal["heedless"] = "heedless"
+    when: Trigger
+    speed: Speed = Field(description="[m/s] to hold")
+
+
+class Drift(Model):
+    """Leave the lane sideways, across the centre line too, at the speed of the moment, and stay beside it."""
+
+    action: Literal["drift"] = "drift"
+    when: Trigger
+    offset: float = Field(ge=-40.0, le=40.0, description="[m] sideways, left is positive")
+    over: float = Field(default=2.0, ge=0.3, le=20.0, description="[s] that it takes to get there")
+
+
+Manoeuvre = Annotated[Brake | CutIn | RunRightOfWay | Heedless | Drift, Field(discriminator="action")]
 
 
 class Vehicle(Model):
@@ -217,6 +257,15 @@ class Environment(Model):
         return _SENSING[self.weather] * (_NIGHT if self.time_of_day == "nighttime" else 1.0)
 
 
+class Origin(Model):
+    """What a scenario was made from. It says where the values come from and changes nothing in how it runs."""
+
+    report: str = Field(description="name of the crash report")
+    vehicle: int = Field(ge=1, description="number of the report's vehicle that the ego takes the place of")
+    sampled: dict[str, float | int | str | bool] = Field(description="what the report leaves open, as it was drawn")
+    adapted: list[str] = Field(default=[], description="where the report could not be followed to the letter")
+
+
 class Scenario(Model):
     """One episode, complete: the same scenario, policy and repair method give the same trajectories, bit for bit."""
 
@@ -229,6 +278,7 @@ class Scenario(Model):
     ego: Ego
     actors: list[Actor] = []
     environment: Environment = Environment()
+    origin: Origin | None = Field(default=None, exclude_if=_is_none)
 
     @model_validator(mode="after")
     def _unique_ids(self) -> "Scenario":
@@ -241,5 +291,5 @@ class Scenario(Model):
 
     @property
     def digest(self) -> str:
-        """SHA-256 of the scenario's content, hexadecimal."""
-        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()
+        """SHA-256 of what decides how the scenario runs, hexadecimal."""
+        return hashlib.sha256(self.model_dump_json(exclude={"origin"}).encode()).hexdigest()

@@ -111,6 +111,11 @@ class Simulation:
         """The ego's route."""
         return self._built.route
 
+    @property
+    def seen(self) -> Observation | None:
+        """Everybody around the ego at the last tick, by name; None before the first one."""
+        return self._seen
+
     def __enter__(self) -> Self:
         return self
 
@@ -171,7 +176,7 @@ class Simulation:
             scenario.ego.width,
         )
         seen = self._seen = self._participants.observe(ego)
-        self._courtesy.step(ego, seen.names, seen.around)
+        self._courtesy.step(ego, seen.names, seen.around, self._script.heedless)
         names = self._hit(seen, ego.speed) if seen.nearest <= 0.0 else ()
         if names:
             numbers = tuple(self._participants.number_of(name) for name in names)

@@ -1,0 +1,86 @@
+"""What the commands of ``roadmend safe`` share: their options, and working through jobs so that a new call goes on."""
+
+import os
+from collections.abc import Callable, Sequence
+from functools import wraps
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from roadmend.core.errors import InputError
+from roadmend.evaluation.result_store import ResultStore
+from roadmend.policies.registry import POLICIES
+from roadmend.safe.cases import Case, gather_cases
+from roadmend.safe.driving import Job, Result, do
+from roadmend.search.workers import open_map
+
+WORK = ".work"  # folder for finished jobs in the output
+_COLUMNS = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+
+policies_option = click.option(
+    "--policy", "policies", multiple=True, default=["modular"], show_default=True, type=click.Choice(sorted(POLICIES)),
+    help="May be given more than once.",
+)  # fmt: skip
+
+
+def shared_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The arguments and options that all of them have."""
+    options = [
+        click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path)),
+        click.option("--out", required=True, type=click.Path(path_type=Path, file_okay=False),
+                     help="Folder for what is made; a run that was interrupted there goes on."),
+        click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1)),
+        click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256)),
+        click.option("--json", "as_json", is_flag=True, help="Print JSON."),
+    ]  # fmt: skip
+
+    @wraps(command)
+    def wrapped(*args: Any, **kwargs: Any) -> Any:
+        return command(*args, **kwargs)
+
+    for option in reversed(options):
+        wrapped = option(wrapped)
+    return wrapped
+
+
+def open_cases(paths: Sequence[Path]) -> list[Case]:
+    """The cases of the arguments; those that cannot be read are named on standard error.
+
+    Raises:
+        InputError: not one can be read.
+    """
+    cases = gather_cases(paths)
+    problems = [case for case in cases if case.crash is None]
+    for case in problems:
+        click.echo(f"{case.name}: {case.problem}", err=True)
+    if len(problems) == len(cases):
+        raise InputError(str(paths[0]), "not one crash could be read", "see what is said of each above")
+    return cases
+
+
+def work_through(jobs: Sequence[Job], out: Path, workers: int, label: str) -> list[Result]:
+    """Do what has not been done yet; results come in the order of the jobs.
+
+    Raises:
+        InputError: the folder holds something else, or cannot be written.
+        SimulationError: a worker process died.
+    """
+    keys = [job.key for job in jobs]
+    with ResultStore(out / WORK) as store, Progress(*_COLUMNS, console=Console(stderr=True)) as progress:
+        open_ends = [(key, job) for key, job in zip(keys, jobs, strict=True) if not _is_done(store, key, out)]
+        task = progress.add_task(label, total=len(jobs), completed=len(jobs) - len(open_ends))
+        with open_map(do, workers) as mapped:
+            for (key, _), result in zip(open_ends, mapped(job for _, job in open_ends), strict=True):
+                store.add(key, result.as_dict())
+                progress.advance(task)
+        found = [store.get(key) for key in keys]
+    return [Result.from_dict(each) for each in found if each is not None]
+
+
+def _is_done(store: ResultStore, key: str, out: Path) -> bool:
+    """Whether a result is there, and the files that it names are."""
+    kept = store.get(key)
+    return kept is not None and all((out / kept[name]).is_file() for name in ("scenario", "picture") if kept[name])

@@ -1,0 +1,185 @@
+"""What is done with crash reports, cut into jobs: one scenario to build or to drive, or one crash to reproduce."""
+
+import hashlib
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from enum import StrEnum
+from pathlib import Path
+from typing import Any, Self
+
+from roadmend.core.errors import RoadmendError
+from roadmend.evaluation.source_digest import source_digest
+from roadmend.safe.cases import Case
+from roadmend.safe.construction import Role, draw_scenario
+from roadmend.safe.picture import draw_trial
+from roadmend.safe.reproduction import reproduce
+from roadmend.safe.trial import Trial, run_trial
+from roadmend.search.policy_model import policy_model
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_file import save_scenario
+from roadmend.world.simulation import Simulation
+
+SCENARIOS = "scenarios"  # folders in the output
+PICTURES = "pictures"
+
+
+class Task(StrEnum):
+    """What a job does with a role of a report."""
+
+    BUILD = "build"
+    TEST = "test"
+    REPRODUCE = "reproduce"
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """One scenario to build or to drive, or one crash to reproduce.
+
+    Attributes:
+        task: what to do.
+        role: the report, and the vehicle whose place the ego takes.
+        policy: name; empty for a task that drives nobody.
+        seed: of sampling, search and simulator.
+        index: of the scenario among those of the role, from 0; 0 for a reproduction.
+        budget: episodes of a reproduction.
+        out: folder for scenarios and pictures.
+        pictures: whether to draw one.
+    """
+
+    task: Task
+    role: Role
+    policy: str
+    seed: int
+    index: int
+    budget: int
+    out: Path
+    pictures: bool
+
+    @property
+    def key(self) -> str:
+        """Digest of everything that decides the result, the code included."""
+        modules = [__name__, *([f"roadmend.policies.{self.policy}"] if self.policy else [])]
+        model = policy_model(self.policy) if self.policy else None
+        decided = (
+            self.task, repr(self.role), self.policy, model, self.seed, self.index, self.budget, self.pictures,
+            source_digest(modules),
+        )  # fmt: skip
+        return hashlib.sha256(repr(decided).encode()).hexdigest()
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What a job came to; plain values.
+
+    Attributes:
+        report: name of the report.
+        vehicle: number of the vehicle whose place the ego took.
+        policy: name.
+        scenario: file in the output folder; empty if none was built (test) or nothing reproduced.
+        picture: file in the output folder, or empty.
+        outcome: an EventKind's name; empty if nothing ran.
+        text: how the episode ended, or why it did not run, or what a reproduction came to.
+        collision: whether the ego collided.
+        at_fault: whether it did by its own fault.
+        reproduced: whether it was the described crash; None for a test.
+        episodes: that were driven.
+        seconds: wall clock, building and driving.
+    """
+
+    report: str
+    vehicle: int
+    policy: str
+    scenario: str = ""
+    picture: str = ""
+    outcome: str = ""
+    text: str = ""
+    collision: bool = False
+    at_fault: bool = False
+    reproduced: bool | None = None
+    episodes: int = 0
+    seconds: float = 0.0
+
+    def as_dict(self) -> dict[str, Any]:
+        """As JSON holds it."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, content: Mapping[str, Any]) -> Self:
+        """From :meth:`as_dict`."""
+        return cls(**content)
+
+
+def plan(
+    task: Task, cases: Iterable[Case], policies: Sequence[str], out: Path, *, samples: int = 1, budget: int = 0,
+    seed: int = 0, pictures: bool = False,
+) -> list[Job]:  # fmt: skip
+    """The jobs: every vehicle of every case takes the ego's place in turn."""
+    return [
+        Job(task, Role(case.name, case.crash, ego), policy, seed, index, budget, out, pictures)
+        for policy in policies
+        for case in cases
+        if case.crash is not None
+        for ego in range(len(case.crash.vehicles))
+        for index in range(samples)
+    ]
+
+
+def do(job: Job) -> Result:
+    """Do a job in this process; a scenario that cannot be built or run is a result too."""
+    begin = time.perf_counter()
+    blank = Result(
+        job.role.report, job.role.number, job.policy, reproduced=False if job.task is Task.REPRODUCE else None
+    )
+    try:
+        done = _WORK[job.task](job, blank)
+    except RoadmendError as error:
+        done = replace(blank, text=str(error))
+    return replace(done, seconds=done.seconds or time.perf_counter() - begin)
+
+
+def _build(job: Job, blank: Result) -> Result:
+    scenario = draw_scenario(job.role, job.index, job.seed)
+    with Simulation(scenario) as simulation:
+        simulation.first()
+    return replace(blank, scenario=_save(job, scenario), text="built")
+
+
+def _test(job: Job, blank: Result) -> Result:
+    begin = time.perf_counter()
+    scenario = draw_scenario(job.role, job.index, job.seed)
+    trial = run_trial(scenario, job.policy)
+    seconds = time.perf_counter() - begin
+    return replace(_driven(job, blank, scenario, trial), episodes=1, seconds=seconds)
+
+
+def _reproduce(job: Job, blank: Result) -> Result:
+    begin = time.perf_counter()
+    found = reproduce(job.role, job.policy, job.budget, job.seed)
+    seconds = time.perf_counter() - begin
+    done = replace(blank, text=found.outcome, episodes=found.episodes, seconds=seconds)
+    if found.scenario is None or found.trial is None:
+        return done
+    return replace(_driven(job, done, found.scenario, found.trial), reproduced=True)
+
+
+_WORK: dict[Task, Callable[[Job, Result], Result]] = {
+    Task.BUILD: _build, Task.TEST: _test, Task.REPRODUCE: _reproduce,
+}  # fmt: skip
+
+
+def _driven(job: Job, blank: Result, scenario: Scenario, trial: Trial) -> Result:
+    """The result of an episode, its scenario and picture written."""
+    picture = f"{PICTURES}/{scenario.name}-{job.policy}.png" if job.pictures else ""
+    if picture:
+        draw_trial(scenario, trial, job.out / picture)
+    return replace(
+        blank, scenario=_save(job, scenario), picture=picture, outcome=trial.summary.outcome.name,
+        text=trial.summary.text, collision=trial.is_collision, at_fault=trial.is_at_fault,
+    )  # fmt: skip
+
+
+def _save(job: Job, scenario: Scenario) -> str:
+    file = f"{SCENARIOS}/{scenario.name}.yaml"
+    save_scenario(scenario, job.out / file)
+    return file

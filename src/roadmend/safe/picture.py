@@ -1,0 +1,58 @@
+"""A picture of a built scenario at the moment when the ego was nearest to somebody."""
+
+from pathlib import Path
+
+import numpy as np
+
+from roadmend.core.errors import InputError
+from roadmend.evaluation.scene_layers import LaneMap, Trail
+from roadmend.evaluation.scene_picture import SceneView, draw_scene
+from roadmend.safe.trial import Trial
+from roadmend.world.map_view import lanes_of
+from roadmend.world.network import network_file
+from roadmend.world.road_network import RoadNetwork, read_network
+from roadmend.world.scenario import Scenario
+from roadmend.world.simulation import INTERVAL
+
+_DPI = 72
+_SPAN = 90.0  # [m]
+
+
+def draw_trial(scenario: Scenario, trial: Trial, out: Path) -> None:
+    """Draw one moment of an episode into a PNG file.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    tick = trial.film.nearest()
+    before = trial.film.ego[: tick + 1]
+    view = SceneView(
+        scenario=scenario.name,
+        time=tick * INTERVAL,
+        ego=trial.film.ego[tick],
+        objects=trial.film.objects[tick],
+        lanes=_map_of(read_network(network_file(scenario.network))),
+        route=trial.route,
+        trail=Trail(
+            np.array([ego.x for ego in before]), np.array([ego.y for ego in before]), np.zeros(len(before), np.bool_)
+        ),
+        outcome=trial.summary.outcome.name.lower().replace("_", " "),
+    )
+    beside = out.with_name(f".{out.name}")
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        draw_scene(view, _SPAN).savefig(beside, dpi=_DPI, format="png")
+        beside.replace(out)
+    except OSError as error:
+        raise InputError(str(out), f"cannot be written ({error.strerror})", "choose a writable folder") from None
+
+
+def _map_of(network: RoadNetwork) -> LaneMap:
+    lanes = lanes_of(network)
+    points = np.concatenate([lane.shape for lane in lanes])
+    counts = [len(lane.shape) for lane in lanes]
+    return LaneMap(
+        np.concatenate(([0], np.cumsum(counts)[:-1])).astype(np.int64),
+        np.array([lane.kind for lane in lanes], dtype=np.uint8), np.array([lane.width for lane in lanes]),
+        points[:, 0], points[:, 1],
+    )  # fmt: skip

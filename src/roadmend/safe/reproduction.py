@@ -1,0 +1,144 @@
+"""Varies what a report leaves open until the described crash happens to the policy under test."""
+
+import math
+import random
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from roadmend.core.errors import RoadmendError
+from roadmend.safe.construction import Role, build_scenario, generator_of
+from roadmend.safe.described_crash import judge, why_not_played
+from roadmend.safe.layout import lay_out
+from roadmend.safe.open_questions import answer, open_questions
+from roadmend.safe.trial import Trial, run_trial
+from roadmend.world.scenario import Scenario
+from roadmend.world.simulation import INTERVAL
+from roadmend.world.space import Parameters, Space, Uniform, sample
+
+_NEAR = 1.5  # [m] between two places that count as the same when a meeting is looked for
+_FRESH = 4  # every so many episodes one is drawn anew
+_STEP = 0.15  # share of a dimension's range that a change moves it by, as a standard deviation
+_JITTER = 0.25  # [s] standard deviation around the delay that a film says would have led to a meeting
+
+
+@dataclass(frozen=True, slots=True)
+class Reproduction:
+    """What the search for a report's crash came to with the policy in one role.
+
+    Attributes:
+        report: its name.
+        vehicle: number of the vehicle whose place the ego took, from 1.
+        policy: name.
+        episodes: driven until the crash happened, or in all.
+        scenario: in which it happened; None if it did not.
+        outcome: text of that episode's end, or why there is none.
+        failures: episodes that could not be built or run.
+        trial: the episode in which it happened.
+    """
+
+    report: str
+    vehicle: int
+    policy: str
+    episodes: int
+    scenario: Scenario | None
+    outcome: str
+    failures: int = 0
+    trial: Trial | None = None
+
+    @property
+    def is_reproduced(self) -> bool:
+        """Whether the described crash happened."""
+        return self.scenario is not None
+
+
+def reproduce(role: Role, policy: str, budget: int, seed: int = 0) -> Reproduction:
+    """Search for the described crash; the same arguments give the same result.
+
+    Draws, shifts the others in time so that they meet the ego where their tracks crossed, and changes what came near.
+
+    Args:
+        role: the report, and the vehicle whose place the ego takes.
+        policy: name of the policy that drives the ego.
+        budget: episodes at most.
+        seed: of the search and of the simulator.
+    """
+    impossible = why_not_played(role.crash, role.ego)
+    if impossible:
+        return Reproduction(role.report, role.number, policy, 0, None, impossible)
+    space = open_questions(role.crash)
+    generator = generator_of(role, f"reproduce/{policy}/{seed}")
+    best: tuple[float, Parameters, Trial] | None = None
+    failures, said = 0, "nobody came near"
+    for episode in range(budget):
+        drawn = _next(space, best, role, generator, fresh=episode % _FRESH == 0)
+        try:
+            scenario = build_scenario(role, drawn, f"{role.report}-v{role.number}-reproduced-{policy}", seed)
+            trial = run_trial(scenario, policy)
+        except RoadmendError as error:
+            failures, said = failures + 1, str(error)
+            continue
+        gap = trial.summary.min_distance
+        if trial.contact is not None:
+            layout = lay_out(answer(role.crash, drawn), drawn)
+            verdict = judge(role.crash, layout, role.ego, trial.contact)
+            if verdict.is_described:
+                return Reproduction(
+                    role.report, role.number, policy, episode + 1, scenario, trial.summary.text, failures, trial
+                )
+            said, gap = verdict.reason, 3.0  # [m] as good as a near miss: the wrong crash is no step to the right one
+        elif math.isfinite(gap):
+            said = f"no contact; the nearest was {min(gap, best[0]) if best else gap:.1f} m"
+        if best is None or gap < best[0] or episode % _FRESH == 0:
+            best = (gap, drawn, trial)
+    return Reproduction(role.report, role.number, policy, budget, None, said, failures)
+
+
+def _next(
+    space: Space, best: tuple[float, Parameters, Trial] | None, role: Role, generator: random.Random, *, fresh: bool
+) -> Parameters:
+    """The next point: drawn anew, or the best one so far with the others shifted in time, or changed a little."""
+    if best is None or fresh:
+        return sample(space, generator)
+    _, drawn, trial = best
+    point = dict(drawn)
+    aimed = False
+    for index in range(len(role.crash.vehicles)):
+        if index == role.ego:
+            continue
+        shift = _shift(trial, f"v{index + 1}")
+        if shift is not None:
+            name = f"v{index + 1}.delay"
+            point[name] = round(float(point[name]) + shift + generator.gauss(0.0, _JITTER), 3)
+            point[f"v{index + 1}.heed"] = "none"
+            aimed = True
+    moved = [name for name in space if generator.random() < (0.1 if aimed else 0.4)]
+    return point | dict(_changed(space, point, moved, generator))
+
+
+def _shift(trial: Trial, name: str) -> float | None:
+    """Time [s] by which another vehicle would have to come later to meet the ego; None if their tracks do not cross."""
+    other = trial.film.track(name)
+    if not len(other):
+        return None
+    own = np.array([(ego.x, ego.y) for ego in trial.film.ego])
+    gaps = np.hypot(own[:, None, 0] - other[None, :, 1], own[:, None, 1] - other[None, :, 2])
+    meets = np.argwhere(gaps < _NEAR)
+    if not len(meets):
+        return None
+    late = (meets[:, 0] - other[meets[:, 1], 0]) * INTERVAL
+    return float(late[np.argmin(np.abs(late))])
+
+
+def _changed(
+    space: Space, point: Parameters, names: list[str], generator: random.Random
+) -> Iterator[tuple[str, float | int | str | bool]]:
+    for name in names:
+        dimension = space[name]
+        if isinstance(dimension, Uniform):
+            width = dimension.high - dimension.low
+            value = float(point[name]) + generator.gauss(0.0, _STEP * width)
+            yield name, round(min(max(value, dimension.low), dimension.high), 3)
+        elif generator.random() < 0.3:
+            yield name, dimension.sample(generator)

@@ -1,0 +1,109 @@
+"""What the jobs of many crash reports come to."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from roadmend.safe.cases import Case
+from roadmend.safe.driving import Result
+
+
+@dataclass(frozen=True, slots=True)
+class TestTally:
+    """A policy in the scenarios of crash reports.
+
+    Attributes:
+        reports: that were given.
+        built: reports of which every vehicle's scenarios could be built and run to their end.
+        scenarios: that were run.
+        collisions: scenarios in which the ego collided; what the paper counts as a violation.
+        at_fault: those of them by the ego's own fault.
+        violation_rate: collisions a scenario; None without scenarios.
+        top: after how many scenarios, in the order of the reports, the first, second and third collision was seen.
+        seconds_per_scenario: mean wall clock of building and driving one; None without scenarios.
+    """
+
+    __test__ = False  # for pytest
+
+    reports: int
+    built: int
+    scenarios: int
+    collisions: int
+    at_fault: int
+    violation_rate: float | None
+    top: tuple[int, ...]
+    seconds_per_scenario: float | None
+
+    def as_dict(self) -> dict[str, Any]:
+        """As JSON holds it."""
+        return asdict(self) | {"top": list(self.top)}
+
+    def cells(self) -> tuple[str, ...]:
+        """One row of a table."""
+        rate = "-" if self.violation_rate is None else f"{100.0 * self.violation_rate:.1f} %"
+        seconds = "-" if self.seconds_per_scenario is None else f"{self.seconds_per_scenario:.2f}"
+        top = "/".join(map(str, self.top)) or "-"
+        counts = (self.reports, self.built, self.scenarios, self.collisions, self.at_fault)
+        return *map(str, counts), rate, top, seconds
+
+
+def tally_tests(cases: Sequence[Case], results: Sequence[Result]) -> TestTally:
+    """Count the tests of one policy."""
+    ran = [result for result in results if result.outcome]
+    hits = [number for number, result in enumerate(ran, start=1) if result.collision]
+    return TestTally(
+        reports=len(cases),
+        built=sum(_runs_whole(case, results) for case in cases),
+        scenarios=len(ran),
+        collisions=len(hits),
+        at_fault=sum(result.at_fault for result in ran),
+        violation_rate=len(hits) / len(ran) if ran else None,
+        top=tuple(hits[:3]),
+        seconds_per_scenario=sum(result.seconds for result in ran) / len(ran) if ran else None,
+    )
+
+
+def _runs_whole(case: Case, results: Sequence[Result]) -> bool:
+    own = [result for result in results if result.report == case.name]
+    return bool(own) and all(result.outcome for result in own)
+
+
+@dataclass(frozen=True, slots=True)
+class ReproductionTally:
+    """The crashes that happened again with a policy in the place of a vehicle.
+
+    Attributes:
+        reports: that were given.
+        possible: those with two vehicles or more.
+        reproduced: whose crash happened with the policy in at least one vehicle's place.
+        names: of these.
+        episodes: that were driven.
+    """
+
+    reports: int
+    possible: int
+    reproduced: int
+    names: tuple[str, ...]
+    episodes: int
+
+    def as_dict(self) -> dict[str, Any]:
+        """As JSON holds it."""
+        return asdict(self) | {"names": list(self.names)}
+
+    def cells(self) -> tuple[str, ...]:
+        """One row of a table."""
+        return (
+            str(self.reports), str(self.reproduced), _share(self.reproduced, self.reports),
+            f"{self.reproduced} of {self.possible} ({_share(self.reproduced, self.possible)})", str(self.episodes),
+        )  # fmt: skip
+
+
+def _share(part: int, whole: int) -> str:
+    return f"{100.0 * part / whole:.1f} %" if whole else "-"
+
+
+def tally_reproductions(cases: Sequence[Case], results: Sequence[Result]) -> ReproductionTally:
+    """Count the reproductions of one policy."""
+    names = sorted({result.report for result in results if result.reproduced})
+    possible = sum(case.crash is not None and len(case.crash.vehicles) > 1 for case in cases)
+    return ReproductionTally(len(cases), possible, len(names), tuple(names), sum(result.episodes for result in results))
