@@ -1,4 +1,4 @@
-"""Finds the crash reports and files of the scenario language that a command was given."""
+"""The crashes that a command was given: reports, read by the embedded backend, or files of the scenario language."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,11 +7,11 @@ from pathlib import Path
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.safe.dsl import CrashScenario
 from roadmend.safe.dsl_file import load_crash_scenario
-from roadmend.safe.reading.reader import read_summary
+from roadmend.safe.embedded import EmbeddedExtractor
+from roadmend.safe.report import Sketch, find_reports, load_report
 
-_FILES = {".json", ".yaml", ".yml", ".safe"}
-_GENERIC = {"scenario", "crash"}  # stems of files that are named after their folder
-_SUMMARY = "summary.txt"
+_LANGUAGE = {".json", ".yaml", ".yml"}
+_EVIDENCE = ".evidence"  # what 'roadmend safe extract' writes beside a scenario
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,60 +27,53 @@ class Case:
 
     name: str
     crash: CrashScenario | None
-    sketch: Path | None = None
+    sketch: Sketch | None = None
     problem: str = ""
 
 
 def gather_cases(paths: Sequence[Path]) -> list[Case]:
-    """All cases of files and folders, by name; a report that cannot be read is a case too.
+    """All cases of files and folders, by name; one that cannot be read is a case too.
 
-    A folder with a ``summary.txt`` is a report. Any other folder holds reports, or files of the scenario language.
+    A folder is a report, or holds reports, or holds files of the scenario language. A file is a report if it ends in
+    ``.txt``, else of the scenario language.
 
     Raises:
-        InputError: a path does not exist or holds nothing of the kind, or two cases have one name.
+        InputError: a path holds nothing of the kind, or two cases have one name.
     """
     cases: dict[str, Case] = {}
     for path in paths:
-        for place in _places(path):
-            case = _case(place)
+        for case in _cases_of(path):
             if case.name in cases:
-                raise InputError(str(place), f"there are two cases {case.name!r}", "give each another name")
+                raise InputError(str(path), f"there are two cases {case.name!r}", "rename one of them")
             cases[case.name] = case
     return [cases[name] for name in sorted(cases)]
 
 
-def _places(path: Path) -> list[Path]:
-    if path.is_file() or (path / _SUMMARY).is_file():
-        return [path]
-    if not path.is_dir():
-        raise InputError(
-            str(path), "no such file or folder", "give a report, a file of the scenario language or a folder"
-        )
-    found = [each for each in sorted(path.iterdir()) if (each / _SUMMARY).is_file() or each.suffix in _FILES]
-    if not found:
-        mend = f"give a folder with {_SUMMARY}, or with {', '.join(sorted(_FILES))} files"
-        raise InputError(str(path), "holds neither reports nor files of the scenario language", mend)
-    return found
+def _cases_of(path: Path) -> list[Case]:
+    if path.is_file() and path.suffix.lower() != ".txt":
+        return [_from_language(path)]
+    if path.is_dir():
+        files = [
+            each for each in sorted(path.iterdir()) if each.suffix in _LANGUAGE and not each.stem.endswith(_EVIDENCE)
+        ]
+        if files and not any(each.is_dir() or each.suffix.lower() == ".txt" for each in path.iterdir()):
+            return [_from_language(each) for each in files]
+    return [_from_report(each) for each in find_reports(path)]
 
 
-def _case(place: Path) -> Case:
-    folder = place if place.is_dir() else place.parent
-    name = folder.resolve().name if place.is_dir() or place.stem in _GENERIC else place.stem
-    sketch = next((each for each in sorted(folder.glob("sketch.*")) if each.is_file()), None)
+def _from_language(path: Path) -> Case:
     try:
-        crash = _read_report(place) if place.is_dir() else load_crash_scenario(place)
+        return Case(path.stem, load_crash_scenario(path))
+    except RoadmendError as error:
+        return Case(path.stem, None, problem=str(error))
+
+
+def _from_report(path: Path) -> Case:
+    name = path.stem if path.is_file() else path.resolve().name
+    sketch = None
+    try:
+        report = load_report(path)
+        sketch = report.sketch
+        return Case(name, EmbeddedExtractor().extract(report).scenario, sketch)
     except RoadmendError as error:
         return Case(name, None, sketch, str(error))
-    return Case(name, crash, sketch)
-
-
-def _read_report(folder: Path) -> CrashScenario:
-    path = folder / _SUMMARY
-    try:
-        summary = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(path), f"cannot be read ({error})", "give a readable UTF-8 text file") from None
-    reading = read_summary(summary)
-    if reading is None:
-        raise InputError(str(path), "speaks of no vehicle", "give a crash report")
-    return reading.scenario

@@ -4,8 +4,7 @@ import html
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from PIL import Image, UnidentifiedImageError
-
+from roadmend.core.errors import InputError
 from roadmend.safe.cases import Case
 from roadmend.safe.driving import PICTURES, Result
 from roadmend.safe.tally import ReproductionTally, TestTally
@@ -132,15 +131,13 @@ def _figure(source: str, caption: str, attribute: str) -> str:
 
 
 def _sketch(case: Case, out: Path) -> str:
-    """The report's sketch, copied beside the pictures; empty where there is none or it is no picture."""
+    """The report's sketch, written beside the pictures; empty where there is none."""
     if case.sketch is None:
         return ""
+    name = f"{PICTURES}/sketch-{case.name}.{case.sketch.media_type.rpartition('/')[2]}"
     try:
-        with Image.open(case.sketch) as image:
-            image.verify()
-        target = out / PICTURES / f"sketch-{case.name}{case.sketch.suffix.lower()}"
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_bytes(case.sketch.read_bytes())
-    except (OSError, UnidentifiedImageError, SyntaxError, ValueError):
-        return ""
-    return f"{PICTURES}/{target.name}"
+        (out / PICTURES).mkdir(parents=True, exist_ok=True)
+        (out / name).write_bytes(case.sketch.data)
+    except OSError as error:
+        raise InputError(str(out), f"cannot be written ({error.strerror})", "choose a writable folder") from None
+    return name

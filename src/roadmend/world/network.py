@@ -231,7 +231,7 @@ def _netconvert(folder: Path, texts: tuple[str, str, str], options: list[str]) -
         (folder / name).write_text(text, encoding="utf-8")
     target = folder / "built.net.xml"
     command = [
-        str(_binary("netconvert")), "--node-files", names[0], "--edge-files", names[1], "--output-file", target.name,
+        str(find_binary("netconvert")), "--node-files", names[0], "--edge-files", names[1], "--output-file", target.name,
         "--offset.disable-normalization", "true", "--no-warnings", "true", *options,
     ]  # fmt: skip
     if "<connection " in texts[2]:
@@ -243,7 +243,8 @@ def _netconvert(folder: Path, texts: tuple[str, str, str], options: list[str]) -
     return target
 
 
-def _binary(name: str) -> Path:
+def find_binary(name: str) -> Path:
+    """A program of SUMO."""
     import sumo  # noqa: PLC0415 - importing it is slow and only a cache miss needs it
 
     return Path(sumo.SUMO_HOME) / "bin" / name

@@ -1,0 +1,240 @@
+"""A scenario as ASAM OpenSCENARIO XML 1.2, with its road network as OpenDRIVE beside it.
+
+What a scenario says of drivers (habits, right of way) has no words in OpenSCENARIO; a vehicle's properties carry it.
+Vehicles refer to the middle of the rear axle, as the standard wants.
+"""
+
+import datetime as dt
+import math
+from pathlib import Path
+
+import numpy as np
+from scenariogeneration import xosc
+
+from roadmend import __version__
+from roadmend.core.errors import InputError
+from roadmend.core.route import Stage
+from roadmend.world.drivers import BODIES
+from roadmend.world.network import network_file
+from roadmend.world.opendrive import write_opendrive
+from roadmend.world.road_network import RoadNetwork, read_network
+from roadmend.world.scenario import (
+    Brake,
+    CutIn,
+    Drift,
+    Environment,
+    Heedless,
+    Manoeuvre,
+    Pedestrian,
+    RunRightOfWay,
+    Scenario,
+    SumoConfiguration,
+    Trigger,
+    Vehicle,
+)
+
+EGO = "ego"
+_MINOR_VERSION = 2
+_DATE = dt.datetime(2026, 1, 1, tzinfo=dt.UTC)  # the same scenario gives the same file
+_AXLE = 0.3  # share of the length from the rear axle to the middle
+_HEIGHT = {"truck": 3.6, "semi_truck": 4.0, "bus": 3.2, "suv": 1.8, "minivan": 1.8, "pickup": 1.9}  # [m] else 1.5
+_CATEGORY = {
+    "truck": "truck", "semi_truck": "semitrailer", "bus": "bus", "motorcycle": "motorbike", "bicycle": "bicycle",
+    "minivan": "van",
+}  # fmt: skip
+_CLOUDS = {"cloudy": "sixOktas", "overcast": "eightOktas", "rainy": "eightOktas", "snowy": "eightOktas"}
+_CUT_IN = 3.0  # [s]
+_DRY = 0.9  # friction that OpenSCENARIO's factor of 1 stands for
+
+
+def export_scenario(scenario: Scenario, folder: Path) -> tuple[Path, Path]:
+    """Write NAME.xosc and NAME.xodr.
+
+    Args:
+        scenario: what to write.
+        folder: where to.
+
+    Returns:
+        The two files.
+
+    Raises:
+        InputError: the scenario has traffic of its own or people on foot, or the folder cannot be written.
+        SimulationError: netconvert cannot write the network.
+    """
+    if isinstance(scenario.network, SumoConfiguration):
+        raise InputError("network", "a SUMO configuration brings its own traffic", "export a scenario with actors")
+    for place, actor in enumerate(scenario.actors):
+        if isinstance(actor, Pedestrian):
+            raise InputError(f"actors[{place}]", "people on foot are not exported", "leave them out")
+    path = network_file(scenario.network)
+    roads, story = folder / f"{scenario.name}.xodr", folder / f"{scenario.name}.xosc"
+    write_opendrive(path, roads)
+    described = _Description(scenario, read_network(path)).build(roads.name)
+    beside = story.with_name(f".{story.name}")
+    try:
+        described.write_xml(str(beside))
+        beside.replace(story)
+    except OSError as error:
+        raise InputError(str(story), f"cannot be written ({error.strerror})", "choose a writable folder") from None
+    return story, roads
+
+
+class _Description:
+    """Builds one OpenSCENARIO document."""
+
+    def __init__(self, scenario: Scenario, network: RoadNetwork) -> None:
+        self._scenario, self._network = scenario, network
+        self._vehicles = [actor for actor in scenario.actors if isinstance(actor, Vehicle)]
+
+    def build(self, roads: str) -> xosc.Scenario:
+        """The document; ``roads`` is the name of the OpenDRIVE file beside it."""
+        ego = self._scenario.ego
+        entities, init = xosc.Entities(), xosc.Init()
+        init.add_global_action(xosc.EnvironmentAction(_environment(self._scenario.environment)))
+        entities.add_scenario_object(EGO, _vehicle("car", ego.length, ego.width, EGO))
+        init.add_init_action(EGO, xosc.TeleportAction(self._position(ego.route[0], ego.lane, ego.position, ego.length)))
+        init.add_init_action(EGO, _speed(ego.speed))
+        self._add_route(init, EGO, ego.route, ego.goal)
+        act = xosc.Act("act", _at(0.0))
+        for vehicle in self._vehicles:
+            body = BODIES[vehicle.kind]
+            entities.add_scenario_object(vehicle.id, _vehicle(vehicle.kind, body.length, body.width, vehicle))
+            middle = vehicle.position - 0.5 * body.length
+            position = self._position(vehicle.route[0], vehicle.lane, middle, body.length)
+            edge = self._network.edges[vehicle.route[0]]
+            speed = _speed(vehicle.speed if vehicle.speed is not None else edge.car_lanes[vehicle.lane].speed_limit)
+            group = xosc.ManeuverGroup(f"{vehicle.id}-group")
+            group.add_actor(vehicle.id)
+            script = xosc.Maneuver(f"{vehicle.id}-script")
+            if vehicle.depart > 0.0:
+                entry = xosc.Event(f"{vehicle.id}-enters", xosc.Priority.parallel)
+                entry.add_trigger(_at(vehicle.depart))
+                entry.add_action(f"{vehicle.id}-is-added", xosc.AddEntityAction(vehicle.id, position))
+                entry.add_action(f"{vehicle.id}-drives", speed)
+                script.add_event(entry)
+            else:
+                init.add_init_action(vehicle.id, xosc.TeleportAction(position))
+                init.add_init_action(vehicle.id, speed)
+            self._add_route(init, vehicle.id, vehicle.route, None)
+            for number, manoeuvre in enumerate(vehicle.manoeuvres, start=1):
+                for event in _events(vehicle, manoeuvre, f"{vehicle.id}-{number}"):
+                    script.add_event(event)
+            if script.events:
+                group.add_maneuver(script)
+                act.add_maneuver_group(group)
+        story = xosc.StoryBoard(init, _at(self._scenario.time_limit, point="stop"))
+        if act.maneuvergroup:
+            story.add_act(act)
+        return xosc.Scenario(
+            self._scenario.name, f"roadmend {__version__}", xosc.ParameterDeclarations(), entities, story,
+            xosc.RoadNetwork(roads), xosc.Catalog(), osc_minor_version=_MINOR_VERSION, creation_date=_DATE,
+        )  # fmt: skip
+
+    def _position(self, edge: str, lane: int, middle: float, length: float = 0.0) -> xosc.WorldPosition:
+        """Where the rear axle of a vehicle is whose middle is so many metres along an edge."""
+        shape = np.ascontiguousarray(self._network.edges[edge].car_lanes[lane].shape, dtype=np.float64)
+        line = Stage(np.ascontiguousarray(shape[:, 0]), np.ascontiguousarray(shape[:, 1]), np.zeros(len(shape)))
+        x, y, yaw = line.pose(middle - _AXLE * length)
+        return xosc.WorldPosition(round(float(x), 3), round(float(y), 3), 0.0, round(float(yaw), 5), 0.0, 0.0)
+
+    def _add_route(self, init: xosc.Init, name: str, edges: list[str], goal: float | None) -> None:
+        """The way along edges; OpenSCENARIO wants two points at least."""
+        route = xosc.Route(f"{name}-route")
+        for edge in edges:
+            route.add_waypoint(self._position(edge, 0, 1.0), xosc.RouteStrategy.fastest)
+        last = self._network.edges[edges[-1]].car_lanes[0].length
+        end = last - 1.0 if goal is None else goal
+        route.add_waypoint(self._position(edges[-1], 0, end), xosc.RouteStrategy.fastest)
+        init.add_init_action(name, xosc.AssignRouteAction(route))
+
+
+def _vehicle(kind: str, length: float, width: float, who: Vehicle | str) -> xosc.Vehicle:
+    body, height = BODIES[kind], _HEIGHT.get(kind, 1.5)
+    box = xosc.BoundingBox(width, length, height, round(_AXLE * length, 3), 0.0, 0.5 * height)
+    wheel = 0.65  # [m]
+    front = xosc.Axle(0.5, wheel, round(0.85 * width, 3), round(0.6 * length, 3), 0.5 * wheel)
+    rear = xosc.Axle(0.0, wheel, round(0.85 * width, 3), 0.0, 0.5 * wheel)
+    category = getattr(xosc.VehicleCategory, _CATEGORY.get(kind, "car"))
+    name = who if isinstance(who, str) else who.id
+    vehicle = xosc.Vehicle(
+        f"{name}-{kind}", category, box, front, rear, body.speed_max, body.acceleration, 9.0
+    )  # fmt: skip
+    vehicle.add_property("kind", kind)
+    if isinstance(who, Vehicle):
+        vehicle.add_property("driver", who.driver)
+        if any(isinstance(each, RunRightOfWay | Heedless) for each in who.manoeuvres):
+            vehicle.add_property("disregards_right_of_way", "true")
+    return vehicle
+
+
+def _environment(environment: Environment) -> xosc.Environment:
+    weather, at_night = environment.weather, environment.time_of_day == "nighttime"
+    clouds = getattr(xosc.FractionalCloudCover, _CLOUDS.get(weather, "zeroOktas"))
+    kind = {"rainy": xosc.PrecipitationType.rain, "snowy": xosc.PrecipitationType.snow}
+    intensity = {"rainy": 4.0, "snowy": 2.0}  # [mm/h]
+    sky = xosc.Weather(
+        cloudstate=clouds, fog=xosc.Fog(round(environment.effective_range, 1)),
+        precipitation=xosc.Precipitation(kind.get(weather, xosc.PrecipitationType.dry), intensity.get(weather, 0.0)),
+        sun=xosc.Sun(0.0 if at_night else 50_000.0, math.pi, -0.5 if at_night else 0.9),
+        wind=xosc.Wind(0.0, 10.0 if weather == "windy" else 0.0),
+    )  # fmt: skip
+    hour = 23 if at_night else 12
+    clock = xosc.TimeOfDay(False, 2026, 1, 1, hour, 0, 0)
+    road = xosc.RoadCondition(round(environment.effective_friction / _DRY, 3))
+    return xosc.Environment(weather, clock, sky, road)
+
+
+def _events(vehicle: Vehicle, manoeuvre: Manoeuvre, name: str) -> list[xosc.Event]:
+    """A manoeuvre as events; running the right of way is a property of the vehicle instead."""
+    event = xosc.Event(name, xosc.Priority.parallel)
+    event.add_trigger(_trigger(vehicle, manoeuvre.when, name))
+    match manoeuvre:
+        case Heedless():
+            event.add_action(f"{name}-speed", _speed(manoeuvre.speed))
+        case Drift():
+            sideways = round(0.5 * math.pi**2 * abs(manoeuvre.offset) / manoeuvre.over**2, 3)  # [m/s2] at its most
+            action = xosc.AbsoluteLaneOffsetAction(
+                manoeuvre.offset, xosc.DynamicsShapes.sinusoidal, sideways, continuous=False
+            )
+            event.add_action(f"{name}-drift", action)
+        case CutIn():
+            lane, entity = {"left": (1, vehicle.id), "right": (-1, vehicle.id), "ego": (0, EGO)}[manoeuvre.direction]
+            within = xosc.TransitionDynamics(xosc.DynamicsShapes.sinusoidal, xosc.DynamicsDimension.time, _CUT_IN)
+            event.add_action(f"{name}-cut-in", xosc.RelativeLaneChangeAction(lane, entity, within))
+        case Brake():
+            rate = xosc.TransitionDynamics(
+                xosc.DynamicsShapes.linear, xosc.DynamicsDimension.rate, manoeuvre.deceleration
+            )
+            event.add_action(f"{name}-brake", xosc.AbsoluteSpeedAction(manoeuvre.speed, rate))
+            again = xosc.Event(f"{name}-over", xosc.Priority.parallel)
+            ended = xosc.StoryboardElementStateCondition(
+                xosc.StoryboardElementType.event, name, xosc.StoryboardElementState.completeState
+            )
+            again.add_trigger(xosc.ValueTrigger(f"{name}-held", manoeuvre.hold, xosc.ConditionEdge.none, ended))
+            again.add_action(f"{name}-go", _speed(vehicle.speed or 0.0))
+            return [event, again]
+        case _:
+            return []
+    return [event]
+
+
+def _trigger(vehicle: Vehicle, when: Trigger, name: str) -> xosc.ValueTrigger | xosc.EntityTrigger:
+    if when.time is not None:
+        return _at(vehicle.depart + when.time if when.time < vehicle.depart else when.time)
+    assert when.ego_distance is not None
+    near = xosc.RelativeDistanceCondition(
+        when.ego_distance, xosc.Rule.lessThan, xosc.RelativeDistanceType.euclidianDistance, EGO, freespace=False
+    )
+    return xosc.EntityTrigger(f"{name}-near", 0.0, xosc.ConditionEdge.none, near, vehicle.id)
+
+
+def _at(time: float, point: str = "start") -> xosc.ValueTrigger:
+    """A trigger at a time [s]."""
+    condition = xosc.SimulationTimeCondition(time, xosc.Rule.greaterOrEqual)
+    return xosc.ValueTrigger(f"at-{time:g}", 0.0, xosc.ConditionEdge.none, condition, point)
+
+
+def _speed(speed: float) -> xosc.AbsoluteSpeedAction:
+    """Have a speed [m/s] at once."""
+    at_once = xosc.TransitionDynamics(xosc.DynamicsShapes.step, xosc.DynamicsDimension.time, 0.0)
+    return xosc.AbsoluteSpeedAction(round(speed, 3), at_once)
