@@ -1,0 +1,99 @@
+"""Every kind of crash becomes a scenario that loads, with what was drawn written into it."""
+
+import random
+
+import pytest
+from .crashes import ALL, CROSSING, HEAD_ON, crash, role, vehicle
+
+from roadmend.core.errors import InputError
+from roadmend.safe.construction import build_scenario, draw_scenario
+from roadmend.safe.dsl import Environment, Time, Weather
+from roadmend.safe.open_questions import open_questions
+from roadmend.world.scenario import Drift, Heedless
+from roadmend.world.scenario_file import load_scenario, save_scenario
+from roadmend.world.simulation import Simulation
+from roadmend.world.space import sample
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_every_vehicle_can_be_the_ego_and_nobody_starts_inside_another(name, tmp_path):
+    what = ALL[name]
+    for ego in range(len(what.vehicles)):
+        scenario = draw_scenario(role(what, ego), 0)
+        save_scenario(scenario, tmp_path / "s.yaml")
+        assert load_scenario(tmp_path / "s.yaml") == scenario
+        with Simulation(scenario) as simulation:
+            tick = simulation.first()
+            assert tick.final is None
+            assert tick.min_distance > 0.5
+        assert {actor.id for actor in scenario.actors} <= {f"v{n + 1}" for n in range(len(what.vehicles)) if n != ego}
+
+
+def test_the_same_seed_gives_the_same_scenario_and_another_does_not():
+    assert draw_scenario(role(CROSSING), 1) == draw_scenario(role(CROSSING), 1)
+    assert draw_scenario(role(CROSSING), 1) != draw_scenario(role(CROSSING), 2)
+    assert draw_scenario(role(CROSSING), 1) != draw_scenario(role(CROSSING), 1, seed=1)
+
+
+def test_what_the_report_leaves_open_stands_in_the_scenario():
+    origin = draw_scenario(role(ALL["open"]), 0).origin
+    assert origin.report == "sample"
+    for name in ("road_type", "lanes", "time", "weather", "v1.model", "v1.position", "v2.action", "v2.speed_limit"):
+        assert name in origin.sampled
+    said = draw_scenario(role(CROSSING), 0).origin.sampled
+    assert not {"road_type", "lanes", "time", "weather", "v1.model", "v1.position", "v1.speed_limit"} & said.keys()
+
+
+def test_light_weather_and_bodies_are_the_reports():
+    dark = Environment(Time.NIGHTTIME, Weather.SNOWY)
+    what = crash("Intersection", vehicle(), vehicle("S2N", model="Semi Truck"), environment=dark)
+    scenario = draw_scenario(role(what), 0)
+    assert (scenario.environment.weather, scenario.environment.time_of_day) == ("snowy", "nighttime")
+    assert scenario.environment.effective_friction < 0.5
+    assert scenario.actors[0].kind == "semi_truck"
+    assert draw_scenario(role(what, 1), 0).ego.length > 15.0
+
+
+def test_who_enters_the_wrong_way_comes_over_the_centre_line_and_the_other_does_not():
+    def drifts(ego):
+        (actor,) = draw_scenario(role(HEAD_ON, ego), 0).actors
+        return [each for each in actor.manoeuvres if isinstance(each, Drift)]
+
+    (drift,) = drifts(0)
+    assert drift.offset == pytest.approx(3.2)
+    assert drifts(1) == []
+
+
+def test_a_parked_vehicle_stands_in_the_egos_lane():
+    scenario = draw_scenario(role(ALL["parked"]), 0)
+    (actor,) = scenario.actors
+    assert (actor.lane, actor.speed) == (scenario.ego.lane, 0.0)
+    assert actor.manoeuvres == [Heedless(when=actor.manoeuvres[0].when, speed=0.0)]
+    assert actor.position > scenario.ego.position
+
+
+def test_who_strikes_from_behind_starts_behind_and_is_faster():
+    (ahead,) = draw_scenario(role(ALL["rear end"], 0), 0).actors
+    scenario = draw_scenario(role(ALL["rear end"], 1), 0)
+    (behind,) = scenario.actors
+    assert behind.speed > scenario.ego.speed
+    assert behind.depart > 0.0 or behind.position < scenario.ego.position
+    assert ahead.position > draw_scenario(role(ALL["rear end"], 0), 0).ego.position
+
+
+def test_points_instead_of_an_action_count_as_the_turn_that_they_make():
+    points = ((0.0, 0.0), (20.0, 0.0), (25.0, 20.0))
+    scenario = draw_scenario(role(crash("Intersection", vehicle("W2E", points), vehicle("S2N"))), 0)
+    assert scenario.ego.route == ["west_in", "north_out"]
+
+
+def test_a_name_keeps_to_what_a_scenario_may_be_called():
+    drawn = sample(open_questions(CROSSING), random.Random(1))
+    assert build_scenario(role(CROSSING), drawn, "caseé 7/8", 0).name == "case--7-8"
+
+
+def test_a_merge_that_was_drawn_for_a_vehicle_with_a_compass_direction_is_refused():
+    what = crash(None, vehicle("W2E"), vehicle("S2N"))
+    drawn = sample(open_questions(what), random.Random(1)) | {"road_type": "Merging"}
+    with pytest.raises(InputError, match="initial_position"):
+        build_scenario(role(what), drawn, "x", 0)

@@ -1,0 +1,100 @@
+"""Exported files are valid by the official schemas, and SUMO reads the roads back."""
+
+import importlib.util
+import subprocess
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+from roadmend.core.errors import InputError
+from roadmend.safe.construction import draw_scenario
+from roadmend.safe.openscenario import export_scenario
+from roadmend.world.families import sample_scenario
+from roadmend.world.network import find_binary
+from roadmend.world.scenario import Brake, CutIn, Drift, Pedestrian, SumoConfiguration, Trigger
+
+from .crashes import ALL, HEAD_ON, role
+
+
+def schema(package, path):
+    folder = Path(next(iter(importlib.util.find_spec(package).submodule_search_locations)))
+    return etree.XMLSchema(etree.parse(folder / path))
+
+
+@pytest.fixture(scope="module")
+def story_schema():
+    return schema("schemas", "OpenSCENARIO_1_2.xsd")
+
+
+@pytest.fixture(scope="module")
+def road_schema():
+    return schema("qc_opendrive", "schema/1.4/OpenDRIVE_1.4H.xsd")
+
+
+def drawn(name):
+    return draw_scenario(role(ALL[name]), 0)
+
+
+def with_every_manoeuvre():
+    scenario = sample_scenario("S5", 3)
+    near, late = Trigger(ego_distance=20.0), Trigger(time=2.0)
+    scripts = [[Brake(when=near)], *([CutIn(when=late, direction=way)] for way in ("left", "right", "ego"))]
+    actors = [
+        actor.model_copy(update={"manoeuvres": script}) for actor, script in zip(scenario.actors, scripts, strict=False)
+    ]
+    return scenario.model_copy(update={"actors": actors})
+
+
+@pytest.mark.parametrize(
+    "scenario",
+    [
+        *(pytest.param(drawn(name), id=name) for name in ("straight", "curve", "intersection", "tee", "merging")),
+        pytest.param(drawn("alone"), id="alone"),
+        pytest.param(with_every_manoeuvre(), id="manoeuvres"),
+    ],
+)
+def test_both_files_are_valid_and_netconvert_reads_the_roads(scenario, tmp_path, story_schema, road_schema):
+    story, roads = export_scenario(scenario, tmp_path)
+    for file, grammar in ((story, story_schema), (roads, road_schema)):
+        assert grammar.validate(etree.parse(file)), grammar.error_log
+    back = tmp_path / "back.net.xml"
+    subprocess.run([find_binary("netconvert"), "--opendrive-files", roads, "--output-file", back, "--no-warnings"],
+                   check=True, capture_output=True)  # fmt: skip
+    assert etree.parse(back).findall("edge")
+    assert sorted(path.name for path in tmp_path.glob("*")) == sorted([story.name, roads.name, back.name])
+
+
+def test_the_story_says_what_the_scenario_does(tmp_path):
+    scenario = draw_scenario(role(HEAD_ON), 0)
+    story = etree.parse(export_scenario(scenario, tmp_path)[0])
+    assert {each.get("name") for each in story.iter("ScenarioObject")} == {"ego", "v2"}
+    (actor,) = scenario.actors
+    (drift,) = (each for each in actor.manoeuvres if isinstance(each, Drift))
+    assert float(next(story.iter("AbsoluteTargetLaneOffset")).get("value")) == drift.offset
+    assert next(story.iter("LogicFile")).get("filepath") == f"{scenario.name}.xodr"
+    speeds = [float(each.get("value")) for each in story.iter("AbsoluteTargetSpeed")]
+    assert scenario.ego.speed in speeds
+    assert float(next(story.iter("RoadCondition")).get("frictionScaleFactor")) == pytest.approx(1.0)
+
+
+def test_the_same_scenario_gives_the_same_story(tmp_path):
+    scenario = draw_scenario(role(HEAD_ON), 0)
+    texts = [export_scenario(scenario, tmp_path / name)[0].read_bytes() for name in "ab"]
+    assert texts[0] == texts[1]
+
+
+def test_people_on_foot_and_foreign_traffic_are_refused(tmp_path):
+    scenario = draw_scenario(role(HEAD_ON), 0)
+    walker = Pedestrian(id="p", route=["forward"])
+    with pytest.raises(InputError, match=r"actors\[0\]"):
+        export_scenario(scenario.model_copy(update={"actors": [walker]}), tmp_path)
+    with pytest.raises(InputError, match="traffic of its own|its own traffic"):
+        export_scenario(scenario.model_copy(update={"network": SumoConfiguration(path="x.sumocfg")}), tmp_path)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_that_cannot_be_written_is_one_line(tmp_path):
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    with pytest.raises(InputError, match="cannot be written"):
+        export_scenario(draw_scenario(role(HEAD_ON), 0), tmp_path / "file")
