@@ -94,3 +94,10 @@ def test_ways_lead_through_the_network(name):
             links = net.connections.get((way.route[0], net.edges[way.route[0]].lane_number(lane)), [])
             assert len(way.route) == 1 or any(link.to_edge == way.route[1] for link in links)
         assert math.isfinite(way.heading + way.turn)
+
+
+def test_a_single_vehicle_that_turns_and_a_road_wider_than_any_are_built():
+    assert layout_of(crash("Straight", vehicle("W2E", "Turn Left"))).is_junction
+    wide = layout_of(crash("Straight", vehicle("W2E"), lanes=20))
+    assert lanes_of(wide) == {"forward": 6, "backward": 6}
+    assert "20 lanes" in wide.adapted[-1]

@@ -46,6 +46,9 @@ def test_who_is_alone_or_was_the_one_that_left_its_lane_is_not_tried():
         assert words in found.outcome
     three = crash("Straight", vehicle(), vehicle(), vehicle(), collisions=[Collision(1, 2)])
     assert "in no collision" in why_not_played(three, 2)
+    merges = crash("Straight", vehicle(manoeuvre="Merge"), vehicle(), lanes=4)
+    assert "no policy is asked" in why_not_played(merges, 0)
+    assert why_not_played(ALL["merging"], 1) == ""
 
 
 def test_a_budget_that_runs_out_says_how_near_it_came():

@@ -4,7 +4,7 @@ import itertools
 from dataclasses import dataclass
 
 from roadmend.safe.compass import wrap_degrees
-from roadmend.safe.dsl import Collision, CrashScenario, Manoeuvre, Side
+from roadmend.safe.dsl import Collision, CrashScenario, Manoeuvre, RoadType, Side
 from roadmend.safe.layout import Layout
 from roadmend.safe.staging import collisions_of
 from roadmend.safe.trial import Contact
@@ -32,7 +32,8 @@ def why_not_played(crash: CrashScenario, ego: int) -> str:
     if not collisions_of(crash, ego):
         return "the vehicle is in no collision of the report"
     manoeuvre = crash.vehicles[ego].manoeuvre
-    if manoeuvre in _NOT_PLAYED:
+    joins = manoeuvre is Manoeuvre.MERGE and crash.road.road_type is not RoadType.MERGING
+    if manoeuvre in _NOT_PLAYED or joins:
         return f"the vehicle does what no policy is asked to do here ({manoeuvre})"
     return ""
 

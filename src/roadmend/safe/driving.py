@@ -135,6 +135,8 @@ def do(job: Job) -> Result:
         done = _WORK[job.task](job, blank)
     except RoadmendError as error:
         done = replace(blank, text=str(error))
+    except Exception as error:  # noqa: BLE001 - a fault of ours must not end the work on all other reports
+        done = replace(blank, text=" ".join(f"{type(error).__name__}: {error}".split()))
     return replace(done, seconds=done.seconds or time.perf_counter() - begin)
 
 

@@ -1,7 +1,7 @@
 """From the road of a crash report to a road network, and the way that each vehicle takes through it."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from roadmend.safe.compass import BEARING, HEADING, SIDE_AT, TURN, wrap_degrees
 from roadmend.safe.dsl import Action, Compass, CrashScenario, Position, RoadType, Vehicle
@@ -61,6 +61,14 @@ def lay_out(crash: CrashScenario, drawn: Parameters) -> Layout:
         crash: as :func:`roadmend.safe.open_questions.answer` gives it.
         drawn: the point that it was filled in from.
     """
+    layout = _lay_out(crash, drawn)
+    if crash.road.lanes is not None and crash.road.lanes > 2 * _MOST_LANES:
+        text = f"{crash.road.lanes} lanes in all: built with {_MOST_LANES} in each direction"
+        return replace(layout, adapted=(*layout.adapted, text))
+    return layout
+
+
+def _lay_out(crash: CrashScenario, drawn: Parameters) -> Layout:
     if crash.road.road_type is RoadType.MERGING:
         return _merging(crash, drawn)
     headings = [_heading(vehicle) for vehicle in crash.vehicles]

@@ -50,7 +50,7 @@ def open_questions(crash: CrashScenario) -> dict[str, Dimension]:
         space["weather"] = _WEATHER
     for number, vehicle in enumerate(crash.vehicles, start=1):
         space |= _of_vehicle(f"v{number}", vehicle, crash, kinds)
-    if _JUNCTIONS & {*kinds} or len(crash.vehicles) > 1:  # a straight road may turn out to need a side road
+    if kinds != [RoadType.MERGING]:  # a straight road too may turn out to need a side road
         space["control"] = Choice(
             {"first_major": 0.25, "other_major": 0.25, "allway_stop": 0.15, "traffic_light": 0.35}
         )

@@ -1,0 +1,148 @@
+"""The commands build, test, reproduce and export of ``roadmend safe``, and bench safe, as a user calls them."""
+
+import json
+
+import pytest
+from PIL import Image
+
+from roadmend.cli.main import main
+from roadmend.world.scenario_file import load_scenario
+
+HEAD_ON = {
+    "road_type": "Straight", "num_lanes": 2, "stem_direction": None,
+    "vehicles": [
+        {"model": "Sedan", "initial_position": "W2E", "action": "Move Forward", "speed_limit_mph": 35},
+        {"model": "SUV", "initial_position": "E2W", "action": "Move Forward", "speed_limit_mph": 35,
+         "manoeuvre": "Enter the Wrong Way"},
+    ],
+    "env": {"time": "Daytime", "weather": None},
+}  # fmt: skip
+SUMMARY = (
+    "Vehicle one, a 2001 Ford Taurus four-door sedan, was traveling east on a two-lane, two-way road. Vehicle two, a "
+    "2003 Dodge Ram pickup truck, was traveling west on the same road. It was daylight and the weather was clear. The "
+    "posted speed limit was 35 mph. Vehicle two crossed the centerline and its front struck the front of Vehicle one."
+)
+
+
+@pytest.fixture
+def report(tmp_path):
+    folder = tmp_path / "reports" / "head-on"
+    folder.mkdir(parents=True)
+    (folder / "summary.txt").write_text(SUMMARY, encoding="utf-8")
+    Image.new("RGB", (40, 30), "white").save(folder / "sketch.png")
+    return folder.parent
+
+
+@pytest.fixture
+def crash(tmp_path):
+    path = tmp_path / "head-on.json"
+    path.write_text(json.dumps(HEAD_ON), encoding="utf-8")
+    return path
+
+
+def run(capsys, *arguments):
+    code = main([*map(str, arguments)])
+    printed = capsys.readouterr()
+    return code, printed.out, printed.err
+
+
+def test_build_writes_scenarios_that_load(crash, tmp_path, capsys):
+    out = tmp_path / "out"
+    code, text, _ = run(capsys, "safe", "build", crash, "--out", out, "--samples", 1, "--workers", 1, "--json")
+    content = json.loads(text)
+    assert code == 0
+    assert (content["reports"], content["built"], content["failed"]) == (1, 1, {})
+    assert [load_scenario(out / name).origin.vehicle for name in content["scenarios"]] == [1, 2]
+
+
+def test_a_test_writes_its_report_with_pictures_beside_the_sketch_and_goes_on(report, tmp_path, capsys):
+    out = tmp_path / "out"
+    arguments = ("safe", "test", report, "--out", out, "--samples", 1, "--workers", 1, "--json")
+    code, text, _ = run(capsys, *arguments)
+    assert code == 0
+    found = json.loads(text)["modular"]
+    assert (found["reports"], found["built"], found["scenarios"]) == (1, 1, 2)
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert "pictures/sketch-head-on.png" in page
+    for name in ("head-on-v1-0-modular.png", "head-on-v2-0-modular.png", "sketch-head-on.png"):
+        assert f"pictures/{name}" in page
+        Image.open(out / "pictures" / name).verify()
+    assert "paper: IDM" in (out / "report.md").read_text(encoding="utf-8")
+    done = (out / ".work" / "results.jsonl").read_bytes()
+    assert run(capsys, *arguments)[1] == text
+    assert (out / ".work" / "results.jsonl").read_bytes() == done, "nothing was done again"
+    (out / "pictures" / "head-on-v2-0-modular.png").unlink()
+    assert run(capsys, *arguments)[0] == 0
+    assert (out / "pictures" / "head-on-v2-0-modular.png").is_file(), "what has gone is made again"
+
+
+def test_reproduce_finds_the_crash_and_names_the_report(crash, tmp_path, capsys):
+    out = tmp_path / "out"
+    code, text, _ = run(
+        capsys, "safe", "reproduce", crash, "--out", out, "--budget", 20, "--no-pictures", "--workers", 1, "--json"
+    )
+    found = json.loads(text)["modular"]
+    assert code == 0
+    assert (found["reproduced"], found["names"]) == (1, ["head-on"])
+    assert load_scenario(out / "scenarios" / "head-on-v1-reproduced-modular.yaml").origin.report == "head-on"
+    assert "what no policy is asked" in (out / "reproduction.md").read_text(encoding="utf-8")
+
+
+def test_export_writes_both_formats(crash, tmp_path, capsys):
+    out = tmp_path / "out"
+    run(capsys, "safe", "build", crash, "--out", out, "--samples", 1, "--workers", 1)
+    code, text, _ = run(capsys, "safe", "export", out / "scenarios" / "head-on-v1-0.yaml", "--out", out, "--json")
+    assert code == 0
+    assert {*json.loads(text)} == {"openscenario", "opendrive"}
+    assert (out / "head-on-v1-0.xosc").is_file()
+
+
+def test_bench_writes_the_figures_with_the_papers_beside(report, tmp_path, capsys):
+    (report / "head-on" / "oracle.json").write_text(json.dumps(HEAD_ON), encoding="utf-8")
+    code, _, _ = run(
+        capsys, "bench", "safe", report, "--policy", "modular", "--samples", 1, "--budget", 12, "--workers", 1,
+        "--work", tmp_path / "work", "--out", tmp_path / "bench",
+    )  # fmt: skip
+    assert code == 0
+    content = json.loads((tmp_path / "bench" / "safe.json").read_text(encoding="utf-8"))
+    assert {*content["extraction"]} >= {"road", "actors", "env", "overall"}
+    assert content["extraction"]["actors"] == 0.0, "the oracle says SUV, the report Pickup"
+    assert (content["reports"], content["built"], content["scenarios"]) == (1, 1, 2)
+    assert {*content["violations"]} == {*content["reproduced"]} == {"modular"}
+    assert content["seconds_per_scenario"] > 0.0
+    assert content["paper"]["reproduced"]["IDM"] == 15
+    assert "15 of 50" in (tmp_path / "bench" / "safe.md").read_text(encoding="utf-8")
+
+
+def test_a_report_that_cannot_be_read_is_named_and_the_others_are_built(report, tmp_path, capsys):
+    (report / "empty").mkdir()
+    (report / "empty" / "summary.txt").write_text("", encoding="utf-8")
+    out = tmp_path / "out"
+    code, text, error = run(capsys, "safe", "build", report, "--out", out, "--samples", 1, "--workers", 1)
+    assert code == 1
+    assert "empty" in error
+    assert "2 scenarios from 1 of 2 reports" in text
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("missing.json", None, "no such"),
+        ("broken.json", "{", "broken.json"),
+        ("strange.json", '{"road_type": "Roundabout"}', "strange.json"),
+    ],
+)
+def test_what_cannot_be_used_is_one_line_and_exit_code_2(name, content, words, tmp_path, capsys):
+    if content is not None:
+        (tmp_path / name).write_text(content, encoding="utf-8")
+    code, _, error = run(capsys, "safe", "build", tmp_path / name, "--out", tmp_path / "out", "--workers", 1)
+    assert code == 2
+    assert words in error
+    assert "Traceback" not in error
+    assert not (tmp_path / "out").exists()
+
+
+def test_two_cases_of_one_name_are_refused(crash, report, tmp_path, capsys):
+    code, _, error = run(capsys, "safe", "build", crash, report, "--out", tmp_path / "out", "--workers", 1)
+    assert code == 2
+    assert "two cases 'head-on'" in error
