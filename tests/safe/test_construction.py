@@ -3,7 +3,6 @@
 import random
 
 import pytest
-from .crashes import ALL, CROSSING, HEAD_ON, crash, role, vehicle
 
 from roadmend.core.errors import InputError
 from roadmend.safe.construction import build_scenario, draw_scenario
@@ -13,6 +12,8 @@ from roadmend.world.scenario import Drift, Heedless
 from roadmend.world.scenario_file import load_scenario, save_scenario
 from roadmend.world.simulation import Simulation
 from roadmend.world.space import sample
+
+from .crashes import ALL, CROSSING, HEAD_ON, crash, role, vehicle
 
 
 @pytest.mark.parametrize("name", ALL)

@@ -4,13 +4,14 @@ import math
 import random
 
 import pytest
-from .crashes import ALL, crash, vehicle
 
 from roadmend.safe.layout import MPH, lay_out
 from roadmend.safe.open_questions import answer, open_questions
 from roadmend.world.network import network_file
 from roadmend.world.road_network import read_network
 from roadmend.world.space import sample
+
+from .crashes import ALL, crash, vehicle
 
 
 def layout_of(what, **fixed):

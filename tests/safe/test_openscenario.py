@@ -89,7 +89,7 @@ def test_people_on_foot_and_foreign_traffic_are_refused(tmp_path):
     walker = Pedestrian(id="p", route=["forward"])
     with pytest.raises(InputError, match=r"actors\[0\]"):
         export_scenario(scenario.model_copy(update={"actors": [walker]}), tmp_path)
-    with pytest.raises(InputError, match="traffic of its own|its own traffic"):
+    with pytest.raises(InputError, match="its own traffic"):
         export_scenario(scenario.model_copy(update={"network": SumoConfiguration(path="x.sumocfg")}), tmp_path)
     assert not list(tmp_path.iterdir())
 

@@ -3,7 +3,6 @@
 import random
 
 import pytest
-from .crashes import ALL, CROSSING, HEAD_ON, crash, role, vehicle
 
 from roadmend.core.outcome import EventKind
 from roadmend.policies.registry import make_policy
@@ -17,6 +16,8 @@ from roadmend.safe.trial import Contact, run_trial
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario_file import load_scenario, save_scenario
 from roadmend.world.space import sample
+
+from .crashes import ALL, CROSSING, HEAD_ON, crash, role, vehicle
 
 FRONT, REAR, LEFT = (frozenset({side}) for side in (Side.FRONT, Side.REAR, Side.LEFT))
 
