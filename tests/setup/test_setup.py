@@ -88,7 +88,7 @@ def test_every_python_since_3_6_can_read_the_script():
     ast.parse((REPOSITORY / "roadmend").read_text(), feature_version=(3, 6))
 
 
-@pytest.mark.parametrize("name", ["base.txt", "ros.txt", "test.txt", "train.txt"])
+@pytest.mark.parametrize("name", ["base.txt", "export.txt", "ros.txt", "test.txt", "train.txt"])
 def test_pins_are_complete_and_exact(name):
     lines = (REPOSITORY / "config" / "requirements" / name).read_text().splitlines()
     pins = [line for line in lines if not line.startswith("#")]
@@ -308,7 +308,7 @@ class TestTorch:
         folder = REPOSITORY / "config" / "requirements"
         names = [
             line.split("==")[0].lower()
-            for name in ("base.txt", "ros.txt", "test.txt", "train.txt")
+            for name in ("base.txt", "export.txt", "ros.txt", "test.txt", "train.txt")
             for line in (folder / name).read_text().splitlines()
             if "==" in line
         ]

@@ -1,0 +1,33 @@
+"""One episode: who touched whom with which side, and where everybody was."""
+
+import pytest
+
+from roadmend.core.errors import SimulationError
+from roadmend.safe.construction import draw_scenario
+from roadmend.safe.dsl import Side
+from roadmend.safe.reproduction import reproduce
+from roadmend.safe.trial import run_trial
+
+from .crashes import ALL, role
+
+
+def test_the_sides_of_a_contact_are_those_that_touch():
+    found = reproduce(role(ALL["rear end"], 1), "modular", 30)
+    contact = run_trial(found.scenario, "modular").contact
+    assert Side.REAR in contact.ego_sides
+    assert Side.FRONT in contact.other_sides
+    assert abs(contact.angle) < 15.0
+
+
+def test_an_episode_that_begins_in_a_collision_is_refused():
+    scenario = draw_scenario(role(ALL["parked"]), 0)
+    actor = scenario.actors[0].model_copy(update={"position": scenario.ego.position + 3.0})
+    with pytest.raises(SimulationError, match="begins with a collision"):
+        run_trial(scenario.model_copy(update={"actors": [actor]}), "modular")
+
+
+def test_the_film_of_somebody_alone_has_a_middle():
+    trial = run_trial(draw_scenario(role(ALL["alone"]), 0), "modular")
+    assert trial.film.nearest() == len(trial.film.ego) // 2
+    assert trial.film.track("v2").shape == (0, 3)
+    assert (trial.contact, trial.is_collision, trial.is_at_fault) == (None, False, False)
