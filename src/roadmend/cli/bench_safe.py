@@ -13,7 +13,8 @@ from roadmend.cli.safe_work import open_cases, work_through
 from roadmend.cli.table import wide_console
 from roadmend.evaluation.benchmark_report import provenance, write_report
 from roadmend.policies.registry import POLICIES
-from roadmend.safe.driving import Task, plan
+from roadmend.safe.driving import Task
+from roadmend.safe.planning import plan
 from roadmend.safe.scoring import Scores, score_cases
 from roadmend.safe.tally import ReproductionTally, TestTally, tally_reproductions, tally_tests
 from roadmend.world.network import cache_folder

@@ -6,7 +6,8 @@ from pathlib import Path
 import click
 
 from roadmend.cli.safe_work import open_cases, shared_options, work_through
-from roadmend.safe.driving import Task, plan
+from roadmend.safe.driving import Task
+from roadmend.safe.planning import plan
 
 
 @click.command()

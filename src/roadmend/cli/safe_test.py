@@ -9,7 +9,8 @@ from rich.table import Table
 from roadmend.cli.safe_work import open_cases, policies_option, shared_options, work_through
 from roadmend.cli.table import wide_console
 from roadmend.evaluation.benchmark_files import write_files
-from roadmend.safe.driving import Task, plan
+from roadmend.safe.driving import Task
+from roadmend.safe.planning import plan
 from roadmend.safe.result_pages import test_report
 from roadmend.safe.tally import tally_tests
 

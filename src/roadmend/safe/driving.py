@@ -2,7 +2,7 @@
 
 import hashlib
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
 from pathlib import Path
@@ -10,7 +10,6 @@ from typing import Any, Self
 
 from roadmend.core.errors import RoadmendError
 from roadmend.evaluation.source_digest import source_digest
-from roadmend.safe.cases import Case
 from roadmend.safe.construction import Role, draw_scenario
 from roadmend.safe.picture import draw_trial
 from roadmend.safe.reproduction import reproduce
@@ -108,21 +107,6 @@ class Result:
     def from_dict(cls, content: Mapping[str, Any]) -> Self:
         """From :meth:`as_dict`."""
         return cls(**content)
-
-
-def plan(
-    task: Task, cases: Iterable[Case], policies: Sequence[str], out: Path, *, samples: int = 1, budget: int = 0,
-    seed: int = 0, pictures: bool = False,
-) -> list[Job]:  # fmt: skip
-    """The jobs: every vehicle of every case takes the ego's place in turn."""
-    return [
-        Job(task, Role(case.name, case.crash, ego), policy, seed, index, budget, out, pictures)
-        for policy in policies
-        for case in cases
-        if case.crash is not None
-        for ego in range(len(case.crash.vehicles))
-        for index in range(samples)
-    ]
 
 
 def do(job: Job) -> Result:
