@@ -5,10 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from roadmend.core.errors import InputError, RoadmendError
+from roadmend.language.chat import Image
 from roadmend.safe.dsl import CrashScenario
 from roadmend.safe.dsl_file import load_crash_scenario
 from roadmend.safe.embedded import EmbeddedExtractor
-from roadmend.safe.report import Sketch, find_reports, load_report
+from roadmend.safe.report import find_reports, load_report
 
 _LANGUAGE = {".json", ".yaml", ".yml"}
 _EVIDENCE = ".evidence"  # what 'roadmend safe extract' writes beside a scenario
@@ -27,7 +28,7 @@ class Case:
 
     name: str
     crash: CrashScenario | None
-    sketch: Sketch | None = None
+    sketch: Image | None = None
     problem: str = ""
 
 
