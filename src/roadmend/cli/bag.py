@@ -1,4 +1,4 @@
-"""``roadmend bag``: what can be done with recordings."""
+"""``roadmend bag``: what was recorded, looked into, mended and compared."""
 
 import click
 
@@ -13,4 +13,7 @@ _COMMANDS: Table = {
 
 @click.group(cls=LazyGroup, table=_COMMANDS)
 def bag() -> None:
-    """Look into recordings."""
+    """Look into bags, mend them, compare them.
+
+    BAG is a bag's folder, its metadata.yaml, or an .mcap file by itself.
+    """
