@@ -132,5 +132,5 @@ def test_another_storage_is_named(tmp_path):
     (tmp_path / "metadata.yaml").write_text(
         "rosbag2_bagfile_information: {storage_identifier: sqlite3, relative_file_paths: [a.db3]}"
     )
-    with pytest.raises(InputError, match="the bag's storage is 'sqlite3'; convert the bag to mcap"):
+    with pytest.raises(InputError, match="the bag's storage is 'sqlite3'; turn it into one of mcap"):
         files_of(tmp_path)

@@ -73,7 +73,7 @@ def test_a_file_that_metadata_name_but_is_gone(corpus):
 @pytest.mark.parametrize("content", [b"", b"no mcap at all, but long enough to hold a footer and a magic" * 9])
 def test_a_file_of_something_else(tmp_path, content):
     (tmp_path / "x.mcap").write_bytes(content)
-    with pytest.raises(InputError, match=r"x\.mcap: was cut short or is corrupt \(.+\); recover it"):
+    with pytest.raises(InputError, match=r"x\.mcap: was cut short or is corrupt \(.+\); .roadmend bag recover. it"):
         BagReader(tmp_path / "x.mcap")
 
 

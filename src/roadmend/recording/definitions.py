@@ -30,6 +30,7 @@ class Definition:
     type_name: str  # package/msg/Name
     text: str  # the type's own .msg text, then that of each type it contains, parted by lines of 80 "="
     type_hash: str  # RIHS01_...; empty where it is not known
+    encoding: str = "ros2msg"  # of the text, as MCAP names it; rosbag2 also writes ros2idl
 
     @property
     def first_field(self) -> str:

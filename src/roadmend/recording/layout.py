@@ -1,5 +1,6 @@
 """The folder that makes an MCAP file a rosbag2 bag: NAME/NAME_0.mcap and NAME/metadata.yaml (version 9)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ from roadmend.core.errors import InputError
 from roadmend.recording.qos import Qos
 
 METADATA_FILE = "metadata.yaml"
+REPEATED = "roadmend_repeated"  # metadata record of a further file: topic and how many messages at its start repeat
 _ROOT = "rosbag2_bagfile_information"
 _VERSION = 9
 _DISTRO = "jazzy"
@@ -47,9 +49,14 @@ class FileSummary:
         }
 
 
-def bag_information(file: FileSummary, topics: list[TopicSummary]) -> dict[str, Any]:
+def bag_information(files: Sequence[FileSummary], topics: Sequence[TopicSummary]) -> dict[str, Any]:
     """The bag as rosbag2 jazzy describes it, key by key and in its order."""
-    span = file.span
+    filled = [file for file in files if file.count]
+    whole = FileSummary(
+        "", sum(file.count for file in filled),
+        min((file.start_ns for file in filled), default=0), max((file.end_ns for file in filled), default=0),
+    )  # fmt: skip
+    span = whole.span
     return {
         "version": _VERSION,
         "storage_identifier": "mcap",
@@ -71,8 +78,8 @@ def bag_information(file: FileSummary, topics: list[TopicSummary]) -> dict[str, 
         ],
         "compression_format": "",  # chunks are compressed, which is the file's own business
         "compression_mode": "",
-        "relative_file_paths": [file.name],
-        "files": [{"path": file.name, **file.span}],
+        "relative_file_paths": [file.name for file in files],
+        "files": [{"path": file.name, **file.span} for file in files],
         "custom_data": None,
         "ros_distro": _DISTRO,
     }
@@ -98,29 +105,79 @@ def files_of(path: Path) -> list[Path]:
     """The MCAP files of a bag, in order.
 
     Args:
-        path: a bag's folder, or an MCAP file by itself.
+        path: a bag's folder, its metadata.yaml, or an MCAP file by itself.
 
     Raises:
-        InputError: nothing is there, or the metadata are missing or unusable.
+        InputError: nothing is there, the metadata are missing or unusable, or the bag is of another kind.
     """
-    if path.is_file():
+    if path.is_file() and path.name != METADATA_FILE:
+        refuse_foreign(path)
         return [path]
-    if not path.is_dir():
+    information = read_metadata(path)
+    metadata = folder_of(path) / METADATA_FILE
+    if information["storage_identifier"] != "mcap":
+        raise InputError(
+            str(metadata),
+            f"the bag's storage is {information['storage_identifier']!r}",
+            "turn it into one of mcap with 'roadmend bag convert'",
+        )
+    if information.get("compression_mode"):
+        raise InputError(
+            str(metadata), f"the bag is compressed by {information['compression_mode']}",
+            "rewrite it with 'ros2 bag convert', without compression_mode",
+        )  # fmt: skip
+    return [metadata.parent / name for name in information["relative_file_paths"]]
+
+
+def folder_of(path: Path) -> Path:
+    """The folder of a bag that is named by its folder, its metadata.yaml or a file of its own."""
+    return path if path.is_dir() else path.parent
+
+
+def read_metadata(path: Path) -> dict[str, Any]:
+    """What metadata.yaml says of a bag: at least the storage and the files, as texts.
+
+    Args:
+        path: a bag's folder, or its metadata.yaml.
+
+    Raises:
+        InputError: nothing is there, or the file is missing or unusable.
+    """
+    if not path.exists():
         raise InputError(str(path), "there is no such bag", "name a bag's folder or an .mcap file")
-    metadata = path / METADATA_FILE
+    metadata = folder_of(path) / METADATA_FILE
     try:
-        information = yaml.safe_load(metadata.read_text("utf-8"))[_ROOT]
-        identifier = information["storage_identifier"]
+        information: dict[str, Any] = yaml.safe_load(metadata.read_text("utf-8"))[_ROOT]
         names = [str(name) for name in information["relative_file_paths"]]
+        return information | {
+            "storage_identifier": str(information["storage_identifier"]), "relative_file_paths": names,
+        }  # fmt: skip
     except FileNotFoundError as error:
         raise InputError(
-            str(metadata), "is missing", "the recording was cut short: recover it, or take another"
+            str(metadata), "is missing", "the recording was cut short: 'roadmend bag recover' it, or take another"
         ) from error
     except (OSError, UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError) as error:
-        raise InputError(str(metadata), "does not describe a bag", "recover the bag, or take another") from error
-    if identifier != "mcap":
-        raise InputError(str(metadata), f"the bag's storage is {identifier!r}", "convert the bag to mcap")
-    return [path / name for name in names]
+        mend = "'roadmend bag recover' the bag, or take another"
+        raise InputError(str(metadata), "does not describe a bag", mend) from error
+
+
+def refuse_foreign(file: Path) -> None:
+    """Refuse files that are known to be bags of another kind.
+
+    Raises:
+        InputError: the file is one, or cannot be read.
+    """
+    try:
+        with file.open("rb") as stream:
+            begin = stream.read(16)
+    except OSError as error:
+        raise InputError(str(file), f"cannot be read ({error.strerror})", "name a file that can be read") from error
+    if begin.startswith(b"#ROSBAG"):
+        raise InputError(str(file), "is a bag of ROS 1", "turn it into one of ROS 2 with 'rosbags-convert'")
+    if begin.startswith(b"SQLite format 3"):
+        raise InputError(
+            str(file), "is the database of a sqlite3 bag", "turn its folder into mcap with 'roadmend bag convert'"
+        )
 
 
 class _Dumper(yaml.SafeDumper):

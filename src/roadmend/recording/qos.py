@@ -2,9 +2,11 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from enum import Enum
 from typing import Any
 
 import yaml
+from rosbags.interfaces import QosDurability, QosHistory, QosLiveliness, QosReliability
 
 INFINITE_NS = 2**63 - 1  # [ns] how ROS writes "no limit"
 _SECOND = 1_000_000_000
@@ -24,6 +26,16 @@ class Qos:
     liveliness_lease_ns: int = INFINITE_NS
     avoid_ros_namespace_conventions: bool = False
 
+    @property
+    def is_latched(self) -> bool:
+        """Whether a late joiner gets what was sent before."""
+        return self.durability == "transient_local"
+
+    @property
+    def keeps_all(self) -> bool:
+        """Whether the depth has no meaning."""
+        return self.history == "keep_all"
+
     def as_yaml(self) -> dict[str, Any]:
         """The offer in the shape that rosbag2 writes from bag version 9 on."""
         return {
@@ -40,19 +52,19 @@ class Qos:
 
     @classmethod
     def from_yaml(cls, shape: dict[str, Any]) -> "Qos":
-        """The inverse of ``as_yaml``.
+        """The inverse of ``as_yaml``. Takes the numbers of bag version 8 and before, too.
 
         Raises:
             KeyError, TypeError, ValueError: the shape is another one.
         """
         return cls(
-            str(shape["history"]),
+            _name(shape["history"], QosHistory),
             int(shape["depth"]),
-            str(shape["reliability"]),
-            str(shape["durability"]),
+            _name(shape["reliability"], QosReliability),
+            _name(shape["durability"], QosDurability),
             _whole(shape["deadline"]),
             _whole(shape["lifespan"]),
-            str(shape["liveliness"]),
+            _name(shape["liveliness"], QosLiveliness),
             _whole(shape["liveliness_lease_duration"]),
             bool(shape["avoid_ros_namespace_conventions"]),
         )
@@ -71,6 +83,10 @@ def load(text: str) -> tuple[Qos, ...]:
         KeyError, TypeError, ValueError, yaml.YAMLError: the text is not what ``dump`` writes.
     """
     return tuple(Qos.from_yaml(shape) for shape in yaml.safe_load(text) or ())
+
+
+def _name(policy: str | int, numbered: type[Enum]) -> str:
+    return numbered(policy).name.lower() if isinstance(policy, int) else str(policy)
 
 
 def _parts(nanoseconds: int) -> dict[str, int]:

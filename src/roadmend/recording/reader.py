@@ -1,28 +1,33 @@
 """Reading bags: messages in the order of their time, as bytes or decoded, and what else the bag carries."""
 
 import contextlib
+import heapq
 import struct
+from collections import Counter
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import yaml
 from mcap.exceptions import McapError
 from mcap.reader import SeekingReader
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-from rosbags.typesys.store import Typestore
+from mcap.summary import Summary
 from zstandard import ZstdError
 
 from roadmend.core.errors import InputError
 from roadmend.recording import layout, qos
+from roadmend.recording.decoding import ENCODINGS, Decoder
 from roadmend.recording.definitions import Definition
 from roadmend.recording.enclosure import Attachment
 from roadmend.recording.layout import FileSummary, TopicSummary
 
 _RECORD_LIMIT = 1 << 30  # [bytes] a longer record means a corrupt file, not a bag of ours
+_PIECE_LIMIT = 1 << 26  # [bytes] what is read at once: a chunk, or a whole file that has none
+_RECOVER = "'roadmend bag recover' it, or take another"
 # Whatever the parsers of a corrupt file stumble over.
-_CORRUPT = (
+CORRUPT = (
     McapError, ZstdError, struct.error, yaml.YAMLError, OSError, EOFError, ValueError, LookupError,
     TypeError, AttributeError, StopIteration, RuntimeError, MemoryError, OverflowError,
 )  # fmt: skip
@@ -65,17 +70,27 @@ class BagReader:
         self.files: list[FileSummary] = []
         self.definitions: dict[str, Definition] = {}  # by type name
         self.metadata: dict[str, dict[str, str]] = {}  # records of one name joined, later values win
-        self.attachments: dict[str, Attachment] = {}  # of one name, the last
         self._paths = layout.files_of(path)
-        self._store: Typestore = get_typestore(Stores.EMPTY)
+        self._repeated: list[Counter[str]] = []  # for each file, how many messages of a topic repeat earlier ones
+        self._decoder = Decoder()
         for file in self._paths:
             with _reading(file) as reader:
                 self._read_summary(file, reader)
 
+    @cached_property
+    def attachments(self) -> dict[str, Attachment]:
+        """Files that the bag carries, by name; of one name, the last."""
+        found: dict[str, Attachment] = {}
+        for path in self._paths:
+            with _reading(path) as reader:
+                for one in reader.iter_attachments():
+                    found[one.name] = Attachment(one.name, one.media_type, one.data)
+        return found
+
     @property
     def count(self) -> int:
-        """Number of messages."""
-        return sum(file.count for file in self.files)
+        """Number of messages, without those that a further file repeats."""
+        return sum(topic.count for topic in self.topics.values())
 
     @property
     def start_ns(self) -> int:
@@ -93,9 +108,26 @@ class BagReader:
         Args:
             topics: the topics to read; all if missing.
         """
-        for path in self._paths:
-            with _reading(path) as reader:
-                for schema, channel, message in reader.iter_messages(topics):
+        waiting = sorted((file.start_ns, place) for place, file in enumerate(self.files) if file.count)
+        waiting.reverse()
+        # Files overlap where a message came late: each is opened when its first message is due.
+        due: list[tuple[int, int, Record, Iterator[Record]]] = []
+        while due or waiting:
+            while waiting and (not due or waiting[-1][0] <= due[0][0]):
+                _, place = waiting.pop()
+                _push(due, place, self._records_of(place, topics))
+            if due:
+                _, place, record, others = heapq.heappop(due)
+                yield record
+                _push(due, place, others)
+
+    def _records_of(self, place: int, topics: Collection[str] | None) -> Iterator[Record]:
+        skip = self._repeated[place].copy()
+        with _reading(self._paths[place]) as reader:
+            for schema, channel, message in reader.iter_messages(topics):
+                if skip[channel.topic] > 0:
+                    skip[channel.topic] -= 1
+                else:
                     yield Record(channel.topic, schema.name, message.log_time, message.data)
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[Message]:
@@ -106,39 +138,60 @@ class BagReader:
     def decode(self, record: Record) -> Any:
         """The fields of a message, by the definition that the bag carries."""
         try:
-            if record.type_name not in self._store.fielddefs:
-                definition = self.definitions[record.type_name]
-                self._store.register(get_types_from_msg(definition.text, definition.type_name))
-            return self._store.deserialize_cdr(record.data, record.type_name)
-        except Exception as error:  # the parser and the generated decoders raise whatever they stumble over
-            raise InputError(
-                str(self.path), f"a message on {record.topic} is not a {record.type_name}", "take another bag"
-            ) from error
+            return self._decoder.decode(self.definitions[record.type_name], record.data)
+        except InputError as error:
+            what = f"a message on {record.topic} is not a {record.type_name}"
+            raise InputError(str(self.path), what, "take another bag") from error
 
     def _read_summary(self, path: Path, reader: SeekingReader) -> None:
         summary = reader.get_summary()
         if summary is None or summary.statistics is None:
-            raise InputError(str(path), "has no index", "recover it, or take another")
+            raise InputError(str(path), "has no index", _RECOVER)
+        _refuse_unreadable(path, summary)
+        for metadata in reader.iter_metadata():
+            self.metadata.setdefault(metadata.name, {}).update(metadata.metadata)
+        repeated = self.metadata.pop(layout.REPEATED, {}) if self.files else {}
+        self._repeated.append(Counter({topic: int(count) for topic, count in repeated.items()}))
         counts = summary.statistics.channel_message_counts
         for channel in summary.channels.values():
             schema = summary.schemas[channel.schema_id]
             type_hash = channel.metadata.get("topic_type_hash", "")
-            count = counts.get(channel.id, 0)
             known = self.topics.get(channel.topic)
             if known is None:
                 offers = qos.load(channel.metadata.get("offered_qos_profiles", ""))
-                self.topics[channel.topic] = TopicSummary(channel.topic, schema.name, type_hash, offers, count)
-                self.definitions[schema.name] = Definition(schema.name, schema.data.decode(), type_hash)
-            else:
-                self.topics[channel.topic] = replace(known, count=known.count + count)
+                known = TopicSummary(channel.topic, schema.name, type_hash, offers, 0)
+                definition = Definition(schema.name, schema.data.decode(), type_hash, schema.encoding)
+                self.definitions[schema.name] = definition
+            elif known.type_name != schema.name:
+                what = f"{channel.topic} has two types, {known.type_name} and {schema.name}"
+                raise InputError(str(path), what, "take another bag")
+            self.topics[channel.topic] = replace(known, count=known.count + counts.get(channel.id, 0))
+        for topic, count in self._repeated[-1].items():
+            self.topics[topic] = replace(self.topics[topic], count=self.topics[topic].count - count)
         statistics = summary.statistics
         self.files.append(
             FileSummary(path.name, statistics.message_count, statistics.message_start_time, statistics.message_end_time)
         )
-        for metadata in reader.iter_metadata():
-            self.metadata.setdefault(metadata.name, {}).update(metadata.metadata)
-        for found in reader.iter_attachments():
-            self.attachments[found.name] = Attachment(found.name, found.media_type, found.data)
+
+
+def _push(due: list[tuple[int, int, Record, Iterator[Record]]], place: int, records: Iterator[Record]) -> None:
+    record = next(records, None)
+    if record is not None:
+        heapq.heappush(due, (record.time_ns, place, record, records))
+
+
+def _refuse_unreadable(path: Path, summary: Summary) -> None:
+    """Refuse what is no bag of ROS 2, and what would have to be read at once and does not fit."""
+    for channel in summary.channels.values():
+        schema = summary.schemas.get(channel.schema_id)
+        encoding = schema.encoding if schema is not None else "no schema"
+        if channel.message_encoding != "cdr" or encoding not in ENCODINGS:
+            what = f"{channel.topic} holds {channel.message_encoding or 'unnamed'} messages with {encoding}"
+            raise InputError(str(path), what, "take a bag of ROS 2 (cdr with ros2msg or ros2idl)")
+    pieces = [chunk.uncompressed_size for chunk in summary.chunk_indexes] or [path.stat().st_size]
+    if max(pieces) > _PIECE_LIMIT:
+        what = f"{max(pieces) >> 20} MB of it would have to be read at once"
+        raise InputError(str(path), what, "rewrite it in smaller chunks with 'roadmend bag recover'")
 
 
 @contextlib.contextmanager
@@ -149,9 +202,9 @@ def _reading(path: Path) -> Iterator[SeekingReader]:
             yield _reader(stream)
     except FileNotFoundError as error:
         raise InputError(str(path), "is missing", "restore the file, or take another bag") from error
-    except _CORRUPT as error:
+    except CORRUPT as error:
         what = str(error) or type(error).__name__
-        raise InputError(str(path), f"was cut short or is corrupt ({what})", "recover it, or take another") from error
+        raise InputError(str(path), f"was cut short or is corrupt ({what})", _RECOVER) from error
 
 
 def _reader(stream: BinaryIO) -> SeekingReader:

@@ -1,38 +1,27 @@
 """Writing bags: rosbag2 layout, MCAP, one episode a bag."""
 
 import contextlib
-import math
+import shutil
 import time
+from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from enum import StrEnum
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from mcap.writer import CompressionType, Writer
-
 from roadmend.core.errors import InputError
-from roadmend.recording import layout, qos
+from roadmend.recording import layout
+from roadmend.recording.bag_file import BagFile, Compression
 from roadmend.recording.definitions import Definition, find
+from roadmend.recording.enclosure import Attachment
 from roadmend.recording.errors import RecordingError
-from roadmend.recording.layout import FileSummary, TopicSummary
+from roadmend.recording.layout import REPEATED, FileSummary, TopicSummary
 from roadmend.recording.qos import Qos
 
+__all__ = ["BagOptions", "BagWriter", "Compression", "new_bag"]
 
-class Compression(StrEnum):
-    """How chunks are compressed."""
-
-    ZSTD = "zstd"
-    LZ4 = "lz4"
-    NONE = "none"
-
-
-_MCAP_COMPRESSION = {
-    Compression.ZSTD: CompressionType.ZSTD,
-    Compression.LZ4: CompressionType.LZ4,
-    Compression.NONE: CompressionType.NONE,
-}
+_SECOND = 1_000_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,70 +31,75 @@ class BagOptions:
     compression: Compression = Compression.ZSTD
     chunk_size: int = 1 << 20  # [bytes] before compression, at which a chunk is written
     flush_interval: float = 0.25  # [s] of wall time after which a chunk is written even if it is small
+    max_bagfile_size: int = 0  # [bytes] on disk at which the next file begins; 0: never
+    max_bagfile_duration: float = 0.0  # [s] of message time after which the next file begins; 0: never
+    self_contained: bool = True  # each further file repeats metadata, attachments and what latched topics hold
 
 
 @dataclass(slots=True)
 class _Topic:
-    """A topic while it is being written; its channel is registered with its first message."""
+    """A topic while it is being written; its channel is registered with its first message in a file."""
 
     definition: Definition
     offers: tuple[Qos, ...]
-    channel: int = 0
-    count: int = 0
+    count: int = 0  # messages, repeated ones included
+    sequence: int = 0
+    latched: deque[tuple[bytes, int]] | None = None  # what a late joiner would get: bytes and sequence number
 
 
 class BagWriter:
     """Writes one bag.
 
-    What was written more than ``flush_interval`` ago survives SIGKILL. The file is complete, with indexes,
+    What was written more than ``flush_interval`` ago survives SIGKILL. The bag is complete, with indexes,
     statistics and ``metadata.yaml``, once ``close`` has returned. A bag that failed stays as it is, without
     ``metadata.yaml``, and takes nothing more.
 
     Args:
-        folder: the bag's folder, which must not exist yet; its name is the bag's name.
+        folder: the bag's folder, which must not exist yet.
         options: how to write.
+        name: of the bag's files; the folder's name if missing.
 
     Raises:
         InputError: the folder exists already or cannot be made.
     """
 
-    def __init__(self, folder: Path, options: BagOptions = BagOptions()) -> None:
+    def __init__(self, folder: Path, options: BagOptions = BagOptions(), name: str = "") -> None:
         self.folder = folder
-        self.file = folder / f"{folder.name}_0.mcap"
         self.bytes = 0  # of message data, before compression
-        self.count = 0  # messages
+        self.count = 0  # messages, without those that a further file repeats
+        self._name = name or folder.name
+        self._options = options
+        self._topics: dict[str, _Topic] = {}
+        self._metadata: dict[str, dict[str, str]] = {}
+        self._attachments: dict[str, Attachment] = {}
+        self._finished: list[FileSummary] = []
+        self._max_ns = options.max_bagfile_duration * _SECOND
         try:
             folder.mkdir(parents=True)
-            self._stream = self.file.open("xb")
+            self._file = self._next_file()
         except FileExistsError as error:
             raise InputError(str(folder), "exists already", "choose another name or remove it") from error
         except OSError as error:
             raise InputError(str(folder), f"cannot be written ({error.strerror})", "choose another folder") from error
-        self._writer = Writer(
-            self._stream, chunk_size=options.chunk_size, compression=_MCAP_COMPRESSION[options.compression]
-        )
-        self._topics: dict[str, _Topic] = {}
-        self._schemas: dict[str, int] = {}
-        self._start_ns = math.inf
-        self._end_ns = 0
-        self._flush_interval = options.flush_interval
         self._flush_due = time.monotonic() + options.flush_interval
         self._open = True
-        with self._failing():
-            self._writer.start("ros2")
 
     @property
     def is_open(self) -> bool:
         """Whether more can be written: false after ``close`` and after a failure."""
         return self._open
 
+    @property
+    def file(self) -> Path:
+        """The file that is being written."""
+        return self._file.path
+
     def add_topic(
         self, name: str, type_name: str, offers: Iterable[Qos] = (), definition: Definition | None = None
     ) -> None:
         """Announce a topic before its first message.
 
-        Announcing it again before the first message replaces the offers. Later ones are left out: the channel in the
-        file cannot be changed any more, and rosbags passes over a topic of which metadata.yaml says anything else.
+        Announcing it again replaces the offers, which count from the topic's first message in a file on.
 
         Args:
             name: the topic, with its namespace.
@@ -118,20 +112,28 @@ class BagWriter:
         """
         found = definition or find(type_name)
         known = self._topics.get(name)
-        if known is None:
-            self._topics[name] = _Topic(found, tuple(offers))
-        elif known.definition.type_name != found.type_name:
+        if known is not None and known.definition.type_name != found.type_name:
             raise InputError(name, f"has two types, {known.definition.type_name} and {type_name}", "record one of them")
-        elif not known.channel:
-            known.offers = tuple(offers)
+        topic = known or self._topics.setdefault(name, _Topic(found, ()))
+        topic.offers = tuple(offers)
+        if self._options.self_contained and topic.offers and all(offer.is_latched for offer in topic.offers):
+            # One queue for all publishers: the recorder is not told which of them sent a message.
+            depth = None if any(offer.keeps_all for offer in topic.offers) else sum(one.depth for one in topic.offers)
+            topic.latched = deque(topic.latched or (), depth)
+        else:
+            topic.latched = None
 
-    def write(self, topic: str, time_ns: int, data: bytes) -> None:
+    def write(
+        self, topic: str, time_ns: int, data: bytes, publish_ns: int | None = None, sequence: int | None = None
+    ) -> None:
         """Write one message.
 
         Args:
             topic: a topic that was announced.
-            time_ns: simulation time [ns], which becomes log time and publish time.
+            time_ns: simulation time [ns], which becomes the log time.
             data: the message, serialized as CDR.
+            publish_ns: publish time [ns]; the log time if missing.
+            sequence: the message's number; counted from 1 on each topic if missing.
 
         Raises:
             KeyError: the topic was not announced.
@@ -141,18 +143,20 @@ class BagWriter:
         entry = self._topics[topic]
         if not self._open:
             raise RecordingError(str(self.file), "the bag is closed")
-        if time_ns < self._start_ns:
-            if time_ns < 0:
-                raise ValueError(f"{topic}: time {time_ns} ns is negative")
-            self._start_ns = time_ns
-        self._end_ns = max(self._end_ns, time_ns)
+        if time_ns < 0:
+            raise ValueError(f"{topic}: time {time_ns} ns is negative")
         try:
-            if not entry.channel:
-                entry.channel = self._register(topic, entry)
+            if self._is_full(time_ns):
+                self._split(time_ns)
+            if topic not in self._file.channels:
+                self._file.add_channel(topic, entry.definition, entry.offers)
             entry.count += 1
-            self._writer.add_message(entry.channel, time_ns, data, time_ns, entry.count & 0xFFFFFFFF)
+            entry.sequence = number = entry.sequence + 1 if sequence is None else sequence
+            self._file.write(topic, time_ns, data, time_ns if publish_ns is None else publish_ns, number)
         except OSError as error:
             raise self._failure(error) from error
+        if entry.latched is not None:
+            entry.latched.append((data, number))
         self.count += 1
         self.bytes += len(data)
         if time.monotonic() >= self._flush_due:
@@ -165,7 +169,8 @@ class BagWriter:
             RecordingError: the file cannot be written, or the bag is closed.
         """
         with self._failing():
-            self._writer.add_metadata(name, dict(values))
+            self._file.add_metadata(name, values)
+        self._metadata.setdefault(name, {}).update(values)
 
     def add_attachment(self, name: str, media_type: str, data: bytes) -> None:
         """Write a file into the bag.
@@ -173,8 +178,11 @@ class BagWriter:
         Raises:
             RecordingError: the file cannot be written, or the bag is closed.
         """
+        attachment = Attachment(name, media_type, data)
         with self._failing():
-            self._writer.add_attachment(0, self._end_ns, name, media_type, data)
+            self._file.add_attachment(attachment)
+        if self._options.self_contained:
+            self._attachments[name] = attachment
 
     def flush(self) -> None:
         """Hand everything written so far to the operating system.
@@ -183,8 +191,8 @@ class BagWriter:
             RecordingError: the file cannot be written, or the bag is closed.
         """
         with self._failing():
-            self._writer.flush()
-        self._flush_due = time.monotonic() + self._flush_interval
+            self._file.flush()
+        self._flush_due = time.monotonic() + self._options.flush_interval
 
     def flush_if_due(self) -> None:
         """Flush if the last time is long enough ago; for a timer, while no messages come.
@@ -195,6 +203,15 @@ class BagWriter:
         if time.monotonic() >= self._flush_due:
             self.flush()
 
+    def split(self) -> None:
+        """Complete the present file and begin the next.
+
+        Raises:
+            RecordingError: a file cannot be written, or the bag is closed.
+        """
+        with self._failing():
+            self._split(self._file.end_ns)
+
     def close(self) -> None:
         """Complete the bag. Does nothing if that has happened already or the bag has failed.
 
@@ -203,20 +220,15 @@ class BagWriter:
         """
         if not self._open:
             return
-        information = layout.bag_information(
-            FileSummary(self.file.name, self.count, int(self._start_ns) if self.count else 0, self._end_ns),
-            [
-                TopicSummary(name, topic.definition.type_name, topic.definition.type_hash, topic.offers, topic.count)
-                for name, topic in self._topics.items()
-            ],
-        )
-        self.flush()
-        self.add_metadata("rosbag2", {"serialized_metadata": layout.as_text(information)})
         with self._failing():
-            self._writer.finish()
-            self._stream.close()
+            information = self._finish()
             layout.write_metadata(self.folder, information)
         self._open = False
+
+    def abandon(self) -> None:
+        """Close the bag as it is, incomplete. Does nothing if it is closed already."""
+        self._open = False
+        self._file.abandon()
 
     def __enter__(self) -> Self:
         return self
@@ -226,14 +238,53 @@ class BagWriter:
     ) -> None:
         self.close()
 
-    def _register(self, name: str, topic: _Topic) -> int:
-        definition = topic.definition
-        schema = self._schemas.get(definition.type_name)
-        if schema is None:
-            schema = self._writer.register_schema(definition.type_name, "ros2msg", definition.text.encode())
-            self._schemas[definition.type_name] = schema
-        details = {"offered_qos_profiles": qos.dump(topic.offers), "topic_type_hash": definition.type_hash}
-        return int(self._writer.register_channel(name, "cdr", schema, details))
+    def _next_file(self) -> BagFile:
+        path = self.folder / f"{self._name}_{len(self._finished)}.mcap"
+        return BagFile(path, self._options.compression, self._options.chunk_size)
+
+    def _is_full(self, time_ns: int) -> bool:
+        file, options = self._file, self._options
+        if not file.count:
+            return False
+        if self._max_ns and time_ns - file.start_ns >= self._max_ns:
+            return True
+        return bool(options.max_bagfile_size) and file.size >= options.max_bagfile_size
+
+    def _split(self, time_ns: int) -> None:
+        """Begin the next file so that it can be played without the ones before."""
+        known = [name for name in self._topics if name in self._file.channels]
+        self._finish()
+        self._file = self._next_file()
+        if not self._options.self_contained:
+            return
+        for name, values in self._metadata.items():
+            self._file.add_metadata(name, values)
+        for attachment in self._attachments.values():
+            self._file.add_attachment(attachment)
+        repeated = {name: topic.latched for name, topic in self._topics.items() if topic.latched}
+        if repeated:
+            self._file.add_metadata(REPEATED, {name: str(len(held)) for name, held in repeated.items()})
+        for name in known:
+            self._file.add_channel(name, self._topics[name].definition, self._topics[name].offers)
+        for name, held in repeated.items():
+            for data, sequence in held:
+                self._file.write(name, time_ns, data, time_ns, sequence)
+            self._topics[name].count += len(held)
+
+    def _finish(self) -> dict[str, object]:
+        """Complete the present file; returns the description of the bag up to here."""
+        self._finished.append(self._file.summary)
+        information = layout.bag_information(
+            self._finished,
+            [
+                TopicSummary(name, topic.definition.type_name, topic.definition.type_hash, topic.offers, topic.count)
+                for name, topic in self._topics.items()
+            ],
+        )
+        self._file.flush()
+        self._file.add_metadata("rosbag2", {"serialized_metadata": layout.as_text(information)})
+        self._file.finish()
+        return information
 
     @contextlib.contextmanager
     def _failing(self) -> Iterator[None]:
@@ -246,7 +297,30 @@ class BagWriter:
             raise self._failure(error) from error
 
     def _failure(self, error: OSError) -> RecordingError:
-        self._open = False
-        with contextlib.suppress(OSError):  # closing tries to write once more what is still in the buffer
-            self._stream.close()
-        return RecordingError(str(self.file), f"cannot be written ({error.strerror})")
+        self.abandon()
+        return RecordingError(str(error.filename or self.file), f"cannot be written ({error.strerror})")
+
+
+@contextlib.contextmanager
+def new_bag(folder: Path, options: BagOptions = BagOptions()) -> Iterator[BagWriter]:
+    """A bag that is made beside its place and moved there once it is complete; nothing is left of one that fails.
+
+    Raises:
+        InputError: the folder exists already or cannot be made.
+        RecordingError: a file cannot be written.
+    """
+    if folder.exists():
+        raise InputError(str(folder), "exists already", "choose another name or remove it")
+    beside = folder.with_name(f".{folder.name}.part")
+    shutil.rmtree(beside, ignore_errors=True)  # of a run that was killed
+    writer = BagWriter(beside, options, folder.name)
+    try:
+        yield writer
+        writer.close()
+        try:
+            beside.rename(folder)
+        except OSError as error:
+            raise RecordingError(str(folder), f"cannot be written ({error.strerror})") from error
+    finally:
+        writer.abandon()
+        shutil.rmtree(beside, ignore_errors=True)
