@@ -59,7 +59,7 @@ def _interventions(info: BagInfo) -> str:
     acts = info.interventions
     if acts is None:
         return ""
-    states = ", ".join(f"{name} {count}" for name, count in acts.states.most_common())
+    states = ", ".join(f"{name} {count}" for name, count in acts.states.items())
     return f"{acts.interventions} of {acts.ticks} ticks in {acts.spells} spells ({states})"
 
 

@@ -1,7 +1,6 @@
 """What a bag holds, at a glance: topics, rates, gaps, outcome, interventions, and whether it is complete."""
 
 import contextlib
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -46,7 +45,7 @@ class Interventions:
     ticks: int = 0
     interventions: int = 0  # ticks at which the command was changed
     spells: int = 0  # uninterrupted runs of these
-    states: Counter[str] = field(default_factory=Counter)  # ticks by state
+    states: dict[str, int] = field(default_factory=dict)  # ticks by state
     _last: bool = False
 
     def add(self, state: int, *, intervened: bool) -> None:
@@ -55,7 +54,8 @@ class Interventions:
         self.interventions += intervened
         self.spells += intervened and not self._last
         self._last = intervened
-        self.states[RepairStatus(state).name if state in set(RepairStatus) else str(state)] += 1
+        name = RepairStatus(state).name if state in set(RepairStatus) else str(state)
+        self.states[name] = self.states.get(name, 0) + 1
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,6 @@
 """Bringing back what a bag that was cut or damaged still holds, as a new bag."""
 
 import re
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -22,13 +21,13 @@ class Recovery:
     """What a recovery brought back."""
 
     bag: str
-    messages: Counter[str] = field(default_factory=Counter)  # by topic
+    messages: dict[str, int] = field(default_factory=dict)  # by topic
     missing: list[str] = field(default_factory=list)  # lines for people; empty where the bag was whole
 
     @property
     def count(self) -> int:
         """Number of messages."""
-        return self.messages.total()
+        return sum(self.messages.values())
 
 
 def recover(path: Path, out: Path, advance: Callable[[int], None] = lambda _count: None) -> Recovery:
@@ -120,7 +119,7 @@ def _copy(file: Path, writer: BagWriter, recovery: Recovery, advance: Callable[[
                 writer.add_topic(topic.name, topic.definition.type_name, topic.offers, topic.definition)
                 announced.add(topic.name)
             writer.write(topic.name, item.time_ns, item.data, item.publish_ns, item.sequence)
-            recovery.messages[topic.name] += 1
+            recovery.messages[topic.name] = recovery.messages.get(topic.name, 0) + 1
     return scan.report.missing
 
 
