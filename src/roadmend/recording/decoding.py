@@ -2,12 +2,10 @@
 
 from typing import Any
 
-from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
+from rosbags.typesys import Stores, get_typestore
 
 from roadmend.core.errors import InputError
-from roadmend.recording.definitions import Definition
-
-ENCODINGS = {"ros2msg": get_types_from_msg, "ros2idl": get_types_from_idl}  # of definitions
+from roadmend.recording.definitions import ENCODINGS, Definition
 
 
 class Decoder:

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 
 from roadmend.core.errors import InputError
 
+ENCODINGS = {"ros2msg": get_types_from_msg, "ros2idl": get_types_from_idl}  # of definitions, with their parsers
 _PRIMITIVES = frozenset({
     "bool", "byte", "char", "float32", "float64", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64",
     "uint64", "string", "wstring",
@@ -63,10 +64,10 @@ def find(type_name: str) -> Definition:
     return Definition(full_name, text, _installed_hash(full_name) or computed_hash(full_name, text))
 
 
-def computed_hash(type_name: str, text: str) -> str:
+def computed_hash(type_name: str, text: str, encoding: str = "ros2msg") -> str:
     """The type's hash (REP 2016, RIHS01) worked out from its complete definition."""
     store = get_typestore(Stores.EMPTY)
-    store.register(get_types_from_msg(text, type_name))
+    store.register(ENCODINGS[encoding](text, type_name))
     return str(store.hash_rihs01(type_name))
 
 

@@ -18,8 +18,8 @@ from zstandard import ZstdError
 
 from roadmend.core.errors import InputError
 from roadmend.recording import layout, qos
-from roadmend.recording.decoding import ENCODINGS, Decoder
-from roadmend.recording.definitions import Definition
+from roadmend.recording.decoding import Decoder
+from roadmend.recording.definitions import ENCODINGS, Definition
 from roadmend.recording.enclosure import Attachment
 from roadmend.recording.layout import FileSummary, TopicSummary
 

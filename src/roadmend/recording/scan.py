@@ -20,8 +20,7 @@ from mcap.writer import MCAP0_MAGIC as MAGIC
 from roadmend.core.errors import InputError
 from roadmend.recording import layout, qos
 from roadmend.recording.chunk import RECORD_HEAD, RECORD_LIMIT, ChunkReader, DamagedError, exactly
-from roadmend.recording.decoding import ENCODINGS
-from roadmend.recording.definitions import Definition
+from roadmend.recording.definitions import ENCODINGS, Definition
 from roadmend.recording.enclosure import Attachment
 from roadmend.recording.qos import Qos
 from roadmend.recording.reader import CORRUPT

@@ -55,19 +55,17 @@ class BagWriter:
     ``metadata.yaml``, and takes nothing more.
 
     Args:
-        folder: the bag's folder, which must not exist yet.
+        folder: the bag's folder, which must not exist yet; its name is the bag's name.
         options: how to write.
-        name: of the bag's files; the folder's name if missing.
 
     Raises:
         InputError: the folder exists already or cannot be made.
     """
 
-    def __init__(self, folder: Path, options: BagOptions = BagOptions(), name: str = "") -> None:
+    def __init__(self, folder: Path, options: BagOptions = BagOptions()) -> None:
         self.folder = folder
         self.bytes = 0  # of message data, before compression
         self.count = 0  # messages, without those that a further file repeats
-        self._name = name or folder.name
         self._options = options
         self._topics: dict[str, _Topic] = {}
         self._metadata: dict[str, dict[str, str]] = {}
@@ -239,7 +237,7 @@ class BagWriter:
         self.close()
 
     def _next_file(self) -> BagFile:
-        path = self.folder / f"{self._name}_{len(self._finished)}.mcap"
+        path = self.folder / f"{self.folder.name}_{len(self._finished)}.mcap"
         return BagFile(path, self._options.compression, self._options.chunk_size)
 
     def _is_full(self, time_ns: int) -> bool:
@@ -309,18 +307,30 @@ def new_bag(folder: Path, options: BagOptions = BagOptions()) -> Iterator[BagWri
         InputError: the folder exists already or cannot be made.
         RecordingError: a file cannot be written.
     """
+    with place_for(folder) as beside, BagWriter(beside, options) as writer:
+        try:
+            yield writer
+        except BaseException:
+            writer.abandon()
+            raise
+
+
+@contextlib.contextmanager
+def place_for(folder: Path) -> Iterator[Path]:
+    """A place for a folder of that name, from which it is moved once it is complete.
+
+    Raises:
+        InputError: the folder exists already.
+        RecordingError: it cannot be moved.
+    """
     if folder.exists():
         raise InputError(str(folder), "exists already", "choose another name or remove it")
-    beside = folder.with_name(f".{folder.name}.part")
-    shutil.rmtree(beside, ignore_errors=True)  # of a run that was killed
-    writer = BagWriter(beside, options, folder.name)
+    aside = folder.with_name(f".{folder.name}.part")
+    shutil.rmtree(aside, ignore_errors=True)  # of a run that was killed
     try:
-        yield writer
-        writer.close()
-        try:
-            beside.rename(folder)
-        except OSError as error:
-            raise RecordingError(str(folder), f"cannot be written ({error.strerror})") from error
+        yield aside / folder.name
+        (aside / folder.name).rename(folder)
+    except OSError as error:
+        raise RecordingError(str(folder), f"cannot be written ({error.strerror})") from error
     finally:
-        writer.abandon()
-        shutil.rmtree(beside, ignore_errors=True)
+        shutil.rmtree(aside, ignore_errors=True)
