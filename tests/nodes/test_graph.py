@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from roadmend.core.errors import InputError
+from roadmend.evaluation.bag_info import bag_info
 from roadmend.nodes import launcher
 from roadmend.nodes.launcher import GraphOptions, run_graph
 from roadmend.policies.registry import make_policy
@@ -61,6 +62,22 @@ def test_the_bag_holds_every_tick_and_says_how_it_ended(scenario_file, tmp_path,
     assert told["outcome"] == result.outcome
     assert told["method"] == "rss"
     assert attached[path.name] == path.read_bytes()
+
+
+def test_it_drives_on_where_the_bag_cannot_be_written_any_further(scenario_file, tmp_path, domain):
+    obstacle = tmp_path / "bag" / "bag_1.mcap"  # stands where the recorder wants its next file
+
+    def obstruct(_text, _elapsed):
+        if obstacle.parent.exists():
+            obstacle.mkdir(exist_ok=True)
+
+    split = ("-p", "recorder_node:max_bagfile_duration:=1.0")
+    options = GraphOptions(scenario_file("S2", 5), bags=tmp_path, name="bag", viz=False, ros_arguments=split)
+    result = run_graph(options, obstruct)
+    assert result.outcome == "GOAL"
+    assert result.recording_error == f"{obstacle}: cannot be written (File exists)"
+    obstacle.rmdir()
+    assert bag_info(tmp_path / "bag").missing[0] == "metadata.yaml: is missing"
 
 
 def test_decisions_in_the_bag_belong_to_the_tick_they_name(scenario_file, tmp_path, domain):

@@ -83,9 +83,20 @@ def test_a_node_that_keeps_dying_ends_the_run(run, tmp_path):
         run._look_after([child])
 
 
-def test_a_node_that_may_not_be_restarted_ends_the_run_at_once(run, tmp_path):
-    with pytest.raises(RoadmendError, match=r"sim_node ended \(1\): disk full"):
-        run._look_after([ended(tmp_path, 1, "disk full\n")])
+def test_without_a_recorder_it_drives_on_and_says_so_once(run, tmp_path, monkeypatch):
+    told = []
+    monkeypatch.setattr(run, "_report", lambda text, _time: told.append(text))
+    recorder = ended(tmp_path, -9, "last words\n")
+    recorder.name = "recorder_node"
+    run._look_after([recorder])
+    run._look_after([recorder])
+    assert told == ["recorder_node ended (-9), driving on without it: last words"]
+    run._observers = [recorder]
+    assert run._recording_error() == "last words"
+    recorder.log.write_text("")
+    assert run._recording_error() == "recorder_node ended (-9)"
+    recorder.process.exitcode = 0
+    assert run._recording_error() == ""
 
 
 def test_a_node_that_refuses_its_input_is_not_restarted(run, tmp_path):

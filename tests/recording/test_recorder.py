@@ -16,6 +16,7 @@ from mcap.stream_reader import StreamReader
 from rosbags.highlevel import AnyReader
 
 from roadmend.recording.reader import BagReader
+from roadmend.recording.recovery import recover
 
 pytestmark = pytest.mark.graph
 
@@ -193,16 +194,49 @@ def test_bad_parameters_end_with_one_line_and_code_2(record, parameters, line):
     assert line in last
 
 
-def test_a_full_disk_ends_the_recorder_with_one_line_and_code_1(record, publish, tmp_path):
+def test_a_full_disk_is_reported_and_the_graph_goes_on(record, publish, tmp_path):
     limit = 2_000_000  # [bytes] that one file may have
     limited = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))}
+    witness = record(name="witness", include="^/diagnostics$")
     recorder = record(limited, compression="none")
     publisher = publish(COUNT, 0)
     assert publisher.stdout.readline() == "connected\n"
-    _, errors = recorder.communicate(timeout=30)
-    assert recorder.returncode == 1
-    assert errors.splitlines()[-1] == f"roadmend: {tmp_path}/bag/bag_0.mcap: cannot be written (File too large)"
+    assert publisher.stdout.readline() == "published\n"  # nothing holds it up
+    line = f"{tmp_path}/bag/bag_0.mcap: cannot be written (File too large)"
+    deadline = time.monotonic() + 30
+    while not any(line.encode() in data for _, data in messages_in_cut(tmp_path / "witness" / "witness_0.mcap")):
+        assert time.monotonic() < deadline
+        assert recorder.poll() is None
+        time.sleep(0.2)
+    time.sleep(1.2)  # one more report, with what was dropped since
+    code, errors = stop(recorder)
+    assert code == 1
+    assert errors.splitlines()[-1] == f"roadmend: {line}"
+    assert stop(witness)[0] == 0
     assert not (tmp_path / "bag" / "metadata.yaml").exists()
+    reports = [message.value.status[0] for message in BagReader(tmp_path / "witness").messages(["/diagnostics"])]
+    last = next(report for report in reversed(reports) if report.level == 2)  # ERROR
+    assert last.message == f"{line}; nothing more is recorded"
+    values = {pair.key: int(pair.value) for pair in last.values if pair.key.startswith("messages")}
+    assert values["messages dropped"] > 0
+    recovery = recover(tmp_path / "bag", tmp_path / "back")
+    assert 0 < recovery.count <= values["messages"]
+
+
+def test_files_of_a_size_and_of_a_duration(record, publish, tmp_path):
+    recorder = record(max_bagfile_size=500_000, max_bagfile_duration=10.0, compression="none")
+    publisher = publish(COUNT, 0)
+    assert [publisher.stdout.readline() for _ in range(2)] == ["connected\n", "published\n"]
+    assert stop(recorder)[0] == 0
+    files = sorted((tmp_path / "bag").glob("*.mcap"))
+    assert len(files) >= 10  # 100 s of messages
+    bag = BagReader(tmp_path / "bag")
+    assert {topic: bag.topics[topic].count for topic in STREAMS} == dict.fromkeys(STREAMS, COUNT)
+    assert bag.topics["/route"].count == 1
+    for file in files:
+        assert BagReader(file).topics["/route"].count == 1  # it was latched, so each file has it
+    with AnyReader([tmp_path / "bag"]) as reader:
+        assert sum(1 for _ in reader.messages()) == sum(file.count for file in bag.files)
 
 
 def test_an_existing_bag_is_not_overwritten(record, tmp_path):

@@ -121,6 +121,7 @@ def test_a_late_message_lies_in_the_next_file_and_is_read_in_order(tmp_path, mak
         ([LATCHED], ["2", "3"]),
         ([LATCHED, LATCHED], ["0", "1", "2", "3"]),
         ([Qos(depth=1, durability="transient_local"), Qos()], []),
+        ([Qos(history="unknown", depth=0, durability="transient_local")], ["0", "1", "2", "3"]),
         ([Qos(history="keep_all", depth=0, durability="transient_local")], ["0", "1", "2", "3"]),
     ],
 )

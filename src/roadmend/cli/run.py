@@ -10,7 +10,7 @@ import click
 from rich.console import Console
 
 from roadmend.cli.table import show_results, wide_console
-from roadmend.core.errors import InputError
+from roadmend.core.errors import InputError, RoadmendError
 from roadmend.nodes.launcher import GraphOptions, InterruptedRunError, RunResult, run_graph
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.registry import METHODS
@@ -112,6 +112,8 @@ def run(
                 _show([error.result], as_json=as_json)
             raise
     _show([result], as_json=as_json)
+    if result.recording_error:
+        raise RoadmendError(result.recording_error)
 
 
 def _for_configuration(path: Path, ego_route: str | None, warm_up: float, time_limit: float) -> Scenario:

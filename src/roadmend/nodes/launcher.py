@@ -5,12 +5,10 @@ import json
 import os
 import shutil
 import signal
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -18,6 +16,7 @@ from typing import Any
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.nodes.children import Child, stop
 from roadmend.nodes.domain import own_domain
+from roadmend.nodes.provenance import provenance
 
 POLL_S = 0.05
 RESTARTS_MAX = 5  # of one node in one run
@@ -25,7 +24,6 @@ STOP_S = 2.8  # everything is gone this long after an interrupt [s]
 DRAIN_S = 1.0  # for the recorder, which is stopped after all others, even if one of them went without a goodbye [s]
 SIM_STOP_S = 0.8  # of which the simulator may take [s] to report the abort
 BAD_INPUT = 2  # exit code of a node that refuses its parameters
-_VERSIONED = ("libsumo", "eclipse-sumo", "numpy", "mcap", "rosbags", "ros-jazzy-rclpy")
 
 
 @dataclass(frozen=True)
@@ -67,6 +65,7 @@ class RunResult:
     real_time_factor: float
     digest: str
     bag: str
+    recording_error: str = ""  # why the bag is not complete; empty if it is
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values, for JSON."""
@@ -123,8 +122,12 @@ class _Run:
             summary=str(folder / "sim.json"), wait_for=["policy_node", "repair_node", *observers],
         )  # fmt: skip
         self._observers: list[Child] = []
+        self._gone: set[str] = set()
         if options.record:
-            (folder / "run.json").write_text(json.dumps(self._provenance()), encoding="utf-8")
+            told = provenance(
+                options.scenario, options.policy, options.method, options.clock, options.seed, options.ros_arguments
+            )
+            (folder / "run.json").write_text(json.dumps(told), encoding="utf-8")
             self._observers.append(
                 self._child(
                     "recorder", may_restart=False, output=str(options.bags), name=bag.name,
@@ -155,15 +158,6 @@ class _Run:
             self._folder / f"{node}.log",
             may_restart,
         )
-
-    def _provenance(self) -> dict[str, str]:
-        options = self._options
-        known = {"scenario_file": options.scenario.name, "policy": options.policy, "method": options.method}
-        known |= {"clock": options.clock, "seed": str(options.seed), "python": sys.version.split()[0]}
-        for package in _VERSIONED:
-            with contextlib.suppress(PackageNotFoundError):
-                known[package] = version(package)
-        return known
 
     def supervise(self, stopped: Callable[[], bool]) -> RunResult:
         everyone = [*self._observers, *self._drivers, self._sim]
@@ -197,12 +191,20 @@ class _Run:
             if child.exit_code == BAD_INPUT:
                 self._raise(child)
             if not child.may_restart:
-                raise RoadmendError(f"{child.name} ended ({child.exit_code}): {child.last_words()}")
+                self._drive_on_without(child)
+                continue
             if child.restarts >= RESTARTS_MAX:
                 raise RoadmendError(f"{child.name} ended {RESTARTS_MAX + 1} times; last: {child.last_words()}")
             child.restarts += 1
             self._report(f"{child.name} ended ({child.exit_code}), restarted", time.monotonic() - self._begun)
             child.start()
+
+    def _drive_on_without(self, child: Child) -> None:
+        """Say once that a node is gone which the vehicle does not need."""
+        if child.name not in self._gone:
+            self._gone.add(child.name)
+            words = f"{child.name} ended ({child.exit_code}), driving on without it: {child.last_words()}"
+            self._report(words, time.monotonic() - self._begun)
 
     def _raise(self, child: Child) -> None:
         text = child.last_words()
@@ -236,8 +238,14 @@ class _Run:
             intensity=repair.get("intensity", 0.0), dose=repair.get("dose", 0.0), watchdog_ticks=sim["watchdog_ticks"],
             restarts=sum(child.restarts for child in [*self._observers, *self._drivers]),
             real_time_factor=sim["real_time_factor"], digest=sim["digest"],
-            bag=str(self._bag) if options.record else "",
+            bag=str(self._bag) if options.record else "", recording_error=self._recording_error(),
         )  # fmt: skip
+
+    def _recording_error(self) -> str:
+        recorder = next((child for child in self._observers if child.name == "recorder_node"), None)
+        if recorder is None or not recorder.exit_code:
+            return ""
+        return recorder.last_words() or f"{recorder.name} ended ({recorder.exit_code})"
 
 
 def _as_yaml(value: Any) -> str:

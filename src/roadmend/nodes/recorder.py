@@ -26,6 +26,7 @@ from roadmend.nodes.offers import offer_from
 from roadmend.nodes.spinning import run_node
 from roadmend.recording.definitions import Definition
 from roadmend.recording.enclosure import Attachment, metadata_from_file
+from roadmend.recording.errors import RecordingError
 from roadmend.recording.timekeeper import Timekeeper
 from roadmend.recording.writer import BagOptions, BagWriter, Compression
 
@@ -52,7 +53,13 @@ class RecorderParameters:
         "text": "simulation (/clock rules) or system (wall time for messages without header)"})  # fmt: skip
     compression: str = field(default="zstd", metadata={"text": "of the chunks: zstd, lz4 or none"})
     chunk_size: int = field(default=1 << 20, metadata={
-        "text": "size at which a chunk is written [bytes]", "low": 1 << 12, "high": 1 << 28})  # fmt: skip
+        "text": "size at which a chunk is written [bytes]", "low": 1 << 12, "high": 1 << 26})  # fmt: skip
+    max_bagfile_size: int = field(default=0, metadata={
+        "text": "size on disk at which the next file begins [bytes]; 0 for one file", "low": 0, "high": 1 << 50,
+    })  # fmt: skip
+    max_bagfile_duration: float = field(default=0.0, metadata={
+        "text": "message time after which the next file begins [s]; 0 for one file", "low": 0.0, "high": 1e9,
+    })  # fmt: skip
     flush_interval: float = field(default=0.25, metadata={
         "text": "wall time after which a chunk is written even if small [s]", "low": 0.01, "high": 10.0})  # fmt: skip
     drain_limit: float = field(default=5.0, metadata={
@@ -79,7 +86,8 @@ class _Recorded:
 class RecorderNode(Node):
     """Subscribes to each topic as soon as it has a publisher and writes every message that comes.
 
-    Told to stop, it first takes in what is still on its way, then completes the bag.
+    Told to stop, it first takes in what is still on its way, then completes the bag. Where the bag cannot be written
+    any further, it stays: it counts what is dropped and reports the error, and the graph drives on.
     """
 
     def __init__(self) -> None:
@@ -92,12 +100,17 @@ class RecorderNode(Node):
         self._timekeeper = Timekeeper(simulated=source == "simulation")
         self._metadata = metadata_from_file(Path(settings.metadata)) if settings.metadata else {}
         attachments = [Attachment.from_file(Path(path)) for path in settings.attachments if path]
-        options = BagOptions(compression, settings.chunk_size, settings.flush_interval)
+        options = BagOptions(
+            compression, settings.chunk_size, settings.flush_interval, settings.max_bagfile_size,
+            settings.max_bagfile_duration,
+        )  # fmt: skip
         self._writer = BagWriter(Path(settings.output, settings.name), options)
         self._writer.add_metadata(METADATA_RECORD, self._metadata)
         for attachment in attachments:
             self._writer.add_attachment(attachment.name, attachment.media_type, attachment.data)
         self._writer.flush()
+        self._error: RecordingError | None = None  # why nothing more is written
+        self._dropped = 0  # messages that came since
         self._drain_limit = settings.drain_limit
         self._recorded: dict[str, _Recorded] = {}
         self._skipped: dict[str, str] = {}  # topic and why
@@ -106,16 +119,24 @@ class RecorderNode(Node):
         self._to_diagnostics = self.create_publisher(DiagnosticArray, qos.DIAGNOSTICS, qos.DIAGNOSTIC)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DISCOVERY_PERIOD_S, self._discover, clock=wall)
-        self.create_timer(settings.flush_interval, self._writer.flush_if_due, clock=wall)
+        self.create_timer(settings.flush_interval, self._flush, clock=wall)
         self._report_timer = self.create_timer(DIAGNOSTICS_PERIOD_S, self._report, clock=wall)
         self._discover()
 
     def close(self) -> None:
-        """Take in what is still on its way, then complete the bag. Does nothing the second time."""
+        """Take in what is still on its way, then complete the bag. Does nothing the second time.
+
+        Raises:
+            RecordingError: the bag could not be written to its end.
+        """
+        if self._error is not None:
+            raise self._error
         if not self._writer.is_open:
             return
         try:
             self._drain()
+            if self._error is not None:
+                raise self._error
             self._writer.add_metadata(METADATA_RECORD, self._metadata | self._account())
         finally:
             self._writer.close()
@@ -164,9 +185,26 @@ class RecorderNode(Node):
         write = self._writer.write
 
         def store(data: bytes) -> None:
-            write(name, time_of(data), data)
+            try:
+                write(name, time_of(data), data)
+            except RecordingError as error:
+                self._fail(error)
+                self._dropped += 1
 
         return store
+
+    def _flush(self) -> None:
+        try:
+            if self._error is None:
+                self._writer.flush_if_due()
+        except RecordingError as error:
+            self._fail(error)
+
+    def _fail(self, error: RecordingError) -> None:
+        if self._error is None:
+            self._error = error
+            self.get_logger().error(f"{error}; nothing more is recorded")
+            self._report()
 
     def _watching(self, store: Callback) -> Callback:
         def store_event(data: bytes) -> None:
@@ -237,12 +275,16 @@ class RecorderNode(Node):
         if self._lost or self._skipped:
             status.level = DiagnosticStatus.WARN
             status.message = f"{self._lost} messages lost, {len(self._skipped)} topics not recorded"
+        if self._error is not None:
+            status.level = DiagnosticStatus.ERROR
+            status.message = f"{self._error}; nothing more is recorded"
         figures = {
             "bag": str(self._writer.folder),
             "topics": str(len(self._recorded)),
             "messages": str(self._writer.count),
             "bytes": str(self._writer.bytes),
             "messages lost": str(self._lost),
+            "messages dropped": str(self._dropped),
             "stamps from the wall clock": str(self._timekeeper.wall_stamps),
         }
         figures |= {f"lost on {name}": str(one.lost) for name, one in self._recorded.items() if one.lost}

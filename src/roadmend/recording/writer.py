@@ -22,6 +22,7 @@ from roadmend.recording.qos import Qos
 __all__ = ["BagOptions", "BagWriter", "Compression", "new_bag"]
 
 _SECOND = 1_000_000_000
+_UNKNOWN_DEPTH = 10  # messages; DDS does not tell the depth that a publisher in another process offers
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,8 +117,9 @@ class BagWriter:
         topic.offers = tuple(offers)
         if self._options.self_contained and topic.offers and all(offer.is_latched for offer in topic.offers):
             # One queue for all publishers: the recorder is not told which of them sent a message.
-            depth = None if any(offer.keeps_all for offer in topic.offers) else sum(one.depth for one in topic.offers)
-            topic.latched = deque(topic.latched or (), depth)
+            depth = sum(offer.depth or _UNKNOWN_DEPTH for offer in topic.offers)
+            unlimited = any(offer.keeps_all for offer in topic.offers)
+            topic.latched = deque(topic.latched or (), None if unlimited else depth)
         else:
             topic.latched = None
 
