@@ -21,9 +21,13 @@ def digest(name):
 
 def test_who_drove_with_what():
     known = told(given=("-p", "rss.rho:=0.4"))
-    assert {
-        name: known[name] for name in ("scenario_file", "policy", "method", "clock", "seed")
-    } == {"scenario_file": "s.yaml", "policy": "modular", "method": "rss", "clock": "lockstep", "seed": "7"}
+    assert {name: known[name] for name in ("scenario_file", "policy", "method", "clock", "seed")} == {
+        "scenario_file": "s.yaml",
+        "policy": "modular",
+        "method": "rss",
+        "clock": "lockstep",
+        "seed": "7",
+    }
     assert known["roadmend"] == __version__
     assert known["ros_arguments"] == "-p rss.rho:=0.4"
     assert json.loads(known["method_defaults"])["time_gap"] == pytest.approx(0.5)

@@ -6,6 +6,7 @@ from roadmend.cli.bench_adreft import adreft
 from roadmend.cli.bench_loop import loop
 from roadmend.cli.bench_outcomes import outcomes
 from roadmend.cli.bench_readme import readme
+from roadmend.cli.bench_recorder import recorder
 from roadmend.cli.bench_safe import safe
 
 
@@ -18,4 +19,5 @@ bench.add_command(adreft)
 bench.add_command(loop)
 bench.add_command(outcomes)
 bench.add_command(readme)
+bench.add_command(recorder)
 bench.add_command(safe)
