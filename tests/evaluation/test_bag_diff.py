@@ -106,6 +106,16 @@ def test_several_messages_of_one_topic_and_time_are_compared_in_order(tmp_path):
     assert diff.topics["/note"].largest == {"data": math.inf}
 
 
+@pytest.mark.parametrize(("texts", "equal"), [("xxx", True), ("xx", True), ("xy", False), ("xxy", False)])
+def test_a_tick_that_is_repeated_until_it_is_answered_counts_once(tmp_path, texts, equal):
+    for name, order in (("a", "x"), ("b", texts)):
+        with BagWriter(tmp_path / name) as writer:
+            writer.add_topic("/note", TEXT)
+            for text in order:
+                writer.write("/note", 5, cdr(STORE.types[TEXT](data=text)))
+    assert bag_diff(tmp_path / "a", tmp_path / "b").is_equal == equal
+
+
 def test_a_topic_of_two_types(tmp_path):
     for name, kind in (("a", TEXT), ("b", BOOL)):
         with BagWriter(tmp_path / name) as writer:

@@ -11,7 +11,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from roadmend.recording import definitions
 from roadmend.recording.qos import Qos
-from roadmend.recording.writer import BagWriter
+from roadmend.recording.writer import BagOptions, BagWriter
 
 SECOND = 10**9
 LATCHED = Qos(depth=1, durability="transient_local", deadline_ns=SECOND // 2)
@@ -122,6 +122,20 @@ def corpus(tmp_path, make):
                 writer.flush()  # so that there are several chunks
         writer.add_metadata("roadmend", {"outcome": "GOAL"})
     return tmp_path / "corpus", written
+
+
+@pytest.fixture
+def split_corpus(tmp_path, make):
+    """A bag of three files, and what was written."""
+    written = []
+    with BagWriter(tmp_path / "split", BagOptions(max_bagfile_duration=0.5)) as writer:
+        for topic, type_name in CORPUS.items():
+            writer.add_topic(topic, type_name, [LATCHED if topic == "/route" else Qos()])
+        for tick, (topic, type_name) in itertools.product(range(30), CORPUS.items()):
+            if topic != "/route" or not tick:
+                written.append((topic, tick * SECOND // 20, make.cdr(make(type_name))))
+                writer.write(*written[-1])
+    return tmp_path / "split", written
 
 
 def plain(value):

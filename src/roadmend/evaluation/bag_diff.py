@@ -12,8 +12,9 @@ from roadmend.core.errors import InputError
 from roadmend.evaluation.deviation import deviations
 from roadmend.recording.reader import BagReader, Record
 
-# What depends on the machine's speed and not on the drive: diagnostics, and what viz_node draws when it has time.
-UNSTEADY = r"(^|/)(diagnostics|tf|tf_static|plan|ego/distance|markers/[^/]+)$"
+# What depends on the machine's speed and not on the drive: diagnostics, what viz_node draws when it has time, and what
+# ROS itself stamps by the wall clock.
+UNSTEADY = r"(^|/)(diagnostics|rosout|transition_event|tf|tf_static|plan|ego/distance|markers/[^/]+)$"
 _ODOMETRY = "nav_msgs/msg/Odometry"
 _TICK_LIMIT = 1 << 27  # [bytes] of one tick's messages
 _SECOND = 1e9  # [ns]
@@ -78,7 +79,8 @@ def bag_diff(
 ) -> BagDiff:  # fmt: skip
     """Compare the decoded messages of two bags: equal ones may have different padding bytes.
 
-    Messages of one topic and one time are compared in the order in which they were written.
+    Messages of one topic and one time are compared in the order in which they were written. Where one bag has more of
+    them, equal ones in a row count once: the simulator repeats its first tick until it is answered.
 
     Args:
         first: a bag.
@@ -121,8 +123,10 @@ class _Comparison:
         differs = False
         for name in {**first, **second}:
             topic = self._diff.topics[name]
-            pairs = itertools.zip_longest(first.get(name, ()), second.get(name, ()))
-            for one, other in pairs:
+            ones, others = first.get(name, []), second.get(name, [])
+            if len(ones) != len(others):
+                ones, others = self._distinct(0, ones), self._distinct(1, others)
+            for one, other in itertools.zip_longest(ones, others):
                 topic.first_messages += one is not None
                 topic.second_messages += other is not None
                 if not self._is_equal(topic, one, other, time_s):
@@ -134,6 +138,15 @@ class _Comparison:
             self._diff.differing_ticks += 1
             if self._diff.first_difference is None:
                 self._diff.first_difference = time_s
+
+    def _distinct(self, place: int, records: list[Record]) -> list[Record]:
+        """The messages without those that repeat the one before."""
+        reader, kept = self._readers[place], records[:1]
+        for record in records[1:]:
+            last = kept[-1]
+            if record.data != last.data and deviations(reader.decode(last), reader.decode(record)):
+                kept.append(record)
+        return kept
 
     def _is_equal(self, topic: TopicDiff, one: Record | None, other: Record | None, time_s: float) -> bool:
         if one is None or other is None:
