@@ -117,10 +117,10 @@ class Scan:
                 self._add_channel(channel)
             if summary.statistics is not None:
                 counts = summary.statistics.channel_message_counts
-                named = {summary.channels[channel].topic for channel in counts}
-                self.report.expected = Counter(dict.fromkeys(named, 0))
+                expected: Counter[str] = Counter()
                 for channel, count in counts.items():
-                    self.report.expected[summary.channels[channel].topic] += count
+                    expected[summary.channels[channel].topic] += count
+                self.report.expected = expected
         except CORRUPT:
             self.report.expected = None
 
