@@ -98,7 +98,8 @@ class BagWriter:
     ) -> None:
         """Announce a topic before its first message.
 
-        Announcing it again replaces the offers, which count from the topic's first message in a file on.
+        Announcing it again before the first message replaces the offers. Later ones are left out: the channel in the
+        file cannot be changed any more, and rosbags passes over a topic of which metadata.yaml says anything else.
 
         Args:
             name: the topic, with its namespace.
@@ -114,12 +115,14 @@ class BagWriter:
         if known is not None and known.definition.type_name != found.type_name:
             raise InputError(name, f"has two types, {known.definition.type_name} and {type_name}", "record one of them")
         topic = known or self._topics.setdefault(name, _Topic(found, ()))
+        if topic.count:
+            return
         topic.offers = tuple(offers)
         if self._options.self_contained and topic.offers and all(offer.is_latched for offer in topic.offers):
             # One queue for all publishers: the recorder is not told which of them sent a message.
             depth = sum(offer.depth or _UNKNOWN_DEPTH for offer in topic.offers)
             unlimited = any(offer.keeps_all for offer in topic.offers)
-            topic.latched = deque(topic.latched or (), None if unlimited else depth)
+            topic.latched = deque(maxlen=None if unlimited else depth)
         else:
             topic.latched = None
 
