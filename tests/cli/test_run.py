@@ -14,7 +14,12 @@ from roadmend.world.scenario_file import save_scenario
 def options(tmp_path, monkeypatch):
     """The options of the run that a command would start; None where it is refused."""
     started = []
-    monkeypatch.setattr(run, "run_with_status", started.append)
+
+    def start(options):
+        started.append(options)
+        return SimpleNamespace(recording_error="")
+
+    monkeypatch.setattr(run, "run_with_status", start)
     monkeypatch.setattr(run, "show_results", lambda *_: None)
     path = tmp_path / "s.yaml"
     save_scenario(sample_scenario("S3", 7), path)
@@ -44,3 +49,14 @@ def test_the_live_server_is_there_when_asked_for(options, arguments, port):
 def test_a_port_that_is_none_is_refused(options, port, capsys):
     assert options("--foxglove", port).code == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_a_bag_that_is_not_complete_is_an_error_after_the_result(tmp_path, monkeypatch, capsys):
+    shown = []
+    monkeypatch.setattr(run, "run_with_status", lambda _: SimpleNamespace(recording_error="bag_0.mcap: disk full"))
+    monkeypatch.setattr(run, "show_results", lambda *given: shown.append(given))
+    path = tmp_path / "s.yaml"
+    save_scenario(sample_scenario("S3", 7), path)
+    assert main(["run", "--scenario", str(path)]) == 1
+    assert len(shown) == 1
+    assert capsys.readouterr().err == "roadmend: bag_0.mcap: disk full\n"
