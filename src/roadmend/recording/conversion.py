@@ -13,8 +13,9 @@ from roadmend.core.errors import InputError
 from roadmend.recording import layout, qos
 from roadmend.recording.definitions import Definition, computed_hash, find
 from roadmend.recording.errors import RecordingError
+from roadmend.recording.new_bag import new_bag, place_for
 from roadmend.recording.reader import BagReader
-from roadmend.recording.writer import BagOptions, new_bag, place_for
+from roadmend.recording.writer import BagOptions
 
 MCAP, SQLITE3 = "mcap", "sqlite3"
 _HIDDEN = {"rosbag2", layout.REPEATED}  # metadata records that are about the file itself

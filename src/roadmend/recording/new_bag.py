@@ -8,32 +8,46 @@ from pathlib import Path
 from roadmend.core.errors import InputError
 from roadmend.recording.errors import RecordingError
 from roadmend.recording.reader import BagReader, Record
-from roadmend.recording.writer import BagWriter
+from roadmend.recording.writer import BagOptions, BagWriter
 
 _INSIDE = "rosbag2"  # metadata record that every writer makes anew
 
 
 @contextlib.contextmanager
-def new_bag(folder: Path) -> Iterator[BagWriter]:
+def new_bag(folder: Path, options: BagOptions | None = None) -> Iterator[BagWriter]:
     """A bag that is made beside its place and moved there once it is complete; nothing is left of one that fails.
 
     Raises:
         InputError: the folder exists already or cannot be made.
-        RecordingError: the bag cannot be written.
+        RecordingError: a file cannot be written.
+    """
+    with place_for(folder) as beside, BagWriter(beside, options or BagOptions()) as writer:
+        try:
+            yield writer
+        except BaseException:
+            writer.abandon()
+            raise
+
+
+@contextlib.contextmanager
+def place_for(folder: Path) -> Iterator[Path]:
+    """A place for a folder of that name, from which it is moved once it is complete.
+
+    Raises:
+        InputError: the folder exists already.
+        RecordingError: it cannot be moved.
     """
     if folder.exists():
         raise InputError(str(folder), "exists already", "choose another name or remove it")
-    beside = folder.with_name(f".{folder.name}.part")
-    shutil.rmtree(beside, ignore_errors=True)  # of a call that was killed
+    aside = folder.with_name(f".{folder.name}.part")
+    shutil.rmtree(aside, ignore_errors=True)  # of a run that was killed
     try:
-        with BagWriter(beside / folder.name) as writer:  # the folder's name is also that of the files in it
-            yield writer
-        try:
-            (beside / folder.name).rename(folder)
-        except OSError as error:
-            raise RecordingError(str(folder), f"cannot be written ({error.strerror})") from error
+        yield aside / folder.name
+        (aside / folder.name).rename(folder)
+    except OSError as error:
+        raise RecordingError(str(folder), f"cannot be written ({error.strerror})") from error
     finally:
-        shutil.rmtree(beside, ignore_errors=True)
+        shutil.rmtree(aside, ignore_errors=True)
 
 
 class BagCopy:

@@ -150,8 +150,9 @@ class BagReader:
         _refuse_unreadable(path, summary)
         for metadata in reader.iter_metadata():
             self.metadata.setdefault(metadata.name, {}).update(metadata.metadata)
-        repeated = self.metadata.pop(layout.REPEATED, {}) if self.files else {}
-        self._repeated.append(Counter({topic: int(count) for topic, count in repeated.items()}))
+        repeated = self.metadata.pop(layout.REPEATED, {})
+        # A file that is read by itself keeps what it repeats: it is not in any other.
+        self._repeated.append(Counter({topic: int(count) for topic, count in repeated.items() if self.files}))
         counts = summary.statistics.channel_message_counts
         for channel in summary.channels.values():
             schema = summary.schemas[channel.schema_id]

@@ -8,8 +8,9 @@ from pathlib import Path
 from roadmend.core.errors import InputError
 from roadmend.recording import layout
 from roadmend.recording.enclosure import Attachment
+from roadmend.recording.new_bag import new_bag
 from roadmend.recording.scan import NamedTexts, Scan
-from roadmend.recording.writer import BagOptions, BagWriter, new_bag
+from roadmend.recording.writer import BagOptions, BagWriter
 
 RECORD = "roadmend_recovery"  # metadata record of a recovered bag
 _INSIDE = "rosbag2"  # metadata record that every writer makes anew

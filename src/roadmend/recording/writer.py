@@ -1,7 +1,6 @@
 """Writing bags: rosbag2 layout, MCAP, one episode a bag."""
 
 import contextlib
-import shutil
 import time
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
@@ -19,7 +18,7 @@ from roadmend.recording.errors import RecordingError
 from roadmend.recording.layout import REPEATED, FileSummary, TopicSummary
 from roadmend.recording.qos import Qos
 
-__all__ = ["BagOptions", "BagWriter", "Compression", "new_bag"]
+__all__ = ["BagOptions", "BagWriter", "Compression"]
 
 _SECOND = 1_000_000_000
 _UNKNOWN_DEPTH = 10  # messages; DDS does not tell the depth that a publisher in another process offers
@@ -302,40 +301,3 @@ class BagWriter:
     def _failure(self, error: OSError) -> RecordingError:
         self.abandon()
         return RecordingError(str(error.filename or self.file), f"cannot be written ({error.strerror})")
-
-
-@contextlib.contextmanager
-def new_bag(folder: Path, options: BagOptions = BagOptions()) -> Iterator[BagWriter]:
-    """A bag that is made beside its place and moved there once it is complete; nothing is left of one that fails.
-
-    Raises:
-        InputError: the folder exists already or cannot be made.
-        RecordingError: a file cannot be written.
-    """
-    with place_for(folder) as beside, BagWriter(beside, options) as writer:
-        try:
-            yield writer
-        except BaseException:
-            writer.abandon()
-            raise
-
-
-@contextlib.contextmanager
-def place_for(folder: Path) -> Iterator[Path]:
-    """A place for a folder of that name, from which it is moved once it is complete.
-
-    Raises:
-        InputError: the folder exists already.
-        RecordingError: it cannot be moved.
-    """
-    if folder.exists():
-        raise InputError(str(folder), "exists already", "choose another name or remove it")
-    aside = folder.with_name(f".{folder.name}.part")
-    shutil.rmtree(aside, ignore_errors=True)  # of a run that was killed
-    try:
-        yield aside / folder.name
-        (aside / folder.name).rename(folder)
-    except OSError as error:
-        raise RecordingError(str(folder), f"cannot be written ({error.strerror})") from error
-    finally:
-        shutil.rmtree(aside, ignore_errors=True)
