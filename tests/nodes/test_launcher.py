@@ -88,6 +88,7 @@ def test_without_a_recorder_it_drives_on_and_says_so_once(run, tmp_path, monkeyp
     monkeypatch.setattr(run, "_report", lambda text, _time: told.append(text))
     recorder = ended(tmp_path, -9, "last words\n")
     recorder.name = "recorder_node"
+    (tmp_path / "sim.begun").touch()
     run._look_after([recorder])
     run._look_after([recorder])
     assert told == ["recorder_node ended (-9), driving on without it: last words"]
@@ -97,6 +98,11 @@ def test_without_a_recorder_it_drives_on_and_says_so_once(run, tmp_path, monkeyp
     assert run._recording_error() == "recorder_node ended (-9)"
     recorder.process.exitcode = 0
     assert run._recording_error() == ""
+
+
+def test_without_a_recorder_that_is_waited_for_nothing_begins(run, tmp_path):
+    with pytest.raises(RoadmendError, match=r"sim_node failed \(-9\): last words"):
+        run._look_after([ended(tmp_path, -9, "last words\n")])
 
 
 def test_a_node_that_refuses_its_input_is_not_restarted(run, tmp_path):

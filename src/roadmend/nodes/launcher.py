@@ -200,7 +200,9 @@ class _Run:
             child.start()
 
     def _drive_on_without(self, child: Child) -> None:
-        """Say once that a node is gone which the vehicle does not need."""
+        """Say once that a node is gone which the vehicle does not need; but the simulator does not begin without it."""
+        if not (self._folder / "sim.begun").exists():
+            self._raise(child)
         if child.name not in self._gone:
             self._gone.add(child.name)
             words = f"{child.name} ended ({child.exit_code}), driving on without it: {child.last_words()}"

@@ -28,6 +28,7 @@ from roadmend.world.simulation import INTERVAL, INTERVAL_NS, Simulation, Tick
 
 WATCH_PERIOD_S = 0.01  # how often the lockstep watchdog looks [s]
 REPEAT_S = 0.25  # period in which the first tick is repeated until it is answered [s]
+BEGUN_SUFFIX = ".begun"  # of the empty file that lies beside the summary once the episode has begun
 LINGER_S = 0.3  # time for the last messages to leave [s]
 IMPATIENT_S = 0.05  # lockstep: time a command is waited for while the repair node is known to be silent [s]
 WATCHDOG_COMMAND = Command(0.0, 0.5)  # half brake: a controlled stop of 4 m/s2 on a dry road
@@ -110,6 +111,8 @@ class SimNode(Node):
         return list(missing.values())
 
     def _begin(self) -> None:
+        if self._summary_path:
+            Path(self._summary_path).with_suffix(BEGUN_SUFFIX).touch()
         self._tick = self._simulation.first()
         self._publish(self._tick)
 
