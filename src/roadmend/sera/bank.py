@@ -1,0 +1,236 @@
+"""The scenario bank: built once, never changed in place, searched by failure pattern."""
+
+import sqlite3
+import tempfile
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+
+from roadmend import __version__
+from roadmend.core.errors import InputError
+from roadmend.sera.bank_file import (
+    DESCRIPTOR,
+    FORMAT,
+    REMEDY,
+    new_file,
+    open_file,
+    pack,
+    read_array,
+    read_descriptors,
+    read_entries,
+    write_array,
+)
+from roadmend.sera.descriptor import Descriptor, Entry
+from roadmend.sera.embedding import Embedder, Vectors, embedder_kind
+from roadmend.sera.facets import Bits, Filters, facet_bits
+from roadmend.sera.near_equality import nearly_equal, skeleton
+from roadmend.sera.pattern import FailurePattern
+from roadmend.sera.vector_index import Mask, VectorIndex
+from roadmend.sera.words import words_of_pattern
+
+_TRAINED_ON = 100_000  # descriptors
+_CHUNK = 2048  # descriptors at a time
+Report = Callable[[str, int], None]  # a stage, and how many entries it has done
+
+
+@dataclass(frozen=True, slots=True)
+class Built:
+    """What became of the entries that were given."""
+
+    added: int
+    merged: int  # the same scenario again: outcomes were added up
+    near_equal: int  # left out
+
+
+@dataclass(frozen=True, slots=True)
+class Hit:
+    """An entry that was found."""
+
+    number: int  # of the entry in its bank
+    score: float  # cosine of the angle to what was looked for
+
+
+def build_bank(
+    path: Path, entries: Iterable[Entry], embedder: str = "latent", report: Report = lambda _stage, _done: None
+) -> Built:
+    """Write a bank, complete or not at all; the same entries in the same order give the same bank.
+
+    Of scenarios with the same digest one stays, with the outcomes of all; of nearly equal ones the first.
+
+    Raises:
+        InputError: the place cannot be written, there is no such embedder, or an entry is unusable.
+    """
+    kind = embedder_kind(embedder)
+    with new_file(path) as connection:
+        built = _insert(connection, entries, report)
+        model = kind.fit(read_descriptors(connection, max(1, -(-built.added // _TRAINED_ON))))
+        with tempfile.TemporaryFile(dir=path.parent) as file:
+            shape = (built.added, model.dimensions)
+            vectors = np.memmap(file, np.float16, "w+", shape=shape) if built.added else np.zeros(shape, np.float16)
+            done = 0
+            for chunk in _chunks(read_descriptors(connection)):
+                vectors[done : done + len(chunk)] = model.embed(chunk)
+                done += len(chunk)
+                report("embedded", done)
+            index = VectorIndex.build(vectors)
+            report("indexed", done)
+            write_array(connection, "vectors", vectors)
+        write_array(connection, "codes", index.dump_codes())
+        write_array(connection, "embedder", np.frombuffer(model.dump(), dtype=np.uint8))
+        facts = {"format": FORMAT, "roadmend": __version__, "embedder": embedder, "entries": str(built.added)}
+        connection.executemany("INSERT INTO meta VALUES (?, ?)", facts.items())
+    return built
+
+
+def _insert(connection: sqlite3.Connection, entries: Iterable[Entry], report: Report) -> Built:
+    added = merged = near = 0
+    for done, entry in enumerate(entries, 1):
+        if done % _CHUNK == 0:
+            report("read", done)
+        row = connection.execute("SELECT number, descriptor FROM entries WHERE digest = ?", (entry.digest,)).fetchone()
+        if row is not None:
+            known = DESCRIPTOR.validate_json(row[1]).with_outcomes(entry.descriptor.outcomes)
+            update = "UPDATE entries SET descriptor = ?, facets = ? WHERE number = ?"
+            connection.execute(update, (DESCRIPTOR.dump_json(known, exclude_defaults=True), facet_bits(known), row[0]))
+            merged += 1
+            continue
+        shape, is_near = _near(connection, entry)
+        if is_near:
+            near += 1
+            continue
+        values = added, *pack(entry, facet_bits(entry.descriptor), shape)
+        connection.execute("INSERT INTO entries VALUES (?, ?, ?, ?, ?, ?, ?, ?)", values)
+        added += 1
+    report("read", added + merged + near)
+    return Built(added, merged, near)
+
+
+def _near(connection: sqlite3.Connection, entry: Entry) -> tuple[str | None, bool]:
+    """The skeleton of an entry's scenario, and whether a nearly equal one is in the bank."""
+    if entry.scenario is None:
+        return None, False
+    shape, numbers = skeleton(entry.scenario)
+    for _, other in read_entries(connection, "WHERE skeleton = ?", (shape,)):
+        assert other.scenario is not None
+        if nearly_equal(numbers, skeleton(other.scenario)[1]):
+            return shape, True
+    return shape, False
+
+
+def _chunks(descriptors: Iterator[Descriptor]) -> Iterator[list[Descriptor]]:
+    chunk: list[Descriptor] = []
+    for descriptor in descriptors:
+        chunk.append(descriptor)
+        if len(chunk) == _CHUNK:
+            yield chunk
+            chunk = []
+    if chunk:
+        yield chunk
+
+
+class Bank:
+    """A bank open for reading. Vectors and codes are in memory, entries stay in the file."""
+
+    def __init__(self, path: Path) -> None:
+        """Open a bank.
+
+        Raises:
+            InputError: the file is missing, is no bank, is damaged, or is of another version.
+        """
+        self.path = path
+        self._connection, self.meta = open_file(path)
+        try:
+            self._count = int(self.meta["entries"])
+            content = read_array(self._connection, self.meta, "embedder", np.uint8)
+            self.embedder: Embedder = embedder_kind(self.meta["embedder"]).load(content.tobytes())
+            vectors = read_array(self._connection, self.meta, "vectors", np.float16)
+            codes = read_array(self._connection, self.meta, "codes", np.uint8)
+            self.index = VectorIndex.load(vectors.reshape(self._count, self.embedder.dimensions), codes)
+            self._facets: Bits = np.fromiter(
+                (bits for (bits,) in self._connection.execute("SELECT facets FROM entries ORDER BY number")), np.uint64
+            )
+            if len(self._facets) != self._count:
+                raise ValueError(f"it holds {len(self._facets)} of {self._count} entries")
+        except (sqlite3.DatabaseError, KeyError, ValueError) as error:
+            self.close()
+            raise InputError(str(path), f"is damaged ({error})", REMEDY) from None
+        except InputError:
+            self.close()
+            raise
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._connection.close()
+
+    def embed(self, pattern: FailurePattern) -> Vectors:
+        """The pattern as a vector, shape (dimensions,).
+
+        Raises:
+            InputError: nothing that the pattern says means anything to this bank.
+        """
+        vector = self.embedder.embed([pattern])[0]
+        if not vector.any() and len(self):
+            said = words_of_pattern(pattern) or pattern.name
+            raise InputError(f"pattern {said!r}", "says nothing that this bank knows", "name a road, hazard or weather")
+        return vector
+
+    def search(
+        self, pattern: FailurePattern, count: int, filters: Filters | None = None, exclude: Collection[str] = ()
+    ) -> list[Hit]:
+        """The entries that fit a pattern best, best first; none from an empty bank.
+
+        Args:
+            pattern: what is looked for.
+            count: at most so many.
+            filters: what an entry must be besides.
+            exclude: digests of scenarios that must not come, for instance those of an evaluation set.
+
+        Raises:
+            InputError: nothing that the pattern says means anything to this bank.
+        """
+        if not len(self):
+            return []
+        numbers, scores = self.index.search(self.embed(pattern), count, self.allowed(filters, exclude))
+        return [Hit(int(number), float(score)) for number, score in zip(numbers, scores, strict=True)]
+
+    def allowed(self, filters: Filters | None = None, exclude: Collection[str] = ()) -> Mask | None:
+        """Which entries may be found, shape (entries,); None for all."""
+        passed = filters.matches(self._facets) if filters is not None else None
+        for digest in sorted(exclude):
+            row = self._connection.execute("SELECT number FROM entries WHERE digest = ?", (digest,)).fetchone()
+            if row is not None:
+                passed = np.ones(len(self), dtype=np.bool_) if passed is None else passed
+                passed[row[0]] = False
+        return passed
+
+    def entry(self, number: int) -> Entry:
+        """One entry.
+
+        Raises:
+            InputError: it is damaged.
+        """
+        return next(entry for _, entry in read_entries(self._connection, "WHERE number = ?", (number,)))
+
+    def entries(self) -> Iterator[Entry]:
+        """All entries, one at a time.
+
+        Raises:
+            InputError: one is damaged.
+        """
+        return (entry for _, entry in read_entries(self._connection))
+
+    def vectors(self, numbers: Sequence[int]) -> Vectors:
+        """Vectors of entries, shape (numbers, dimensions)."""
+        return self.index.vectors[list(numbers)].astype(np.float32)

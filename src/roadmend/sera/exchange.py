@@ -1,0 +1,96 @@
+"""Banks as JSON lines: a header, then one entry a line."""
+
+import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from roadmend.core.errors import InputError
+from roadmend.sera.bank import Bank
+from roadmend.sera.bank_file import DESCRIPTOR
+from roadmend.sera.descriptor import Entry
+from roadmend.world.scenario_file import describe, parse_scenario
+
+FORMAT = "roadmend-bank-export/1"
+_KEYS = {"digest", "name", "origin", "descriptor", "scenario"}
+
+
+def export_bank(bank: Bank, path: Path) -> None:
+    """Write all entries, complete or not at all.
+
+    Raises:
+        InputError: the place cannot be written, or the bank is damaged.
+    """
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with beside.open("w", encoding="utf-8") as file:
+            file.write(json.dumps({"format": FORMAT, "entries": len(bank)}) + "\n")
+            file.writelines(_dump(entry) for entry in bank.entries())
+        beside.replace(path)
+    except OSError as error:
+        raise InputError(str(path), f"cannot be written ({error.strerror})", "choose a writable place") from None
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def read_export(path: Path) -> Iterator[Entry]:
+    """The entries of an export, one at a time.
+
+    Raises:
+        InputError: the file is missing, is no export, is cut short, or a line is at fault.
+    """
+    remedy = "give a file that 'roadmend sera bank export' made"
+    try:
+        with path.open(encoding="utf-8") as file:
+            wanted = _parse_header(path, file.readline(), remedy)
+            found = 0
+            for found, line in enumerate(file, 1):
+                yield _parse(f"{path} line {found + 1}", line)
+    except FileNotFoundError:
+        raise InputError(str(path), "no such file", remedy) from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(str(path), f"cannot be read ({error})", remedy) from None
+    if found != wanted:
+        raise InputError(str(path), f"holds {found} of {wanted} entries", "export the bank again")
+
+
+def _dump(entry: Entry) -> str:
+    content = {
+        "digest": entry.digest, "name": entry.name, "origin": entry.origin,
+        "descriptor": DESCRIPTOR.dump_python(entry.descriptor, mode="json", exclude_defaults=True),
+        "scenario": None if entry.scenario is None else entry.scenario.model_dump(mode="json"),
+    }  # fmt: skip
+    return json.dumps(content, separators=(",", ":"), allow_nan=False) + "\n"
+
+
+def _parse_header(path: Path, line: str, remedy: str) -> int:
+    try:
+        header: Any = json.loads(line)
+        form, entries = header["format"], header["entries"]
+    except (ValueError, KeyError, TypeError):
+        raise InputError(str(path), "is no export of a bank", remedy) from None
+    if form != FORMAT:
+        raise InputError(str(path), f"has the format {form!r}, not {FORMAT!r}", remedy)
+    return int(entries)
+
+
+def _parse(where: str, line: str) -> Entry:
+    remedy = "mend the line, or export the bank again"
+    try:
+        content = json.loads(line)
+    except ValueError as error:
+        raise InputError(where, f"is no JSON ({error})", remedy) from None
+    if not isinstance(content, dict) or content.keys() != _KEYS:
+        raise InputError(where, f"has other fields than {', '.join(sorted(_KEYS))}", remedy)
+    try:
+        descriptor = DESCRIPTOR.validate_python(content["descriptor"], strict=False)
+    except ValidationError as error:
+        raise InputError(where, describe(error), remedy) from None
+    scenario = None if content["scenario"] is None else parse_scenario(content["scenario"], where)
+    if scenario is not None and scenario.digest != content["digest"]:
+        raise InputError(where, "has another digest than its scenario", remedy)
+    return Entry(str(content["digest"]), str(content["name"]), str(content["origin"]), descriptor, scenario)
