@@ -19,6 +19,7 @@ _COMMANDS: Table = {
     "corpus": ("roadmend.cli.corpus", "corpus", "Gather, verify and show what policies are trained and measured on."),
     "safe": ("roadmend.cli.safe", "safe", "Turn crash reports into scenarios, and test a policy with them."),
     "train": ("roadmend.cli.train", "train", "Train a driving policy, a repair model or a rival's model."),
+    "sera": ("roadmend.cli.sera", "sera", "Learn from the failures that were recorded."),
     "bag": ("roadmend.cli.bag", "bag", "Look into bags, mend them, compare them."),
     "replay": ("roadmend.cli.replay", "replay", "Play a bag: publish what it holds, as it was recorded."),
 }

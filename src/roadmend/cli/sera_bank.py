@@ -1,0 +1,189 @@
+"""``roadmend sera bank``: build, show, search, export and import a scenario bank."""
+
+import itertools
+import json
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from roadmend.cli.sera_options import BANK, JSON, PATTERN, filter_options, filters_of
+from roadmend.cli.table import wide_console
+from roadmend.sera.bank import Bank, Built, Report, build_bank
+from roadmend.sera.describe import entry_of, entry_of_case
+from roadmend.sera.descriptor import Entry
+from roadmend.sera.embedding import EMBEDDERS
+from roadmend.sera.exchange import export_bank, read_export
+from roadmend.sera.pattern_file import read_patterns
+from roadmend.sera.words import words_of
+from roadmend.world.corpus import SPLITS, load_corpus
+from roadmend.world.families import FAMILIES, sample_scenario
+from roadmend.world.scenario_file import load_scenario
+
+_OUT = click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Bank to write.")
+_EMBEDDER = click.option("--embedder", default="latent", show_default=True, type=click.Choice(sorted(EMBEDDERS)))
+_COUNTED = ("family", "road", "weather", "light")
+
+
+@click.group()
+def bank() -> None:
+    """Build, show, search, export and import a scenario bank."""
+
+
+@bank.command()
+@click.option("--sample", "count", default=0, show_default=True, type=click.IntRange(0), help="Draw so many of each family.")
+@click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="Of the first scenario drawn.")
+@click.option("--corpus", "corpora", multiple=True, type=click.Path(path_type=Path, dir_okay=False), help="Cases with what a policy made of them. May be repeated.")
+@click.option("--split", "splits", multiple=True, default=("training",), show_default=True, type=click.Choice(SPLITS), help="Of the corpora. May be repeated.")
+@click.argument("scenarios", nargs=-1, type=click.Path(path_type=Path, dir_okay=False))
+@_EMBEDDER
+@_OUT
+@JSON
+def build(
+    count: int, seed: int, corpora: tuple[Path, ...], splits: tuple[str, ...], scenarios: tuple[Path, ...],
+    embedder: str, out: Path, *, as_json: bool,
+) -> None:  # fmt: skip
+    """Build a bank from families, corpora and scenario files; it replaces OUT when it is whole."""
+    loaded = [load_corpus(path) for path in corpora]
+    entries = itertools.chain(
+        (entry_of(load_scenario(path), f"file {path.name}") for path in scenarios),
+        (
+            entry_of_case(case, corpus)
+            for corpus in loaded for split in dict.fromkeys(splits) for case in corpus.select(split=split)
+        ),
+        (entry_of(sample_scenario(family, seed + place), f"family {family}") for place in range(count) for family in FAMILIES),
+    )  # fmt: skip
+    total = len(scenarios) + count * len(FAMILIES)
+    total += sum(len(corpus.select(split=split)) for corpus in loaded for split in dict.fromkeys(splits))
+    _build(out, entries, embedder, total, as_json=as_json)
+
+
+@bank.command(name="import")
+@click.argument("exports", nargs=-1, required=True, type=click.Path(path_type=Path, dir_okay=False))
+@click.option("--bank", "bank_file", type=click.Path(path_type=Path, dir_okay=False), help="Bank to add to.")
+@_EMBEDDER
+@_OUT
+@JSON
+def import_(exports: tuple[Path, ...], bank_file: Path | None, embedder: str, out: Path, *, as_json: bool) -> None:
+    """Build a bank from exports, and from another bank if there is one; OUT may be that bank itself."""
+    imported = itertools.chain.from_iterable(read_export(path) for path in exports)
+    if bank_file is None:
+        _build(out, imported, embedder, None, as_json=as_json)
+        return
+    with Bank(bank_file) as known:
+        _build(out, itertools.chain(known.entries(), imported), embedder, None, as_json=as_json)
+
+
+def _build(out: Path, entries: Iterable[Entry], embedder: str, total: int | None, *, as_json: bool) -> None:
+    with build_progress(total) as report:
+        built = build_bank(out, entries, embedder, report)
+    if as_json:
+        click.echo(json.dumps({"bank": str(out), **_plain(built)}, indent=2))
+        return
+    click.echo(
+        f"{out}: {built.added} scenarios; {built.merged} came again and {built.near_equal} nearly so and were left out"
+    )
+
+
+def _plain(built: Built) -> dict[str, int]:
+    return {"scenarios": built.added, "merged": built.merged, "near_equal": built.near_equal}
+
+
+@contextmanager
+def build_progress(total: int | None) -> Iterator[Report]:
+    """A bar for each stage of building a bank."""
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+    with Progress(*columns, console=Console(stderr=True)) as bar:
+        tasks: dict[str, Any] = {}
+
+        def report(stage: str, done: int) -> None:
+            if stage not in tasks:
+                tasks[stage] = bar.add_task(stage, total=total)
+            bar.update(tasks[stage], completed=done)
+
+        yield report
+
+
+@bank.command()
+@BANK
+@JSON
+def show(bank_file: Path, *, as_json: bool) -> None:
+    """Count the scenarios of a bank by family, road, weather, light, hazard and outcome."""
+    with Bank(bank_file) as opened:
+        counts = _count(opened.entries())
+        content: dict[str, Any] = {
+            "bank": str(bank_file), "format": opened.meta["format"], "roadmend": opened.meta["roadmend"],
+            "embedder": opened.meta["embedder"], "dimensions": opened.embedder.dimensions, "scenarios": len(opened),
+            "index_bytes": opened.index.size, **{group: dict(found.most_common()) for group, found in counts.items()},
+        }  # fmt: skip
+    if as_json:
+        click.echo(json.dumps(content, indent=2))
+        return
+    table = Table("what", "scenarios", box=None, pad_edge=False, header_style="bold")
+    for group, found in counts.items():
+        table.add_row(group, ", ".join(f"{number} {name}" for name, number in found.most_common()) or "-")
+    wide_console().print(table)
+    click.echo(f"{content['scenarios']} scenarios, {content['index_bytes'] / 1e6:.1f} MB of index")
+
+
+def _count(entries: Iterator[Entry]) -> dict[str, Counter[str]]:
+    counts: dict[str, Counter[str]] = {group: Counter() for group in (*_COUNTED, "hazard", "outcome", "origin")}
+    for entry in entries:
+        descriptor = entry.descriptor
+        facts = (descriptor.family or "none", descriptor.road.kind, descriptor.weather, descriptor.light)
+        for group, value in zip(_COUNTED, facts, strict=True):
+            counts[group][value] += 1
+        counts["hazard"].update({each.kind for each in descriptor.hazards} or {"none"})
+        counts["outcome"].update({name for each in descriptor.outcomes for name in each.outcomes} or {"never run"})
+        counts["origin"][entry.origin] += 1
+    return counts
+
+
+@bank.command()
+@BANK
+@click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="JSON lines to write.")
+def export(bank_file: Path, out: Path) -> None:
+    """Write a bank as JSON lines."""
+    with Bank(bank_file) as opened:
+        export_bank(opened, out)
+        click.echo(f"{out}: {len(opened)} scenarios")
+
+
+@bank.command()
+@BANK
+@PATTERN
+@click.option("-k", "count", default=10, show_default=True, type=click.IntRange(1, 10_000), help="Scenarios.")
+@filter_options
+@JSON
+def search(bank_file: Path, patterns: tuple[str, ...], count: int, *, as_json: bool, **given: tuple[str, ...]) -> None:
+    """Find the scenarios that fit failure patterns best."""
+    wanted = [pattern for each in patterns for pattern in read_patterns(each)]
+    filters = filters_of(given)
+    with Bank(bank_file) as opened:
+        found = [
+            {"pattern": pattern.name, "score": round(hit.score, 4), **described(opened.entry(hit.number))}
+            for pattern in wanted
+            for hit in opened.search(pattern, count, filters)
+        ]
+    if as_json:
+        click.echo(json.dumps(found, indent=2))
+        return
+    table = Table("pattern", "score", "name", "words", box=None, pad_edge=False, header_style="bold")
+    for each in found:
+        table.add_row(each["pattern"], f"{each['score']:.3f}", each["name"], each["words"])
+    wide_console().print(table)
+    if not found:
+        click.echo("nothing fits: the bank is empty, or nothing passes the filters")
+
+
+def described(entry: Entry) -> dict[str, str]:
+    """An entry in a few words."""
+    return {
+        "name": entry.name, "digest": entry.digest, "origin": entry.origin, "words": words_of(entry.descriptor),
+    }  # fmt: skip

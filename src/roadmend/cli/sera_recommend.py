@@ -1,0 +1,79 @@
+"""``roadmend sera recommend``: select scenarios to learn from, reflect on the selection, say why."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.table import Table
+
+from roadmend.cli.sera_bank import described
+from roadmend.cli.sera_options import BANK, JSON, PATTERN, filter_options, filters_of
+from roadmend.cli.table import wide_console
+from roadmend.sera.bank import Bank
+from roadmend.sera.pattern_file import read_patterns
+from roadmend.sera.recommendation import recommend as recommend_from
+from roadmend.world.scenario_file import load_scenario
+
+
+@click.command()
+@BANK
+@PATTERN
+@click.option("-k", "count", default=8, show_default=True, type=click.IntRange(1, 1000), help="Scenarios a pattern.")
+@click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="Of the random selection.")
+@click.option(
+    "--exclude", multiple=True, type=click.Path(path_type=Path, dir_okay=False),
+    help="Scenario file that must not come, as one of the evaluation set. May be repeated.",
+)  # fmt: skip
+@filter_options
+@JSON
+def recommend(
+    bank_file: Path, patterns: tuple[str, ...], count: int, seed: int, exclude: tuple[Path, ...], *, as_json: bool,
+    **given: tuple[str, ...],
+) -> None:  # fmt: skip
+    """Select the best scenarios for each failure pattern, and swap what the selection as a whole is better without."""
+    wanted = [pattern for each in patterns for pattern in read_patterns(each)]
+    digests = [load_scenario(path).digest for path in exclude]
+    with Bank(bank_file) as opened:
+        found = recommend_from(opened, wanted, count, filters_of(given), digests, seed)
+        entries = {
+            pick.number: described(opened.entry(pick.number)) for pick in (*found.initial, *found.refined, *found.random)
+        }
+    content: dict[str, Any] = {
+        name: [
+            {"pattern": wanted[pick.pattern].name, "score": round(pick.score, 4), **entries[pick.number]}
+            for pick in getattr(found, name)
+        ]
+        for name in ("initial", "refined", "random")
+    }
+    content["swaps"] = [
+        {
+            "pattern": wanted[swap.pattern].name, "gain": round(swap.gain, 4), "reason": swap.reason,
+            "out": entries[swap.out]["name"] if swap.out in entries else swap.out,
+            "into": entries[swap.into]["name"] if swap.into in entries else swap.into,
+        }
+        for swap in found.swaps
+    ]  # fmt: skip
+    content["measures"] = {name: asdict(measures) for name, measures in found.measures.items()}
+    content["missing"] = found.missing
+    if as_json:
+        click.echo(json.dumps(content, indent=2))
+    else:
+        _show(content)
+
+
+def _show(content: dict[str, Any]) -> None:
+    console = wide_console()
+    table = Table("pattern", "score", "name", "words", box=None, pad_edge=False, header_style="bold")
+    for each in content["refined"]:
+        table.add_row(each["pattern"], f"{each['score']:.3f}", each["name"], each["words"])
+    console.print(table)
+    for swap in content["swaps"]:
+        console.print(f"{swap['out']} -> {swap['into']}: {swap['reason']}")
+    measures = Table("selection", *content["measures"]["initial"], box=None, pad_edge=False, header_style="bold")
+    for name, values in content["measures"].items():
+        measures.add_row(name, *(f"{value:.3f}" if isinstance(value, float) else str(value) for value in values.values()))
+    console.print(measures)
+    if content["missing"]:
+        console.print(f"{content['missing']} places stay empty: the bank has no more that pass")

@@ -1,0 +1,79 @@
+"""Which scenarios of a bank to learn from: the best for each failure pattern, and a random draw to compare with."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from roadmend.core.errors import InputError
+from roadmend.sera.bank import Bank, Hit
+from roadmend.sera.facets import Filters
+from roadmend.sera.pattern import FailurePattern
+from roadmend.sera.reflection import Measures, Pick, Swap, candidates_of, measure, reflect
+
+_POOL = 10  # candidates for each place of a selection
+
+
+@dataclass(frozen=True, slots=True)
+class Recommendation:
+    """Selections of one size: the first, what reflection made of it and why, and a random one."""
+
+    initial: tuple[Pick, ...]
+    refined: tuple[Pick, ...]
+    random: tuple[Pick, ...]
+    swaps: tuple[Swap, ...]
+    measures: dict[str, Measures]  # of each of the three selections
+    missing: int  # places that the bank could not fill
+
+
+def recommend(
+    bank: Bank, patterns: Sequence[FailurePattern], count: int, filters: Filters | None = None,
+    exclude: Collection[str] = (), seed: int = 0,
+) -> Recommendation:  # fmt: skip
+    """Select ``count`` scenarios for each pattern, none twice; the same bank and arguments give the same.
+
+    Args:
+        bank: to choose from.
+        patterns: what the policy fails at, at least one; earlier ones choose first.
+        count: scenarios for each pattern.
+        filters: what every scenario must be.
+        exclude: digests of scenarios that must not come, those of the evaluation set.
+        seed: of the random selection.
+
+    Raises:
+        InputError: there is no pattern, or one says nothing that the bank knows.
+    """
+    if not patterns:
+        raise InputError("patterns", "there is none", "give at least one")
+    found = [bank.search(pattern, count * _POOL, filters, exclude) for pattern in patterns]
+    initial = _first_choice(found, count)
+    refined, swaps = reflect(candidates_of(bank, patterns, found), initial)
+    drawn = _draw(bank, patterns, len(initial), filters, exclude, seed)
+    everything = candidates_of(bank, patterns, [*found, [Hit(pick.number, 0.0) for pick in drawn]])
+    random = [Pick(pick.number, pick.pattern, everything.score(pick)) for pick in drawn]
+    selections = {"initial": initial, "refined": refined, "random": random}
+    return Recommendation(
+        tuple(initial), tuple(refined), tuple(random), tuple(swaps),
+        {name: measure(everything, picks) for name, picks in selections.items()},
+        count * len(patterns) - len(initial),
+    )  # fmt: skip
+
+
+def _first_choice(found: Sequence[Sequence[Hit]], count: int) -> list[Pick]:
+    taken: set[int] = set()
+    picks: list[Pick] = []
+    for place, hits in enumerate(found):
+        fresh = [hit for hit in hits if hit.number not in taken][:count]
+        taken.update(hit.number for hit in fresh)
+        picks += [Pick(hit.number, place, hit.score) for hit in fresh]
+    return picks
+
+
+def _draw(
+    bank: Bank, patterns: Sequence[FailurePattern], count: int, filters: Filters | None, exclude: Collection[str],
+    seed: int,
+) -> list[Pick]:  # fmt: skip
+    allowed = bank.allowed(filters, exclude)
+    numbers = np.arange(len(bank)) if allowed is None else np.flatnonzero(allowed)
+    drawn = np.random.default_rng(seed).choice(numbers, count, replace=False) if count else numbers[:0]
+    return [Pick(int(number), place % len(patterns), 0.0) for place, number in enumerate(sorted(drawn))]

@@ -1,0 +1,193 @@
+"""The second look: a selection as a whole, and swaps that mend it, each with its reason.
+
+A selection is worth what its entries are worth (how well they fit their pattern, how many of its aspects they show,
+how much there is to learn from them) less what they repeat of each other. Swaps are made one at a time, the best first,
+as long as they gain: a local search that ends, because every swap raises what is worth at most so much.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.sera.bank import Bank, Hit
+from roadmend.sera.descriptor import Descriptor
+from roadmend.sera.pattern import FailurePattern
+from roadmend.sera.terms import features
+
+_SIMILAR_FROM = 0.8  # cosine from which two entries repeat each other
+_LEAST_GAIN = 0.02
+_TOO_EASY, _TOO_HARD = "too easy", "too hard"
+_DIFFICULTY_COSTS = {_TOO_EASY: 0.5, _TOO_HARD: 0.3, "": 0.0}
+_WIDE = 5.0  # [m] from which nobody came near
+
+
+@dataclass(frozen=True, slots=True)
+class Pick:
+    """An entry of a selection."""
+
+    number: int  # of the entry in its bank
+    pattern: int  # that it was chosen for, as a place among the patterns
+    score: float  # cosine to the pattern
+
+
+@dataclass(frozen=True, slots=True)
+class Swap:
+    """One entry for another."""
+
+    out: int  # number in the bank
+    into: int  # number in the bank
+    pattern: int
+    gain: float
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Measures:
+    """A selection as a whole."""
+
+    coverage: float  # mean share of their pattern's aspects that the entries show, 0 to 1
+    diversity: float  # 1 less the mean cosine of pairs
+    redundant: int  # pairs that repeat each other
+    too_easy: int
+    too_hard: int
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """What reflection knows of an entry."""
+
+    number: int
+    name: str
+    difficulty: str  # too easy, too hard, or neither
+    aspects: tuple[frozenset[str], ...]  # of each pattern, those that the entry shows
+
+
+@dataclass(frozen=True)
+class Pool:
+    """Entries to choose from, by their number, with scores for the patterns and likenesses among them."""
+
+    candidates: tuple[Candidate, ...]
+    places: dict[int, int]  # number -> place among the candidates
+    wanted: tuple[frozenset[str], ...]  # aspects of each pattern that the bank has at all
+    scores: NDArray[np.float64]  # shape (patterns, candidates)
+    likeness: NDArray[np.float64]  # cosines, shape (candidates, candidates)
+
+    def score(self, pick: Pick) -> float:
+        """How well a pick fits its pattern."""
+        return float(self.scores[pick.pattern, self.places[pick.number]])
+
+    def coverage(self) -> NDArray[np.float64]:
+        """Share of each pattern's aspects that each candidate shows, shape (patterns, candidates)."""
+        shown = [
+            [len(candidate.aspects[place]) / max(1, len(wanted)) for candidate in self.candidates]
+            for place, wanted in enumerate(self.wanted)
+        ]
+        return np.array(shown).reshape(len(self.wanted), len(self.candidates))
+
+
+def candidates_of(bank: Bank, patterns: Sequence[FailurePattern], found: Sequence[Sequence[Hit]]) -> Pool:
+    """Everything that was found for any pattern."""
+    numbers = sorted({hit.number for hits in found for hit in hits})
+    entries = [bank.entry(number) for number in numbers]
+    shown = [frozenset(features(entry.descriptor).terms) for entry in entries]
+    known = frozenset[str]().union(*shown)
+    wanted = tuple(frozenset(features(pattern).terms) & known for pattern in patterns)
+    candidates = tuple(
+        Candidate(number, entry.name, difficulty_of(entry.descriptor), tuple(each & terms for each in wanted))
+        for number, entry, terms in zip(numbers, entries, shown, strict=True)
+    )
+    vectors = bank.vectors(numbers).astype(np.float64)
+    queries = np.array([bank.embed(pattern) for pattern in patterns], dtype=np.float64)
+    return Pool(
+        candidates, {number: place for place, number in enumerate(numbers)}, wanted, queries @ vectors.T,
+        vectors @ vectors.T,
+    )  # fmt: skip
+
+
+def difficulty_of(descriptor: Descriptor) -> str:
+    """Whether there is nothing to learn from a scenario, by what policies have made of it so far.
+
+    Too easy: every run reached the goal, and nobody came near. Too hard: two policies or methods ran it, and not one
+    run of any reached the goal.
+    """
+    share = descriptor.difficulty
+    if share is None:
+        return ""
+    near = [each.min_distance for each in descriptor.outcomes if each.min_distance is not None]
+    if share == 0.0 and min(near, default=np.inf) >= _WIDE:
+        return _TOO_EASY
+    return _TOO_HARD if share == 1.0 and len(descriptor.outcomes) > 1 else ""
+
+
+def reflect(pool: Pool, initial: Sequence[Pick]) -> tuple[list[Pick], list[Swap]]:
+    """Swap entries as long as the selection gains; how many each pattern has stays as it is."""
+    picks, swaps = [*initial], list[Swap]()
+    if not picks:
+        return picks, swaps
+    costs = np.array([_DIFFICULTY_COSTS[candidate.difficulty] for candidate in pool.candidates])
+    coverage, repeats = pool.coverage(), _repeats(pool)
+    value = pool.scores + coverage - costs
+    while True:
+        chosen = np.array([pool.places[pick.number] for pick in picks])
+        patterns = np.array([pick.pattern for pick in picks])
+        crowding = repeats[:, chosen].sum(axis=1)
+        lost = value[patterns, chosen] - crowding[chosen]
+        won = value[patterns] - crowding + repeats[chosen]
+        won[:, chosen] = -np.inf
+        gains = won - lost[:, None]
+        row, into = np.unravel_index(int(np.argmax(gains)), gains.shape)
+        if gains[row, into] < _LEAST_GAIN:
+            return picks, swaps
+        out, pattern = int(chosen[row]), int(patterns[row])
+        parts = {
+            "repeats": crowding[out] - (crowding[into] - repeats[into, out]),
+            "coverage": coverage[pattern, into] - coverage[pattern, out],
+            "difficulty": costs[out] - costs[into],
+            "score": pool.scores[pattern, into] - pool.scores[pattern, out],
+        }
+        others = np.delete(chosen, row)
+        reason = _reason(pool, pattern, out, int(into), max(parts, key=lambda name: float(parts[name])), others)
+        new = pool.candidates[into].number
+        swaps.append(Swap(picks[row].number, new, pattern, float(gains[row, into]), reason))
+        picks[row] = Pick(new, pattern, float(pool.scores[pattern, into]))
+
+
+def _repeats(pool: Pool) -> NDArray[np.float64]:
+    """What two entries cost beside each other: from 0 where they are different enough to 1 where they are equal."""
+    result = np.clip((pool.likeness - _SIMILAR_FROM) / (1.0 - _SIMILAR_FROM), 0.0, 1.0)
+    np.fill_diagonal(result, 0.0)
+    return np.asarray(result)
+
+
+def _reason(pool: Pool, pattern: int, out: int, into: int, part: str, others: NDArray[np.int64]) -> str:
+    old, new = pool.candidates[out], pool.candidates[into]
+    match part:
+        case "repeats":
+            twin = int(others[np.argmax(pool.likeness[out, others])])
+            return f"redundant: {old.name} is {pool.likeness[out, twin]:.2f} like {pool.candidates[twin].name}"
+        case "coverage":
+            more = sorted(new.aspects[pattern] - old.aspects[pattern])
+            return f"coverage: {new.name} also shows {', '.join(more)}"
+        case "difficulty":
+            return f"{old.difficulty}: what {old.name} came to leaves little to learn"
+        case _:
+            return f"relevance: {new.name} is closer to the pattern"
+
+
+def measure(pool: Pool, picks: Sequence[Pick]) -> Measures:
+    """Measure a selection; an empty one shows nothing."""
+    if not picks:
+        return Measures(0.0, 0.0, 0, 0, 0)
+    places = np.array([pool.places[pick.number] for pick in picks])
+    coverage = pool.coverage()[[pick.pattern for pick in picks], places]
+    pairs = pool.likeness[np.ix_(places, places)][np.triu_indices(len(places), 1)]
+    difficulties = [pool.candidates[place].difficulty for place in places]
+    return Measures(
+        coverage=float(coverage.mean()),
+        diversity=float(1.0 - pairs.mean()) if len(pairs) else 0.0,
+        redundant=int(np.count_nonzero(pairs > _SIMILAR_FROM)),
+        too_easy=difficulties.count(_TOO_EASY),
+        too_hard=difficulties.count(_TOO_HARD),
+    )
