@@ -7,6 +7,7 @@ from roadmend.cli.bench_loop import loop
 from roadmend.cli.bench_outcomes import outcomes
 from roadmend.cli.bench_readme import readme
 from roadmend.cli.bench_recorder import recorder
+from roadmend.cli.bench_retrieval import retrieval
 from roadmend.cli.bench_safe import safe
 
 
@@ -21,3 +22,4 @@ bench.add_command(outcomes)
 bench.add_command(readme)
 bench.add_command(recorder)
 bench.add_command(safe)
+bench.add_command(retrieval)

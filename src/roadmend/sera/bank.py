@@ -231,6 +231,10 @@ class Bank:
         """
         return (entry for _, entry in read_entries(self._connection))
 
+    def descriptors(self) -> Iterator[Descriptor]:
+        """The descriptors of all entries, one at a time."""
+        return read_descriptors(self._connection)
+
     def vectors(self, numbers: Sequence[int]) -> Vectors:
         """Vectors of entries, shape (numbers, dimensions)."""
         return self.index.vectors[list(numbers)].astype(np.float32)

@@ -13,7 +13,7 @@ import faiss
 import numpy as np
 from numpy.typing import NDArray
 
-EXACT_UP_TO = 20_000  # vectors that are compared one by one
+EXACT_UP_TO = 5_000  # vectors that are compared one by one
 _CANDIDATES = 2000  # ranked exactly
 _TRAINED_ON = 100_000  # vectors
 _CHUNK = 50_000  # vectors at a time

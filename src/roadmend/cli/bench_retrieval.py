@@ -1,0 +1,119 @@
+"""``roadmend bench retrieval``: how fast and how well a large scenario bank finds what fits a failure."""
+
+import json
+import multiprocessing
+import random
+import resource
+import tempfile
+import time
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any, get_args
+
+import click
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from roadmend.cli.sera_bank import build_progress
+from roadmend.cli.table import wide_console
+from roadmend.evaluation.benchmark_report import provenance, write_report
+from roadmend.sera.bank import Bank, build_bank
+from roadmend.sera.facets import Filters
+from roadmend.sera.generated import generate
+from roadmend.sera.retrieval import draw_patterns, recall, time_searches
+from roadmend.world.scenario import Weather
+
+_BANK_SEED, _PATTERN_SEED = 1, 2
+_COUNT = 10
+_WARM_UP = 20  # searches before the clock counts
+
+
+@click.command()
+@click.option("--scenarios", default=1_000_000, show_default=True, type=click.IntRange(100), help="In the bank.")
+@click.option("--queries", default=1000, show_default=True, type=click.IntRange(10), help="Failure patterns.")
+@click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Folder for retrieval.json and retrieval.md.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def retrieval(scenarios: int, queries: int, out: Path | None, *, as_json: bool) -> None:
+    """Search a bank of generated scenarios by failure patterns; compare with exact search."""
+    console = Console(stderr=True)
+    with tempfile.TemporaryDirectory(prefix="roadmend-bank-") as folder:
+        path = Path(folder) / "generated.bank"
+        # In a process of its own, so that its memory is told from that of searching.
+        with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+            building = pool.submit(_build, path, scenarios).result()
+        began = time.perf_counter()
+        with Bank(path) as bank:
+            opened = time.perf_counter() - began
+            patterns = draw_patterns(queries, _PATTERN_SEED)
+            generator = random.Random(_PATTERN_SEED)
+            weathers = [Filters(weather=(pattern.where.weather or generator.choice(get_args(Weather)),)) for pattern in patterns]
+            kinds: dict[str, Any] = {}
+            for name, filters in (("all", [None] * queries), ("filtered by weather", weathers)):
+                console.print(f"{queries} searches, {name}; then exactly")
+                time_searches(bank, patterns[:_WARM_UP], filters[:_WARM_UP], _COUNT)
+                found, latencies = time_searches(bank, patterns, filters, _COUNT)
+                peak = _peak_memory()
+                kinds[name] = {**latencies.milliseconds(), "recall_at_10": recall(bank, patterns, filters, found, _COUNT)}
+                kinds[name]["peak_memory_bytes"] = peak
+            searching = {
+                "open_seconds": opened, "peak_memory_bytes": kinds["all"].pop("peak_memory_bytes"),
+                "index_bytes": bank.index.size, "file_bytes": path.stat().st_size,
+                "dimensions": bank.embedder.dimensions,
+            }  # fmt: skip
+            kinds["filtered by weather"].pop("peak_memory_bytes")
+            distinct = len(np.unique(bank.index.vectors, axis=0))
+    content = {
+        "provenance": provenance(f"./roadmend bench retrieval --scenarios {scenarios} --queries {queries}"),
+        "n": scenarios, "queries": queries, "distinct_vectors": distinct, **building, **searching,
+        "p95_ms": kinds["all"]["p95_ms"], "recall_at_10": kinds["all"]["recall_at_10"], "searches": kinds,
+    }  # fmt: skip
+    rows = _rows(content)
+    if out is not None:
+        write_report(out, "retrieval", "Retrieval from the scenario bank", content, rows)
+    if as_json:
+        click.echo(json.dumps(content, indent=2))
+        return
+    table = Table(*rows[0], box=None, header_style="bold")
+    for row in rows[1:]:
+        table.add_row(*row)
+    wide_console().print(table)
+
+
+def _build(path: Path, scenarios: int) -> dict[str, Any]:
+    began, worked = time.perf_counter(), time.process_time()
+    with build_progress(scenarios) as report:
+        build_bank(path, generate(scenarios, _BANK_SEED), report=report)
+    return {
+        "build_seconds": time.perf_counter() - began,
+        "build_cpu_seconds": time.process_time() - worked,
+        "build_peak_memory_bytes": _peak_memory(),
+    }
+
+
+def _peak_memory() -> int:
+    """Resident memory of this process at its most [bytes]."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+
+
+def _rows(content: dict[str, Any]) -> list[list[str]]:
+    rows = [["what", "figure"], ["scenarios", f"{content['n']:,}"], ["failure patterns searched for", f"{content['queries']:,}"]]
+    for name, kind in content["searches"].items():
+        wall = " / ".join(f"{kind[f'p{share}_ms']:.2f}" for share in (50, 95, 99))
+        processor = " / ".join(f"{kind[f'cpu_p{share}_ms']:.2f}" for share in (50, 95, 99))
+        rows += [
+            [f"{name}: recall@10 against exact search", f"{kind['recall_at_10']:.4f}"],
+            [f"{name}: one search on one core, p50 / p95 / p99", f"{wall} ms"],
+            [f"{name}: processor time of it, p50 / p95 / p99", f"{processor} ms"],
+        ]
+    megabytes = lambda key: f"{content[key] / 1e6:.0f} MB"  # noqa: E731
+    rows += [
+        ["building, drawing the scenarios included", f"{content['build_seconds']:.0f} s, {content['build_cpu_seconds']:.0f} s of processor time"],
+        ["memory of building, peak", megabytes("build_peak_memory_bytes")],
+        ["opening", f"{content['open_seconds']:.1f} s"],
+        ["memory of searching, peak", megabytes("peak_memory_bytes")],
+        ["vectors and codes", f"{megabytes('index_bytes')}, {content['dimensions']} dimensions"],
+        ["file", megabytes("file_bytes")],
+        ["different vectors", f"{content['distinct_vectors']:,}"],
+    ]
+    return rows
