@@ -37,10 +37,26 @@ def bank() -> None:
 
 
 @bank.command()
-@click.option("--sample", "count", default=0, show_default=True, type=click.IntRange(0), help="Draw so many of each family.")
+@click.option(
+    "--sample", "count", default=0, show_default=True, type=click.IntRange(0), help="Draw so many of each family."
+)
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="Of the first scenario drawn.")
-@click.option("--corpus", "corpora", multiple=True, type=click.Path(path_type=Path, dir_okay=False), help="Cases with what a policy made of them. May be repeated.")
-@click.option("--split", "splits", multiple=True, default=("training",), show_default=True, type=click.Choice(SPLITS), help="Of the corpora. May be repeated.")
+@click.option(
+    "--corpus",
+    "corpora",
+    multiple=True,
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Cases with what a policy made of them. May be repeated.",
+)
+@click.option(
+    "--split",
+    "splits",
+    multiple=True,
+    default=("training",),
+    show_default=True,
+    type=click.Choice(SPLITS),
+    help="Of the corpora. May be repeated.",
+)
 @click.argument("scenarios", nargs=-1, type=click.Path(path_type=Path, dir_okay=False))
 @_EMBEDDER
 @_OUT

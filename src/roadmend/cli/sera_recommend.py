@@ -38,7 +38,8 @@ def recommend(
     with Bank(bank_file) as opened:
         found = recommend_from(opened, wanted, count, filters_of(given), digests, seed)
         entries = {
-            pick.number: described(opened.entry(pick.number)) for pick in (*found.initial, *found.refined, *found.random)
+            pick.number: described(opened.entry(pick.number))
+            for pick in (*found.initial, *found.refined, *found.random)
         }
     content: dict[str, Any] = {
         name: [
@@ -73,7 +74,9 @@ def _show(content: dict[str, Any]) -> None:
         console.print(f"{swap['out']} -> {swap['into']}: {swap['reason']}")
     measures = Table("selection", *content["measures"]["initial"], box=None, pad_edge=False, header_style="bold")
     for name, values in content["measures"].items():
-        measures.add_row(name, *(f"{value:.3f}" if isinstance(value, float) else str(value) for value in values.values()))
+        measures.add_row(
+            name, *(f"{value:.3f}" if isinstance(value, float) else str(value) for value in values.values())
+        )
     console.print(measures)
     if content["missing"]:
         console.print(f"{content['missing']} places stay empty: the bank has no more that pass")

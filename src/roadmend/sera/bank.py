@@ -71,7 +71,7 @@ def build_bank(
             shape = (built.added, model.dimensions)
             vectors = np.memmap(file, np.float16, "w+", shape=shape) if built.added else np.zeros(shape, np.float16)
             done = 0
-            for chunk in _chunks(read_descriptors(connection)):
+            for chunk in chunks(read_descriptors(connection)):
                 vectors[done : done + len(chunk)] = model.embed(chunk)
                 done += len(chunk)
                 report("embedded", done)
@@ -120,7 +120,8 @@ def _near(connection: sqlite3.Connection, entry: Entry) -> tuple[str | None, boo
     return shape, False
 
 
-def _chunks(descriptors: Iterator[Descriptor]) -> Iterator[list[Descriptor]]:
+def chunks(descriptors: Iterator[Descriptor]) -> Iterator[list[Descriptor]]:
+    """As many at a time as are embedded together."""
     chunk: list[Descriptor] = []
     for descriptor in descriptors:
         chunk.append(descriptor)
@@ -143,23 +144,26 @@ class Bank:
         self.path = path
         self._connection, self.meta = open_file(path)
         try:
-            self._count = int(self.meta["entries"])
-            content = read_array(self._connection, self.meta, "embedder", np.uint8)
-            self.embedder: Embedder = embedder_kind(self.meta["embedder"]).load(content.tobytes())
-            vectors = read_array(self._connection, self.meta, "vectors", np.float16)
-            codes = read_array(self._connection, self.meta, "codes", np.uint8)
-            self.index = VectorIndex.load(vectors.reshape(self._count, self.embedder.dimensions), codes)
-            self._facets: Bits = np.fromiter(
-                (bits for (bits,) in self._connection.execute("SELECT facets FROM entries ORDER BY number")), np.uint64
-            )
-            if len(self._facets) != self._count:
-                raise ValueError(f"it holds {len(self._facets)} of {self._count} entries")
+            self._load()
         except (sqlite3.DatabaseError, KeyError, ValueError) as error:
             self.close()
             raise InputError(str(path), f"is damaged ({error})", REMEDY) from None
         except InputError:
             self.close()
             raise
+
+    def _load(self) -> None:
+        self._count = int(self.meta["entries"])
+        content = read_array(self._connection, self.meta, "embedder", np.uint8)
+        self.embedder: Embedder = embedder_kind(self.meta["embedder"]).load(content.tobytes())
+        vectors = read_array(self._connection, self.meta, "vectors", np.float16)
+        codes = read_array(self._connection, self.meta, "codes", np.uint8)
+        self.index = VectorIndex.load(vectors.reshape(self._count, self.embedder.dimensions), codes)
+        self._facets: Bits = np.fromiter(
+            (bits for (bits,) in self._connection.execute("SELECT facets FROM entries ORDER BY number")), np.uint64
+        )
+        if len(self._facets) != self._count:
+            raise ValueError(f"it holds {len(self._facets)} of {self._count} entries")
 
     def __len__(self) -> int:
         return self._count

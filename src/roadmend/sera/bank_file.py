@@ -69,22 +69,27 @@ def open_file(path: Path) -> tuple[sqlite3.Connection, dict[str, str]]:
         raise InputError(str(path), "no such file", "give a bank; 'roadmend sera bank build' makes one")
     connection = sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro&immutable=1", uri=True)
     try:
-        (application,) = connection.execute("PRAGMA application_id").fetchone()
-        if application != _APPLICATION:
-            raise InputError(str(path), "is no bank", "give a file that 'roadmend sera bank build' made")
-        meta = dict(connection.execute("SELECT key, value FROM meta"))
-        if meta.get("format") != FORMAT:
-            raise InputError(
-                str(path), f"has the format {meta.get('format')!r}, not {FORMAT!r}",
-                "export it with the roadmend that wrote it, and import that here",
-            )  # fmt: skip
-        return connection, meta
+        meta = _read_meta(path, connection)
     except sqlite3.DatabaseError as error:
         connection.close()
         raise InputError(str(path), f"is no bank or is damaged ({error})", REMEDY) from None
     except InputError:
         connection.close()
         raise
+    return connection, meta
+
+
+def _read_meta(path: Path, connection: sqlite3.Connection) -> dict[str, str]:
+    (application,) = connection.execute("PRAGMA application_id").fetchone()
+    if application != _APPLICATION:
+        raise InputError(str(path), "is no bank", "give a file that 'roadmend sera bank build' made")
+    meta = dict(connection.execute("SELECT key, value FROM meta"))
+    if meta.get("format") != FORMAT:
+        raise InputError(
+            str(path), f"has the format {meta.get('format')!r}, not {FORMAT!r}",
+            "export it with the roadmend that wrote it, and import that here",
+        )  # fmt: skip
+    return meta
 
 
 def pack(entry: Entry, facets: int, shape: str | None) -> tuple[Any, ...]:

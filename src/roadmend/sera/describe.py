@@ -55,9 +55,7 @@ def describe(scenario: Scenario, outcomes: tuple[OutcomeStatistics, ...] = (), n
     )
 
 
-def entry_of(
-    scenario: Scenario, origin: str, outcomes: tuple[OutcomeStatistics, ...] = (), notes: str = ""
-) -> Entry:
+def entry_of(scenario: Scenario, origin: str, outcomes: tuple[OutcomeStatistics, ...] = (), notes: str = "") -> Entry:
     """The scenario as the bank keeps it."""
     return Entry(scenario.digest, scenario.name, origin, describe(scenario, outcomes, notes), scenario)
 

@@ -25,10 +25,10 @@ from roadmend.sera.descriptor import (
     Side,
 )
 from roadmend.world.families import FAMILIES
-from roadmend.world.scenario import Environment, FamilyName, Weather
+from roadmend.world.scenario import Environment, Weather
 from roadmend.world.space import Choice, Dimension, Uniform, Whole
 
-_BATCH = 2000
+_BATCH = 500
 _POLICY = "generated"
 _SHARE_RUN = 0.5  # of the scenarios have outcome statistics
 _MANOEUVRES: dict[str, EgoManoeuvre] = {

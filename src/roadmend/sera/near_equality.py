@@ -20,9 +20,7 @@ def skeleton(scenario: Scenario) -> tuple[str, tuple[float, ...]]:
 
 def nearly_equal(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
     """Whether two lists of numbers, of scenarios with the same skeleton, agree within the tolerance."""
-    return all(
-        abs(a - b) <= TOLERANCE * max(1.0, abs(a), abs(b)) for a, b in zip(one, other, strict=True)
-    )
+    return all(abs(a - b) <= TOLERANCE * max(1.0, abs(a), abs(b)) for a, b in zip(one, other, strict=True))
 
 
 def _bare(content: Any, numbers: list[float]) -> Any:

@@ -8,13 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from roadmend.sera.bank import Bank
+from roadmend.sera.bank import Bank, chunks
 from roadmend.sera.descriptor import Descriptor
 from roadmend.sera.facets import Filters
 from roadmend.sera.generated import generate
 from roadmend.sera.pattern import FailurePattern, Where, Who, Why
 
-_CHUNK = 4096
 _SAME = 1e-6  # scores that differ by less are equal
 
 
@@ -37,10 +36,7 @@ class Latencies:
 def draw_patterns(count: int, seed: int) -> list[FailurePattern]:
     """Failure patterns as an analysis gives them: a hazard and whom it came from, and some of what was around it."""
     generator = random.Random(seed)
-    return [
-        draw_pattern(entry.descriptor, generator)
-        for entry in generate(count, seed)
-    ]
+    return [draw_pattern(entry.descriptor, generator) for entry in generate(count, seed)]
 
 
 def draw_pattern(descriptor: Descriptor, generator: random.Random) -> FailurePattern:
@@ -79,39 +75,39 @@ def time_searches(
     return found, Latencies(np.array(wall), np.array(processor))
 
 
-def recall(
+def recalls(
     bank: Bank, patterns: Sequence[FailurePattern], filters: Sequence[Filters | None], found: Sequence[Sequence[int]],
     count: int,
-) -> float:  # fmt: skip
-    """Share of the ``count`` best of an exact search in single precision that were found.
+) -> list[float]:  # fmt: skip
+    """For each search, the share of the ``count`` best of an exact search in single precision that it found.
 
     Many scenarios have equal scores, and which of those come last among the best is a matter of chance. So scores are
     compared, not numbers: what was found counts if it is as good as the last of the exact search.
     """
     queries = np.array([bank.embed(pattern) for pattern in patterns])
-    allowed = [bank.allowed(each) for each in filters]
+    masks = {each: bank.allowed(each) for each in set(filters)}
     best = np.full((len(patterns), count), -np.inf, dtype=np.float32)
-    scores_found = [np.zeros(len(numbers), dtype=np.float32) for numbers in found]
+    reached = [np.zeros(len(numbers), dtype=np.float32) for numbers in found]
     wanted: dict[int, list[tuple[int, int]]] = {}
     for query, numbers in enumerate(found):
         for place, number in enumerate(numbers):
             wanted.setdefault(number, []).append((query, place))
-    start, chunk = 0, list[Descriptor]()
-    for entry in bank.descriptors():
-        chunk.append(entry)
-        if len(chunk) == _CHUNK or start + len(chunk) == len(bank):
-            scores = queries @ bank.embedder.embed(chunk).T
-            for row in range(len(chunk)):
-                for query, place in wanted.get(start + row, ()):
-                    scores_found[query][place] = scores[query, row]
-            for query, mask in enumerate(allowed):
-                if mask is not None:
-                    scores[query, ~mask[start : start + len(chunk)]] = -np.inf
-            best = -np.partition(-np.hstack([best, scores]), count - 1, axis=1)[:, :count]
-            start, chunk = start + len(chunk), []
-    hits = total = 0
-    for exact, scores_of in zip(best, scores_found, strict=True):
-        there = exact[np.isfinite(exact)]
-        total += len(there)
-        hits += min(len(there), int(np.count_nonzero(scores_of >= there.min(initial=np.inf) - _SAME)))
-    return hits / total if total else 1.0
+    start = 0
+    for chunk in chunks(bank.descriptors()):
+        scores = queries @ bank.embedder.embed(chunk).T
+        for row in range(len(chunk)):
+            for query, place in wanted.get(start + row, ()):
+                reached[query][place] = scores[query, row]
+        for query, each in enumerate(filters):
+            mask = masks[each]
+            if mask is not None:
+                scores[query, ~mask[start : start + len(chunk)]] = -np.inf
+        best = -np.partition(-np.hstack([best, scores]), count - 1, axis=1)[:, :count]
+        start += len(chunk)
+    return [_share(exact[np.isfinite(exact)], scores) for exact, scores in zip(best, reached, strict=True)]
+
+
+def _share(exact: NDArray[np.float32], reached: NDArray[np.float32]) -> float:
+    if not exact.size:
+        return 1.0
+    return min(1.0, np.count_nonzero(reached >= exact.min() - _SAME) / exact.size)
