@@ -78,7 +78,7 @@ def _search(path: Path, queries: int) -> dict[str, Any]:
         generator = random.Random(_PATTERN_SEED)
         filters: dict[str, list[Filters | None]] = {"all": [None] * queries, "filtered by weather": []}
         for pattern in patterns:
-            weather = pattern.where.weather or generator.choice(get_args(Weather))
+            weather: str = pattern.where.weather or generator.choice(get_args(Weather))
             filters["filtered by weather"].append(Filters(weather=(weather,)))
         found: list[list[int]] = []
         searches: dict[str, dict[str, float]] = {}
@@ -120,7 +120,10 @@ def _rows(content: dict[str, Any]) -> list[list[str]]:
             [f"{name}: one search on one core, p50 / p95 / p99", f"{wall} ms"],
             [f"{name}: processor time of it, p50 / p95 / p99", f"{processor} ms"],
         ]
-    megabytes = lambda key: f"{content[key] / 1e6:.0f} MB"  # noqa: E731
+
+    def megabytes(key: str) -> str:
+        return f"{content[key] / 1e6:.0f} MB"
+
     rows += [
         [
             "building, drawing the scenarios included",

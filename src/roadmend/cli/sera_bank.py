@@ -155,8 +155,8 @@ def _count(entries: Iterator[Entry]) -> dict[str, Counter[str]]:
         facts = (descriptor.family or "none", descriptor.road.kind, descriptor.weather, descriptor.light)
         for group, value in zip(_COUNTED, facts, strict=True):
             counts[group][value] += 1
-        counts["hazard"].update({each.kind for each in descriptor.hazards} or {"none"})
-        counts["outcome"].update({name for each in descriptor.outcomes for name in each.outcomes} or {"never run"})
+        counts["hazard"].update({str(each.kind) for each in descriptor.hazards} or {"none"})
+        counts["outcome"].update({str(name) for each in descriptor.outcomes for name in each.outcomes} or {"never run"})
         counts["origin"][entry.origin] += 1
     return counts
 
@@ -182,7 +182,7 @@ def search(bank_file: Path, patterns: tuple[str, ...], count: int, *, as_json: b
     wanted = [pattern for each in patterns for pattern in read_patterns(each)]
     filters = filters_of(given)
     with Bank(bank_file) as opened:
-        found = [
+        found: list[dict[str, Any]] = [
             {"pattern": pattern.name, "score": round(hit.score, 4), **described(opened.entry(hit.number))}
             for pattern in wanted
             for hit in opened.search(pattern, count, filters)

@@ -184,7 +184,7 @@ class Bank:
         Raises:
             InputError: nothing that the pattern says means anything to this bank.
         """
-        vector = self.embedder.embed([pattern])[0]
+        vector: Vectors = self.embedder.embed([pattern])[0]
         if not vector.any() and len(self):
             said = words_of_pattern(pattern) or pattern.name
             raise InputError(f"pattern {said!r}", "says nothing that this bank knows", "name a road, hazard or weather")
@@ -241,4 +241,4 @@ class Bank:
 
     def vectors(self, numbers: Sequence[int]) -> Vectors:
         """Vectors of entries, shape (numbers, dimensions)."""
-        return self.index.vectors[list(numbers)].astype(np.float32)
+        return np.asarray(self.index.vectors[list(numbers)], dtype=np.float32)

@@ -10,8 +10,11 @@ from roadmend.sera.descriptor import (
     Hazard,
     HazardKind,
     OutcomeStatistics,
+    ParticipantKind,
     Road,
+    RoadKind,
     Side,
+    outcome_name,
 )
 from roadmend.world.corpus import METHOD, Case, Corpus
 from roadmend.world.scenario import (
@@ -37,7 +40,9 @@ def describe(scenario: Scenario, outcomes: tuple[OutcomeStatistics, ...] = (), n
         notes: free words, found by a search for them.
     """
     environment = scenario.environment
-    kinds = Counter(actor.kind if isinstance(actor, Vehicle) else "pedestrian" for actor in scenario.actors)
+    kinds = Counter[ParticipantKind](
+        actor.kind if isinstance(actor, Vehicle) else "pedestrian" for actor in scenario.actors
+    )
     return Descriptor(
         road=_road(scenario),
         manoeuvre=_manoeuvre(scenario),
@@ -66,7 +71,7 @@ def entry_of_case(case: Case, corpus: Corpus) -> Entry:
     Raises:
         InputError: the family has come to depend on a parameter that the case does not have.
     """
-    found = OutcomeStatistics(corpus.policy, {case.outcome: 1}, case.min_distance, METHOD)
+    found = OutcomeStatistics(corpus.policy, {outcome_name(case.outcome): 1}, case.min_distance, METHOD)
     return entry_of(case.scenario(), f"corpus {corpus.policy} {case.split}", (found,))
 
 
@@ -75,7 +80,7 @@ def _road(scenario: Scenario) -> Road:
     match network:
         case IntersectionNetwork():
             arm = next((arm for arm in network.arms if arm.name == _arm(scenario.ego.route)), network.arms[0])
-            kind = "tee_junction" if len(network.arms) == 3 else "intersection"
+            kind: RoadKind = "tee_junction" if len(network.arms) == 3 else "intersection"
             return Road(kind, arm.lanes, arm.speed_limit, network.control, network.crossings)
         case HighwayExitNetwork():
             return Road("highway_exit", network.lanes, network.speed_limit)

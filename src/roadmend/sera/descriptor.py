@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Literal, Self, get_args
+from typing import Literal, Self, cast, get_args
 
 from pydantic import ConfigDict
 
@@ -25,6 +25,18 @@ _STRICT = ConfigDict(extra="forbid")
 _MEDIUM_FROM, _DENSE_FROM = 6, 13  # participants
 
 assert set(get_args(OutcomeName)) == {kind.name for kind in EventKind if kind.is_final}
+
+
+def outcome_name(name: str) -> OutcomeName:
+    """The outcome of a name.
+
+    Raises:
+        ValueError: there is none.
+    """
+    for known in get_args(OutcomeName):
+        if name == known:
+            return cast(OutcomeName, known)
+    raise ValueError(f"there is no outcome {name!r}")
 
 
 @dataclass(frozen=True, slots=True)

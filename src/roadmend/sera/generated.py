@@ -10,10 +10,12 @@ from collections.abc import Iterator, Mapping
 from typing import Any, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from roadmend.sera.describe import hazard_kind, side_on_road
 from roadmend.sera.descriptor import (
     PARTICIPANTS,
+    Control,
     Descriptor,
     EgoManoeuvre,
     Entry,
@@ -21,20 +23,22 @@ from roadmend.sera.descriptor import (
     Light,
     OutcomeName,
     OutcomeStatistics,
+    ParticipantKind,
     Road,
+    RoadKind,
     Side,
 )
 from roadmend.world.families import FAMILIES
-from roadmend.world.scenario import Environment, Weather
+from roadmend.world.scenario import DriverName, Environment, FamilyName, Weather
 from roadmend.world.space import Choice, Dimension, Uniform, Whole
 
 _BATCH = 500
 _POLICY = "generated"
 _SHARE_RUN = 0.5  # of the scenarios have outcome statistics
-_MANOEUVRES: dict[str, EgoManoeuvre] = {
+_MANOEUVRES: dict[FamilyName, EgoManoeuvre] = {
     "S1": "left_turn", "S2": "right_turn", "S3": "straight", "S4": "exit", "S5": "merge",
 }  # fmt: skip
-_TARGETS = {"S1": "west", "S2": "east", "S3": "north"}
+_TARGETS: dict[FamilyName, str] = {"S1": "west", "S2": "east", "S3": "north"}
 _SIDES: dict[str, Side] = {"east": "right", "north": "oncoming", "west": "left"}
 _ACTIONS = {"none": [], "brake": ["brake"], "cut_in": ["cut_in"], "swoop": ["cut_in", "brake"], "run": ["run"]}
 # How many of a space's slots are filled, as the families do it (a test holds the two together).
@@ -49,7 +53,7 @@ Row = Mapping[str, Any]  # values by dimension; those of slots are arrays over t
 def generate(count: int, seed: int) -> Iterator[Entry]:
     """Descriptions of ``count`` scenarios, the families taking turns; the same seed gives the same ones."""
     generator = np.random.default_rng(seed)
-    names = [*FAMILIES]
+    names: tuple[FamilyName, ...] = get_args(FamilyName)
     done = 0
     while done < count:
         name = names[done // _BATCH % len(names)]
@@ -82,6 +86,7 @@ def _draw(name: str, count: int, generator: np.random.Generator) -> dict[str, An
 
 
 def _draw_dimension(dimension: Dimension, shape: tuple[int, ...], generator: np.random.Generator) -> list[Any]:
+    values: NDArray[Any]
     match dimension:
         case Uniform(low, high):
             values = generator.uniform(low, high, shape)
@@ -120,12 +125,13 @@ def _slots_filled(row: Row, counts: Mapping[str, tuple[int, int]]) -> range:
     return range(round(low + row["fill"] * (high - low)))
 
 
-def _intersection(name: str, row: Row, outcomes: tuple[OutcomeStatistics, ...]) -> Descriptor:
+def _intersection(name: FamilyName, row: Row, outcomes: tuple[OutcomeStatistics, ...]) -> Descriptor:
     arms = ["south", "east", "north", "west"]
     if row["layout"] == "tee":
         spare = [arm for arm in ("east", "north", "west") if arm != _TARGETS[name]]
         arms = ["south", _TARGETS[name], spare[row["third_arm"]]]
-    participants, drivers, hazards = Counter[str](), Counter[str](), []
+    participants, drivers = Counter[ParticipantKind](), Counter[DriverName]()
+    hazards: list[Hazard] = []
     for slot in _slots_filled(row, _VEHICLE_COUNTS["intersection"]):
         arm = row["v.from"][slot]
         if arm not in arms:
@@ -142,16 +148,17 @@ def _intersection(name: str, row: Row, outcomes: tuple[OutcomeStatistics, ...]) 
             hazards.append(Hazard("pedestrian_crossing", "pedestrian", _SIDES.get(arm, "behind")))
             participants["pedestrian"] += 1
             drivers[row["p.driver"][slot]] += 1
-    control = "priority" if row["control"] in ("minor", "major") else row["control"]
-    kind = "tee_junction" if row["layout"] == "tee" else "intersection"
+    control: Control = "priority" if row["control"] in ("minor", "major") else row["control"]
+    kind: RoadKind = "tee_junction" if row["layout"] == "tee" else "intersection"
     road = Road(kind, row["lanes"], row["speed_limit"], control, row["crossings"])
     return _descriptor(name, row, road, participants, drivers, hazards, row["speed_limit"], outcomes)
 
 
-def _highway(name: str, row: Row, outcomes: tuple[OutcomeStatistics, ...]) -> Descriptor:
+def _highway(name: FamilyName, row: Row, outcomes: tuple[OutcomeStatistics, ...]) -> Descriptor:
     lanes = row["lanes"]
     ego_lane = min(int(row["ego_lane"] * lanes), lanes - 1, 1)
-    participants, drivers, hazards = Counter[str](), Counter[str](), []
+    participants, drivers = Counter[ParticipantKind](), Counter[DriverName]()
+    hazards: list[Hazard] = []
     for slot in _slots_filled(row, _VEHICLE_COUNTS["highway"]):
         is_ahead = row["v.offset"][slot] > 0.0
         if name == "S4":
@@ -176,7 +183,8 @@ def _vehicle_hazard(row: Row, slot: int, side: Side) -> list[Hazard]:
 
 
 def _descriptor(
-    name: str, row: Row, road: Road, participants: Counter[str], drivers: Counter[str], hazards: list[Hazard],
+    name: FamilyName, row: Row, road: Road, participants: Counter[ParticipantKind],
+    drivers: Counter[DriverName], hazards: list[Hazard],
     limit: float, outcomes: tuple[OutcomeStatistics, ...],
 ) -> Descriptor:  # fmt: skip
     around = _ENVIRONMENTS[row["weather"], row["time_of_day"]]
