@@ -23,6 +23,16 @@ from roadmend.sera.terms import RANGES, Features, features
 _DIRECTIONS = 112  # of the latent space; with two a quantity, 128 dimensions
 _TERMS_MOST = 4096  # of the vocabulary
 _SHARE_OF_TERMS = 0.85  # of an inner product; the quantities have the rest
+# How much a group of terms counts: what goes wrong more than who else was there, and day or night although there are
+# only two of them. Others count 1.
+_FACTORS = {
+    "hazard": 1.5,
+    "light": 1.5,
+    "hazard+participant": 0.7,
+    "hazard+side": 0.7,
+    "participant": 0.3,
+    "driver": 0.3,
+}
 _CHUNK = 2048  # descriptions at a time
 _PLACES = {name: place for place, name in enumerate(RANGES)}
 
@@ -32,7 +42,7 @@ class LatentEmbedder:
     """A vocabulary with its weights, and the directions that terms are projected on."""
 
     vocabulary: Mapping[str, int]  # term -> row of the projection
-    weights: NDArray[np.float64]  # inverse document frequency, shape (terms,)
+    weights: NDArray[np.float64]  # inverse document frequency times the group's factor, shape (terms,)
     projection: NDArray[np.float64]  # shape (terms, directions)
 
     @property
@@ -86,7 +96,8 @@ def fit_latent(descriptors: Iterable[Descriptor]) -> LatentEmbedder:
     names = sorted(counts, key=lambda term: (-counts[term], term))[:_TERMS_MOST]
     vocabulary = {name: row for row, name in enumerate(names)}
     frequency = np.array([counts[name] for name in names], dtype=np.float64)
-    weights = np.log((1.0 + len(documents)) / (1.0 + frequency)) + 1.0
+    factors = np.array([_FACTORS.get(name.partition(":")[0], 1.0) for name in names])
+    weights = factors * (np.log((1.0 + len(documents)) / (1.0 + frequency)) + 1.0)
     gram = np.zeros((len(names), len(names)))
     for start in range(0, len(documents), _CHUNK):
         rows = _unit(_weighted(documents[start : start + _CHUNK], vocabulary, weights))
