@@ -102,7 +102,7 @@ def test_recommend_from_a_pattern_file(bank, tmp_path, capsys):
         ("[]", "holds no pattern"),
         ("{", "cannot be read"),
         ("[{name: x, where: {weather: hail}}]", "field [0].where.weather"),
-        ("[{name: x, colour: red}]", "[0].colour is unknown"),
+        ("[{name: x, colour: red}]", "field [0].colour: unexpected"),
     ],
 )
 def test_a_bad_pattern_file_is_refused(bank, tmp_path, capsys, content, message):

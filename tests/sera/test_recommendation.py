@@ -108,7 +108,7 @@ def test_too_easy_and_too_hard_are_read_off_the_outcomes():
 
 def test_a_small_bank_gives_what_it_has_and_an_empty_one_nothing(tmp_path):
     with made_of(tmp_path, [entry("only", hazards=cut_in())]) as bank:
-        found = recommend(bank, [CUT_IN, WALKER], 3)
+        found = recommend(bank, [CUT_IN, FailurePattern("day", "a highway exit by day")], 3)
         assert (len(found.refined), found.missing) == (1, 5)
     with made_of(tmp_path, []) as bank:
         found = recommend(bank, [CUT_IN], 3)

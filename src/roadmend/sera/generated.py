@@ -145,7 +145,9 @@ def _intersection(name: FamilyName, row: Row, outcomes: tuple[OutcomeStatistics,
     if row["crossings"]:
         for slot in _slots_filled(row, _PEDESTRIAN_COUNTS):
             arm = row["p.from"][slot] if row["p.from"][slot] in arms else arms[0]
-            hazards.append(Hazard("pedestrian_crossing", "pedestrian", _SIDES.get(arm, "behind")))
+            is_ahead = row["p.arrival"][slot] * row["p.speed"][slot] < row["ego_distance"]
+            side = _SIDES.get(arm) or side_on_road(0, 0, is_ahead=is_ahead)
+            hazards.append(Hazard("pedestrian_crossing", "pedestrian", side))
             participants["pedestrian"] += 1
             drivers[row["p.driver"][slot]] += 1
     control: Control = "priority" if row["control"] in ("minor", "major") else row["control"]

@@ -22,17 +22,12 @@ from roadmend.sera.terms import RANGES, Features, features
 
 _DIRECTIONS = 112  # of the latent space; with two a quantity, 128 dimensions
 _TERMS_MOST = 4096  # of the vocabulary
-_SHARE_OF_TERMS = 0.85  # of an inner product; the quantities have the rest
-# How much a group of terms counts: what goes wrong more than who else was there, and day or night although there are
-# only two of them. Others count 1.
+_SHARE_OF_TERMS = 0.75  # of an inner product; the quantities have the rest
+# How much a group of terms counts: place, hazard and conditions more than who else was there. Others count 1.
 _FACTORS = {
-    "hazard": 1.5,
-    "light": 1.5,
-    "hazard+participant": 0.7,
-    "hazard+side": 0.7,
-    "participant": 0.3,
+    "road": 1.5, "hazard": 1.5, "weather": 1.5, "light": 1.5, "hazard+participant": 0.7, "hazard+side": 0.7, "participant": 0.3,
     "driver": 0.3,
-}
+}  # fmt: skip
 _CHUNK = 2048  # descriptions at a time
 _PLACES = {name: place for place, name in enumerate(RANGES)}
 
