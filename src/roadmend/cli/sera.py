@@ -6,6 +6,12 @@ from roadmend.cli.lazy import LazyGroup, Table
 
 _COMMANDS: Table = {
     "bank": ("roadmend.cli.sera_bank", "bank", "Build, show, search, export and import a scenario bank."),
+    "evaluate": (
+        "roadmend.cli.sera_evaluate",
+        "evaluate",
+        "Drive an evaluation set: four measures, and bags of failures.",
+    ),
+    "analyse": ("roadmend.cli.sera_analyse", "analyse_bags", "Find the failures in bags, and the patterns in them."),
     "recommend": ("roadmend.cli.sera_recommend", "recommend", "Select scenarios to learn from."),
 }
 

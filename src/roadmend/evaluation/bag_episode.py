@@ -97,12 +97,17 @@ class BagEpisode:
 
 
 def read_episode(path: Path) -> BagEpisode:
-    """Read the one episode that a bag holds.
+    """Read the one episode that a bag holds; raises what ``episode_of`` does, and if there is no such bag."""
+    return episode_of(BagReader(path))
+
+
+def episode_of(reader: BagReader) -> BagEpisode:
+    """Read the one episode that an open bag holds.
 
     Raises:
-        InputError: there is no such bag, it is cut short, or nothing of an ego is in it.
+        InputError: the bag is cut short, or nothing of an ego is in it.
     """
-    reader = BagReader(path)
+    path = reader.path
     names = {name: short for short, name in _names(reader)}
     episode = BagEpisode(path, account=reader.metadata.get("roadmend", {}))
     for message in reader.messages(list(names)):
@@ -150,14 +155,15 @@ def _take(episode: BagEpisode, short: str, stamp: int, value: Any) -> None:
                 floats_of(value.lane_width), floats_of(value.x), floats_of(value.y),
             )  # fmt: skip
         case "events":
-            _take_event(episode, stamp, int(value.kind), value.text)
+            _take_event(episode, stamp, value)
 
 
-def _take_event(episode: BagEpisode, stamp: int, code: int, text: str) -> None:
-    if code not in set(EventKind):
+def _take_event(episode: BagEpisode, stamp: int, value: Any) -> None:
+    if value.kind not in set(EventKind):
         return
-    kind = EventKind(code)
-    episode.events.append(Event(stamp * 1e-9, kind, text))
+    kind = EventKind(value.kind)
+    ids = tuple(int(number) for number in value.object_id)
+    episode.events.append(Event(stamp * 1e-9, kind, value.text, ids, tuple(value.object_name)))
     if kind is EventKind.STARTED:
         episode.outcome = ""
     elif kind.is_final:

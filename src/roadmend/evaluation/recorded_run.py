@@ -16,6 +16,7 @@ from roadmend.world.runner import EpisodeSummary
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import parse_scenario
 
+_MEND = "take a bag that 'roadmend run' has recorded"
 RECORD = "roadmend"  # metadata record that 'roadmend run' has the recorder write
 
 
@@ -48,23 +49,36 @@ def read_plan(reader: BagReader) -> RunPlan:
         InputError: the bag carries no scenario, an unusable one, or does not say which policy drove.
     """
     bag, record = str(reader.path), reader.metadata.get(RECORD, {})
-    name = record.get("scenario_file", "")
-    attachment = reader.attachments.get(name)
-    if attachment is None:
-        raise InputError(bag, "carries no scenario", "take a bag that 'roadmend run' has recorded")
+    scenario = recorded_scenario(reader)
+    if scenario is None:
+        raise InputError(bag, "carries no scenario", _MEND)
     policy = record.get("policy", "")
     if policy not in POLICIES:
         what = (
             f"was driven by the policy {policy!r}, which is not here" if policy else "does not say which policy drove"
         )
-        raise InputError(bag, what, "take a bag that 'roadmend run' has recorded")
+        raise InputError(bag, what, _MEND)
+    return RunPlan(scenario, record["scenario_file"], policy, record.get("method", ""))
+
+
+def recorded_scenario(reader: BagReader) -> Scenario | None:
+    """The scenario that a bag carries, if it carries one.
+
+    Raises:
+        InputError: what it carries is no scenario.
+    """
+    name = reader.metadata.get(RECORD, {}).get("scenario_file", "")
+    attachment = reader.attachments.get(name)
+    if attachment is None:
+        return None
+    where = f"{reader.path}: {name}"
     try:
         content = yaml.safe_load(attachment.data)
     except (yaml.YAMLError, UnicodeDecodeError):
         content = None
     if not isinstance(content, dict):
-        raise InputError(f"{bag}: {name}", "is no scenario", "take a bag that 'roadmend run' has recorded")
-    return RunPlan(parse_scenario(content, f"{bag}: {name}"), name, policy, record.get("method", ""))
+        raise InputError(where, "is no scenario", _MEND)
+    return parse_scenario(content, where)
 
 
 def recorded_outcome(ticks: BagTicks, method: str) -> RunOutcome:

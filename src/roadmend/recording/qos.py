@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
+from functools import cache
 from typing import Any
 
 import yaml
@@ -100,6 +101,7 @@ def dump(profiles: Iterable[Qos]) -> str:
     return yaml.safe_dump(shapes, sort_keys=False).rstrip("\n") if shapes else ""
 
 
+@cache  # the channels of a bag share few texts, and YAML is slow to read
 def load(text: str) -> tuple[Qos, ...]:
     """The offers from the text of ``offered_qos_profiles``.
 

@@ -1,0 +1,79 @@
+"""``roadmend sera analyse``: the failures in bags, and the patterns in them."""
+
+import os
+from pathlib import Path
+
+import click
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from roadmend.cli.table import wide_console
+from roadmend.core.errors import InputError
+from roadmend.sera.analyser import ANALYSERS
+from roadmend.sera.analysis import Analysis, analyse, dump_analysis, find_bags, read_incidents
+from roadmend.sera.analysis_report import NOTHING, pattern_rows, report
+from roadmend.training.workers import open_mapper
+
+
+@click.command("analyse")
+@click.argument("bags", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--analyser", default="embedded", show_default=True, type=click.Choice(sorted(ANALYSERS)))
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="JSON for 'sera recommend'; a report as .md beside it.",
+)
+@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def analyse_bags(bags: tuple[Path, ...], analyser: str, out: Path | None, workers: int, *, as_json: bool) -> int:
+    """Find the failures and interventions in BAGS, and the patterns in them.
+
+    BAGS are bags, or folders with bags in them. A bag that cannot be read is named, and the others go on; the exit code
+    is then 1.
+    """
+    found = find_bags(bags)
+    if out is not None and out.suffix == ".md":
+        raise InputError("--out", f"{out} is where the report would go", "name a .json file")
+    readings = []
+    with (
+        open_mapper(min(workers, len(found))) as mapper,
+        Progress(console=Console(stderr=True), transient=True) as progress,
+    ):
+        task = progress.add_task("bags", total=len(found))
+        for reading in mapper(read_incidents, found):
+            readings.append(reading)
+            progress.advance(task)
+    analysis = analyse(readings, ANALYSERS[analyser]())
+    if out is not None:
+        _write(out, dump_analysis(analysis))
+        _write(out.with_suffix(".md"), report(analysis))
+    if as_json:
+        click.echo(dump_analysis(analysis), nl=False)
+    else:
+        _show(analysis)
+    for each in analysis.unreadable:
+        click.echo(f"not read: {each.problem}", err=True)
+    return 1 if analysis.unreadable else 0
+
+
+def _show(analysis: Analysis) -> None:
+    if not analysis.patterns:
+        click.echo(NOTHING if analysis.bags else "No bag could be read.")
+        return
+    head, *rows = pattern_rows(analysis)
+    table = Table(*head, box=None, pad_edge=False, header_style="bold")
+    for row in rows:
+        table.add_row(*row)
+    wide_console().print(table)
+
+
+def _write(path: Path, text: str) -> None:
+    """Complete or not at all."""
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        beside.write_text(text, encoding="utf-8")
+        beside.replace(path)
+    except OSError as error:
+        raise InputError(str(path), f"cannot be written ({error.strerror})", "choose a writable place") from None

@@ -1,0 +1,129 @@
+"""The analysis of many bags: incidents bag by bag, patterns over all of them, and the file that keeps both."""
+
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Literal
+
+from pydantic import ConfigDict, TypeAdapter, ValidationError
+
+from roadmend.core.errors import InputError
+from roadmend.recording.layout import METADATA_FILE
+from roadmend.sera.analyser import Analyser
+from roadmend.sera.incident import Incident
+from roadmend.sera.incidents import find_incidents
+from roadmend.sera.pattern import FailurePattern
+
+FORMAT: Literal["roadmend-failure-analysis/1"] = "roadmend-failure-analysis/1"
+_STRICT = ConfigDict(extra="forbid")
+_AGAIN = "make it with 'roadmend sera analyse'"
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What one bag came to."""
+
+    bag: str
+    incidents: tuple[Incident, ...] = ()
+    problem: str = ""  # why it cannot be read
+
+
+@dataclass(frozen=True, slots=True)
+class UnreadableBag:
+    """A bag that was left out."""
+
+    __pydantic_config__ = _STRICT
+
+    bag: str
+    problem: str
+
+
+@dataclass(frozen=True, slots=True)
+class Analysis:
+    """All incidents of some bags, and the patterns in them."""
+
+    __pydantic_config__ = _STRICT
+
+    analyser: str
+    bags: tuple[str, ...]  # that were read
+    unreadable: tuple[UnreadableBag, ...]
+    patterns: tuple[FailurePattern, ...]
+    incidents: tuple[Incident, ...]
+    format: Literal["roadmend-failure-analysis/1"] = FORMAT
+
+
+def find_bags(paths: Iterable[Path]) -> list[Path]:
+    """The bags that paths name, each a bag's folder, an MCAP file or a folder with bags in it; each once.
+
+    Raises:
+        InputError: a path is not there, or holds no bag.
+    """
+    found: dict[Path, Path] = {}
+    for path in paths:
+        if not path.exists():
+            raise InputError(str(path), "there is no such bag or folder", "name bags, or folders with bags in them")
+        bags = [path] if _is_bag(path) else sorted(each for each in path.rglob("*") if _is_bag(each, path))
+        if not bags:
+            raise InputError(str(path), "holds no bag", "name bags, or folders with bags in them")
+        for bag in bags:
+            found.setdefault(bag.resolve(), bag)
+    return list(found.values())
+
+
+def read_incidents(bag: Path) -> Reading:
+    """The incidents of a bag; a bag that cannot be read is a result here."""
+    try:
+        return Reading(str(bag), find_incidents(bag))
+    except InputError as error:
+        return Reading(str(bag), problem=str(error))
+
+
+def analyse(readings: Sequence[Reading], analyser: Analyser) -> Analysis:
+    """The patterns in what the bags came to."""
+    incidents = tuple(incident for reading in readings for incident in reading.incidents)
+    return Analysis(
+        analyser.name,
+        tuple(reading.bag for reading in readings if not reading.problem),
+        tuple(UnreadableBag(reading.bag, reading.problem) for reading in readings if reading.problem),
+        analyser.analyse(incidents),
+        incidents,
+    )
+
+
+def dump_analysis(analysis: Analysis) -> str:
+    """As JSON text."""
+    return json.dumps(asdict(analysis), indent=2, allow_nan=False) + "\n"
+
+
+def load_analysis(path: Path) -> Analysis:
+    """Read what ``dump_analysis`` wrote.
+
+    Raises:
+        InputError: the file is missing, no analysis, of another version, or damaged.
+    """
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read ({error.strerror})", _AGAIN) from None
+    except ValueError:
+        raise InputError(str(path), "is no failure analysis", _AGAIN) from None
+    known = content.get("format") if isinstance(content, dict) else None
+    if not str(known).startswith("roadmend-failure-analysis/"):
+        raise InputError(str(path), "is no failure analysis", _AGAIN)
+    if known != FORMAT:
+        raise InputError(str(path), f"has the format {known!r}, not {FORMAT!r}", _AGAIN)
+    try:
+        return TypeAdapter(Analysis).validate_python(content)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"])
+        raise InputError(f"{path}: {where}", first["msg"], _AGAIN) from None
+
+
+def _is_bag(path: Path, folder: Path | None = None) -> bool:
+    """Whether it is a bag, whole or cut short; in a folder only bags' folders count, and none that is hidden."""
+    if path.is_dir():
+        hidden = folder is not None and any(part.startswith(".") for part in path.relative_to(folder).parts)
+        return not hidden and ((path / METADATA_FILE).exists() or next(path.glob("*.mcap"), None) is not None)
+    return folder is None and path.suffix == ".mcap"
