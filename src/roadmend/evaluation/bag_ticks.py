@@ -54,6 +54,7 @@ class BagTick:
     repair: Repair | None = None  # its account of that
     final: EventKind | None = None  # how the episode ended with this tick
     final_text: str = ""
+    final_ids: tuple[int, ...] = ()  # of the objects in it
 
     def scene(self, route: Route) -> Scene | None:
         """The scene as the nodes saw it, the ego as large as the route tells."""
@@ -157,3 +158,4 @@ def _take(tick: BagTick, short: str, value: Any) -> None:
 def _take_event(tick: BagTick, value: Any) -> None:
     if value.kind in set(EventKind) and EventKind(value.kind).is_final:
         tick.final, tick.final_text = EventKind(value.kind), value.text
+        tick.final_ids = tuple(int(number) for number in value.object_id)

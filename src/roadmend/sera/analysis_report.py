@@ -40,11 +40,8 @@ def pattern_rows(analysis: Analysis) -> list[tuple[str, ...]]:
 def report(analysis: Analysis) -> str:
     """The table of the patterns, the evidence of each, and the bags that could not be read."""
     count = len(analysis.bags)
-    lines = [
-        "# Failure patterns", "",
-        f"{count} bag{'' if count == 1 else 's'} read, {len(analysis.incidents)} incidents, "
-        f"{len(analysis.patterns)} patterns (analyser: {analysis.analyser}).", "",
-    ]  # fmt: skip
+    read = f"{count} bag{'' if count == 1 else 's'} read, {len(analysis.incidents)} incidents"
+    lines = ["# Failure patterns", "", f"{read}, {len(analysis.patterns)} patterns (analyser: {analysis.analyser}).", ""]
     if analysis.patterns:
         head, *rows = pattern_rows(analysis)
         lines += [_line(head), _line(["---"] * len(head)), *map(_line, rows), "", _NOTE, ""]

@@ -1,5 +1,6 @@
 """Where on its route the ego is, in the words of traffic: before, in or behind a junction, on a ramp, on a crossing."""
 
+import itertools
 import math
 from collections.abc import Sequence
 
@@ -87,7 +88,7 @@ def is_changing(events: Sequence[Event], egos: Sequence[tuple[float, EgoState]])
         return False
     length = max(RouteFollower.CHANGE_LENGTH_MIN, RouteFollower.CHANGE_TIME * since[0].speed)
     driven = sum(
-        math.hypot(after.x - before.x, after.y - before.y) for before, after in zip(since, since[1:], strict=False)
+        math.hypot(after.x - before.x, after.y - before.y) for before, after in itertools.pairwise(since)
     )
     return driven < length
 

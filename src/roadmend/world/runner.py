@@ -11,6 +11,7 @@ from roadmend.core.command import Command, Decision
 from roadmend.core.interfaces import Policy, Repairer
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import Repair
+from roadmend.core.route import Route
 from roadmend.world.scenario import Scenario
 from roadmend.world.simulation import INTERVAL, Simulation, Tick
 
@@ -80,6 +81,7 @@ def run_episode(
     repairer: Repairer,
     watcher: Watcher | None = None,
     ending: Callable[[Tick], None] | None = None,
+    opening: Callable[[Route], None] | None = None,
 ) -> EpisodeSummary:
     """Run a scenario to its end.
 
@@ -89,12 +91,15 @@ def run_episode(
         repairer: stands between the policy and the vehicle.
         watcher: called at every tick before the vehicle moves, with what was seen and decided.
         ending: called with the final tick, which nobody answers.
+        opening: called with the ego's route before the first tick.
 
     Raises:
         InputError: the scenario cannot be run.
         SimulationError: SUMO failed.
     """
     with Simulation(scenario) as simulation:
+        if opening is not None:
+            opening(simulation.route)
         return drive(simulation, policy, repairer, watcher, ending)
 
 
