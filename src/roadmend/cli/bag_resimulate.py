@@ -11,9 +11,7 @@ from rich.table import Table
 from roadmend import __version__
 from roadmend.cli.repair_choice import RepairChoice, read_choice, repair_options
 from roadmend.cli.table import OUTCOME_STYLES, wide_console
-from roadmend.core.command import Decision
 from roadmend.core.errors import InputError
-from roadmend.core.repair import Repair
 from roadmend.evaluation.bag_ticks import BagTicks
 from roadmend.evaluation.recorded_run import (
     RECORD,
@@ -24,15 +22,11 @@ from roadmend.evaluation.recorded_run import (
     recorded_outcome,
 )
 from roadmend.evaluation.resimulation import Switchover
-from roadmend.nodes.episode_writer import EpisodeWriter
+from roadmend.nodes.episode_recorder import EpisodeRecorder, account_of
 from roadmend.policies.registry import make_policy
 from roadmend.recording.new_bag import new_bag
 from roadmend.recording.reader import BagReader
-from roadmend.recording.writer import BagWriter
 from roadmend.world.runner import run_episode
-from roadmend.world.simulation import Tick
-
-DRAWN = 2  # every second tick is drawn: 10 times a second, as viz_node does
 
 
 @click.command()
@@ -79,60 +73,25 @@ def resimulate_bag(bag: Path, choice: RepairChoice, from_time: float, out: Path)
     with new_bag(out) as writer, Console(stderr=True).status(f"{plan.scenario.name} · {choice.method}"):
         for attachment in reader.attachments.values():
             writer.add_attachment(attachment.name, attachment.media_type, attachment.data)
-        recorder = _Recorder(writer, reader, switchover, plan, choice)
+        methods = {False: plan.method, True: choice.method}
+        recorder = EpisodeRecorder(writer, lambda time: methods[switchover.has_taken_over(time)], _map(reader))
         summary = run_episode(
-            plan.scenario, make_policy(plan.policy), switchover, recorder.answered, recorder.ended
+            plan.scenario, make_policy(plan.policy), switchover, recorder.answered, recorder.ended, recorder.opened
         )  # fmt: skip
         now = driven_outcome(summary, choice.method)
         writer.add_metadata(RECORD, {
-            "scenario_file": plan.scenario_file, "policy": plan.policy, **choice.provenance(), "clock": "lockstep",
-            "roadmend": __version__, "resimulated_from": bag.name, "from_time": f"{from_time:g}",
-            "messages": f"{writer.count}", "lost_messages": "0", "outcome": now.outcome, "outcome_text": now.text,
-            "outcome_time": f"{now.duration:g}",
+            "scenario_file": plan.scenario_file, "policy": plan.policy, **choice.provenance(), "roadmend": __version__,
+            "resimulated_from": bag.name, "from_time": f"{from_time:g}", **account_of(summary, writer.count),
         })  # fmt: skip
     return then, now
 
 
-class _Recorder:
-    """Turns ticks of the runner into messages of the bag."""
-
-    def __init__(
-        self, writer: BagWriter, reader: BagReader, switchover: Switchover, plan: RunPlan, choice: RepairChoice
-    ) -> None:
-        self._episode = EpisodeWriter(writer)
-        self._reader = reader
-        self._switchover = switchover
-        self._methods = {False: plan.method, True: choice.method}
-
-    def answered(self, tick: Tick, decision: Decision, repair: Repair) -> None:
-        time = tick.scene.time
-        self._seen(tick)
-        self._episode.decision(time, decision)
-        self._episode.repair(time, repair, self._methods[self._switchover.has_taken_over(time)])
-        if tick.number % DRAWN == 0:
-            self._draw(tick, decision, repair)
-
-    def ended(self, tick: Tick) -> None:
-        self._seen(tick)
-        self._draw(tick)
-
-    def _seen(self, tick: Tick) -> None:
-        if tick.number == 0 and self._switchover.route is not None:
-            self._episode.route(self._switchover.route, self._map())
-        self._episode.scene(tick.scene)
-        for event in tick.events:
-            self._episode.event(event)
-
-    def _draw(self, tick: Tick, decision: Decision | None = None, repair: Repair | None = None) -> None:
-        if self._switchover.route is not None:
-            self._episode.drawing(tick.scene, self._switchover.route, decision, repair)
-
-    def _map(self) -> bytes | None:
-        """The map as it was recorded: the world is the same."""
-        kinds = self._reader.topics
-        names = [name for name in kinds if kinds[name].type_name == "roadmend_msgs/msg/Map" and name.endswith("/map")]
-        record = next(self._reader.records(names), None) if names else None
-        return None if record is None else record.data
+def _map(reader: BagReader) -> bytes | None:
+    """The map as it was recorded: the world is the same."""
+    kinds = reader.topics
+    names = [name for name in kinds if kinds[name].type_name == "roadmend_msgs/msg/Map" and name.endswith("/map")]
+    record = next(reader.records(names), None) if names else None
+    return None if record is None else record.data
 
 
 def _show(outcomes: dict[str, RunOutcome], bags: dict[str, Path]) -> None:

@@ -13,6 +13,7 @@ from roadmend.core.errors import InputError
 from roadmend.sera.analyser import ANALYSERS
 from roadmend.sera.analysis import Analysis, analyse, dump_analysis, find_bags, read_incidents
 from roadmend.sera.analysis_report import NOTHING, pattern_rows, report
+from roadmend.sera.pattern_file import dump_patterns
 from roadmend.training.workers import open_mapper
 
 
@@ -22,7 +23,7 @@ from roadmend.training.workers import open_mapper
 @click.option(
     "--out",
     type=click.Path(path_type=Path, dir_okay=False),
-    help="JSON for 'sera recommend'; a report as .md beside it.",
+    help="The patterns for 'sera recommend', JSON; a report as .md beside it.",
 )
 @click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
@@ -46,7 +47,7 @@ def analyse_bags(bags: tuple[Path, ...], analyser: str, out: Path | None, worker
             progress.advance(task)
     analysis = analyse(readings, ANALYSERS[analyser]())
     if out is not None:
-        _write(out, dump_analysis(analysis))
+        _write(out, dump_patterns(analysis.patterns))
         _write(out.with_suffix(".md"), report(analysis))
     if as_json:
         click.echo(dump_analysis(analysis), nl=False)

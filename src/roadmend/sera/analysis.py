@@ -1,12 +1,9 @@
-"""The analysis of many bags: incidents bag by bag, patterns over all of them, and the file that keeps both."""
+"""The analysis of many bags: incidents bag by bag, patterns over all of them."""
 
 import json
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Literal
-
-from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from roadmend.core.errors import InputError
 from roadmend.recording.layout import METADATA_FILE
@@ -14,10 +11,6 @@ from roadmend.sera.analyser import Analyser
 from roadmend.sera.incident import Incident
 from roadmend.sera.incidents import find_incidents
 from roadmend.sera.pattern import FailurePattern
-
-FORMAT: Literal["roadmend-failure-analysis/1"] = "roadmend-failure-analysis/1"
-_STRICT = ConfigDict(extra="forbid")
-_AGAIN = "make it with 'roadmend sera analyse'"
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,8 +26,6 @@ class Reading:
 class UnreadableBag:
     """A bag that was left out."""
 
-    __pydantic_config__ = _STRICT
-
     bag: str
     problem: str
 
@@ -43,14 +34,11 @@ class UnreadableBag:
 class Analysis:
     """All incidents of some bags, and the patterns in them."""
 
-    __pydantic_config__ = _STRICT
-
     analyser: str
     bags: tuple[str, ...]  # that were read
     unreadable: tuple[UnreadableBag, ...]
     patterns: tuple[FailurePattern, ...]
     incidents: tuple[Incident, ...]
-    format: Literal["roadmend-failure-analysis/1"] = FORMAT
 
 
 def find_bags(paths: Iterable[Path]) -> list[Path]:
@@ -94,31 +82,6 @@ def analyse(readings: Sequence[Reading], analyser: Analyser) -> Analysis:
 def dump_analysis(analysis: Analysis) -> str:
     """As JSON text."""
     return json.dumps(asdict(analysis), indent=2, allow_nan=False) + "\n"
-
-
-def load_analysis(path: Path) -> Analysis:
-    """Read what ``dump_analysis`` wrote.
-
-    Raises:
-        InputError: the file is missing, no analysis, of another version, or damaged.
-    """
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})", _AGAIN) from None
-    except ValueError:
-        raise InputError(str(path), "is no failure analysis", _AGAIN) from None
-    known = content.get("format") if isinstance(content, dict) else None
-    if not str(known).startswith("roadmend-failure-analysis/"):
-        raise InputError(str(path), "is no failure analysis", _AGAIN)
-    if known != FORMAT:
-        raise InputError(str(path), f"has the format {known!r}, not {FORMAT!r}", _AGAIN)
-    try:
-        return TypeAdapter(Analysis).validate_python(content)
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
-        raise InputError(f"{path}: {where}", first["msg"], _AGAIN) from None
 
 
 def _is_bag(path: Path, folder: Path | None = None) -> bool:

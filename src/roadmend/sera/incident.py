@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from pydantic import ConfigDict
-
 from roadmend.sera.descriptor import EgoManoeuvre, HazardKind, OutcomeName, ParticipantKind, Side
 from roadmend.sera.pattern import Where
 from roadmend.world.scenario import DriverName
@@ -27,14 +25,11 @@ Verdict = Literal[
 OUTCOMES: dict[IncidentKind, OutcomeName | None] = {
     "collision": "COLLISION", "timeout": "TIMEOUT", "off_route": "OFF_ROUTE", "intervention": None,
 }  # fmt: skip
-_STRICT = ConfigDict(extra="forbid")
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
     """Where on its route the ego was."""
-
-    __pydantic_config__ = _STRICT
 
     kind: PlaceKind
     lane: int  # of the route: how many of its lane changes lie behind the ego
@@ -46,8 +41,6 @@ class Place:
 class Ego:
     """What the ego was doing."""
 
-    __pydantic_config__ = _STRICT
-
     action: EgoAction
     speed: float  # [m/s]
     manoeuvre: EgoManoeuvre | None = None  # its task in the scenario; None where the bag does not tell
@@ -56,8 +49,6 @@ class Ego:
 @dataclass(frozen=True, slots=True)
 class Other:
     """Whom it had to do with."""
-
-    __pydantic_config__ = _STRICT
 
     id: int  # of the object in the bag
     kind: ParticipantKind | None  # None where it was not recognised
@@ -74,8 +65,6 @@ class Other:
 class RepairAccount:
     """What the repair node did about it, in the seconds before a failure or during an intervention."""
 
-    __pydantic_config__ = _STRICT
-
     verdict: Verdict
     method: str  # empty where the bag does not tell
     states: tuple[tuple[str, float], ...]  # states of the node one after another, each with how long it held [s]
@@ -88,8 +77,6 @@ class RepairAccount:
 @dataclass(frozen=True, slots=True)
 class Incident:
     """One failure or one intervention."""
-
-    __pydantic_config__ = _STRICT
 
     kind: IncidentKind
     bag: str

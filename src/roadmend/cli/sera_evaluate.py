@@ -1,0 +1,149 @@
+"""``roadmend sera evaluate``: how a policy fares on an evaluation set, with bags of what went wrong."""
+
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, cast
+
+import click
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from roadmend.cli.table import wide_console
+from roadmend.core.errors import InputError
+from roadmend.evaluation.benchmark_report import provenance, write_report
+from roadmend.evaluation.driving_measures import DrivingMeasures
+from roadmend.evaluation.measures_summary import summarise, summary_rows
+from roadmend.evaluation.result_store import ResultStore
+from roadmend.nodes.evaluation_episode import EvaluatedEpisode, EvaluationJob, Record, evaluate as drive, identity_of
+from roadmend.policies.registry import POLICIES
+from roadmend.repair.registry import METHODS
+from roadmend.sera.evaluation_set import corpus_set, disjoint, known_in, sampled_set
+from roadmend.training.workers import open_mapper
+from roadmend.world.corpus import SPLITS
+from roadmend.world.scenario import Scenario
+
+_BAGS = "bags"
+_NAME = "measures"
+
+
+@click.command()
+@click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
+@click.option("--repair", "method", default="none", show_default=True, type=click.Choice(sorted(METHODS)))
+@click.option("--scenarios", type=click.IntRange(1, 100_000), help="Random scenarios of each family.  [default: 20]")
+@click.option("--first-seed", type=click.IntRange(0, 2**30), help="Of the random scenarios.  [default: 0]")
+@click.option("--corpus", type=click.Path(path_type=Path, dir_okay=False), help="Its cases instead of random scenarios.")
+@click.option("--split", type=click.Choice(SPLITS), help="Of the corpus.  [default: all]")
+@click.option(
+    "--disjoint-from", "known", multiple=True, type=click.Path(path_type=Path, dir_okay=False),
+    help="A bank, a corpus or a scenario file: what is in it is left out. May be repeated.",
+)  # fmt: skip
+@click.option(
+    "--record", default="failures", show_default=True, type=click.Choice(["failures", "all", "none"]),
+    help="Bags; failures: of what does not end at the goal or is repaired on the way.",
+)  # fmt: skip
+@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@click.option("--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Folder; resumes there.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def evaluate(
+    policy: str, method: str, scenarios: int | None, first_seed: int | None, corpus: Path | None, split: str | None,
+    known: tuple[Path, ...], record: str, workers: int, out: Path, *, as_json: bool,
+) -> int:  # fmt: skip
+    """Drive a policy through an evaluation set in this process: four measures, and bags for 'sera analyse'.
+
+    An interrupted call goes on where it stopped; the outcome does not depend on the number of workers. The exit code is
+    1 if an episode could not be driven.
+    """
+    whole = _whole(scenarios, first_seed, corpus, split)
+    chosen = disjoint(whole, known_in(known))
+    identity = identity_of(policy, method)
+    jobs = [EvaluationJob(one, policy, method, out / _BAGS, cast(Record, record), identity) for one in chosen]
+    found = _drive(jobs, out, workers)
+    content = _content(jobs, found, len(whole) - len(chosen))
+    families = {one.family or "other" for one in chosen}
+    measures = {name: _measures(jobs, found, name) for name in [*sorted(families), "all"]}
+    content["summary"] = summarise(measures["all"])
+    content["families"] = {name: summarise(measures[name]) for name in sorted(families)}
+    rows = summary_rows({**content["families"], "all": content["summary"]})
+    write_report(out, _NAME, f"{policy} with repair {method}", content, rows)
+    if as_json:
+        click.echo(json.dumps(content, indent=2))
+    else:
+        _show(rows, content)
+    for fault in content["faults"]:
+        click.echo(fault, err=True)
+    return 1 if content["faults"] else 0
+
+
+def _whole(scenarios: int | None, first_seed: int | None, corpus: Path | None, split: str | None) -> list[Scenario]:
+    if corpus is None:
+        if split is not None:
+            raise InputError("--split", "is of a corpus, and there is none", "name one with --corpus")
+        return sampled_set(20 if scenarios is None else scenarios, first_seed or 0)
+    if scenarios is not None or first_seed is not None:
+        raise InputError("--corpus", "leaves nothing to draw", "give either --corpus or --scenarios and --first-seed")
+    return corpus_set(corpus, split)
+
+
+def _drive(jobs: Sequence[EvaluationJob], out: Path, workers: int) -> list[EvaluatedEpisode]:
+    """What each job came to, in order; what is there from an earlier call is not driven again."""
+    with (
+        ResultStore(out) as store,
+        Progress(console=Console(stderr=True), transient=True) as progress,
+    ):
+        done = {job.key: _parse(kept) for job in jobs if (kept := store.get(job.key)) is not None}
+        missing = [job for job in jobs if job.key not in done]
+        task = progress.add_task("episodes", total=len(jobs), completed=len(jobs) - len(missing))
+        with open_mapper(max(1, min(workers, len(missing)))) as mapper:
+            for job, episode in zip(missing, mapper(drive, missing), strict=True):
+                done[job.key] = episode
+                if not episode.fault:
+                    store.add(job.key, asdict(episode))
+                progress.advance(task)
+    return [done[job.key] for job in jobs]
+
+
+def _parse(kept: dict[str, Any]) -> EvaluatedEpisode:
+    measures = dict(kept["measures"])
+    measures["infractions"] = tuple(measures["infractions"])
+    return EvaluatedEpisode(DrivingMeasures(**measures), kept["trajectory"], kept["bag"])
+
+
+def _content(jobs: Sequence[EvaluationJob], found: Sequence[EvaluatedEpisode], left_out: int) -> dict[str, Any]:
+    first = jobs[0]
+    episodes = [
+        {"scenario": job.scenario.name, "family": job.scenario.family, "digest": job.scenario.digest, **asdict(episode)}
+        for job, episode in zip(jobs, found, strict=True)
+        if not episode.fault
+    ]
+    return {
+        "provenance": provenance(f"./roadmend sera evaluate --policy {first.policy} --repair {first.method}"),
+        "policy": first.policy,
+        "method": first.method,
+        "left_out": left_out,
+        "faults": [episode.fault for episode in found if episode.fault],
+        "episodes": episodes,
+    }
+
+
+def _measures(
+    jobs: Sequence[EvaluationJob], found: Sequence[EvaluatedEpisode], family: str
+) -> list[DrivingMeasures]:  # fmt: skip
+    return [
+        episode.measures
+        for job, episode in zip(jobs, found, strict=True)
+        if episode.measures is not None and family in {"all", job.scenario.family or "other"}
+    ]
+
+
+def _show(rows: Sequence[Sequence[str]], content: dict[str, Any]) -> None:
+    table = Table(*rows[0], box=None, pad_edge=False, header_style="bold")
+    for row in rows[1:]:
+        table.add_row(*row)
+    wide_console().print(table)
+    bags = sum(bool(episode["bag"]) for episode in content["episodes"])
+    left = content["left_out"]
+    click.echo(f"{bags} bag{'' if bags == 1 else 's'}" + (f"; {left} known scenarios left out" if left else ""))

@@ -1,0 +1,141 @@
+"""One episode of an evaluation set, driven in this process: its measures, and a bag where something went wrong."""
+
+import hashlib
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from roadmend import __version__
+from roadmend.core.command import Decision
+from roadmend.core.errors import RoadmendError, SimulationError
+from roadmend.core.outcome import EventKind
+from roadmend.core.repair import Repair
+from roadmend.core.route import Route
+from roadmend.evaluation.driving_measures import DrivingMeasures, MeasuresObserver
+from roadmend.evaluation.recorded_run import RECORD
+from roadmend.evaluation.source_digest import source_digest
+from roadmend.nodes.episode_recorder import EpisodeRecorder, account_of, map_data_of
+from roadmend.policies.registry import make_policy
+from roadmend.recording.new_bag import new_bag
+from roadmend.recording.writer import BagWriter
+from roadmend.repair.registry import METHODS, make_repairer, read_parameters
+from roadmend.search.policy_model import policy_model
+from roadmend.world.runner import EpisodeSummary, run_episode
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_file import dump_scenario
+from roadmend.world.simulation import Tick
+
+Record = Literal["failures", "all", "none"]
+
+
+@dataclass(frozen=True, slots=True)
+class EvaluationJob:
+    """What to drive; travels to other processes by pickle."""
+
+    scenario: Scenario
+    policy: str
+    method: str
+    folder: Path  # of the bags
+    record: Record  # failures: what does not end at the goal, or was repaired on the way
+    identity: str  # see ``identity_of``
+
+    @property
+    def key(self) -> str:
+        """Digest of all that decides what comes out."""
+        content = [self.scenario.digest, self.record, self.identity]
+        return hashlib.sha256(json.dumps(content).encode()).hexdigest()
+
+
+@dataclass(frozen=True, slots=True)
+class EvaluatedEpisode:
+    """What a job came to."""
+
+    measures: DrivingMeasures | None = None
+    trajectory: str = ""  # digest
+    bag: str = ""  # name of the bag's folder; empty where none was written
+    fault: str = ""  # why there are no measures
+
+
+def identity_of(policy: str, method: str) -> str:
+    """Digest of a policy and a repair method: their names, models and code, and the code of the world and the measures.
+
+    Raises:
+        InputError: there is no such policy or method, or a model cannot be read.
+    """
+    entry = METHODS[method]
+    made = entry.make(read_parameters(method, entry.parameters, None), 0)
+    modules = [type(make_policy(policy)).__module__, type(made).__module__]
+    code = source_digest([*modules, "roadmend.repair.guard", "roadmend.world.runner", MeasuresObserver.__module__])
+    content = [policy, policy_model(policy), method, getattr(getattr(made, "model", None), "digest", None), code]
+    return hashlib.sha256(json.dumps(content).encode()).hexdigest()
+
+
+def evaluate(job: EvaluationJob) -> EvaluatedEpisode:
+    """Drive one scenario; whatever goes wrong is a result here."""
+    try:
+        return _evaluate(job)
+    except RoadmendError as error:
+        return EvaluatedEpisode(fault=str(error))
+    except Exception as error:  # noqa: BLE001 - the others shall go on, and this one is reported
+        return EvaluatedEpisode(fault=" ".join(f"{job.scenario.name}: {type(error).__name__}: {error}".split()))
+
+
+def _evaluate(job: EvaluationJob) -> EvaluatedEpisode:
+    run = _Run(job, None)
+    failed = run.summary.outcome != EventKind.GOAL or run.summary.interventions > 0
+    if job.record == "none" or (job.record == "failures" and not failed):
+        return EvaluatedEpisode(run.measures, run.summary.digest)
+    # Recording slows a run down, and most need none: those that do are driven again, which gives the same.
+    bag = job.folder / f"{job.scenario.name}-{job.policy}-{job.method}-{job.key[:8]}"
+    if not bag.exists():  # else of an earlier call with the same key: what is there is whole
+        with new_bag(bag) as writer:
+            again = _Run(job, writer)
+            if again.summary.digest != run.summary.digest:
+                raise SimulationError(f"{job.scenario.name}: the run that was recorded differs from the one before")
+    return EvaluatedEpisode(run.measures, run.summary.digest, bag.name)
+
+
+class _Run:
+    """An episode from beginning to end, measured, and recorded where there is a writer."""
+
+    def __init__(self, job: EvaluationJob, writer: BagWriter | None) -> None:
+        self._observer: MeasuresObserver | None = None
+        self._final: Tick | None = None
+        self._recorder: EpisodeRecorder | None = None
+        if writer is not None:
+            file = f"{job.scenario.name}.yaml"
+            writer.add_attachment(file, "application/yaml", dump_scenario(job.scenario).encode())
+            self._recorder = EpisodeRecorder(writer, lambda _: job.method, map_data_of(job.scenario))
+        self.summary: EpisodeSummary = run_episode(
+            job.scenario, make_policy(job.policy), make_repairer(job.method), self._answered, self._ended, self._opened
+        )
+        if writer is not None:
+            writer.add_metadata(RECORD, {
+                "scenario_file": file, "policy": job.policy, "method": job.method, "seed": "0",
+                "roadmend": __version__, **account_of(self.summary, writer.count),
+            })  # fmt: skip
+
+    @property
+    def measures(self) -> DrivingMeasures:
+        final = None if self._final is None else self._final.final
+        assert self._observer is not None and final is not None
+        return self._observer.measures(final.kind, final.text, final.object_ids)
+
+    def _opened(self, route: Route) -> None:
+        self._observer = MeasuresObserver(route)
+        if self._recorder is not None:
+            self._recorder.opened(route)
+
+    def _answered(self, tick: Tick, decision: Decision, repair: Repair) -> None:
+        assert self._observer is not None
+        self._observer.see(tick.scene)
+        if self._recorder is not None:
+            self._recorder.answered(tick, decision, repair)
+
+    def _ended(self, tick: Tick) -> None:
+        assert self._observer is not None
+        self._final = tick
+        self._observer.see(tick.scene)
+        if self._recorder is not None:
+            self._recorder.ended(tick)

@@ -1,0 +1,90 @@
+"""What a policy is evaluated on, and that none of it is what it learns from."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from roadmend.core.errors import InputError
+from roadmend.world.corpus import load_corpus
+from roadmend.world.families import FAMILIES, sample_scenario
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_file import load_scenario
+
+_SQLITE = b"SQLite format 3\0"
+_SCENARIOS = frozenset({".yaml", ".yml"})
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """Digests of scenarios: as they are, and without their names, since a name changes nothing."""
+
+    digests: frozenset[str] = frozenset()
+    contents: frozenset[str] = frozenset()
+
+    def holds(self, scenario: Scenario) -> bool:
+        """Whether the scenario is among them, under whatever name."""
+        return scenario.digest in self.digests or content_digest(scenario) in self.contents
+
+
+def content_digest(scenario: Scenario) -> str:
+    """The digest of a scenario without its name."""
+    return scenario.model_copy(update={"name": "scenario"}).digest
+
+
+def sampled_set(count: int, first_seed: int) -> list[Scenario]:
+    """Random scenarios, ``count`` of each family."""
+    return [sample_scenario(family, first_seed + number) for family in FAMILIES for number in range(count)]
+
+
+def corpus_set(path: Path, split: str | None) -> list[Scenario]:
+    """The scenarios of a corpus, of one split or all.
+
+    Raises:
+        InputError: the file is no corpus.
+    """
+    return [case.scenario() for case in load_corpus(path).select(split=split)]
+
+
+def known_in(paths: Iterable[Path]) -> Known:
+    """The scenarios of banks, corpora and scenario files.
+
+    Raises:
+        InputError: a file is missing or none of these.
+    """
+    digests, scenarios = set[str](), list[Scenario]()
+    for path in paths:
+        if _is_bank(path):
+            from roadmend.sera.bank import Bank  # noqa: PLC0415 - its index is slow to import, and most runs name none
+
+            with Bank(path) as bank:
+                for entry in bank.entries():
+                    digests.add(entry.digest)
+                    scenarios += [] if entry.scenario is None else [entry.scenario]
+        elif path.suffix.lower() in _SCENARIOS:
+            scenarios.append(load_scenario(path))
+        else:
+            scenarios += corpus_set(path, None)
+    return Known(
+        frozenset(digests | {scenario.digest for scenario in scenarios}),
+        frozenset(content_digest(scenario) for scenario in scenarios),
+    )
+
+
+def disjoint(scenarios: Sequence[Scenario], known: Known) -> list[Scenario]:
+    """Those that are not known.
+
+    Raises:
+        InputError: nothing is left.
+    """
+    left = [scenario for scenario in scenarios if not known.holds(scenario)]
+    if not left:
+        raise InputError("the evaluation set", "holds no scenario that is not known", "take other seeds or another corpus")
+    return left
+
+
+def _is_bank(path: Path) -> bool:
+    try:
+        with path.open("rb") as file:
+            return file.read(len(_SQLITE)) == _SQLITE
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read ({error.strerror})", "name a bank, a corpus or a scenario") from None
