@@ -16,7 +16,6 @@ from roadmend.evaluation.bag_ticks import BagTicks
 from roadmend.evaluation.recorded_run import (
     RECORD,
     RunOutcome,
-    RunPlan,
     driven_outcome,
     read_plan,
     recorded_outcome,

@@ -18,7 +18,8 @@ from roadmend.evaluation.benchmark_report import provenance, write_report
 from roadmend.evaluation.driving_measures import DrivingMeasures
 from roadmend.evaluation.measures_summary import summarise, summary_rows
 from roadmend.evaluation.result_store import ResultStore
-from roadmend.nodes.evaluation_episode import EvaluatedEpisode, EvaluationJob, Record, evaluate as drive, identity_of
+from roadmend.nodes.evaluation_episode import EvaluatedEpisode, EvaluationJob, Record, identity_of
+from roadmend.nodes.evaluation_episode import evaluate as drive
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.registry import METHODS
 from roadmend.sera.evaluation_set import corpus_set, disjoint, known_in, sampled_set

@@ -119,7 +119,8 @@ class _Run:
     @property
     def measures(self) -> DrivingMeasures:
         final = None if self._final is None else self._final.final
-        assert self._observer is not None and final is not None
+        assert self._observer is not None
+        assert final is not None
         return self._observer.measures(final.kind, final.text, final.object_ids)
 
     def _opened(self, route: Route) -> None:
