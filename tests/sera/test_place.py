@@ -82,3 +82,10 @@ def test_a_lane_change_lasts_as_far_as_the_ego_needs_for_it():
     assert is_changing(begun, egos[:40])
     assert not is_changing(begun, egos[:41])
     assert not is_changing([], egos)
+
+
+def test_where_a_crossing_lies_in_a_junction_the_other_decides_which_it_is_about():
+    drawn = route(replace(CROSSING, begin=205.0, end=209.0), JUNCTION)
+    at = RoutePlace(0, 206.0, 0.0)
+    assert place_of(drawn, at, None).kind == "in_junction"
+    assert place_of(drawn, at, None, on_foot=True).kind == "at_crossing"

@@ -1,7 +1,7 @@
 """Finds the incidents of a recorded episode: its failure, if it ended in one, and every intervention."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -112,6 +112,9 @@ class _Finder:
         event: Event | None = None, avoidable: float | None = None,
     ) -> Incident:  # fmt: skip
         ego = self._episode.ego[moment.stamp]
+        if other is not None and other.kind == "pedestrian":
+            words = place_of(self._route, moment.place, self._descriptor, on_foot=True)
+            moment = replace(moment, words=words)
         action = action_of(self._route, moment.place, ego, moment.words, changing=moment.changing)
         manoeuvre = None if self._descriptor is None else self._descriptor.manoeuvre
         is_collision = event is not None and event.kind == EventKind.COLLISION

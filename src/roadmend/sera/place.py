@@ -18,13 +18,14 @@ _TURN = math.radians(30.0)  # of the way through a junction, from which on it is
 _HIGHWAYS = frozenset({"highway_exit", "on_ramp"})
 
 
-def place_of(route: Route, place: RoutePlace, descriptor: Descriptor | None) -> Place:
+def place_of(route: Route, place: RoutePlace, descriptor: Descriptor | None, *, on_foot: bool = False) -> Place:
     """The place in words.
 
     Args:
         route: of the ego.
         place: of the ego's centre on it.
         descriptor: of the scenario; without it highways are roads like others.
+        on_foot: whether the other is a pedestrian: where crossing and junction overlap, it is about the crossing then.
     """
     if descriptor is not None and descriptor.road.kind in _HIGHWAYS:
         return _on_highway(route, place, descriptor)
@@ -33,10 +34,10 @@ def place_of(route: Route, place: RoutePlace, descriptor: Descriptor | None) -> 
     zones = [zone for zone in route.zones if zone.stage == place.stage]
     inside = [zone for zone in zones if zone.begin <= front and rear <= zone.end]
     crossing = next((zone for zone in inside if zone.rule == RightOfWay.CROSSING), None)
-    if crossing is not None:
-        return _at("at_crossing", place, crossing, front)
     junctions = [zone for zone in zones if zone.rule != RightOfWay.CROSSING]
     within = next((zone for zone in inside if zone in junctions), None)
+    if crossing is not None and (within is None or on_foot):
+        return _at("at_crossing", place, crossing, front)
     if within is not None:
         return _at("in_junction", place, within, front)
     ahead = next((zone for zone in junctions if 0.0 < zone.begin - front <= NEAR), None)
