@@ -93,7 +93,9 @@ def test_efficiency_weighs_stretches_of_the_way_alike_however_long_they_take():
     observer = MeasuresObserver(Route("straight", 4.0, 2.0, 100.0, 60.0, (STAGE,), (), ()))
     for number in range(201):  # 25 m at half the others' speed, then as fast as they
         fast = number > 100
-        ego = EgoState.from_yaw(0.25 * number if not fast else 25.0 + 0.75 * (number - 100), 0, 0, 8.0 if fast else 4.0, 0, 4, 2)
+        ego = EgoState.from_yaw(
+            0.25 * number if not fast else 25.0 + 0.75 * (number - 100), 0, 0, 8.0 if fast else 4.0, 0, 4, 2
+        )
         observer.see(Scene(number / 20, ego, objects(), np.zeros(0, dtype=np.uint8)))
     assert observer.measures(EventKind.GOAL, "", ()).efficiency == pytest.approx(87.5, abs=1.5)
 

@@ -31,7 +31,9 @@ def ego(x=0.0, y=0.0, yaw=0.0, speed=10.0, yaw_rate=0.0):
 
 def track(x, y, yaw, speed, kind=ObjectKind.CAR, acceleration=0.0, interval=TICK_NS):
     """A way given by numbers or arrays; as many moments as the longest has, one tick after another."""
-    columns = np.broadcast_arrays(*(np.atleast_1d(np.asarray(each, dtype=float)) for each in (x, y, yaw, speed, acceleration)))
+    columns = np.broadcast_arrays(
+        *(np.atleast_1d(np.asarray(each, dtype=float)) for each in (x, y, yaw, speed, acceleration))
+    )
     stamps = np.arange(len(columns[0]), dtype=np.int64) * interval
     return Track(7, int(kind), 4.0, 2.0, stamps, *columns)
 
@@ -39,7 +41,16 @@ def track(x, y, yaw, speed, kind=ObjectKind.CAR, acceleration=0.0, interval=TICK
 def objects_at(tracks, number):
     """Everybody at a tick."""
     rows = [
-        (one.x[number], one.y[number], one.yaw[number], one.speed[number], one.acceleration[number], 0.0, one.length, one.width)
+        (
+            one.x[number],
+            one.y[number],
+            one.yaw[number],
+            one.speed[number],
+            one.acceleration[number],
+            0.0,
+            one.length,
+            one.width,
+        )
         for one in tracks
     ]
     columns = np.array(rows, dtype=float).reshape(len(tracks), 8).T

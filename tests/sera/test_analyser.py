@@ -31,7 +31,10 @@ def test_what_agrees_is_one_pattern_with_what_holds_for_all_of_it():
     assert (found.what, found.who.participant, found.who.side) == ("COLLISION", "car", "left")
     assert found.why.manoeuvre == "straight"
     assert found.words == "collision in the intersection: the ego goes straight on, a car crosses from the left"
-    assert [(each.episode, each.time, each.scenario) for each in found.evidence] == [("a", 5.0, "5" * 64), ("b", 5.0, "5" * 64)]
+    assert [(each.episode, each.time, each.scenario) for each in found.evidence] == [
+        ("a", 5.0, "5" * 64),
+        ("b", 5.0, "5" * 64),
+    ]
     assert "avoidable until 1.20 s" in found.evidence[0].note
     assert "not avoidable" in found.evidence[1].note
 
@@ -102,3 +105,16 @@ def test_a_corrupt_bag_is_named_and_the_others_go_on(tmp_path):
 
 def test_bags_without_failures_are_an_honest_empty_result():
     assert NOTHING in report(analyse([], EMBEDDED))
+
+
+def test_who_cuts_in_and_brakes_cuts_in():
+    other = incident().other
+    hazards = ("cut_in", "cut_in_and_brake")
+    both = [incident(bag=each, other=replace(other, encounter="cut_in", hazard=each)) for each in hazards]
+    assert EMBEDDED.analyse(both)[0].why.hazard == "cut_in"
+    assert EMBEDDED.analyse(both[1:])[0].why.hazard == "cut_in_and_brake"
+
+
+def test_a_highway_is_told_by_what_leads_onto_it_or_off_it():
+    highway = incident(place=Place("highway", 0), where=Where(road="on_ramp"))
+    assert EMBEDDED.analyse([highway])[0].words.startswith("collision on the highway at an on-ramp: ")

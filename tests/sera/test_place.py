@@ -57,7 +57,9 @@ def test_on_highways_lanes_have_names():
     assert place_of(two, RoutePlace(1, 200.0, 0.0), highway("S4")) == Place("exit_lane", 1)
 
 
-@pytest.mark.parametrize(("bend", "action"), [(0.5, "turning_left"), (-0.5, "turning_right"), (0.0, "crossing_straight")])
+@pytest.mark.parametrize(
+    ("bend", "action"), [(0.5, "turning_left"), (-0.5, "turning_right"), (0.0, "crossing_straight")]
+)
 def test_a_turn_is_told_by_the_way_through_the_junction(bend, action):
     angle = bend * math.pi
     x = np.array([-100.0, 95.0, 105.0, 105.0 + 100.0 * math.cos(angle)])

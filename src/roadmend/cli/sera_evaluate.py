@@ -36,7 +36,9 @@ _NAME = "measures"
 @click.option("--repair", "method", default="none", show_default=True, type=click.Choice(sorted(METHODS)))
 @click.option("--scenarios", type=click.IntRange(1, 100_000), help="Random scenarios of each family.  [default: 20]")
 @click.option("--first-seed", type=click.IntRange(0, 2**30), help="Of the random scenarios.  [default: 0]")
-@click.option("--corpus", type=click.Path(path_type=Path, dir_okay=False), help="Its cases instead of random scenarios.")
+@click.option(
+    "--corpus", type=click.Path(path_type=Path, dir_okay=False), help="Its cases instead of random scenarios."
+)
 @click.option("--split", type=click.Choice(SPLITS), help="Of the corpus.  [default: all]")
 @click.option(
     "--disjoint-from", "known", multiple=True, type=click.Path(path_type=Path, dir_okay=False),

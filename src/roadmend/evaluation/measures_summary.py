@@ -12,7 +12,18 @@ from roadmend.evaluation.intervals import bootstrap, wilson
 Floats = NDArray[np.float64]
 
 MEASURES = ("driving_score", "success_rate", "efficiency", "comfortness")
-_HEAD = ("set", "episodes", "Driving Score", "95 %", "Success Rate", "95 %", "Efficiency", "95 %", "Comfortness", "95 %")
+_HEAD = (
+    "set",
+    "episodes",
+    "Driving Score",
+    "95 %",
+    "Success Rate",
+    "95 %",
+    "Efficiency",
+    "95 %",
+    "Comfortness",
+    "95 %",
+)
 _DASH = "-"
 
 

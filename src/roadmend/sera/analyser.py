@@ -4,6 +4,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Protocol, TypeVar
 
+from roadmend.sera.descriptor import HazardKind
 from roadmend.sera.incident import OUTCOMES, Incident
 from roadmend.sera.incident_words import note_of_incident, words_of_incident
 from roadmend.sera.pattern import Evidence, FailurePattern, Where, Who, Why
@@ -67,7 +68,7 @@ def pattern_of(name: str, incidents: Sequence[Incident]) -> FailurePattern:
         ),
         why=Why(
             manoeuvre=_common(incident.ego.manoeuvre for incident in incidents),
-            hazard=_common(other.hazard for other in complete),
+            hazard=_common_hazard([other.hazard for other in complete]),
         ),
         evidence=tuple(
             Evidence(incident.bag, incident.scenario, incident.time, note_of_incident(incident))
@@ -86,6 +87,13 @@ def _key(incident: Incident) -> str:
         *([] if other is None else [other.kind or "participant", other.encounter]),
     ]
     return "/".join(parts)
+
+
+def _common_hazard(hazards: Sequence[HazardKind | None]) -> HazardKind | None:
+    """The hazard of all; who cuts in and brakes cuts in."""
+    if set(hazards) == {"cut_in", "cut_in_and_brake"}:
+        return "cut_in"
+    return _common(hazards)
 
 
 def _common(values: Iterable[Value | None]) -> Value | None:

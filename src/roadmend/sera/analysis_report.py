@@ -41,7 +41,12 @@ def report(analysis: Analysis) -> str:
     """The table of the patterns, the evidence of each, and the bags that could not be read."""
     count = len(analysis.bags)
     read = f"{count} bag{'' if count == 1 else 's'} read, {len(analysis.incidents)} incidents"
-    lines = ["# Failure patterns", "", f"{read}, {len(analysis.patterns)} patterns (analyser: {analysis.analyser}).", ""]
+    lines = [
+        "# Failure patterns",
+        "",
+        f"{read}, {len(analysis.patterns)} patterns (analyser: {analysis.analyser}).",
+        "",
+    ]
     if analysis.patterns:
         head, *rows = pattern_rows(analysis)
         lines += [_line(head), _line(["---"] * len(head)), *map(_line, rows), "", _NOTE, ""]

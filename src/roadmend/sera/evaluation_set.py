@@ -78,7 +78,9 @@ def disjoint(scenarios: Sequence[Scenario], known: Known) -> list[Scenario]:
     """
     left = [scenario for scenario in scenarios if not known.holds(scenario)]
     if not left:
-        raise InputError("the evaluation set", "holds no scenario that is not known", "take other seeds or another corpus")
+        raise InputError(
+            "the evaluation set", "holds no scenario that is not known", "take other seeds or another corpus"
+        )
     return left
 
 
@@ -87,4 +89,6 @@ def _is_bank(path: Path) -> bool:
         with path.open("rb") as file:
             return file.read(len(_SQLITE)) == _SQLITE
     except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})", "name a bank, a corpus or a scenario") from None
+        raise InputError(
+            str(path), f"cannot be read ({error.strerror})", "name a bank, a corpus or a scenario"
+        ) from None

@@ -11,6 +11,7 @@ PLACES: dict[PlaceKind, str] = {
     "acceleration_lane": "in the acceleration lane", "highway": "on the highway", "exit_lane": "in the exit lane",
     "lane": "on the open road",
 }  # fmt: skip
+_AT = {"on_ramp": " at an on-ramp", "highway_exit": " before an exit"}  # of a highway
 ACTIONS: dict[EgoAction, str] = {
     "turning_left": "turns left", "turning_right": "turns right", "crossing_straight": "goes straight on",
     "changing_lane": "changes lane", "standing": "stands", "driving_on": "drives on",
@@ -36,6 +37,7 @@ VERDICTS: dict[Verdict, str] = {
 def words_of_incident(incident: Incident) -> str:
     """What happened, where, and who was in it; no figures, so that like incidents read alike."""
     place, ego, other = PLACES[incident.place.kind], ACTIONS[incident.ego.action], incident.other
+    place += _AT.get(incident.where.road or "", "") if incident.place.kind == "highway" else ""
     text = f"{KINDS[incident.kind]} {place}: the ego {ego}"
     if other is not None:
         text += f", a {other.kind or 'participant'} {ENCOUNTERS[other.encounter]}"

@@ -88,9 +88,7 @@ def is_changing(events: Sequence[Event], egos: Sequence[tuple[float, EgoState]])
     if not since:
         return False
     length = max(RouteFollower.CHANGE_LENGTH_MIN, RouteFollower.CHANGE_TIME * since[0].speed)
-    driven = sum(
-        math.hypot(after.x - before.x, after.y - before.y) for before, after in itertools.pairwise(since)
-    )
+    driven = sum(math.hypot(after.x - before.x, after.y - before.y) for before, after in itertools.pairwise(since))
     return driven < length
 
 

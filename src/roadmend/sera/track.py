@@ -49,8 +49,10 @@ def track_of(episode: BagEpisode, identity: int, begin: int, end: int) -> Track 
     kind, length, width = 0, 0.0, 0.0
     for stamp in episode.stamps:
         objects = episode.objects.get(stamp) if begin <= stamp <= end else None
-        found = np.flatnonzero(objects.id == identity) if objects is not None else ()
-        if objects is None or not len(found):
+        if objects is None:
+            continue
+        found = np.flatnonzero(objects.id == identity)
+        if not len(found):
             continue
         at = int(found[0])
         kind, length, width = int(objects.kind[at]), float(objects.length[at]), float(objects.width[at])
