@@ -18,7 +18,6 @@ _COMMANDS: Table = {
     "search": ("roadmend.cli.search", "search", "Find scenarios in which a policy collides by its own fault."),
     "corpus": ("roadmend.cli.corpus", "corpus", "Gather, verify and show what policies are trained and measured on."),
     "safe": ("roadmend.cli.safe", "safe", "Turn crash reports into scenarios, and test a policy with them."),
-    "sera": ("roadmend.cli.sera", "sera", "Learn from failures that were recorded."),
     "train": ("roadmend.cli.train", "train", "Train a driving policy, a repair model or a rival's model."),
     "sera": ("roadmend.cli.sera", "sera", "Learn from the failures that were recorded."),
     "bag": ("roadmend.cli.bag", "bag", "Look into bags, mend them, compare them."),
