@@ -363,9 +363,10 @@ class TestStamps:
     def test_testing_adds_its_own_stages(self, ready, launcher, context, monkeypatch):
         monkeypatch.setattr(launcher, "node_found", lambda: True)
         context = launcher.Context(context.venv, testing=True)
-        assert self.open_stages(launcher, context) == ["torch, for training", "test tools", "JavaScript readers"]
+        added = ["torch, for training", "writer of OpenSCENARIO", "test tools"]
+        assert self.open_stages(launcher, context) == [*added, "JavaScript readers"]
         monkeypatch.setattr(launcher, "node_found", lambda: False)
-        assert self.open_stages(launcher, context) == ["torch, for training", "test tools"]
+        assert self.open_stages(launcher, context) == added
 
     def test_training_adds_torch_alone(self, ready, launcher, context):
         context = launcher.Context(context.venv, training=True)
