@@ -1,7 +1,7 @@
 """Nearest vectors by inner product: exact where they are few, by scanning 4-bit codes and then exactly where many.
 
 Product-quantised codes of half a byte (Jegou et al. 2011; the fast scan of faiss) put a vector into a quarter of a byte
-a dimension, so that a million are looked through in milliseconds; the best two thousand are then ranked by the vectors
+a dimension, so that a million are looked through in milliseconds; the best thousand are then ranked by the vectors
 themselves, which are kept in half precision. Cells or graphs that skip most of the vectors do not help here: a failure
 pattern speaks of few things, and what agrees with it is scattered over all cells.
 """
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 EXACT_UP_TO = 5_000  # vectors that are compared one by one
-_CANDIDATES = 2000  # ranked exactly
+_CANDIDATES = 1000  # ranked exactly
 _SEED = 1
 _TRAINED_ON = 100_000  # vectors
 _CHUNK = 50_000  # vectors at a time
