@@ -2,8 +2,8 @@
 
 Product-quantised codes of half a byte (Jegou et al. 2011; the fast scan of faiss) put a vector into a quarter of a byte
 a dimension, so that a million are looked through in milliseconds; the best thousand are then ranked by the vectors
-themselves, which are kept in half precision. Cells or graphs that skip most of the vectors do not help here: a failure
-pattern speaks of few things, and what agrees with it is scattered over all cells.
+themselves, which are kept in half precision. Cells that skip most of the vectors do not help here: a failure pattern
+speaks of few things, and what agrees with it is scattered over all cells.
 """
 
 from dataclasses import dataclass
