@@ -21,8 +21,8 @@ from rich.progress import (
 
 from roadmend.cli.adreft_entrants import Choice
 from roadmend.core.errors import RoadmendError
+from roadmend.core.whole_file import write_texts
 from roadmend.evaluation.benchmark_content import dump_json
-from roadmend.evaluation.benchmark_files import write_files
 from roadmend.evaluation.benchmark_report import provenance
 from roadmend.evaluation.contenders import BenchmarkPlan, Contender, resolve
 from roadmend.evaluation.source_digest import source_digest
@@ -67,7 +67,7 @@ def run_robustness(
                     for technique in plan.robustness.techniques
                 }
     if out is not None:
-        write_files(out, {"adreft-robustness.json": dump_json(content) + "\n"})
+        write_texts(out, {"adreft-robustness.json": dump_json(content) + "\n"})
     if as_json:
         click.echo(dump_json(content))
         return 0

@@ -15,6 +15,7 @@ from rich.table import Table
 from roadmend import __version__
 from roadmend.cli.resources import config_folder
 from roadmend.core.errors import InputError
+from roadmend.core.whole_file import write_text
 from roadmend.learning.checkpoint import load_checkpoint
 from roadmend.learning.shipped import SUFFIX, models_folder
 from roadmend.policies.registry import POLICIES
@@ -183,13 +184,7 @@ def _write(path: Path, header: dict[str, Any], found: dict[str, Any]) -> None:
         "# Each rival's best setting on the validation split, and the whole grid; see 'roadmend train rivals --help'.\n"
     )
     text += yaml.safe_dump({**header, "methods": ordered}, sort_keys=False, width=120, default_flow_style=None)
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        beside.write_text(text, encoding="utf-8")
-        beside.replace(path)
-    except OSError as error:
-        raise InputError(str(path), f"cannot be written ({error.strerror})", "choose a writable place") from None
+    write_text(path, text)
 
 
 def _show(tuned: Tuned, console: Console) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 
 from roadmend.core.errors import InputError
 from roadmend.core.scene import ObjectList
+from roadmend.core.whole_file import written_beside
 from roadmend.evaluation.bag_episode import BagEpisode, read_episode
 from roadmend.evaluation.bag_page import page_of
 from roadmend.evaluation.scene_picture import SceneView, draw_scene
@@ -47,16 +48,11 @@ def draw_bag(bag: Path, out: Path, at: float | None = None, span: float = 70.0) 
         figure = draw_scene(view, span)
     except ValueError as error:
         raise InputError(str(bag), str(error), "name another moment") from error
-    try:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        beside = out.with_name(f".{out.name}.part")
+    with written_beside(out) as beside:
         if out.suffix in _PAGES:
             beside.write_text(page_of(episode, timeline, figure, view.time), encoding="utf-8")
         else:
             figure.savefig(beside, dpi=DPI, format=out.suffix[1:])
-        beside.replace(out)
-    except OSError as error:
-        raise InputError(str(out), f"cannot be written ({error.strerror})", "name another file") from error
     return view.time
 
 

@@ -6,8 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from roadmend.core.errors import InputError
+from roadmend.core.whole_file import write_texts
 from roadmend.evaluation.benchmark_content import dump_json
 from roadmend.evaluation.benchmark_page import build_page
+from roadmend.evaluation.benchmark_report import origin
 from roadmend.evaluation.benchmark_tables import all_tables, headline
 
 TITLE = "Online repair of driving policies"
@@ -24,29 +26,13 @@ def write_benchmark(folder: Path, stem: str, content: Mapping[str, Any], cases: 
     heading = "| " + " | ".join(rows[0]) + " |\n| " + " | ".join(["---"] * len(rows[0])) + " |\n"
     main = heading + "".join("| " + " | ".join(row) + " |\n" for row in rows[1:])
     tables = "\n\n".join(table.markdown() for table in all_tables(content))
-    write_files(folder, {
+    write_texts(folder, {
         f"{stem}.json": dump_json(content) + "\n",
         f"{stem}-cases.json": dump_json(cases) + "\n",
         f"{stem}.md": f"# {TITLE}\n\n{main}\n{made}\n",
         f"{stem}-tables.md": f"# {TITLE}: all tables\n\n{tables}\n\n{made}\n",
         f"{stem}.html": build_page(content),
     })  # fmt: skip
-
-
-def write_files(folder: Path, files: Mapping[str, str]) -> None:
-    """Write texts beside their places and move them there once all are written.
-
-    Raises:
-        InputError: the folder cannot be written.
-    """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, text in files.items():
-            (folder / f".{name}").write_text(text, encoding="utf-8")
-        for name in files:
-            (folder / f".{name}").replace(folder / name)
-    except OSError as error:
-        raise InputError(str(folder), f"cannot be written ({error.strerror})", "choose a writable folder") from None
 
 
 def read_json(path: Path) -> dict[str, Any]:
@@ -64,13 +50,3 @@ def read_json(path: Path) -> dict[str, Any]:
     if not isinstance(content, dict):
         raise InputError(str(path), "is damaged", "make it again with 'roadmend bench adreft'")
     return content
-
-
-def origin(made: Mapping[str, Any]) -> str:
-    """One line about what made a file."""
-    machine = made["machine"]
-    changed = " (changed)" if made["dirty"] else ""
-    return (
-        f"Made by `{made['command']}` at commit {made['commit'][:12]}{changed} on {machine['processor']}, "
-        f"{machine['cores']} cores, Python {machine['python']}."
-    )

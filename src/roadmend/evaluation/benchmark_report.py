@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from roadmend.core.whole_file import write_texts
+
 
 def provenance(command: str) -> dict[str, Any]:
     """The command, the commit and the machine behind a figure."""
@@ -30,28 +32,25 @@ def write_report(
     """Write NAME.json and NAME.md; the first row is the heading.
 
     Raises:
-        OSError: the folder cannot be written.
+        InputError: the folder cannot be written.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    _write(folder / f"{name}.json", json.dumps(content, indent=2) + "\n")
-    made = content["provenance"]
-    machine = made["machine"]
     lines = [f"# {title}", "", _line(rows[0]), _line(["---"] * len(rows[0])), *map(_line, rows[1:]), ""]
-    lines.append(
-        f"Made by `{made['command']}` at commit {made['commit'][:12]}{' (changed)' if made['dirty'] else ''} on "
+    lines.append(origin(content["provenance"]))
+    write_texts(folder, {f"{name}.json": json.dumps(content, indent=2) + "\n", f"{name}.md": "\n".join(lines) + "\n"})
+
+
+def origin(made: Mapping[str, Any]) -> str:
+    """One line about what made a file."""
+    machine = made["machine"]
+    changed = " (changed)" if made["dirty"] else ""
+    return (
+        f"Made by `{made['command']}` at commit {made['commit'][:12]}{changed} on {machine['processor']}, "
+        f"{machine['cores']} cores, Python {machine['python']}."
     )
-    lines[-1] += f"{machine['processor']}, {machine['cores']} cores, Python {machine['python']}."
-    _write(folder / f"{name}.md", "\n".join(lines) + "\n")
 
 
 def _line(cells: Sequence[str]) -> str:
     return "| " + " | ".join(cells) + " |"
-
-
-def _write(path: Path, text: str) -> None:
-    beside = path.with_name(f".{path.name}")
-    beside.write_text(text, encoding="utf-8")
-    beside.replace(path)
 
 
 def _git(*arguments: str) -> str:

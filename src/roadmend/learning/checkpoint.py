@@ -1,9 +1,7 @@
 """Networks as files: safetensors with a JSON header. Nothing that could run is ever loaded."""
 
-import contextlib
 import hashlib
 import json
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +13,7 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError
 
 from roadmend.core.errors import InputError
+from roadmend.core.whole_file import written_beside
 
 FORMAT = "roadmend-model/1"
 REQUIRED = ("kind", "configuration", "data_digest", "metrics", "ancestry")  # what a header has besides its format
@@ -57,17 +56,8 @@ def save_checkpoint(path: Path, tensors: Tensors, header: Mapping[str, Any]) -> 
     whole = json.loads(json.dumps({**header, "format": FORMAT}, allow_nan=False))  # as it will be read: tuples as lists
     whole[_CHECKSUM] = _checksum(whole, arrays)
     data = safetensors.numpy.save(arrays, {_KEY: _canonical(whole)})
-    part = path.with_name(f"{path.name}.{os.getpid()}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        part.write_bytes(data)
-        part.replace(path)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            part.unlink(missing_ok=True)
-        raise InputError(
-            str(path), f"cannot be written ({error.strerror})", "give another place, or make room"
-        ) from error
+    with written_beside(path) as beside:
+        beside.write_bytes(data)
     return hashlib.sha256(data).hexdigest()
 
 

@@ -21,6 +21,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
+from roadmend.core.whole_file import write_text
 from roadmend.nodes import convert, qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.odometry import ego_of_bytes, stamp_of_bytes
@@ -342,10 +343,7 @@ class RepairNode(LifecycleNode):
     def close(self) -> None:
         """Write the tally if a file was named."""
         if self._summary:
-            path = Path(self._summary)
-            beside = path.with_name(f".{path.name}")
-            beside.write_text(json.dumps(self._tally.values(), indent=1), encoding="utf-8")
-            beside.replace(path)
+            write_text(Path(self._summary), json.dumps(self._tally.values(), indent=1))
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 import sys
 import time
 from collections.abc import Sequence
@@ -16,6 +15,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 
 from roadmend.core.command import Command
 from roadmend.core.outcome import Event, EventKind
+from roadmend.core.whole_file import write_text
 from roadmend.nodes import convert, qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.odometry import OdometryWriter
@@ -245,10 +245,7 @@ class SimNode(Node):
             "digest": summary.digest,
             "scenario_digest": self._simulation.scenario.digest,
         }
-        path = Path(self._summary_path)
-        beside = path.with_name(f".{path.name}.{os.getpid()}")
-        beside.write_text(json.dumps(content, indent=1), encoding="utf-8")
-        beside.replace(path)
+        write_text(Path(self._summary_path), json.dumps(content, indent=1))
 
     def _health(self) -> Health:
         values = {

@@ -1,13 +1,13 @@
 """Scenarios on disk: JSON, YAML or the text form, told apart by the ending of the name."""
 
 import json
-import os
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from roadmend.core.errors import InputError
+from roadmend.core.whole_file import write_text
 from roadmend.safe.dsl import CrashScenario
 from roadmend.safe.dsl_data import dump_data, parse_data
 from roadmend.safe.dsl_text import dump_text, parse_text
@@ -61,22 +61,7 @@ def save_crash_scenario(scenario: CrashScenario, path: Path) -> None:
     Raises:
         InputError: the place cannot be written.
     """
-    write_whole(path, dump_crash_scenario(scenario, path.suffix))
-
-
-def write_whole(path: Path, text: str) -> None:
-    """Write a text file, complete or not at all.
-
-    Raises:
-        InputError: the place cannot be written.
-    """
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        beside.write_text(text, encoding="utf-8")
-        beside.replace(path)
-    except OSError as error:
-        raise InputError(str(path), f"cannot be written ({error.strerror})", "choose a writable folder") from None
+    write_text(path, dump_crash_scenario(scenario, path.suffix))
 
 
 def _parse_json(text: str, where: str) -> CrashScenario:

@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from roadmend.core.errors import InputError, RoadmendError
+from roadmend.core.whole_file import write_text
 from roadmend.language.exchange import dump_exchanges
 from roadmend.language.replay import ENDING
 from roadmend.safe.dsl_data import dump_data
-from roadmend.safe.dsl_file import load_crash_scenario, save_crash_scenario, write_whole
+from roadmend.safe.dsl_file import load_crash_scenario, save_crash_scenario
 from roadmend.safe.extraction import Extraction, ExtractionError, Extractor
 from roadmend.safe.report import load_report
 
@@ -79,7 +80,7 @@ def _extract_one(path: Path, extractor: Extractor, settings: str, out: Path) -> 
         extraction = extractor.extract(report)
     except ExtractionError as error:
         if error.exchanges:
-            write_whole(out / f"{case}{ENDING}", dump_exchanges(error.exchanges))
+            write_text(out / f"{case}{ENDING}", dump_exchanges(error.exchanges))
         return Extracted(case, None, f"{path}: {error}", (), is_new=True)
     return _save(extraction, case, key, out)
 
@@ -105,10 +106,10 @@ def _save(extraction: Extraction, case: str, key: str, out: Path) -> Extracted:
         "fields": fields,
     }
     if extraction.exchanges:
-        write_whole(out / f"{case}{ENDING}", dump_exchanges(extraction.exchanges))
+        write_text(out / f"{case}{ENDING}", dump_exchanges(extraction.exchanges))
     save_crash_scenario(extraction.scenario, out / f"{case}.json")
     # Last, for it is what tells a later run that the report is done.
-    write_whole(out / f"{case}.evidence.json", json.dumps(content, indent=1, ensure_ascii=False) + "\n")
+    write_text(out / f"{case}.evidence.json", json.dumps(content, indent=1, ensure_ascii=False) + "\n")
     scenario = dump_data(extraction.scenario)
     return Extracted(case, scenario, None, _open_fields(fields), is_new=True)
 

@@ -14,6 +14,7 @@ from scenariogeneration import xosc
 from roadmend import __version__
 from roadmend.core.errors import InputError
 from roadmend.core.route import Stage
+from roadmend.core.whole_file import written_beside
 from roadmend.world.drivers import BODIES
 from roadmend.world.network import network_file
 from roadmend.world.opendrive import write_opendrive
@@ -70,12 +71,8 @@ def export_scenario(scenario: Scenario, folder: Path) -> tuple[Path, Path]:
     roads, story = folder / f"{scenario.name}.xodr", folder / f"{scenario.name}.xosc"
     write_opendrive(path, roads)
     described = _Description(scenario, read_network(path)).build(roads.name)
-    beside = story.with_name(f".{story.name}")
-    try:
+    with written_beside(story) as beside:
         described.write_xml(str(beside))
-        beside.replace(story)
-    except OSError as error:
-        raise InputError(str(story), f"cannot be written ({error.strerror})", "choose a writable folder") from None
     return story, roads
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from roadmend.core.errors import InputError
+from roadmend.core.whole_file import written_beside
 from roadmend.evaluation.scene_layers import LaneMap, Trail
 from roadmend.evaluation.scene_picture import SceneView, draw_scene
 from roadmend.safe.trial import Trial
@@ -38,13 +38,8 @@ def draw_trial(scenario: Scenario, trial: Trial, out: Path) -> None:
         ),
         outcome=trial.summary.outcome.name.lower().replace("_", " "),
     )
-    beside = out.with_name(f".{out.name}")
-    try:
-        out.parent.mkdir(parents=True, exist_ok=True)
+    with written_beside(out) as beside:
         draw_scene(view, _SPAN).savefig(beside, dpi=_DPI, format="png")
-        beside.replace(out)
-    except OSError as error:
-        raise InputError(str(out), f"cannot be written ({error.strerror})", "choose a writable folder") from None
 
 
 def _map_of(network: RoadNetwork) -> LaneMap:

@@ -2,13 +2,13 @@
 
 import fcntl
 import json
-import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Self
 
 from roadmend.core.errors import InputError
+from roadmend.core.whole_file import write_text
 from roadmend.search.evaluation import Evaluation
 
 FORMAT = "roadmend-search/1"
@@ -117,9 +117,7 @@ class Ledger:
         if not path.exists():
             if any(self.folder.glob("[!.]*")):
                 raise InputError(str(self.folder), "holds no search and is not empty", "choose another folder")
-            beside = path.with_name(f".{SETTINGS}.{os.getpid()}")
-            beside.write_text(json.dumps(settings, indent=2) + "\n", encoding="utf-8")
-            beside.replace(path)
+            write_text(path, json.dumps(settings, indent=2) + "\n")
             return
         try:
             kept = json.loads(path.read_text(encoding="utf-8"))

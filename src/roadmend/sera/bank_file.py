@@ -5,7 +5,7 @@ import os
 import sqlite3
 import zlib
 from collections.abc import Iterator, Sequence
-from contextlib import closing, contextmanager, suppress
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
 from roadmend.core.errors import InputError
+from roadmend.core.whole_file import written_beside
 from roadmend.sera.descriptor import Descriptor, Entry
 from roadmend.world.scenario import Scenario
 
@@ -41,23 +42,17 @@ def new_file(path: Path) -> Iterator[sqlite3.Connection]:
     Raises:
         InputError: the place cannot be written.
     """
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        beside.unlink(missing_ok=True)
-        with closing(sqlite3.connect(beside)) as connection:
-            # Nobody sees the file before it is whole, so there is nothing for a journal to roll back.
-            connection.executescript(f"PRAGMA journal_mode=OFF; PRAGMA application_id={_APPLICATION}; {_SCHEMA}")
-            yield connection
-            connection.commit()
-        with beside.open("rb") as file:
-            os.fsync(file.fileno())
-        beside.replace(path)
-    except (OSError, sqlite3.OperationalError) as error:
+        with written_beside(path) as beside:
+            with closing(sqlite3.connect(beside)) as connection:
+                # Nobody sees the file before it is whole, so there is nothing for a journal to roll back.
+                connection.executescript(f"PRAGMA journal_mode=OFF; PRAGMA application_id={_APPLICATION}; {_SCHEMA}")
+                yield connection
+                connection.commit()
+            with beside.open("rb") as file:
+                os.fsync(file.fileno())
+    except sqlite3.OperationalError as error:
         raise InputError(str(path), f"cannot be written ({error})", "choose a writable place with room") from None
-    finally:
-        with suppress(OSError):
-            beside.unlink(missing_ok=True)
 
 
 def open_file(path: Path) -> tuple[sqlite3.Connection, dict[str, str]]:

@@ -1,7 +1,6 @@
 """Banks as JSON lines: a header, then one entry a line."""
 
 import json
-import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -9,6 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from roadmend.core.errors import InputError
+from roadmend.core.whole_file import written_beside
 from roadmend.sera.bank import Bank
 from roadmend.sera.bank_file import DESCRIPTOR
 from roadmend.sera.descriptor import Entry
@@ -24,17 +24,9 @@ def export_bank(bank: Bank, path: Path) -> None:
     Raises:
         InputError: the place cannot be written, or the bank is damaged.
     """
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with beside.open("w", encoding="utf-8") as file:
-            file.write(json.dumps({"format": FORMAT, "entries": len(bank)}) + "\n")
-            file.writelines(_dump(entry) for entry in bank.entries())
-        beside.replace(path)
-    except OSError as error:
-        raise InputError(str(path), f"cannot be written ({error.strerror})", "choose a writable place") from None
-    finally:
-        beside.unlink(missing_ok=True)
+    with written_beside(path) as beside, beside.open("w", encoding="utf-8") as file:
+        file.write(json.dumps({"format": FORMAT, "entries": len(bank)}) + "\n")
+        file.writelines(_dump(entry) for entry in bank.entries())
 
 
 def read_export(path: Path) -> Iterator[Entry]:

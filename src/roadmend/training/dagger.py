@@ -19,6 +19,7 @@ import torch
 from torch.utils.tensorboard import SummaryWriter
 
 from roadmend.core.errors import InputError
+from roadmend.core.whole_file import written_beside
 from roadmend.learning.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from roadmend.policies.neural import KIND
 from roadmend.training.imitation import Losses, NeuralNetwork, fit
@@ -39,13 +40,11 @@ def samples_digest(samples: Samples) -> str:
 
 def save_samples(path: Path, samples: Samples, made_by: str) -> None:
     """Write samples, whole or not at all, with the description of what made them."""
-    part = path.with_name(f"{path.name}.part")
-    with part.open("wb") as file:
+    with written_beside(path) as beside, beside.open("wb") as file:
         np.savez(
             file, tokens=samples.tokens, counts=samples.counts, actions=samples.actions, changes=samples.changes,
             episodes=samples.episodes, outcomes=np.array(samples.outcomes), made_by=np.array(made_by),
         )  # fmt: skip
-    part.replace(path)
 
 
 def load_samples(path: Path, made_by: str) -> Samples:

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import os
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -14,6 +13,7 @@ from typing import Any, Self
 from roadmend import __version__
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
+from roadmend.core.whole_file import write_text
 from roadmend.world.families import FAMILIES
 from roadmend.world.point_text import dump_point, parse_point
 from roadmend.world.scenario import Scenario
@@ -158,13 +158,7 @@ def save_corpus(corpus: Corpus, path: Path) -> None:
     Raises:
         InputError: the place cannot be written.
     """
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        beside.write_text(dump_corpus(corpus), encoding="utf-8")
-        beside.replace(path)
-    except OSError as error:
-        raise InputError(str(path), f"cannot be written ({error.strerror})", "choose a writable place") from None
+    write_text(path, dump_corpus(corpus))
 
 
 def load_corpus(path: Path) -> Corpus:

@@ -1,7 +1,6 @@
 """Scenarios on disk: YAML in, YAML out, errors in one line."""
 
 import json
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ import yaml
 from pydantic import ValidationError
 
 from roadmend.core.errors import InputError
+from roadmend.core.whole_file import write_text
 from roadmend.world.scenario import NetworkFile, Scenario, SumoConfiguration
 
 
@@ -98,13 +98,7 @@ def save_scenario(scenario: Scenario, path: Path) -> None:
     Raises:
         InputError: the place cannot be written.
     """
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        beside.write_text(dump_scenario(scenario), encoding="utf-8")
-        beside.replace(path)
-    except OSError as error:
-        raise InputError(str(path), f"cannot be written ({error.strerror})", "choose a writable folder") from None
+    write_text(path, dump_scenario(scenario))
 
 
 def scenario_schema() -> dict[str, Any]:

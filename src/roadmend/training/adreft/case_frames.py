@@ -1,6 +1,5 @@
 """Frames of one case: what the model would have seen while the policy drove alone. On disk as one .npz file."""
 
-import os
 import zipfile
 import zlib
 from dataclasses import dataclass, fields
@@ -9,6 +8,8 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
+
+from roadmend.core.whole_file import written_beside
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,14 +35,11 @@ class CaseFrames:
         """Write the file, whole or not at all.
 
         Raises:
-            OSError: the place cannot be written.
+            InputError: the place cannot be written.
         """
-        path.parent.mkdir(parents=True, exist_ok=True)
-        beside = path.with_name(f".{path.name}.{os.getpid()}")
-        with beside.open("wb") as file:
-            content: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
+        content: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
+        with written_beside(path) as beside, beside.open("wb") as file:
             np.savez(file, allow_pickle=False, **content)
-        beside.replace(path)
 
     @classmethod
     def load(cls, path: Path) -> Self:

@@ -136,8 +136,5 @@ def _keep(case: EpisodeCase, *, recipe: Recipe, cache: Path) -> Path:
     except ValueError:
         pass  # a damaged file is made anew
     frames = frames_of_case(case, recipe)
-    try:
-        frames.save(path)
-    except OSError as error:
-        raise InputError(str(cache), f"cannot be written ({error.strerror})", "choose a writable folder") from None
+    frames.save(path)
     return path

@@ -9,7 +9,6 @@ In later rounds a model drives along: what it does not hold at random is its own
 comes of its own interventions, and where they are too few or too many.
 """
 
-import os
 import zipfile
 import zlib
 from collections.abc import Callable, Sequence
@@ -27,6 +26,7 @@ from roadmend.core.outcome import EventKind
 from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
+from roadmend.core.whole_file import written_beside
 from roadmend.policies.registry import make_policy
 from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.model import AdreftModel
@@ -64,14 +64,11 @@ class CaseTrials:
         """Write the file, whole or not at all.
 
         Raises:
-            OSError: the place cannot be written.
+            InputError: the place cannot be written.
         """
-        path.parent.mkdir(parents=True, exist_ok=True)
-        beside = path.with_name(f".{path.name}.{os.getpid()}")
-        with beside.open("wb") as file:
-            content: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
+        content: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
+        with written_beside(path) as beside, beside.open("wb") as file:
             np.savez(file, allow_pickle=False, **content)
-        beside.replace(path)
 
     @classmethod
     def load(cls, path: Path) -> Self:
@@ -244,8 +241,5 @@ def _keep(case: EpisodeCase, *, recipe: Recipe, plan: TrialPlan, cache: Path, gu
     except ValueError:
         pass  # a damaged file is made anew
     trials = try_case(case, recipe, plan, guide)
-    try:
-        trials.save(path)
-    except OSError as error:
-        raise InputError(str(cache), f"cannot be written ({error.strerror})", "choose a writable folder") from None
+    trials.save(path)
     return path
