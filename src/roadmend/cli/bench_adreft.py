@@ -10,14 +10,13 @@ from typing import Any
 import click
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-from rich.table import Table
 
 from roadmend.cli.adreft_cost import cost_of
 from roadmend.cli.adreft_entrants import Choice, find_entrants
 from roadmend.cli.adreft_labels import weak_labels
 from roadmend.cli.bench_robustness import run_robustness
 from roadmend.cli.resources import config_folder
-from roadmend.cli.table import wide_console
+from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError
 from roadmend.evaluation.benchmark_content import build_content, case_table, differences, dump_json, unequal
 from roadmend.evaluation.benchmark_files import read_json, write_benchmark
@@ -196,11 +195,7 @@ def _to_table(content: dict[str, Any], path: Path) -> dict[str, dict[str, float]
 
 
 def _show(content: dict[str, Any]) -> None:
-    rows = headline(content)
-    table = Table(*rows[0], box=None, pad_edge=False, header_style="bold")
-    for row in rows[1:]:
-        table.add_row(*row)
-    wide_console().print(table)
+    show_rows(headline(content))
     for policy, methods in content.get("difference_to_table", {}).items():
         for method, value in methods.items():
             click.echo(f"{policy}, {method}: ΔE {value:+.1f} against the committed table")

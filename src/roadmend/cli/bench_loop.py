@@ -1,7 +1,6 @@
 """``roadmend bench loop``: what the loop costs beside bare SUMO and beside a bare ring of nodes."""
 
 import itertools
-import json
 import os
 import statistics
 import subprocess
@@ -16,11 +15,10 @@ from typing import Any
 import click
 from rich.console import Console
 from rich.progress import Progress
-from rich.table import Table
 
-from roadmend.cli.table import wide_console
+from roadmend.cli.figures import Figures
 from roadmend.core.errors import RoadmendError
-from roadmend.evaluation.benchmark_report import provenance, write_report
+from roadmend.evaluation.benchmark_report import provenance
 from roadmend.nodes.domain import own_domain
 from roadmend.nodes.launcher import GraphOptions, run_graph
 from roadmend.policies.registry import make_policy
@@ -70,16 +68,7 @@ def loop(scenarios: int, repeats: int, out: Path | None, *, as_json: bool) -> No
         graph = _graph(repeats, advance)
     content = {"provenance": provenance(f"./roadmend bench loop --scenarios {scenarios} --repeats {repeats}")}
     content |= {"in_process": in_process, "graph": graph}
-    rows = _rows(in_process, graph)
-    if out is not None:
-        write_report(out, "loop", "Cost of the loop", content, rows)
-    if as_json:
-        click.echo(json.dumps(content, indent=2))
-        return
-    table = Table(*rows[0], box=None, header_style="bold")
-    for row in rows[1:]:
-        table.add_row(*row)
-    wide_console().print(table)
+    Figures("loop", "Cost of the loop", content, _rows(in_process, graph)).publish(out, as_json=as_json)
 
 
 def _in_process(scenarios: int, advance: Callable[[], None]) -> dict[str, Any]:

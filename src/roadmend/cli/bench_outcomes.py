@@ -1,6 +1,5 @@
 """``roadmend bench outcomes``: how a policy fares in random scenarios, and that runs repeat bit for bit."""
 
-import json
 import math
 import multiprocessing
 import os
@@ -13,11 +12,10 @@ from typing import Any
 import click
 from rich.console import Console
 from rich.progress import Progress
-from rich.table import Table
 
-from roadmend.cli.table import wide_console
+from roadmend.cli.figures import Figures
 from roadmend.core.outcome import EventKind
-from roadmend.evaluation.benchmark_report import provenance, write_report
+from roadmend.evaluation.benchmark_report import provenance
 from roadmend.evaluation.intervals import wilson
 from roadmend.policies.registry import POLICIES, make_policy
 from roadmend.repair.registry import METHODS, make_repairer
@@ -103,18 +101,10 @@ def outcomes(
     if first_seed:
         command += f" --first-seed {first_seed}"
     content = {"provenance": provenance(command), "policy": policy, "method": method, "faults": faults} | content
-    if out is not None:
-        name = f"outcomes-{policy}-{method}"
-        write_report(out, name, f"{policy} with repair {method} in random scenarios", content, rows)
-    if as_json:
-        click.echo(json.dumps(content, indent=2))
-    else:
-        table = Table(*rows[0], box=None, header_style="bold")
-        for row in rows[1:]:
-            table.add_row(*row)
-        wide_console().print(table)
-        for fault in faults:
-            click.echo(fault, err=True)
+    title = f"{policy} with repair {method} in random scenarios"
+    Figures(f"outcomes-{policy}-{method}", title, content, rows).publish(out, as_json=as_json)
+    for fault in faults:
+        click.echo(fault, err=True)
     return 1 if faults else 0
 
 

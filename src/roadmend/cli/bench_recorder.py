@@ -1,6 +1,5 @@
 """``roadmend bench recorder``: what the recorder takes in beside the bare MCAP writer, and what a kill costs."""
 
-import json
 import statistics
 import tempfile
 from collections.abc import Sequence
@@ -10,10 +9,9 @@ from typing import Any
 import click
 from rich.console import Console
 from rich.progress import Progress
-from rich.table import Table
 
-from roadmend.cli.table import wide_console
-from roadmend.evaluation.benchmark_report import provenance, write_report
+from roadmend.cli.figures import Figures
+from roadmend.evaluation.benchmark_report import provenance
 from roadmend.nodes.load import serialized_messages
 from roadmend.nodes.recorder_trial import Killed, Load, Recorded, kill, moments, record
 from roadmend.recording.bag_file import Compression
@@ -69,16 +67,7 @@ def recorder(
         "ratio_to_bare": _spread(ratios),
         "killed": _losses(killed),
     }
-    rows = _rows(content)
-    if out is not None:
-        write_report(out, "recorder", "The recorder", content, rows)
-    if as_json:
-        click.echo(json.dumps(content, indent=2))
-        return
-    table = Table(*rows[0], box=None, header_style="bold")
-    for row in rows[1:]:
-        table.add_row(*row)
-    wide_console().print(table)
+    Figures("recorder", "The recorder", content, _rows(content)).publish(out, as_json=as_json)
 
 
 def _bare(folder: Path, count: int, size: int, compression: str) -> float:

@@ -1,6 +1,5 @@
 """``roadmend bench retrieval``: how fast and how well a large scenario bank finds what fits a failure."""
 
-import json
 import multiprocessing
 import random
 import resource
@@ -12,11 +11,10 @@ from pathlib import Path
 from typing import Any, get_args
 
 import click
-from rich.table import Table
 
+from roadmend.cli.figures import Figures
 from roadmend.cli.sera_bank import build_progress
-from roadmend.cli.table import wide_console
-from roadmend.evaluation.benchmark_report import provenance, write_report
+from roadmend.evaluation.benchmark_report import provenance
 from roadmend.sera.bank import Bank, build_bank
 from roadmend.sera.facets import Filters
 from roadmend.sera.generated import generate
@@ -47,16 +45,7 @@ def retrieval(scenarios: int, queries: int, out: Path | None, *, as_json: bool) 
         with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
             content |= pool.submit(_build, path, scenarios).result()
         content |= _search(path, queries)
-    rows = _rows(content)
-    if out is not None:
-        write_report(out, "retrieval", "Retrieval from the scenario bank", content, rows)
-    if as_json:
-        click.echo(json.dumps(content, indent=2))
-        return
-    table = Table(*rows[0], box=None, header_style="bold")
-    for row in rows[1:]:
-        table.add_row(*row)
-    wide_console().print(table)
+    Figures("retrieval", "Retrieval from the scenario bank", content, _rows(content)).publish(out, as_json=as_json)
 
 
 def _build(path: Path, scenarios: int) -> dict[str, Any]:

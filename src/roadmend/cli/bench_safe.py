@@ -1,17 +1,15 @@
 """``roadmend bench safe``: crash reports read, built, driven and reproduced, beside the paper's figures."""
 
-import json
 import os
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import click
-from rich.table import Table
 
+from roadmend.cli.figures import Figures
 from roadmend.cli.safe_work import open_cases, work_through
-from roadmend.cli.table import wide_console
-from roadmend.evaluation.benchmark_report import provenance, write_report
+from roadmend.evaluation.benchmark_report import provenance
 from roadmend.policies.registry import POLICIES
 from roadmend.safe.driving import Task
 from roadmend.safe.planning import plan
@@ -66,16 +64,9 @@ def safe(
     chosen = " ".join(f"--policy {policy}" for policy in policies)
     command = f"./roadmend bench safe REPORTS {chosen} --samples {samples} --budget {budget} --seed {seed}"
     content = {"provenance": provenance(command), **_content(len(cases), tested, again, scores)}
-    rows = _rows(len(cases), tested, again, scores)
-    if out is not None:
-        write_report(out, "safe", "From crash reports to scenarios", content, rows)
-    if as_json:
-        click.echo(json.dumps(content, indent=2))
-        return 0
-    table = Table(*rows[0], box=None, pad_edge=False, header_style="bold")
-    for row in rows[1:]:
-        table.add_row(*row)
-    wide_console().print(table)
+    Figures("safe", "From crash reports to scenarios", content, _rows(len(cases), tested, again, scores)).publish(
+        out, as_json=as_json
+    )
     return 0
 
 

@@ -4,11 +4,10 @@ import json
 from pathlib import Path
 
 import click
-from rich.table import Table
 
 from roadmend.cli.safe_work import open_cases, policies_option, shared_options, work_through
-from roadmend.cli.table import wide_console
-from roadmend.evaluation.benchmark_files import write_files
+from roadmend.cli.table import show_rows
+from roadmend.core.whole_file import write_texts
 from roadmend.safe.driving import Task
 from roadmend.safe.planning import plan
 from roadmend.safe.result_pages import reproduction_report
@@ -36,14 +35,11 @@ def reproduce(
     tallies = {
         policy: tally_reproductions(cases, [each for each in results if each.policy == policy]) for policy in policies
     }
-    write_files(out, reproduction_report(cases, tallies, results, out))
+    write_texts(out, reproduction_report(cases, tallies, results, out))
     if as_json:
         click.echo(json.dumps({policy: found.as_dict() for policy, found in tallies.items()}, indent=2))
         return 0
     titles = ("policy", "reports", "reproduced", "share", "of those with two vehicles or more", "episodes")
-    table = Table(*titles, box=None, pad_edge=False, header_style="bold")
-    for policy, found in tallies.items():
-        table.add_row(policy, *found.cells())
-    wide_console().print(table)
+    show_rows([titles, *((policy, *found.cells()) for policy, found in tallies.items())])
     click.echo(f"report: {out / 'reproduction.html'}")
     return 0

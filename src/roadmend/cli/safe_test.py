@@ -4,11 +4,10 @@ import json
 from pathlib import Path
 
 import click
-from rich.table import Table
 
 from roadmend.cli.safe_work import open_cases, policies_option, shared_options, work_through
-from roadmend.cli.table import wide_console
-from roadmend.evaluation.benchmark_files import write_files
+from roadmend.cli.table import show_rows
+from roadmend.core.whole_file import write_texts
 from roadmend.safe.driving import Task
 from roadmend.safe.planning import plan
 from roadmend.safe.result_pages import test_report
@@ -32,16 +31,13 @@ def safe_test(
     jobs = plan(Task.TEST, cases, policies, out, samples=samples, seed=seed, pictures=pictures)
     results = work_through(jobs, out, workers, "episodes")
     tallies = {policy: tally_tests(cases, [each for each in results if each.policy == policy]) for policy in policies}
-    write_files(out, test_report(cases, tallies, results, out))
+    write_texts(out, test_report(cases, tallies, results, out))
     content = {policy: found.as_dict() for policy, found in tallies.items()}
     if as_json:
         click.echo(json.dumps(content, indent=2))
     else:
         titles = ("policy", "reports", "built", "scenarios", "collisions", "at fault", "violation rate", "top-1/2/3",
                   "s per scenario")  # fmt: skip
-        table = Table(*titles, box=None, pad_edge=False, header_style="bold")
-        for policy, found in tallies.items():
-            table.add_row(policy, *found.cells())
-        wide_console().print(table)
+        show_rows([titles, *((policy, *found.cells()) for policy, found in tallies.items())])
         click.echo(f"report: {out / 'report.html'}")
     return 0 if all(found.built == found.reports for found in tallies.values()) else 1

@@ -6,10 +6,10 @@ from pathlib import Path
 import click
 from rich.console import Console
 from rich.progress import Progress
-from rich.table import Table
 
-from roadmend.cli.table import wide_console
+from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError
+from roadmend.core.whole_file import write_text
 from roadmend.sera.analyser import ANALYSERS
 from roadmend.sera.analysis import Analysis, analyse, dump_analysis, find_bags, read_incidents
 from roadmend.sera.analysis_report import NOTHING, pattern_rows, report
@@ -47,8 +47,8 @@ def analyse_bags(bags: tuple[Path, ...], analyser: str, out: Path | None, worker
             progress.advance(task)
     analysis = analyse(readings, ANALYSERS[analyser]())
     if out is not None:
-        _write(out, dump_patterns(analysis.patterns))
-        _write(out.with_suffix(".md"), report(analysis))
+        write_text(out, dump_patterns(analysis.patterns))
+        write_text(out.with_suffix(".md"), report(analysis))
     if as_json:
         click.echo(dump_analysis(analysis), nl=False)
     else:
@@ -62,19 +62,4 @@ def _show(analysis: Analysis) -> None:
     if not analysis.patterns:
         click.echo(NOTHING if analysis.bags else "No bag could be read.")
         return
-    head, *rows = pattern_rows(analysis)
-    table = Table(*head, box=None, pad_edge=False, header_style="bold")
-    for row in rows:
-        table.add_row(*row)
-    wide_console().print(table)
-
-
-def _write(path: Path, text: str) -> None:
-    """Complete or not at all."""
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        beside.write_text(text, encoding="utf-8")
-        beside.replace(path)
-    except OSError as error:
-        raise InputError(str(path), f"cannot be written ({error.strerror})", "choose a writable place") from None
+    show_rows(pattern_rows(analysis))

@@ -10,9 +10,8 @@ from typing import Any, cast
 import click
 from rich.console import Console
 from rich.progress import Progress
-from rich.table import Table
 
-from roadmend.cli.table import wide_console
+from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError
 from roadmend.evaluation.benchmark_report import provenance, write_report
 from roadmend.evaluation.driving_measures import DrivingMeasures
@@ -143,10 +142,7 @@ def _measures(
 
 
 def _show(rows: Sequence[Sequence[str]], content: dict[str, Any]) -> None:
-    table = Table(*rows[0], box=None, pad_edge=False, header_style="bold")
-    for row in rows[1:]:
-        table.add_row(*row)
-    wide_console().print(table)
+    show_rows(rows)
     bags = sum(bool(episode["bag"]) for episode in content["episodes"])
     left = content["left_out"]
     click.echo(f"{bags} bag{'' if bags == 1 else 's'}" + (f"; {left} known scenarios left out" if left else ""))

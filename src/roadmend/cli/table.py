@@ -16,6 +16,14 @@ def wide_console() -> Console:
     return Console(width=None if sys.stdout.isatty() else 200)
 
 
+def show_rows(rows: Sequence[Sequence[str]]) -> None:
+    """Print a table; the first row is the heading."""
+    table = Table(*rows[0], box=None, pad_edge=False, header_style="bold")
+    for row in rows[1:]:
+        table.add_row(*row)
+    wide_console().print(table)
+
+
 def show_results(results: Sequence[RunResult], console: Console) -> None:
     """Print one row a run."""
     table = Table(box=None, pad_edge=False, header_style="bold")
