@@ -27,9 +27,14 @@ def test_the_old_file_stays_until_the_block_ends(tmp_path):
 def test_a_failure_leaves_the_old_file_and_nothing_half_written(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("old")
-    with pytest.raises(RuntimeError), written_beside(path) as beside:
-        beside.write_text("half")
-        raise RuntimeError
+
+    def stop_halfway() -> None:
+        with written_beside(path) as beside:
+            beside.write_text("half")
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        stop_halfway()
     assert path.read_text() == "old"
     assert names(tmp_path) == ["a.txt"]
 

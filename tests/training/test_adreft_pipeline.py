@@ -6,6 +6,7 @@ import sys
 import pytest
 import yaml
 
+from roadmend.cli import corpus_choice
 from roadmend.cli.main import main
 from roadmend.learning.checkpoint import load_checkpoint
 from roadmend.policies.registry import POLICIES
@@ -44,6 +45,7 @@ PRACTISED = {
 def train(tmp_path, monkeypatch):
     """Runs the command for the blind policy in this process; returns its exit code."""
     monkeypatch.setitem(POLICIES, "blind", BlindPolicy)
+    monkeypatch.setitem(POLICIES, "sleepy", BlindPolicy)
     monkeypatch.delitem(sys.modules, "roadmend.cli.train_adreft", raising=False)  # its choices are read at import
     importlib.import_module("roadmend.cli.train_adreft")
 
@@ -122,6 +124,23 @@ def test_rounds_of_practice_go_on_where_they_stood(train, tmp_path):
     assert AdreftModel.load(guide).digest != AdreftModel.load(tmp_path / "whole.safetensors").digest
 
 
+def test_the_trials_of_another_policy_can_be_practised_on_too(train, tmp_path, monkeypatch):
+    corpus = blind_corpus(1, 1)
+    other = type(corpus)("sleepy", blind_corpus(2, 1).cases)
+    monkeypatch.setattr(corpus_choice, "config_folder", lambda: tmp_path / "config")
+    save_corpus(other, tmp_path / "config" / "corpora" / "sleepy.jsonl")
+    once = {**PRACTISED, "practice": {**PRACTISED["practice"], "rounds": 1}}
+    assert train(corpus, once, "alone.safetensors") == 0
+    assert train(corpus, once, "both.safetensors", "--also", "sleepy") == 0
+    alone, both = (load_checkpoint(tmp_path / f"{name}.safetensors").header for name in ("alone", "both"))
+    assert alone["data"]["also"] == []
+    assert [(each["name"], each["corpus"]) for each in both["data"]["also"]] == [("sleepy", other.digest)]
+    assert alone["data_digest"] != both["data_digest"]
+    assert alone["data"]["training"] == both["data"]["training"]
+    count = len(list((tmp_path / "both.training" / "trials").iterdir()))
+    assert count == len(corpus.select(split="training")) + len(other.select(split="training"))
+
+
 @pytest.mark.parametrize("ablation", ["rand_r", "only_rl", "wo_sr", "wo_regulation"])
 def test_ablations_leave_something_out(train, tmp_path, ablation):
     corpus = blind_corpus(1, 1)
@@ -145,6 +164,7 @@ def test_ablations_leave_something_out(train, tmp_path, ablation):
         (["--only", "reinforcement"], "there is no supervised stage to begin with"),
         (["--start", "none.safetensors"], "none.safetensors: cannot be read"),
         (["--device", "abacus"], "'abacus' cannot be used here"),
+        (["--also", "sleepy"], "nothing is practised by this configuration"),
     ],
 )
 def test_what_cannot_be_is_said_in_one_line(train, tmp_path, capsys, options, words):
@@ -160,3 +180,5 @@ def test_a_corpus_without_violations_or_of_another_policy_is_refused(train, tmp_
     assert "training split: holds no violation" in capsys.readouterr().err
     assert train(type(corpus)("modular", corpus.cases), QUICK, "model.safetensors") == 2
     assert "is a corpus of the policy 'modular'" in capsys.readouterr().err
+    assert train(corpus, PRACTISED, "model.safetensors", "--also", "blind") == 2
+    assert "--also: 'blind' is the policy itself" in capsys.readouterr().err

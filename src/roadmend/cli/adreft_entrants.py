@@ -9,6 +9,7 @@ from typing import Any
 
 from rich.progress import Progress
 
+from roadmend.cli.corpus_choice import corpus_of
 from roadmend.core.errors import InputError
 from roadmend.evaluation.benchmark_run import HINDSIGHT, Entrants, Player
 from roadmend.evaluation.contenders import Absence, BenchmarkPlan, resolve
@@ -19,7 +20,7 @@ from roadmend.search.policy_model import policy_model
 from roadmend.training.hindsight import Bound
 from roadmend.training.hindsight_file import hindsight_bound
 from roadmend.training.pulse import PulsePlayer
-from roadmend.world.corpus import Case, Corpus, load_corpus
+from roadmend.world.corpus import Case, Corpus
 
 LUCKY = "hindsight_lucky"
 _SEARCH = "roadmend.training.hindsight"
@@ -70,9 +71,7 @@ def _entrants(
         if not path.is_file():
             reason = f"there is no corpus {path.name}"
             return Entrants(policy, "", "", (), (), (), tuple(Absence(name, policy, reason) for name in choice.methods))
-        corpus = load_corpus(path)
-        if corpus.policy != policy:
-            raise InputError(str(path), f"is a corpus of the policy {corpus.policy!r}", f"give one of {policy!r}")
+        corpus = corpus_of(policy, path)
     else:
         corpus = _fresh(choice, policy, work, workers, progress)
     model = policy_model(policy)

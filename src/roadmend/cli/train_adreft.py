@@ -9,6 +9,7 @@ import click
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from roadmend.cli.corpus_choice import corpus_of
 from roadmend.cli.resources import config_folder
 from roadmend.core.errors import InputError
 from roadmend.policies.registry import POLICIES
@@ -17,6 +18,7 @@ from roadmend.training.adreft.pipeline import (
     PRACTICE_STATE,
     REINFORCEMENT_STATE,
     SUPERVISED_STATE,
+    Companion,
     Only,
     Pipeline,
     Subject,
@@ -24,7 +26,6 @@ from roadmend.training.adreft.pipeline import (
 )
 from roadmend.training.device import choose_torch_device
 from roadmend.training.workers import open_mapper
-from roadmend.world.corpus import load_corpus
 
 _ABLATIONS: dict[str, tuple[Only, dict[str, dict[str, Any]]]] = {  # which stage alone, and what is set
     "rand_r": ("supervised", {"model": {"choice": "random"}}),
@@ -44,6 +45,10 @@ _ABLATIONS: dict[str, tuple[Only, dict[str, dict[str, Any]]]] = {  # which stage
 @click.option(
     "--config", "file", type=click.Path(path_type=Path, dir_okay=False),
     help="YAML file with the hyper-parameters; config/training/adreft.yaml if not given.",
+)  # fmt: skip
+@click.option(
+    "--also", type=click.Choice(sorted(POLICIES)), multiple=True,
+    help="Practise on the trials of this policy too, on the training cases of its own corpus; may be repeated.",
 )  # fmt: skip
 @click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Model file to write.")
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
@@ -68,8 +73,8 @@ _ABLATIONS: dict[str, tuple[Only, dict[str, dict[str, Any]]]] = {  # which stage
     help="Go on with an interrupted training of the same settings, or begin it anew; frames are kept either way.",
 )  # fmt: skip
 def adreft(
-    policy: str, corpus_file: Path | None, file: Path | None, out: Path, seed: int, device: str, workers: int,
-    only: Only, start: Path | None, ablation: str | None, work: Path | None, *, resume: bool | None,
+    policy: str, corpus_file: Path | None, file: Path | None, also: tuple[str, ...], out: Path, seed: int, device: str,
+    workers: int, only: Only, start: Path | None, ablation: str | None, work: Path | None, *, resume: bool | None,
 ) -> None:  # fmt: skip
     """Train ADReFT for one policy, by the stages that the configuration has.
 
@@ -84,15 +89,17 @@ def adreft(
     if ablation is not None:
         only, changes = _ABLATIONS[ablation][0] or only, _ABLATIONS[ablation][1]
         configuration = _changed(configuration, changes)
-    path = corpus_file or config_folder() / "corpora" / f"{policy}.jsonl"
-    corpus = load_corpus(path)
-    if corpus.policy != policy:
-        raise InputError(str(path), f"is a corpus of the policy '{corpus.policy}'", f"give one of '{policy}'")
+    if also and not configuration.practice.epochs:
+        raise InputError("--also", "nothing is practised by this configuration", "leave it out, or set practice.epochs")
+    if policy in also:
+        raise InputError("--also", f"'{policy}' is the policy itself", "name another one")
+    corpus = corpus_of(policy, corpus_file)
     work = work or out.with_name(f"{out.stem}.training")
     _open_work(work, resume=resume, keep_supervised=only == "reinforcement")
     subject = Subject(
-        policy, corpus.model or "", corpus.digest, corpus.select(split="training"), corpus.select(split="validation")
-    )
+        policy, corpus.model or "", corpus.digest, corpus.select(split="training"),
+        corpus.select(split="validation"), [_companion(other) for other in also],
+    )  # fmt: skip
     chosen = choose_torch_device(device, configuration.threads)
     columns = (
         TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn(),
@@ -111,6 +118,11 @@ def adreft(
         )  # fmt: skip
         trained = pipeline.run(out, only, start)
     _say(out, trained, time.perf_counter() - begin)
+
+
+def _companion(policy: str) -> Companion:
+    corpus = corpus_of(policy)
+    return Companion(policy, corpus.model or "", corpus.digest, corpus.select(split="training"))
 
 
 def _changed(configuration: TrainingConfiguration, changes: dict[str, dict[str, Any]]) -> TrainingConfiguration:

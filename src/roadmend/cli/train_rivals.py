@@ -13,7 +13,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from roadmend import __version__
-from roadmend.cli.resources import config_folder
+from roadmend.cli.corpus_choice import corpus_of
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import write_text
 from roadmend.learning.checkpoint import load_checkpoint
@@ -23,7 +23,7 @@ from roadmend.repair.self_oracle import KIND
 from roadmend.training.tuning import FORMAT, Tuned, Tuning
 from roadmend.training.tuning_grid import rivals_of
 from roadmend.training.workers import open_mapper
-from roadmend.world.corpus import Case, Corpus, load_corpus
+from roadmend.world.corpus import Case
 
 _RIVALS = tuple(rival.name for rival in rivals_of(""))
 
@@ -56,7 +56,7 @@ def self_oracle(policy: str, corpus_file: Path | None, out: Path, seed: int, epo
         train_self_oracle,
     )
 
-    corpus = _load(policy, corpus_file)
+    corpus = corpus_of(policy, corpus_file)
     settings = SelfOracleSettings(seed=seed, epochs=epochs)
     cases = corpus.select(split="training", violation=False)
     with _progress() as progress:
@@ -105,7 +105,7 @@ def rivals(
     equals the least intensity. Episodes are kept beside the file, in NAME.tuning: the same command goes on where it was
     interrupted. Rivals that are not asked for keep what an earlier call of the same kind has written.
     """
-    corpus = _load(policy, corpus_file)
+    corpus = corpus_of(policy, corpus_file)
     chosen = [rival for rival in rivals_of(str(model_file) if model_file else policy) if not only or rival.name in only]
     model = ""
     if any(rival.method == "model" for rival in chosen):
@@ -139,14 +139,6 @@ def rivals(
     click.echo(f"{out}: {', '.join(found)}")
 
 
-def _load(policy: str, file: Path | None) -> Corpus:
-    path = file or config_folder() / "corpora" / f"{policy}.jsonl"
-    corpus = load_corpus(path)
-    if corpus.policy != policy:
-        raise InputError(str(path), f"is a corpus of the policy '{corpus.policy}'", f"give one of '{policy}'")
-    return corpus
-
-
 def _first(cases: list[Case], number: int | None) -> list[Case]:
     """The first ``number`` of each family and kind, in order; all of them for None."""
     counts: dict[tuple[str, bool], int] = {}
@@ -171,7 +163,7 @@ def _written(path: Path, header: dict[str, Any]) -> dict[str, Any]:
     if not path.exists():
         return {}
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        content = yaml.safecorpus_of(path.read_text(encoding="utf-8"))
         same = all(content.get(name) == value for name, value in header.items())
         return dict(content["methods"]) if same else {}
     except (OSError, ValueError, yaml.YAMLError, AttributeError, KeyError, TypeError):

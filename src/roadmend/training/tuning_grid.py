@@ -7,7 +7,7 @@ from typing import Any
 
 Values = Mapping[str, Any]
 
-_RATES = (0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0001, 0.00001)
+_RATES = (0.7, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0001, 0.00001)
 _PREDICTIONS = (  # horizon [s], margin [m], turning, slowing
     *((horizon, margin, True, False) for horizon in (2.0, 3.0, 4.0) for margin in (0.3, 0.8)),
     *((3.0, margin, True, True) for margin in (0.3, 0.8)),
@@ -17,6 +17,7 @@ _PREDICTIONS = (  # horizon [s], margin [m], turning, slowing
     (6.5, 0.3, True, False),
     (8.0, 0.3, True, False),
     (5.0, 0.3, True, True),
+    *((horizon, 1.5, True, False) for horizon in (3.0, 4.0, 5.0)),
 )
 
 
@@ -51,7 +52,10 @@ def rivals_of(model: str) -> tuple[Rival, ...]:
             "rule",
             tuple(
                 {"time_to_collision": time, "side_margin": margin, "graded": graded}
-                for time, margin, graded in product((1.5, 2.5, 4.0), (0.0, 0.5), (False, True))
+                for (time, margin), graded in product(
+                    (*product((1.5, 2.5, 4.0), (0.0, 0.5)), (4.0, 1.0), (6.0, 0.5), (6.0, 1.0), (8.0, 1.0)),
+                    (False, True),
+                )
             ),
         ),
         Rival("model", "model", tuple({"model": model, "false_alarm_rate": rate} for rate in _RATES)),

@@ -49,6 +49,17 @@ class Subject:
     corpus_digest: str
     training: Sequence[EpisodeCase]
     validation: Sequence[EpisodeCase]
+    also: Sequence["Companion"] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Companion:
+    """Another policy, whose trials are practised on too: what braking does is much the same under any driver."""
+
+    policy: str
+    policy_digest: str  # of the policy's model; empty where it has none
+    corpus_digest: str
+    training: Sequence[EpisodeCase]
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,7 +189,6 @@ class Pipeline:
     def _try(self, number: int, before: _Supervised | None, validation: FrameSet) -> list[CaseTrials]:
         """The trials of one round, with the model of the round before at the wheel."""
         section, subject = self._configuration.practice.of_round(number), self._subject
-        recipe = Recipe(subject.policy, subject.policy_digest, self._model.tokenizer, 1)
         guide, digest = None, ""
         if before is not None:
             guide = self._work / GUIDE.format(number)
@@ -186,14 +196,20 @@ class Pipeline:
         plan = TrialPlan(
             section.per_violation, section.per_success, section.blinded, section.interval, self._seed, digest
         )  # fmt: skip
-        done, episodes = 0, 0
+        drivers = [subject, *subject.also]
+        done, episodes, cases = 0, 0, sum(len(driver.training) for driver in drivers)
 
         def count(trials: CaseTrials) -> None:
             nonlocal done, episodes
             done, episodes = done + 1, episodes + len(trials.lengths)
-            self._report("trials", done, len(subject.training), f"{episodes} episodes")
+            self._report("trials", done, cases, f"{episodes} episodes")
 
-        return gather_trials(subject.training, recipe, plan, self._work / "trials", self._mapper, count, guide)
+        gathered: list[CaseTrials] = []
+        for driver in drivers:
+            recipe = Recipe(driver.policy, driver.policy_digest, self._model.tokenizer, 1)
+            folder = self._work / "trials"
+            gathered += gather_trials(driver.training, recipe, plan, folder, self._mapper, count, guide)
+        return gathered
 
     def _supervise(self, validation: FrameSet, only: Only) -> _Supervised:
         section, state = self._configuration.supervised, self._work / SUPERVISED_STATE
@@ -287,6 +303,11 @@ class Pipeline:
             "data": {
                 "corpus": subject.corpus_digest, "policy": subject.policy_digest,
                 "training": digest_of_cases(subject.training), "validation": digest_of_cases(subject.validation),
+                "also": [
+                    {"name": other.policy, "policy": other.policy_digest, "corpus": other.corpus_digest,
+                     "training": digest_of_cases(other.training)}
+                    for other in subject.also
+                ],
             },
             "ancestry": before.ancestry,
             "metrics": {
