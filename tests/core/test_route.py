@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from roadmend.core.route import Route, Stage
+from roadmend.core.route import Route, RouteTracker, Stage
 
 
 def straight(y=0.0, length=100.0):
@@ -31,7 +31,21 @@ def test_the_line_goes_straight_on_beyond_its_ends():
     assert straight().pose(-10.0) == (-10.0, 0.0, 0.0)
 
 
-def test_locate_finds_the_nearest_stage():
-    route = Route("t", 4.7, 1.85, 90.0, 60.0, (straight(0.0), straight(3.2)), (), ())
-    assert route.locate(42.0, 3.0)[0] == 1
-    assert route.locate(42.0, 0.4)[:2] == (0, 42.0)
+def test_the_tracker_finds_the_nearest_stage_and_where_one_is_on_each():
+    tracker = RouteTracker(Route("t", 4.7, 1.85, 90.0, 60.0, (straight(0.0), straight(3.2)), (), ()))
+    assert tracker.observe(42.0, 3.0) == 1
+    assert tracker.observe(43.0, 0.4) == 0
+    assert [place[0] for place in tracker.places] == [43.0, 43.0]
+    assert [place[1] for place in tracker.places] == pytest.approx([0.4, -2.8])
+
+
+def test_the_tracker_stays_on_its_branch_where_the_route_crosses_itself():
+    x = np.concatenate(
+        [np.linspace(0.0, 100.0, 101), np.full(50, 100.0), np.linspace(100.0, 50.0, 51), np.full(100, 50.0)]
+    )
+    y = np.concatenate([np.zeros(101), np.linspace(1.0, 50.0, 50), np.full(51, 50.0), np.linspace(49.0, -50.0, 100)])
+    tracker = RouteTracker(Route("t", 4.7, 1.85, 200.0, 190.0, (Stage(x, y, np.full(len(x), 10.0)),), (), ()))
+    tracker.observe(20.0, 0.5)
+    for ahead in range(21, 61):
+        tracker.observe(float(ahead), 0.5)
+        assert tracker.places[0][0] == pytest.approx(ahead, abs=1e-6)

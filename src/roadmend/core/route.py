@@ -139,11 +139,20 @@ class Route:
         """Rough length of the way from start to goal [m], for displays and progress."""
         return sum(window.end for window in self.windows) + self.goal
 
-    def locate(self, x: float, y: float) -> tuple[int, float, float]:
-        """Stage, arc length and offset of the stage nearest to a point, without any earlier knowledge."""
-        found = (0, 0.0, math.inf)
-        for index, stage in enumerate(self.stages):
-            position, offset = stage.project(x, y, 0.5 * stage.length, stage.length)
-            if abs(offset) < abs(found[2]) - 1e-9:
-                found = (index, position, offset)
-        return found
+
+class RouteTracker:
+    """Where on its route somebody is, from their poses in their order alone: a route may cross itself."""
+
+    def __init__(self, route: Route) -> None:
+        self.route = route
+        self.places: tuple[tuple[float, float], ...] = ()  # arc length [m], offset [m] (left positive), one a stage
+
+    def observe(self, x: float, y: float) -> int:
+        """Take in the next position [m], in the frame of the map; returns the index of the nearest stage."""
+        stages = self.route.stages
+        if self.places:
+            known = zip(stages, self.places, strict=True)
+            self.places = tuple(stage.project(x, y, position) for stage, (position, _) in known)
+        else:
+            self.places = tuple(stage.project(x, y, 0.5 * stage.length, stage.length) for stage in stages)
+        return min(range(len(stages)), key=lambda index: abs(self.places[index][1]))

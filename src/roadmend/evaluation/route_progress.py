@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from roadmend.core.route import Route, Zone
+from roadmend.core.route import Route, RouteTracker, Zone
 from roadmend.core.scene import EgoState
 
 
@@ -24,19 +24,13 @@ class RouteProgress:
 
     def __init__(self, route: Route) -> None:
         self._route = route
-        self._positions: list[float] = []  # [m] on every stage
+        self._tracker = RouteTracker(route)
         self._whole = 0.0  # [m] left at the start
 
     def observe(self, ego: EgoState) -> RoutePlace:
         """Take in the next pose."""
-        stages = self._route.stages
-        if self._positions:
-            here = [stage.project(ego.x, ego.y, at) for stage, at in zip(stages, self._positions, strict=True)]
-        else:
-            here = [stage.project(ego.x, ego.y, 0.5 * stage.length, stage.length) for stage in stages]
-        self._positions = [position for position, _ in here]
-        nearest = min(range(len(stages)), key=lambda index: abs(here[index][1]))
-        place = RoutePlace(nearest, *here[nearest])
+        nearest = self._tracker.observe(ego.x, ego.y)
+        place = RoutePlace(nearest, *self._tracker.places[nearest])
         if not self._whole:
             self._whole = self.left(place)
         return place

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from roadmend.core.command import Trajectory
 from roadmend.core.geometry import wrap_angle
 from roadmend.core.jit import compiled
-from roadmend.core.route import Route, arc_lengths, point_at, project, segment_at
+from roadmend.core.route import Route, RouteTracker, arc_lengths, point_at, project, segment_at
 from roadmend.core.scene import EgoState
 
 Floats = NDArray[np.float64]
@@ -153,13 +153,11 @@ class PathFinder:
 
     def __init__(self) -> None:
         self._points = np.zeros((4, POINTS), dtype=np.float64)
-        self._route: Route | None = None
-        self._positions: list[float] = []
+        self._tracker: RouteTracker | None = None
 
     def reset(self, route: Route) -> None:
         """Begin on ``route`` without knowing where."""
-        self._route = route
-        self._positions = []
+        self._tracker = RouteTracker(route)
 
     def find(self, ego: EgoState, trajectory: Trajectory, ahead: float) -> PlannedPath:
         """The path from 60 m behind the ego to at least ``ahead`` [m] before it.
@@ -167,16 +165,12 @@ class PathFinder:
         Raises:
             RuntimeError: there was no ``reset`` before, or the route has no stage.
         """
-        if self._route is None or not self._route.stages:
+        if self._tracker is None or not self._tracker.route.stages:
             raise RuntimeError("a path needs a route with at least one stage")
-        stages = self._route.stages
+        stages = self._tracker.route.stages
         size = len(trajectory)
-        if self._positions:
-            here = [stage.project(ego.x, ego.y, at) for stage, at in zip(stages, self._positions, strict=True)]
-        else:
-            here = [stage.project(ego.x, ego.y, 0.5 * stage.length, stage.length) for stage in stages]
-        self._positions = [position for position, _ in here]
-        nearest = min(range(len(stages)), key=lambda index: abs(here[index][1]))
+        nearest = self._tracker.observe(ego.x, ego.y)
+        positions = tuple(position for position, _ in self._tracker.places)
         final, reach = nearest, 0.0
         if size:
             end_x, end_y = float(trajectory.x[-1]), float(trajectory.y[-1])
@@ -184,18 +178,18 @@ class PathFinder:
             if len(stages) > 1:
                 ends = [
                     abs(stage.project(end_x, end_y, at + reach, reach + 30.0)[1])
-                    for stage, at in zip(stages, self._positions, strict=True)
+                    for stage, at in zip(stages, positions, strict=True)
                 ]
                 final = min(range(len(stages)), key=ends.__getitem__)
         near, end = stages[nearest], stages[final]
         progress = np.empty(size + 1, dtype=np.float64)
         count, zero = _lay(
             self._points, progress, ego.x, ego.y, ego.yaw, trajectory.x, trajectory.y,
-            near.x, near.y, near.s, here[nearest][0], here[nearest][1],
-            end.x, end.y, end.s, self._positions[final] + reach, ahead,
+            near.x, near.y, near.s, *self._tracker.places[nearest],
+            end.x, end.y, end.s, positions[final] + reach, ahead,
         )  # fmt: skip
         tail_speed = float(trajectory.speed[-1]) if size else ego.speed
         return PlannedPath(
             self._points, count, zero, progress, trajectory.interval if size else 1.0, max(0.0, tail_speed),
-            tuple(self._positions), nearest,
+            positions, nearest,
         )  # fmt: skip
