@@ -163,7 +163,7 @@ def _written(path: Path, header: dict[str, Any]) -> dict[str, Any]:
     if not path.exists():
         return {}
     try:
-        content = yaml.safecorpus_of(path.read_text(encoding="utf-8"))
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
         same = all(content.get(name) == value for name, value in header.items())
         return dict(content["methods"]) if same else {}
     except (OSError, ValueError, yaml.YAMLError, AttributeError, KeyError, TypeError):

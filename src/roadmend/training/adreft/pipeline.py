@@ -196,7 +196,7 @@ class Pipeline:
         plan = TrialPlan(
             section.per_violation, section.per_success, section.blinded, section.interval, self._seed, digest
         )  # fmt: skip
-        drivers = [subject, *subject.also]
+        drivers: list[Subject | Companion] = [subject, *subject.also]
         done, episodes, cases = 0, 0, sum(len(driver.training) for driver in drivers)
 
         def count(trials: CaseTrials) -> None:
