@@ -22,6 +22,10 @@ class InputError(RoadmendError):
         self.what = what
         self.mend = mend
 
+    def __reduce__(self) -> tuple[type["InputError"], tuple[str, str, str]]:
+        """So that it comes out of a worker process as it went in; without, the worker's pool breaks instead."""
+        return type(self), (self.where, self.what, self.mend)
+
 
 class SimulationError(RoadmendError):
     """SUMO failed while an episode was running."""

@@ -7,7 +7,7 @@ from typing import Any
 
 Values = Mapping[str, Any]
 
-_RATES = (0.7, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0001, 0.00001)
+_RATES = (0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0001, 0.00001)
 _PREDICTIONS = (  # horizon [s], margin [m], turning, slowing
     *((horizon, margin, True, False) for horizon in (2.0, 3.0, 4.0) for margin in (0.3, 0.8)),
     *((3.0, margin, True, True) for margin in (0.3, 0.8)),
