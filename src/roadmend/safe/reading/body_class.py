@@ -24,7 +24,7 @@ _BODY_WORDS: tuple[tuple[Model, float, str], ...] = (
      r"articulated (?:truck|lorry)|truck[- ]trailer|class 8 truck|bobtail")),
     (Model.MINIVAN, 0.95, (
 r"minivan|(?<!\w)(?:cargo|conversion|passenger|delivery|full[- ]?size|work|panel|step|utility)[- "
-r"]?van|van"
+r"]?van|van|people[- ](?:carrier|mover)|mpv"
 )),
     (Model.PICKUP, 0.95, r"pickup(?: ?truck)?|(?:crew|extended|quad|king|super|regular|double|access)[- ]?cab|light truck"),
     (Model.SUV, 0.95,
@@ -33,7 +33,7 @@ r"]?size|small|4-door|2-door|"
      r"4[- ]wheel[- ]drive|4x4,?)? ?utility(?! (?:trailer|pole|van|truck|line|box|room|company|"
 r"work))(?: vehicle)?|cuv")),
     (Model.SEDAN, 0.95,
-     (r"sedan|saloon|coupe|hatch-?back|convertible|cabriolet|roadster|(?:station )?wagon|fastback|"
+     (r"sedan|saloon|coupe|hatch-?back|convertible|cabriolet|estate car|roadster|(?:station )?wagon|fastback|"
 r"lift-?back|limousine|"
      r"sports? car|passenger car|hard-?top|spyder")),
     (Model.SEMI_TRUCK, 0.5,

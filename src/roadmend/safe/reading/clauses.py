@@ -17,7 +17,7 @@ _BOUNDARY = re.compile(
     rf";\s*|,?\s+(?:while|when|as|but|before|after|until|whereas|then|causing|because)\s+(?={_NEW_SUBJECT})"
     rf"|,\s+(?=(?:and\s+)?(?:the (?:driver|operator|front|rear)\b|v\d\b(?!\s*,?\s*(?:and|or)\b)|both\b|he\b|she\b))"
     rf"|\s+and\s+(?=(?:the (?:driver|operator|front|rear|left side|right side|frontal plane)\b|"
-    rf"v\d\b(?=[^,;.]{{0,40}}?\b(?:was|were(?! both| all| each)|had|is|struck|turned|continued|entered|"
+    rf"v\d\b(?:, (?:an?|the) [^,;.]{{2,60}},)?(?=[^,;.]{{0,40}}?\b(?:was|were(?! both| all| each)|had|is|struck|turned|continued|entered|"
     rf"did|drifted|came|began|traveled|attempted|proceeded|made|failed))))"
     rf"|(?:(?<=v\d)|(?<=v\d\))),?\s+(?={_TRAVELING})"
     r"|,?\s+(?=(?:which|who|that)\s+(?:was|were|had|is|has)\b)|,\s+(?=(?:where|causing)\b)"
@@ -38,10 +38,11 @@ _PLACED = re.compile(
 )
 _BOTH = re.compile(
     r"\b(?:both|the (?:2|3|4)) (?:vehicles|drivers|cars|motorists)\b|\ball (?:3|4|of the)? "
-    r"?vehicles\b|\bv\d(?:,| and)[^.;]{0,20}\bv\d were (?:both )?"
+    r"?vehicles\b|^(?:and |while )?both (?=were\b|had\b|of them\b)|\bv\d(?:,| and)[^.;]{0,20}\bv\d were (?:both )?"
 )
 
 _WERE_ALL = re.compile(r"\bwere (?:both|all|each)\b")
+_KINDS = re.compile(r"\b(?:vehicle|car|sedan|van|minivan|pickup|truck|trailer|suv)\b")
 _TOUCHED = re.compile(r"\b(?:was|struck|hit|impacted|contacted)\b")
 
 
@@ -100,6 +101,8 @@ def _subjects(text: str, numbers: Sequence[int]) -> tuple[int, ...]:
     named = tuple(dict.fromkeys(int(number) for number in _REFERENCE.findall(before)))
     if len(named) > 1 and not _TOUCHED.search(before):
         return named
+    if all_of_them and not named and _KINDS.search(before):
+        return tuple(numbers)  # "a van and a truck were both headed south"
     if _BOTH.search(text[:60]):
         named = tuple(dict.fromkeys(int(number) for number in _REFERENCE.findall(text[:60])))
         return named if len(named) > 1 else tuple(numbers)

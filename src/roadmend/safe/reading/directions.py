@@ -56,6 +56,7 @@ _FROM = re.compile(
     rf"\b(?:from|out of) the {_COMPASS}\b(?! (?:side|leg|lane|bound|to\b))|\bfrom (?:the "
     rf")?{_COMPASS}(?:bound)? to(?:ward)?s? (?:the )?{_COMPASS}"
     rf"|\b{_COMPASS}(?:bound)? to {_COMPASS}(?:bound)?\b"
+    rf"|\bfrom {_COMPASS}bound (?!(?:\w+ )?(?:lanes?|traffic)\b)"
 )
 _TOKEN = re.compile(
     rf"(?<![\w/-]){_COMPASS}(?:bound|erly)?\b(?![/-]| (?:and|or) (?:north|south|east|west)|(?:east|west))"
@@ -113,7 +114,7 @@ def read_headings(clauses: Sequence[Clause], numbers: Sequence[int]) -> dict[int
 
 
 _PLACE_OF_CRASH = re.compile(
-    rf"\b(?:crash|collision|accident|incident|impact) (?:\w+ )?(?:occurred|happened|took place|"
+    rf"\b(?:crash|collision|accident|incident|impact) (?:[^.;]{{0,40}} )?(?:occurred|happened|took place|"
     rf"occurs)\b[^.]*\b(?:in|on|along) the (?:[\w-]+ ){{0,4}}?{_COMPASS}bound\b"
 )
 
@@ -188,10 +189,10 @@ def _from_where(text: str) -> Position | None:
     match = _FROM.search(_NOT_OWN.split(text)[0])
     if match is None:
         return None
-    coming, _, to_first, _, to_second = match.groups()
+    coming, _, to_first, _, to_second, road = match.groups()
     if coming:
         return _OPPOSITE[_OF[coming]]
-    return _OF[to_first or to_second]
+    return _OF[to_first or to_second or road]
 
 
 def _lane(text: str) -> Position | None:

@@ -43,13 +43,15 @@ _DIRECTED = (
     # "2 northbound lanes", "1 northbound left-turn lane"
     re.compile(
         rf"{_COUNT} (?:[\w-]+,? ){{0,2}}?({_COMPASS})bound\b(?! (?:vehicle|car|driver|approach))"
-        rf"(?: {_KIND}|[- ](?:[\w-]+ ){{0,3}})lanes?"
+        rf"(?: {_KIND}|[- ](?:(?!\d)[\w-]+ ){{0,3}})lanes?"
     ),
+    # "2 northbound and 3 southbound lanes"
+    re.compile(rf"{_COUNT} ({_COMPASS})bound(?=,? and \d{{1,2}} {_COMPASS}bound {_KIND}lanes)"),
     # "2 lanes northbound", "2 through lanes for northbound traffic"
     re.compile(
         rf"{_COUNT} {_KIND}(?:through-)?lanes? (?:for |traveling |heading |running |in the |going |that "
         rf"(?:travel|run) |of )?"
-        rf"({_COMPASS})(?:bound|erly|ern)?\b(?!/| and)"
+        rf"({_COMPASS})(?:bound|erly|ern)?\b(?!/| and {_COMPASS})"
     ),
     # "the northbound roadway consists of 2 travel lanes"
     re.compile(

@@ -26,7 +26,16 @@ _DESCRIBED_AFTER = re.compile(
     rf"(?:(?:north|south|east|west)bound,?\s+)?(?P<text>(?:(?!{_VERB}|\bv\d\b)[^.;()]){{2,140}})"
 )
 _DESCRIBED_BEFORE = re.compile(
-    r"\b(?:an?|the|another|\d{4})\s+(?P<text>(?:(?!\bv\d\b)[^;()]){2,100}?),?\s*\(\s*(?:the )?v(?P<number>\d)\b"
+    r"\b(?:an?|the|another|\d{4})\s+(?P<text>(?:(?!\bv\d\b)[^;()]){2,100}?),?\s*"
+    r"\(\s*(?:the )?(?:(?:case|subject) vehicle\W+)?v(?P<number>\d)\b"
+)
+_APPOSED = re.compile(  # "a 2010 Ford Focus, v1, struck"
+    r"(?<!v\d, )(?<!v\d )\b(?:an?|the|another)\s+(?P<text>(?:(?!\b(?:v\d|an?|the|another)\b)[^.;(),]){2,60}), "
+    r"v(?P<number>\d),"
+)
+_OWN_CAR = re.compile(
+    r"\bv(?P<number>\d)\b(?:(?!\bv\d\b)[^.;]){0,120}?\bin (?:his|her|their) "
+    rf"(?P<text>(?:(?!{_VERB})[\w -]){{3,40}})"
 )
 _LAST_DETERMINER = re.compile(r".*\b(?:an?|the|another|with|and|of|her|his|their|in|by|driving)\s+(?=\S)")
 _WHO = re.compile(
@@ -139,7 +148,9 @@ def _descriptions(plain: str) -> list[tuple[int, str]]:
     for match in _DESCRIBED_BEFORE.finditer(plain):
         text = _LAST_DETERMINER.sub("", match["text"])
         before.append((int(match["number"]), text))
-    return [(number, text) for number, text in (*before, *after) if not _is_of_people(text)]
+    before += [(int(match["number"]), match["text"]) for match in _APPOSED.finditer(plain)]
+    own = [(int(match["number"]), match["text"]) for match in _OWN_CAR.finditer(plain) if find_names(match["text"])]
+    return [(number, text) for number, text in (*before, *after, *own) if not _is_of_people(text)]
 
 
 def _is_of_people(text: str) -> bool:
@@ -245,7 +256,9 @@ def _mentions(plain: str) -> list[tuple[int, int, tuple[str, ...], bool]]:
     """Places in a sentence that speak of a vehicle: start, end, what identifies it, whether it may be a new one."""
     places: list[tuple[int, int, tuple[str, ...], bool]] = []
     for name in find_names(plain):
-        before = re.search(r"\b(an?|the|another|his|her)\s+((?:[\w'-]+,?\s+){0,4})$", plain[: name.span[0]])
+        before = re.search(
+            r"\b(?:an?|the|another|his|her)\s+(?:(?!(?:an?|the)\b)[\w'-]+,?\s+){0,4}$", plain[: name.span[0]]
+        )
         year = re.search(r"\b(?:19|20)\d\d\s+(?:[\w'-]+\s+){0,2}$", plain[: name.span[0]])
         if before is None and year is None:
             continue

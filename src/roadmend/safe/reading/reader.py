@@ -10,6 +10,7 @@ from roadmend.safe.dsl import (
     Collision,
     CrashScenario,
     Environment,
+    Model,
     Position,
     RoadNetwork,
     RoadType,
@@ -88,14 +89,15 @@ def _assemble(cast: Cast) -> Reading:
     for index, described in enumerate(cast.vehicles):
         number = described.number
         body = described.body
-        model = (
+        model: Finding[Model] = (
             nothing("the report does not say what kind of vehicle it is")
             if body is None
             else Finding(body.model, body.confidence, described.sentence, body.basis)
         )
         position = _on_merging_road(number, on_ramp, headings[number]) if merging else headings[number]
         action = _action(turns[number])
-        limit = limit_for(number, known[number], limits, at_junction=at_junction)
+        is_truck = model.value is Model.SEMI_TRUCK
+        limit = limit_for(number, known[number], limits, at_junction=at_junction, is_truck=is_truck)
         fields = {"model": model, "initial_position": position, "action": action, "speed_limit_mph": limit,
                   "manoeuvre": manoeuvres[number]}  # fmt: skip
         findings |= {f"vehicles[{index}].{name}": finding for name, finding in fields.items()}

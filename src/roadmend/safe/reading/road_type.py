@@ -35,7 +35,7 @@ _T = re.compile(
     r"\b(?:intersection|junction) (?:with|of|has|had|having) 3 (?:legs|approaches|arms)|\by[- "
     r"](?:intersection|junction)|"
     r"\b(?:ends|ended|terminates|terminated|dead[- ]ends?) (?:in|at|into) (?:an? |the )?(?:\"?t\"?\b|"
-    r"[\w-]+ (?:road|street|roadway|highway|avenue)|intersection)|\b(?:intersection|"
+    r"[\w-]+ (?:road|street|roadway|highway|avenue)|(?:route|highway) \d+|intersection)|\b(?:intersection|"
     r"junction)[^.;]{0,30}\b(?:forms?|forming|formed|in the shape of) (?:an? |the )?\"?t\"?\b"
 )
 _CROSS = re.compile(
@@ -85,6 +85,7 @@ _STEM = re.compile(
     r"connecting|adjoining) (?:street|road|roadway|leg|highway))\b(?:(?!\b(?:arterial|highway|freeway|"
     r"meets?|v\d)\b)[^.;]){0,40}\b(?:(?:to|on|from|toward|at) the |lies |lay |extend\w* |leads? |"
     r"leads? off to the )(north|south|east|west)(?:ward)?\b(?!\s*(?:and|/|-|to\b))"
+    r"|\b(?:ends|ended|terminates|terminated) (?:in|at|into) [^.;]{0,40}?\bfrom the (north|south|east|west)\b"
     r"|\b(?:to|on|from) the (north|south|east|west)\b(?: side)?[^.;]{0,20}\b(?:is|was|lies|lay) the "
     r"(?:stem|side (?:road|street))|\b(north|south|east|west)(?:ern)? (?:leg|stem) (?:of|is|was|form)"
 )

@@ -17,7 +17,7 @@ _LIMIT = re.compile(
 _NO_LIMIT = re.compile(r"\b(?:advisory|recommended|speed limit sign\b(?! (?:of|for|posted))|minimum)\b")
 _VALUE = re.compile(
     r"(?P<first>\d{1,3}(?:\.\d+)?) (?P<unit>mph|km/h)\.?\s*(?:[(/\[]\s*|or |, "
-    r")?(?:(?P<second>\d{1,3}(?:\.\d+)?) (?P<unit2>mph|km/h))?"
+    r")?(?:(?P<second>\d{1,3}(?:\.\d+)?) (?P<unit2>(?!(?P=unit))(?:mph|km/h)))?"
 )
 _AXES = {
     "ns": re.compile(r"\bnorth(?:bound)?\s*(?:/|-|and|or|to)?\s*(?:and )?south(?:bound)?\b|\bsouth(?:bound)?\s*(?:/|-|"
@@ -36,7 +36,7 @@ _SAME_ROAD = re.compile(
     r"\b(?:this|the same) (?:road|street|highway|trafficway)|\bthe (?:road|roadway|trafficway|street|"
     r"highway) (?:is|was|had|has|consist)|^(?:it|there|the (?:posted )?speed limit)\b"
 )
-_PEOPLE = re.compile(r"\bfor (?:cars|trucks|commercial|heavy|tractor)\w*")
+_FOR_TRUCKS = re.compile(r"[^\w.;]*(?:limit )?for (?:\w+ )?(?:trucks|tractor|commercial|heavy)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +49,7 @@ class Limit:
     labels: frozenset[int]  # a road that is told apart by its number of lanes
     towards: str | None
     sentence: str
+    trucks: bool = False  # for heavy trucks alone
 
 
 def read_limits(sentences: Sequence[Sentence]) -> tuple[Limit, ...]:
@@ -90,11 +91,14 @@ def read_limits(sentences: Sequence[Sentence]) -> tuple[Limit, ...]:
                 if towards and len(set(re.findall(r"\b(north|south|east|west)bound\b", around))) == 1
                 else None
             )
-            limits.append(Limit(_mph(match), axes, vehicles, labels, one_way, sentence.text))
+            trucks = _FOR_TRUCKS.match(plain, match.end()) is not None
+            limits.append(Limit(_mph(match), axes, vehicles, labels, one_way, sentence.text, trucks))
     return tuple(limits)
 
 
-def limit_for(number: int, heading: Position | None, limits: Sequence[Limit], *, at_junction: bool) -> Finding[int]:
+def limit_for(
+    number: int, heading: Position | None, limits: Sequence[Limit], *, at_junction: bool, is_truck: bool = False
+) -> Finding[int]:
     """The limit that holds for a vehicle.
 
     Args:
@@ -102,7 +106,12 @@ def limit_for(number: int, heading: Position | None, limits: Sequence[Limit], *,
         heading: its direction of travel, where known.
         limits: those of the report.
         at_junction: the vehicles may have been on different roads.
+        is_truck: a limit for trucks holds for it.
     """
+    for_trucks = [limit for limit in limits if limit.trucks]
+    if is_truck and for_trucks:
+        return Finding(for_trucks[0].mph, 0.9, for_trucks[0].sentence, "the limit for trucks")
+    limits = [limit for limit in limits if not limit.trucks]
     if not limits:
         return nothing("no speed limit is mentioned")
     axis = _AXIS_OF.get(heading) if heading is not None else None
@@ -148,7 +157,8 @@ def _own_part(plain: str, start: int, match: re.Match[str], end: int, *, road_fi
     if road_first:
         return plain[start : match.start()]
     after = re.match(
-        r"[^\d]*?\b(?:for|on|in|along)\b((?:(?!\band\b(?! (?:east|west|north|south))).)*)", plain[match.end() : end]
+        r"(?:[^\d]*?\b(?:for|on|in|along)\b|\s*(?=(?:north|south|east|west)\b))((?:(?!\band\b(?! (?:east|west|north|south))).)*)",
+        plain[match.end() : end],
     )
     if after and "limit" not in after[1]:
         return after[1]

@@ -24,6 +24,7 @@ _SENTENCE_END = re.compile(
 _SPELLINGS = tuple(
     (re.compile(pattern), put)
     for pattern, put in (
+        (r"\b(v\d) - ((?:an?|the) (?:(?! - )[^.;]){2,60}) - ", r"\1, \2, "),
         (r"\btravell(?=ing|ed)", "travel"),
         (r"\bmaneuver|\bmanouver", "manoeuvre"),
         (r"\bcentre ?line|\bcenter ?line", "centerline"),
