@@ -49,6 +49,7 @@ setup(
             "viz_node = roadmend.nodes.viz:main",
             "foxglove_node = roadmend.nodes.foxglove:main",
             "replay_node = roadmend.nodes.replay:main",
+            "safe_node = roadmend.nodes.safe:main",
         ],
     },
 )

@@ -10,6 +10,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 REPOSITORY = Path(__file__).parents[2]
 NAMES = sorted(path.stem for path in (REPOSITORY / "msg" / "msg").glob("*.msg"))
+ACTIONS = sorted(path.stem for path in (REPOSITORY / "msg" / "action").glob("*.action"))
 VALUES = {
     "boolean": True,
     "double": 0.1 + 0.2,
@@ -42,12 +43,20 @@ def filled(message_type):
 
 def test_there_are_messages():
     assert "ObjectList" in NAMES
+    assert "BuildCrashScenarios" in ACTIONS
 
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("make", [filled, lambda message_type: message_type()], ids=["filled", "empty"])
 def test_round_trip(name, make):
     message = make(load("roadmend_msgs", name))
+    assert deserialize_message(serialize_message(message), type(message)) == message
+
+
+@pytest.mark.parametrize("name", ACTIONS)
+@pytest.mark.parametrize("part", ["Goal", "Result", "Feedback"])
+def test_actions_make_the_round_trip(name, part):
+    message = filled(getattr(getattr(importlib.import_module("roadmend_msgs.action"), name), part))
     assert deserialize_message(serialize_message(message), type(message)) == message
 
 

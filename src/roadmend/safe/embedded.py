@@ -8,7 +8,7 @@ from typing import Any
 
 from roadmend.language.chat import Image
 from roadmend.safe.dsl import CrashScenario
-from roadmend.safe.extraction import Evidence, Extraction, ExtractionError
+from roadmend.safe.extraction import Evidence, Extraction, ExtractionError, Step, Watch, unwatched
 from roadmend.safe.reading.finding import Finding
 from roadmend.safe.reading.reader import read_summary
 from roadmend.safe.report import CrashReport
@@ -77,12 +77,13 @@ class EmbeddedExtractor:
     def __init__(self, read: Callable[[Image], SketchText] = read_sketch) -> None:
         self.read = read
 
-    def extract(self, report: CrashReport) -> Extraction:
+    def extract(self, report: CrashReport, watch: Watch = unwatched) -> Extraction:
         """Read one report.
 
         Raises:
             ExtractionError: the summary is not in English, or speaks of no vehicle.
         """
+        watch(Step("read"))
         words = [word.lower() for word in _WORDS.findall(report.summary)]
         share = sum(word in _FUNCTION_WORDS for word in words) / max(len(words), 1)
         if len(words) >= _FEWEST_WORDS and share < _LEAST_ENGLISH:

@@ -1,6 +1,6 @@
 """What comes out of a crash report, and the ways to get it."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -54,10 +54,32 @@ class Extraction:
     exchanges: tuple[Exchange, ...] = field(default=(), repr=False)
 
 
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What is about to be done.
+
+    Attributes:
+        stage: its name.
+        attempt: from 1.
+        total: attempts that the stage may take.
+    """
+
+    stage: str
+    attempt: int = 1
+    total: int = 1
+
+
+Watch = Callable[[Step], None]  # called before each step; what it raises ends the work
+
+
+def unwatched(_: Step) -> None:
+    """Nobody watches."""
+
+
 class Extractor(Protocol):
     """Reads crash reports."""
 
-    def extract(self, report: CrashReport) -> Extraction:
+    def extract(self, report: CrashReport, watch: Watch = unwatched) -> Extraction:
         """Read one report; may be called from several threads.
 
         Raises:

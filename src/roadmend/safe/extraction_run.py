@@ -82,7 +82,7 @@ def _extract_one(path: Path, extractor: Extractor, settings: str, out: Path) -> 
         if error.exchanges:
             write_text(out / f"{case}{ENDING}", dump_exchanges(error.exchanges))
         return Extracted(case, None, f"{path}: {error}", (), is_new=True)
-    return _save(extraction, case, key, out)
+    return keep_extraction(extraction, case, key, out)
 
 
 def _known(out: Path, case: str, key: str) -> Extracted | None:
@@ -97,7 +97,18 @@ def _known(out: Path, case: str, key: str) -> Extracted | None:
     return Extracted(case, dump_data(scenario), None, fields, is_new=False)
 
 
-def _save(extraction: Extraction, case: str, key: str, out: Path) -> Extracted:
+def keep_extraction(extraction: Extraction, case: str, key: str, out: Path) -> Extracted:
+    """Write the files of one extraction, as :func:`extract_reports` describes them.
+
+    Args:
+        extraction: of the report.
+        case: the report's name.
+        key: by which a later run tells whether this is what it would do.
+        out: folder to write to.
+
+    Raises:
+        InputError: the folder cannot be written.
+    """
     fields = {name: asdict(evidence) for name, evidence in extraction.evidence.items()}
     content = {
         "key": key,

@@ -15,6 +15,7 @@ from roadmend.language.chat import Image
 MAX_SUMMARY = 60_000  # [characters] the longest report of NHTSA that we know has 6000
 MAX_SKETCH = 20_000_000  # [bytes]
 _SKETCHES = (".jpg", ".jpeg", ".png", ".gif", ".webp", ".bmp", ".tif", ".tiff")
+_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.\-]{0,99}")
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
 
 
@@ -93,6 +94,21 @@ def load_report(path: Path) -> CrashReport:
     return CrashReport(_case(path), text, sketch, notes)
 
 
+def report_of_text(case: str, summary: str) -> CrashReport:
+    """A report that is no file.
+
+    Args:
+        case: its name; files are called by it.
+        summary: its text.
+
+    Raises:
+        InputError: the name cannot be a file's, or the summary is empty, too long, or no text.
+    """
+    if not _NAME.fullmatch(case):
+        raise InputError(f"name {case[:60]!r}", "cannot be a file's", "use letters, digits, '.', '_' and '-'")
+    return CrashReport(case, _checked(summary, "the summary"), None, ("the report has no sketch",))
+
+
 def _read_text(path: Path) -> str:
     try:
         with path.open("rb") as file:
@@ -106,12 +122,16 @@ def _read_text(path: Path) -> str:
             text = data[: error.start].decode("utf-8-sig")
         else:
             text = data.decode("cp1252", errors="replace")  # what NHTSA's older exports are in
+    return _checked(text, str(path))
+
+
+def _checked(text: str, where: str) -> str:
     if _CONTROL.search(text) or text.count("\ufffd") > len(text) // 100:
-        raise InputError(str(path), "is no text", "give the summary as a plain text file")
+        raise InputError(where, "is no text", "give the summary as plain text")
     if len(text) > MAX_SUMMARY:
-        raise InputError(str(path), f"is longer than {MAX_SUMMARY} characters", "give the summary of one crash alone")
+        raise InputError(where, f"is longer than {MAX_SUMMARY} characters", "give the summary of one crash alone")
     if not text.strip():
-        raise InputError(str(path), "is empty", "put the summary of the crash into it")
+        raise InputError(where, "is empty", "put the summary of the crash into it")
     return text
 
 

@@ -11,7 +11,7 @@ from roadmend.language.errors import AnswerError, LanguageError
 from roadmend.language.exchange import RecordingModel
 from roadmend.safe.dsl import CrashScenario, Position, RoadType
 from roadmend.safe.dsl_data import dump_data, parse_data
-from roadmend.safe.extraction import Evidence, Extraction, ExtractionError
+from roadmend.safe.extraction import Evidence, Extraction, ExtractionError, Step, Watch, unwatched
 from roadmend.safe.knowledge_base import retrieve
 from roadmend.safe.prompts import extraction_request, meta_request, validation_request
 from roadmend.safe.report import CrashReport
@@ -54,14 +54,14 @@ class LanguageExtractor:
         self.model = model
         self.options = options
 
-    def extract(self, report: CrashReport) -> Extraction:
+    def extract(self, report: CrashReport, watch: Watch = unwatched) -> Extraction:
         """Extract one report.
 
         Raises:
             ExtractionError: the model gave no answer, or none that passed, as often as it was asked.
         """
         model = RecordingModel(self.model)
-        steps = _Steps(model, report, self.options)
+        steps = _Steps(model, report, self.options, watch)
         try:
             if self.options.prompt_generation:
                 _, example = retrieve(RoadType.T_INTERSECTION, ())
@@ -84,15 +84,17 @@ class LanguageExtractor:
 class _Steps:
     """Executes a step until its answer can be encoded and passes, within a bound."""
 
-    def __init__(self, model: ChatModel, report: CrashReport, options: StageOneOptions) -> None:
+    def __init__(self, model: ChatModel, report: CrashReport, options: StageOneOptions, watch: Watch) -> None:
         self.model = model
         self.report = report
         self.options = options
+        self.watch = watch
 
     def run(self, what: str, ask: Callable[[Sequence[str]], Request], encode: Callable[[str], Answer]) -> Answer:
         objections: list[str] = []
-        for _ in range(self.options.attempts):
+        for attempt in range(1, self.options.attempts + 1):
             request = ask(objections)
+            self.watch(Step(request.purpose, attempt, self.options.attempts))
             try:
                 reply = self.model.ask(request)
                 answer = encode(reply.text)
@@ -101,6 +103,7 @@ class _Steps:
                 continue
             if not self.options.validation:
                 return answer
+            self.watch(Step("validation", attempt, self.options.attempts))
             objections = self.validate(request, reply.text)
             if not objections:
                 return answer
