@@ -17,7 +17,7 @@ REPORTS = config_folder() / "reports"
 
 def read(capsys, *arguments):
     code = main(["safe", "extract", *map(str, arguments), "--workers", "2", "--json"])
-    return code, json.loads(capsys.readouterr().out)
+    return code, json.loads(capsys.readouterr().out)["reports"]
 
 
 def test_a_folder_of_reports(tmp_path, capsys):
@@ -106,6 +106,54 @@ def test_a_run_with_a_model_is_kept_without_the_key_and_replayed(tmp_path, capsy
     code, done = read(capsys, REPORTS / "straight", "--out", tmp_path / "again", *replay)
     assert code == 1
     assert "recording has no" in done[0]["error"]
+
+
+class TestUsage:
+    """What a model took: the server counts 1000 tokens in and 50 out for each answer."""
+
+    @pytest.fixture
+    def ask(self, tmp_path, capsys, monkeypatch):
+        monkeypatch.setenv("OPENAI_API_KEY", "secret")
+        refused = {"verdict": "Fail", "problems": ["no"]}
+
+        def run(*more, prices=True):
+            settings = tmp_path / "openai.yaml"
+            settings.write_text("input_price: 2.0\noutput_price: 10.0\n" if prices else "attempts: 1\n")
+            meta = {
+                "analysis": "", "road_type": "Curve", "number_of_vehicles": 1, "driving_directions": ["W2E"],
+            }  # fmt: skip
+            answers = {"meta_message": meta, "validation": refused}
+            with serving(
+                lambda body: completion(json.dumps(answers[body["response_format"]["json_schema"]["name"]]))
+            ) as (
+                _,
+                url,
+            ):
+                monkeypatch.setenv("OPENAI_BASE_URL", url)
+                given = ("--out", tmp_path / "out", "--backend", "openai", "--settings", settings, "--attempts", "2")
+                assert main(["safe", "extract", *map(str, (REPORTS, *given, *more))]) == 1
+            return capsys.readouterr().out
+
+        return run
+
+    def test_answers_that_were_rejected_count(self, ask):
+        said = json.loads(ask("--json"))
+        each = {"answers": 4, "input_tokens": 4000, "output_tokens": 200}
+        assert all(report["usage"]["test-model-1"].items() >= each.items() for report in said["reports"])
+        total = said["usage"]["test-model-1"]
+        assert total == {"answers": 20, "input_tokens": 20_000, "output_tokens": 1000, "cost": pytest.approx(0.05)}
+
+    def test_the_summary(self, ask):
+        assert "test-model-1: 20 answers, 20,000 tokens in, 1,000 out, 0.0500 US dollars" in ask()
+
+    def test_without_prices_there_is_no_cost(self, ask):
+        assert "test-model-1: 20 answers, 20,000 tokens in, 1,000 out\n" in ask(prices=False)
+        assert json.loads(ask("--json", prices=False))["usage"]["test-model-1"]["cost"] is None
+
+
+def test_rules_take_no_tokens(tmp_path, capsys):
+    assert main(["safe", "extract", str(REPORTS), "--out", str(tmp_path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["usage"] == {}
 
 
 def test_the_table(tmp_path, capsys):

@@ -1,11 +1,13 @@
 """Extractions against oracles, field by field."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
 from roadmend.core.errors import InputError
 from roadmend.safe.cases import Case
+from roadmend.safe.dsl import Compass, RoadNetwork, RoadType
 from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.scoring import score_cases
 
@@ -64,6 +66,34 @@ def test_overrides_count_for_the_text_alone(score):
     assert score(change, text_only=True).road == 100.0
 
 
+def test_a_field_that_an_oracle_does_not_have_is_not_counted(score):
+    def change(oracle):
+        del oracle["num_lanes"], oracle["vehicles"][0]["speed_limit_mph"]
+
+    assert score(change).overall == 100.0
+
+
+STEM = RoadNetwork(RoadType.T_INTERSECTION, CROSSING.road.lanes, Compass.EAST)
+
+
+@pytest.mark.parametrize(
+    ("oracle_road", "oracle_stem", "crash_road", "right"),
+    [
+        ("T-intersection", "East", STEM, True),
+        ("T-intersection", "North", STEM, False),
+        ("T-intersection", None, STEM, True),  # nobody can tell where it lies
+        ("Intersection", None, STEM, False),  # there is none
+    ],
+)
+def test_a_stem_counts_where_the_oracle_has_one_or_knows_that_there_is_none(
+    score, oracle_road, oracle_stem, crash_road, right
+):
+    def change(oracle):
+        oracle |= {"road_type": oracle_road, "stem_direction": oracle_stem, "alternatives": {"road_type": [*RoadType]}}
+
+    assert score(change, replace(CROSSING, road=crash_road)).road == (100.0 if right else 0.0)
+
+
 def test_what_could_not_be_read_is_wrong_everywhere(score):
     found = score(crash=None)
     assert (found.road, found.actors, found.env, found.overall) == (0.0, 0.0, 0.0, 0.0)
@@ -72,6 +102,11 @@ def test_what_could_not_be_read_is_wrong_everywhere(score):
 def test_without_oracles_there_is_no_score_and_a_damaged_one_is_an_error(tmp_path):
     assert score_cases([Case("c", CROSSING)], tmp_path, text_only=True) is None
     (tmp_path / "c").mkdir()
-    (tmp_path / "c" / "oracle.json").write_text('{"vehicles": 3}', encoding="utf-8")
-    with pytest.raises(InputError, match="is no oracle"):
-        score_cases([Case("c", CROSSING)], tmp_path, text_only=True)
+    for damaged, said in (
+        ('{"vehicles": 3}', "is no oracle"),
+        ('["vehicles"]', "is no oracle"),
+        ('{"vehicles": [], "env": {}}', "names no field"),
+    ):
+        (tmp_path / "c" / "oracle.json").write_text(damaged, encoding="utf-8")
+        with pytest.raises(InputError, match=said):
+            score_cases([Case("c", CROSSING)], tmp_path, text_only=True)

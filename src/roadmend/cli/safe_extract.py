@@ -13,6 +13,7 @@ from rich.table import Table
 
 from roadmend.cli.table import wide_console
 from roadmend.evaluation.source_digest import source_digest
+from roadmend.language.exchange import add_usages
 from roadmend.safe.backends import BACKENDS, BackendOptions
 from roadmend.safe.extraction_run import Extracted, extract_reports
 from roadmend.safe.report import find_reports
@@ -63,10 +64,16 @@ def extract(
             done.append(extracted)
             progress.advance(task)
     done.sort(key=lambda extracted: extracted.case)
+    usage = add_usages(extracted.usage for extracted in done)
     if as_json:
-        click.echo(json.dumps([asdict(extracted) for extracted in done], indent=2))
+        total = {model: asdict(usage) for model, usage in usage.items()}
+        click.echo(json.dumps({"reports": [asdict(extracted) for extracted in done], "usage": total}, indent=2))
     else:
         _show(done, out)
+        for model, used in usage.items():
+            price = "" if used.cost is None else f", {used.cost:.4f} US dollars"
+            tokens = f"{used.input_tokens:,} tokens in, {used.output_tokens:,} out"
+            click.echo(f"{model}: {used.answers} answers, {tokens}{price}")
     return 1 if any(extracted.error for extracted in done) else 0
 
 

@@ -28,6 +28,47 @@ class Exchange:
     error: str | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class Usage:
+    """What a model took for a number of answers.
+
+    Attributes:
+        answers: that it gave.
+        input_tokens: as the endpoint counts them.
+        output_tokens: likewise.
+        cost: [US dollars]; None where one of the answers has no price.
+    """
+
+    answers: int
+    input_tokens: int
+    output_tokens: int
+    cost: float | None
+
+    def __add__(self, other: "Usage") -> "Usage":
+        cost = None if self.cost is None or other.cost is None else self.cost + other.cost
+        return Usage(
+            self.answers + other.answers,
+            self.input_tokens + other.input_tokens,
+            self.output_tokens + other.output_tokens,
+            cost,
+        )
+
+
+def usage_of(exchanges: Iterable[Exchange]) -> dict[str, Usage]:
+    """What exchanges took, by model."""
+    replies = (exchange.reply for exchange in exchanges if exchange.reply is not None)
+    return add_usages({reply.model: Usage(1, reply.input_tokens, reply.output_tokens, reply.cost)} for reply in replies)
+
+
+def add_usages(usages: Iterable[Mapping[str, Usage]]) -> dict[str, Usage]:
+    """The sums, by model."""
+    total: dict[str, Usage] = {}
+    for usage in usages:
+        for model, more in usage.items():
+            total[model] = total[model] + more if model in total else more
+    return total
+
+
 class RecordingModel:
     """A model that keeps what it was asked and what it answered.
 

@@ -4,13 +4,13 @@ import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.whole_file import write_text
-from roadmend.language.exchange import dump_exchanges
+from roadmend.language.exchange import Usage, dump_exchanges, usage_of
 from roadmend.language.replay import ENDING
 from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.dsl_file import load_crash_scenario, save_crash_scenario
@@ -28,6 +28,7 @@ class Extracted:
         error: why, then.
         open_fields: names of the fields that the report leaves open.
         is_new: False where an earlier run had done it.
+        usage: what this run took for it, by model.
     """
 
     case: str
@@ -35,6 +36,7 @@ class Extracted:
     error: str | None
     open_fields: tuple[str, ...]
     is_new: bool
+    usage: Mapping[str, Usage] = field(default_factory=dict)
 
 
 def extract_reports(
@@ -81,7 +83,7 @@ def _extract_one(path: Path, extractor: Extractor, settings: str, out: Path) -> 
     except ExtractionError as error:
         if error.exchanges:
             write_text(out / f"{case}{ENDING}", dump_exchanges(error.exchanges))
-        return Extracted(case, None, f"{path}: {error}", (), is_new=True)
+        return Extracted(case, None, f"{path}: {error}", (), is_new=True, usage=usage_of(error.exchanges))
     return keep_extraction(extraction, case, key, out)
 
 
@@ -122,7 +124,8 @@ def keep_extraction(extraction: Extraction, case: str, key: str, out: Path) -> E
     # Last, for it is what tells a later run that the report is done.
     write_text(out / f"{case}.evidence.json", json.dumps(content, indent=1, ensure_ascii=False) + "\n")
     scenario = dump_data(extraction.scenario)
-    return Extracted(case, scenario, None, _open_fields(fields), is_new=True)
+    usage = usage_of(extraction.exchanges)
+    return Extracted(case, scenario, None, _open_fields(fields), is_new=True, usage=usage)
 
 
 def _open_fields(fields: Mapping[str, Any]) -> tuple[str, ...]:

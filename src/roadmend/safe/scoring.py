@@ -60,9 +60,11 @@ def score_cases(cases: Sequence[Case], folder: Path, *, text_only: bool) -> Scor
 def _read(path: Path) -> dict[str, Any]:
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-        len(content["vehicles"]), content["env"]["time"]
-    except (OSError, ValueError, KeyError, TypeError):
+        fields = dict(_fields(content))
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
         raise InputError(str(path), "is no oracle", "give the fields of the scenario language as JSON") from None
+    if all(value is None for value in fields.values()):
+        raise InputError(str(path), "names no field of the scenario language", "give its fields as JSON")
     return dict(content)
 
 
@@ -78,7 +80,7 @@ def _mark(case: Case, oracle: Mapping[str, Any], *, text_only: bool) -> dict[str
     for field, value in wanted.items():
         got = found.get(field)
         if value is None:
-            is_right = field != "stem_direction" or oracle["road_type"] == RoadType.T_INTERSECTION or got is None
+            is_right = field != "stem_direction" or oracle.get("road_type") == RoadType.T_INTERSECTION or got is None
         else:
             is_right = got in (value, *alternatives.get(field, ()))
         marks[_category(field)] &= is_right
@@ -90,7 +92,7 @@ def _category(field: str) -> str:
 
 
 def _fields(content: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    yield from ((name, content[name]) for name in _ROAD)
+    yield from ((name, content.get(name)) for name in _ROAD)
     for index, vehicle in enumerate(content["vehicles"]):
-        yield from ((f"vehicles[{index}].{name}", vehicle[name]) for name in _VEHICLE)
-    yield from ((f"env.{name}", content["env"][name]) for name in _ENV)
+        yield from ((f"vehicles[{index}].{name}", vehicle.get(name)) for name in _VEHICLE)
+    yield from ((f"env.{name}", content["env"].get(name)) for name in _ENV)
