@@ -27,6 +27,7 @@ _MISLEADING = tuple(
     for pattern in (
         r"\b(?:north|south|east|west)(?:bound)?\s*(?:/|-|and|or|to)\s*(?:north|south|east|west)(?:bound)?\b(?! to)",
         rf"\b{_COMPASS}(?:bound)? {_PLACE}",
+        rf"\bby v\d\)?, {_COMPASS}bound",
         (
             r"\b(?:into|onto|entered|entering|enters|enter|re-?enter\w*|across|cross(?:ed|ing|es)?|over|"
             r"toward|towards)\s+"
@@ -76,13 +77,16 @@ _TURN_LANE = re.compile(r"\b(?:(?:left|right|center|2-way|only)[- ])*turn(?:ing)
 _ADJECTIVE = re.compile(
     rf"\b{_COMPASS}bound (?:(?!(?:lanes?|roadway|road|traffic|shoulder|direction|travel|side|street|"
     rf"highway|v\d|and|when|where|was|by|at)\b)[\w/-]+,? ){{0,7}}\(?v(\d)\b"
-    rf"|\bv(\d)\)?,? an? {_COMPASS}bound\b"
+    rf"|\bv(\d)\)?,? an? {_COMPASS}bound\b|\bby v(\d)\)?, {_COMPASS}bound\b"
 )
 _NEAR = r"\b(?:ahead of|behind|following|in front of|pass|passing|overtak\w+|trailing) (?:[^.;,]{0,60}\()?(?:\w+ )?"
 _NOT_OWN = re.compile(r"\b(?:(?:came|coming|come) to (?:a )?(?:final )?rest|rotat\w+|rebounded|spun)\b")
 _OPPOSING = re.compile(
     r"\b(?:in the )?(?:opposite|opposing|oncoming)(?: travel)?(?: direction|\b)|\bfrom the opposite\b|"
     r"\b(?:the )?other (?:way|direction)\b|\bhead-?on\b"
+)
+_INTO_ONCOMING = re.compile(
+    rf"\b(?:cross|drift|veer|swerv|slid)\w*\b[^.;,]{{0,40}}?\b(?:in|on)to (?:the )?{_COMPASS}bound (?:\w+ )?lanes?\b"
 )
 _REFERENCE = re.compile(r"\bv(\d)\b")
 
@@ -94,7 +98,8 @@ def read_headings(clauses: Sequence[Clause], numbers: Sequence[int]) -> dict[int
     found: dict[int, Finding[Position]] = {}
     for clause in clauses:
         for match in _ADJECTIVE.finditer(clause.text):
-            compass, number = (match[1], int(match[2])) if match[2] else (match[4], int(match[3]))
+            compass = match[1] or match[4] or match[6]
+            number = int(match[2] or match[3] or match[5])
             if number in numbers and not _is_aftermath(clause.text):
                 found.setdefault(number, Finding(_OF[compass], 0.9, clause.sentence, "the word before its name"))
     for read, confidence, reason in (
@@ -145,7 +150,7 @@ def relate_headings(
     found = dict(headings)
     for _ in range(2):  # what one step finds may help the next
         for number in [number for number, finding in found.items() if finding.value is None]:
-            for step in (_relative, _before_the_turn):
+            for step in (_relative, _before_the_turn, _over_the_line):
                 finding = step(number, found, clauses, turns)
                 if finding is not None:
                     found[number] = finding
@@ -253,6 +258,19 @@ def _before_the_turn(
             match = _HEADING_AFTER.search(_NOT_OWN.split(turn[1])[0])
             if match:
                 return Finding(back[_OF[match[1]]], 0.65, clause.sentence, "the way it turned to, turned back")
+    return None
+
+
+def _over_the_line(
+    number: int, found: Headings, clauses: Sequence[Clause], turns: Mapping[int, Side | None]
+) -> Finding[Position] | None:
+    del found
+    if turns.get(number) is not None:
+        return None
+    for clause in clauses:
+        match = _INTO_ONCOMING.search(clause.text)
+        if match and clause.subjects == (number,):
+            return Finding(_OPPOSITE[_OF[match[1]]], 0.6, clause.sentence, "it came into the lane of the other way")
     return None
 
 

@@ -90,7 +90,7 @@ _SKY = (
         (
             rf"{_NOT}(?:(?:strong|high|heavy|gusty|gusting|severe) (?:cross)?winds?|crosswinds?|gust[sy]?|"
             rf"(?:weather|it|conditions?|day) (?:was|were) (?:\w+ and )?windy|windy (?:conditions|weather|"
-            rf"day))"
+            rf"day)|(?:^|[,;] |and )windy[.;]?$)"
         ),
     ),
     (Weather.OVERCAST, 0.95, rf"{_NOT}overcast"),

@@ -38,6 +38,7 @@ _OWN_CAR = re.compile(
     rf"(?P<text>(?:(?!{_VERB})[\w -]){{3,40}})"
 )
 _LAST_DETERMINER = re.compile(r".*\b(?:an?|the|another|with|and|of|her|his|their|in|by|driving)\s+(?=\S)")
+_WITH_A_TRAILER = re.compile(r"\bwith an? (?:[\w-]+ ){0,2}(?:semi-?)?trailer$")
 _WHO = re.compile(
     r"\b(?:driver|passenger|occupant|male|female|man|woman|boy|girl|year[- ]old|side|front|rear|lane|road|curve)\b"
 )
@@ -146,7 +147,7 @@ def _descriptions(plain: str) -> list[tuple[int, str]]:
     after = [(int(match["number"]), match["text"]) for match in _DESCRIBED_AFTER.finditer(plain)]
     before = []
     for match in _DESCRIBED_BEFORE.finditer(plain):
-        text = _LAST_DETERMINER.sub("", match["text"])
+        text = _LAST_DETERMINER.sub("", _WITH_A_TRAILER.sub("", match["text"]).rstrip())
         before.append((int(match["number"]), text))
     before += [(int(match["number"]), match["text"]) for match in _APPOSED.finditer(plain)]
     own = [(int(match["number"]), match["text"]) for match in _OWN_CAR.finditer(plain) if find_names(match["text"])]

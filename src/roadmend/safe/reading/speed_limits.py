@@ -12,7 +12,7 @@ KMH_PER_MPH = 1.609344
 _LEAST = 5  # [mph]
 
 _LIMIT = re.compile(
-    r"\bspeed (?:limits?|zone)|\bposted (?:at|limit|speed)|\blimits?\b|(?:mph|km/h) (?:speed )?(?:zone|limit)"
+    r"\bspeed (?:limits?|zone)|\bposted:? (?:at|limit|speed|\d)|\blimits?\b|(?:mph|km/h) (?:speed )?(?:zone|limit)"
 )
 _NO_LIMIT = re.compile(r"\b(?:advisory|recommended|speed limit sign\b(?! (?:of|for|posted))|minimum)\b")
 _VALUE = re.compile(

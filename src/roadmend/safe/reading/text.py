@@ -36,6 +36,7 @@ _SPELLINGS = tuple(
             " km/h",
         ),
         (r"(?<=\d)[ -]*(?:m\.p\.h\.?|mph|miles? (?:per|an) hour|mi/h)(?![a-z])", " mph"),
+        (r"(\blimit(?: (?:is|was|of|at))?:? [1-9][05])(?![\d.,]*\d| ?(?:mph|mi|km|k\.?p|%|feet|met))", r"\1 mph"),
         (r"\b(north|south|east|west)[ -](?=bound\b)", r"\1"),
         (r"\b(north|south|east|west)(?:ern|ward|wards|wardly)\b", r"\1"),
         (r"\bn/b\b|\bnb\b(?! lane)", "northbound"),
