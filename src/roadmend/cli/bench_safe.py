@@ -123,6 +123,10 @@ def _rows(
         for name in ("road", "actors", "env", "overall"):
             value = f"{getattr(score, name):.1f} % of {score.cases}"
             add(f"extraction: {name}", [value] * len(found), f"{paper[name]:.1f} % of {paper['cases']}")
+    whole = scores["with_sketch"]
+    if whole is not None:
+        add("extraction: overall, what only the sketch shows asked too",
+            [f"{whole.overall:.1f} % of {whole.cases}"] * len(found), "-")  # fmt: skip
     return rows
 
 
