@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
@@ -84,7 +85,7 @@ def _show(done: Sequence[Extracted], out: Path) -> None:
     for extracted in done:
         scenario = extracted.scenario
         if scenario is None:
-            table.add_row(extracted.case, f"[red]{extracted.error}[/]")
+            click.echo(extracted.error, err=True)
             continue
         vehicles = ", ".join(
             " ".join(str(vehicle[name] or "?") for name in ("model", "initial_position", "action"))
@@ -93,9 +94,8 @@ def _show(done: Sequence[Extracted], out: Path) -> None:
         environment = " ".join(str(scenario["env"][name] or "?") for name in ("time", "weather"))
         road = " ".join(filter(None, (scenario["road_type"] or "?", scenario["stem_direction"])))
         lanes = str(scenario["num_lanes"] or "?")
-        table.add_row(extracted.case, road, lanes, vehicles, environment, str(len(extracted.open_fields)))
-    console = wide_console()
-    console.print(table)
+        table.add_row(escape(extracted.case), road, lanes, vehicles, environment, str(len(extracted.open_fields)))
+    wide_console().print(table)
     failed = sum(extracted.error is not None for extracted in done)
     known = sum(not extracted.is_new for extracted in done)
-    console.print(f"{len(done) - failed} of {len(done)} read ({known} by an earlier call), in {out}")
+    click.echo(f"{len(done) - failed} of {len(done)} read ({known} by an earlier call), in {out}")

@@ -15,54 +15,17 @@ from roadmend.safe.report import CrashReport
 from roadmend.safe.sketch_text import SketchText, posted_limit, read_sketch
 
 _WORDS = re.compile(r"[^\W\d_]+")
-_FUNCTION_WORDS = frozenset(
-    [
-        "the",
-        "a",
-        "an",
-        "of",
-        "to",
-        "in",
-        "on",
-        "at",
-        "and",
-        "was",
-        "were",
-        "is",
-        "are",
-        "it",
-        "its",
-        "by",
-        "from",
-        "with",
-        "that",
-        "this",
-        "for",
-        "as",
-        "had",
-        "has",
-        "which",
-        "but",
-        "not",
-        "or",
-        "into",
-        "be",
-        "been",
-        "when",
-        "while",
-        "after",
-        "before",
-        "both",
-        "one",
-        "two",
-    ]
-)
+_FUNCTION_WORDS = frozenset({
+    "the", "a", "an", "of", "to", "in", "on", "at", "and", "was", "were", "is", "are", "it", "its", "by",
+    "from", "with", "that", "this", "for", "as", "had", "has", "which", "but", "not", "or", "into", "be",
+    "been", "when", "while", "after", "before", "both", "one", "two",
+})  # fmt: skip
 _LEAST_ENGLISH = 0.2  # share of function words; in English prose it is near one half
 _TRUST_IN_SKETCH = 0.6
 _FEWEST_WORDS = 12  # below that, shares say nothing
 _OTHERS = re.compile(
-    r"\b(?:struck|hit|hitting|striking|ran over|collided with|impacted|contacted)\b[^.]{0,60}?"
-    r"\b(pedestrians?|bicyclists?|cyclists?|pedalcyclists?|deer|animal|cow|horse|moose|dog|motorcyclists?|scooter)\b",
+    r"\b(?:struck|hit|hitting|striking|ran over|collided with|impacted|contacted)\b[^.]{0,60}?\b(pedestrians?|"
+    r"bicyclists?|cyclists?|pedalcyclists?|deer|animal|cow|horse|moose|dog|motorcyclists?|scooter)\b",
     re.IGNORECASE,
 )
 

@@ -21,28 +21,25 @@ _MAKE_ALIASES = {
 _BODY_WORDS: tuple[tuple[Model, float, str], ...] = (
     (Model.SEMI_TRUCK, 0.95,
      (r"(?<!farm )tractor(?! mower)|semi(?!-?automatic)(?:-?\s?(?:truck|trailer))?s?|18[- ]wheel(?:er)?|big rig|"
-     r"articulated (?:truck|lorry)|truck[- ]trailer|class 8 truck|bobtail")),
+      r"articulated (?:truck|lorry)|truck[- ]trailer|class 8 truck|bobtail")),
     (Model.MINIVAN, 0.95, (
-r"minivan|(?<!\w)(?:cargo|conversion|passenger|delivery|full[- ]?size|work|panel|step|utility)[- "
-r"]?van|van|people[- ](?:carrier|mover)|mpv"
-)),
+         r"minivan|(?<!\w)(?:cargo|conversion|passenger|delivery|full[- ]?size|work|panel|step|utility)[- ]?van|van|"
+         r"people[- ](?:carrier|mover)|mpv"
+     )),
     (Model.PICKUP, 0.95, r"pickup(?: ?truck)?|(?:crew|extended|quad|king|super|regular|double|access)[- ]?cab|light truck"),
     (Model.SUV, 0.95,
-     (r"sports?[- ]?utility(?: vehicle)?|suvs?|s\.u\.v\.|crossover|(?:compact|large|mid[- ]?size|full[- "
-r"]?size|small|4-door|2-door|"
-     r"4[- ]wheel[- ]drive|4x4,?)? ?utility(?! (?:trailer|pole|van|truck|line|box|room|company|"
-r"work))(?: vehicle)?|cuv")),
+     (r"sports?[- ]?utility(?: vehicle)?|suvs?|s\.u\.v\.|crossover|"
+      r"(?:compact|large|mid[- ]?size|full[- ]?size|small|4-door|2-door|4[- ]wheel[- ]drive|"
+      r"4x4,?)? ?utility(?! (?:trailer|pole|van|truck|line|box|room|company|work))(?: vehicle)?|cuv")),
     (Model.SEDAN, 0.95,
      (r"sedan|saloon|coupe|hatch-?back|convertible|cabriolet|estate car|roadster|(?:station )?wagon|fastback|"
-r"lift-?back|limousine|"
-     r"sports? car|passenger car|hard-?top|spyder")),
+      r"lift-?back|limousine|sports? car|passenger car|hard-?top|spyder")),
     (Model.SEMI_TRUCK, 0.5,
-     (r"(?:medium|heavy|heavy[- ]duty|medium[- ]duty|medium/heavy|large|commercial|box|cargo|dump|"
-r"straight|flat-?bed|delivery|tow|"
-     r"garbage|refuse|cement|concrete|mixer|tanker|fire|military|army|moving|log(?:ging)?|stake|bucket|"
-r"utility|single[- ]unit|"
-     r"stake[- ]?bed|u-haul)[- ](?:\w+ )?truck|fire engine|(?:school |transit |city |tour |shuttle )?bus|"
-     r"motor ?home|motor ?coach|recreational vehicle|lorry|truck-tractor")),
+     (r"(?:medium|heavy|heavy[- ]duty|medium[- ]duty|medium/heavy|large|commercial|box|cargo|dump|straight|"
+      r"flat-?bed|delivery|tow|garbage|refuse|cement|concrete|mixer|tanker|fire|military|army|moving|log(?:ging)?|"
+      r"stake|bucket|utility|single[- ]unit|stake[- ]?bed|u-haul)[- ](?:\w+ )?truck|fire engine|"
+      r"(?:school |transit |city |tour |shuttle )?bus|motor ?home|motor ?coach|recreational vehicle|lorry|"
+      r"truck-tractor")),
     (Model.SEDAN, 0.6, r"(?:sub-?)?compact(?:-size[d]?)?(?: car)?|police car|taxi(?:cab)?|(?:2|3|4|5)[- ]door|car"),
 )  # fmt: skip
 _NO_CLASS = re.compile(

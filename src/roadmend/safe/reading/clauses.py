@@ -7,20 +7,20 @@ from dataclasses import dataclass
 from roadmend.safe.reading.text import Sentence
 
 _NEW_SUBJECT = (
-    r"(?:the (?:\w+ )?(?:driver|operator|front|rear|left|right|frontal|back|impact|\w+ plane)\b|v\d\b|"
-    r"both\b|it\b|he\b|she\b|they\b|this (?:impact|caused)\b)"
+    r"(?:the (?:\w+ )?(?:driver|operator|front|rear|left|right|frontal|back|impact|\w+ plane)\b|v\d\b|both\b|it\b|"
+    r"he\b|she\b|they\b|this (?:impact|caused)\b)"
 )
 _TRAVELING = (
     r"(?:also |who |which )?(?:traveling|heading|headed|going|driving) (?:[\w-]+ ){0,4}?(?:north|south|east|west)"
 )
 _BOUNDARY = re.compile(
-    rf";\s*|,?\s+(?:while|when|as|but|before|after|until|whereas|then|causing|because)\s+(?={_NEW_SUBJECT})"
-    rf"|,\s+(?=(?:and\s+)?(?:the (?:driver|operator|front|rear)\b|v\d\b(?!\s*,?\s*(?:and|or)\b)|both\b|he\b|she\b))"
-    rf"|\s+and\s+(?=(?:the (?:driver|operator|front|rear|left side|right side|frontal plane)\b|"
-    rf"v\d\b(?:, (?:an?|the) [^,;.]{{2,60}},)?(?=[^,;.]{{0,40}}?\b(?:was|were(?! both| all| each)|had|is|struck|turned|continued|entered|"
-    rf"did|drifted|came|began|traveled|attempted|proceeded|made|failed))))"
-    rf"|(?:(?<=v\d)|(?<=v\d\))),?\s+(?={_TRAVELING})"
-    r"|,?\s+(?=(?:which|who|that)\s+(?:was|were|had|is|has)\b)|,\s+(?=(?:where|causing)\b)"
+    rf";\s*|,?\s+(?:while|when|as|but|before|after|until|whereas|then|causing|because)\s+(?={_NEW_SUBJECT})|"
+    r",\s+(?=(?:and\s+)?(?:the (?:driver|operator|front|rear)\b|v\d\b(?!\s*,?\s*(?:and|or)\b)|both\b|he\b|she\b))|"
+    r"\s+and\s+(?=(?:the (?:driver|operator|front|rear|left side|right side|frontal plane)\b|"
+    r"v\d\b(?:, (?:an?|the) [^,;.]{2,60},)?(?=[^,;.]{0,40}?\b(?:was|were(?! both| all| each)|had|is|struck|"
+    r"turned|continued|entered|did|drifted|came|began|traveled|attempted|proceeded|made|failed))))|"
+    rf"(?:(?<=v\d)|(?<=v\d\))),?\s+(?={_TRAVELING})|,?\s+(?=(?:which|who|that)\s+(?:was|were|had|is|has)\b)|"
+    r",\s+(?=(?:where|causing)\b)"
 )
 _LAST_NAMED = re.compile(r"\bv(\d)\)?(?:\s*\([^)]*\)|,? (?:an?|the) [^.;]*)?,?$")
 _REFERENCE = re.compile(r"\bv(\d)\b")
@@ -37,8 +37,8 @@ _PLACED = re.compile(
     r"to the (?:left|right) of) v\d,?\s*(?:was|were)?\s*(?=.*\bv\d)"
 )
 _BOTH = re.compile(
-    r"\b(?:both|the (?:2|3|4)) (?:vehicles|drivers|cars|motorists)\b|\ball (?:3|4|of the)? "
-    r"?vehicles\b|^(?:and |while )?both (?=were\b|had\b|of them\b)|\bv\d(?:,| and)[^.;]{0,20}\bv\d were (?:both )?"
+    r"\b(?:both|the (?:2|3|4)) (?:vehicles|drivers|cars|motorists)\b|\ball (?:3|4|of the)? ?vehicles\b|"
+    r"^(?:and |while )?both (?=were\b|had\b|of them\b)|\bv\d(?:,| and)[^.;]{0,20}\bv\d were (?:both )?"
 )
 
 _WERE_ALL = re.compile(r"\bwere (?:both|all|each)\b")

@@ -17,12 +17,10 @@ _CORNER = re.compile(
     r"\b(?:left|right)[- ](front|rear)(?:al)?\b(?! (?:door|quarter|fender))|\b(front|rear)[- ](?:left|right)\b"
 )
 _HIT = re.compile(
-    r"\b(?:(?P<into>struck|hit|impacted|contacted|collided with|made contact with|ran into|crashed "
-    r"into|rear-ended|sideswiped|"
-    r"t-boned|broadsided|rammed|slammed into|clipped|strikes|hits|impacts|contacts|collides with|rear-ends)|"
-    r"(?P<to>(?<=to )(?:strike|hit|impact|contact|collide with|rear-end)|striking|hitting|impacting|"
-    r"contacting|colliding with|"
-    r"rear-ending|sideswiping|crashing into))\b"
+    r"\b(?:(?P<into>struck|hit|impacted|contacted|collided with|made contact with|ran into|crashed into|rear-ended|"
+    r"sideswiped|t-boned|broadsided|rammed|slammed into|clipped|strikes|hits|impacts|contacts|collides with|"
+    r"rear-ends)|(?P<to>(?<=to )(?:strike|hit|impact|contact|collide with|rear-end)|striking|hitting|impacting|"
+    r"contacting|colliding with|rear-ending|sideswiping|crashing into))\b"
 )
 _PASSIVE = re.compile(r"\b(?:was|were|being|got|is|been)\s+(?:\w+ly\s+|then\s+|also\s+|subsequently\s+)?$")
 _REFERENCE = re.compile(r"\bv(\d)\b")

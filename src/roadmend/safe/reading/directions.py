@@ -18,8 +18,8 @@ _TO_THE_RIGHT = {left: straight for straight, left in _TO_THE_LEFT.items()}
 
 _COMPASS = r"(north|south|east|west)"
 _PLACE = (
-    r"(?:side|(?:\w+ )?edge|corner|shoulder|curb|leg|roadside|ditch|road edge|end|portion|half|of\b|"
-    r"roadway edge|bank|sidewalk|parking|fork|lot)"
+    r"(?:side|(?:\w+ )?edge|corner|shoulder|curb|leg|roadside|ditch|road edge|end|portion|half|of\b|roadway edge|"
+    r"bank|sidewalk|parking|fork|lot)"
 )
 # Text that has a compass word in it and says nothing about where the vehicle came from.
 _MISLEADING = tuple(
@@ -29,19 +29,18 @@ _MISLEADING = tuple(
         rf"\b{_COMPASS}(?:bound)? {_PLACE}",
         rf"\bby v\d\)?, {_COMPASS}bound",
         (
-            r"\b(?:into|onto|entered|entering|enters|enter|re-?enter\w*|across|cross(?:ed|ing|es)?|over|"
-            r"toward|towards)\s+"
-            r"(?:into |across |onto |over )?(?:the |both |all |all of the )?(?:opposing |opposite |oncoming |"
-            r"adjacent |intersecting |"
-            r"path of (?:the )?|\d+ |first |second |third |inside |outside |left |right |center |near |far )*"
-            r"(?:north|south|east|west)bound (?:\w+ ){0,3}?(?:lanes?|traffic|roadway|shoulder)\b"
+            r"\b(?:into|onto|entered|entering|enters|enter|re-?enter\w*|across|cross(?:ed|ing|es)?|over|toward|"
+            r"towards)\s+(?:into |across |onto |over )?(?:the |both |all |all of the )?(?:opposing |opposite |"
+            r"oncoming |adjacent |intersecting |path of (?:the )?|\d+ |first |second |third |inside |outside |"
+            r"left |right |center |near |far )*(?:north|south|east|west)bound (?:\w+ ){0,3}?(?:lanes?|traffic|"
+            r"roadway|shoulder)\b"
         ),
         r"\b(?:opposing|oncoming|opposite|adjacent|several|other|all)\s+(?:north|south|east|west)bound\b",
         rf"\b(?:in|on|at) the {_COMPASS}bound (?:shoulder|roadside|ditch|on-ramp|curb)",
         r"\b(?:pushed|pushing|redirected|spun|rolled|knocked|thrown|rotat\w+|deflected)\b[^,;]*",
         (
-            r"\b(?:came|coming|come|comes) to (?:a |its )?(?:final |complete )*(?:rest|stop)\b.*?(?=, (?:and|"
-            r"when|where)|$)"
+            r"\b(?:came|coming|come|comes) to (?:a |its )?(?:final |complete )*(?:rest|"
+            r"stop)\b.*?(?=, (?:and|when|where)|$)"
         ),
         r"\b(?:final )?rest(?:ing|ed)?\b.*",
     )
@@ -49,35 +48,32 @@ _MISLEADING = tuple(
 _ON_LANE = re.compile(rf"\bin (?:the |a )?(?:[\w-]+ ){{0,4}}?{_COMPASS}bound\b")
 _INTENT = re.compile(
     r"\b(?:inten\w+|attempt\w*|in order to|so as to|want\w*|plan\w*|prepar\w*|waiting|wait|to turn|"
-    r"turn(?:ed|ing|s)?\b|"
-    r"about to|(?:before|after) (?:making|turning)|made? a|making a|continu\w+|would|proceeded to|"
-    r"began to|going to)\b.*"
+    r"turn(?:ed|ing|s)?\b|about to|(?:before|after) (?:making|turning)|made? a|making a|continu\w+|would|"
+    r"proceeded to|began to|going to)\b.*"
 )
 _FROM = re.compile(
-    rf"\b(?:from|out of) the {_COMPASS}\b(?! (?:side|leg|lane|bound|to\b))|\bfrom (?:the "
-    rf")?{_COMPASS}(?:bound)? to(?:ward)?s? (?:the )?{_COMPASS}"
-    rf"|\b{_COMPASS}(?:bound)? to {_COMPASS}(?:bound)?\b"
-    rf"|\bfrom {_COMPASS}bound (?!(?:\w+ )?(?:lanes?|traffic)\b)"
+    rf"\b(?:from|out of) the {_COMPASS}\b(?! (?:side|leg|lane|bound|to\b))|"
+    rf"\bfrom (?:the )?{_COMPASS}(?:bound)? to(?:ward)?s? (?:the )?{_COMPASS}|"
+    rf"\b{_COMPASS}(?:bound)? to {_COMPASS}(?:bound)?\b|\bfrom {_COMPASS}bound (?!(?:\w+ )?(?:lanes?|traffic)\b)"
 )
 _TOKEN = re.compile(
     rf"(?<![\w/-]){_COMPASS}(?:bound|erly)?\b(?![/-]| (?:and|or) (?:north|south|east|west)|(?:east|west))"
 )
 _HEADING_AFTER = re.compile(
-    rf"\b(?:to|and|onto|then)?\s*(?:travel|head|go|proceed|continue|drive|traveling|heading|going|"
-    rf"proceeding|continuing)?\w*\s*(?:onto (?:the )?|to (?:the )?|on (?:the "
-    rf")?)?\(?{_COMPASS}(?:bound)?\b"
+    r"\b(?:to|and|onto|then)?\s*(?:travel|head|go|proceed|continue|drive|traveling|heading|going|proceeding|"
+    rf"continuing)?\w*\s*(?:onto (?:the )?|to (?:the )?|on (?:the )?)?\(?{_COMPASS}(?:bound)?\b"
 )
 
 _SAME = re.compile(
-    r"\b(?:also|in the same direction|same (?:travel )?(?:lane|direction|travel|way)|behind|following|"
-    r"ahead of|in front of|trailing|passing|overtak\w+|rear-ended)\b"
+    r"\b(?:also|in the same direction|same (?:travel )?(?:lane|direction|travel|way)|behind|following|ahead of|"
+    r"in front of|trailing|passing|overtak\w+|rear-ended)\b"
 )
 _TURN_LANE = re.compile(r"\b(?:(?:left|right|center|2-way|only)[- ])*turn(?:ing)?(?:[- ]only)?[- ]lanes?\b")
 # "a southbound 2006 Ford (v2)"
 _ADJECTIVE = re.compile(
-    rf"\b{_COMPASS}bound (?:(?!(?:lanes?|roadway|road|traffic|shoulder|direction|travel|side|street|"
-    rf"highway|v\d|and|when|where|was|by|at)\b)[\w/-]+,? ){{0,7}}\(?v(\d)\b"
-    rf"|\bv(\d)\)?,? an? {_COMPASS}bound\b|\bby v(\d)\)?, {_COMPASS}bound\b"
+    rf"\b{_COMPASS}bound (?:(?!(?:lanes?|roadway|road|traffic|shoulder|direction|travel|side|street|highway|v\d|"
+    rf"and|when|where|was|by|at)\b)[\w/-]+,? ){{0,7}}\(?v(\d)\b|\bv(\d)\)?,? an? {_COMPASS}bound\b|"
+    rf"\bby v(\d)\)?, {_COMPASS}bound\b"
 )
 _NEAR = r"\b(?:ahead of|behind|following|in front of|pass|passing|overtak\w+|trailing) (?:[^.;,]{0,60}\()?(?:\w+ )?"
 _NOT_OWN = re.compile(r"\b(?:(?:came|coming|come) to (?:a )?(?:final )?rest|rotat\w+|rebounded|spun)\b")
@@ -119,7 +115,7 @@ def read_headings(clauses: Sequence[Clause], numbers: Sequence[int]) -> dict[int
 
 
 _PLACE_OF_CRASH = re.compile(
-    rf"\b(?:crash|collision|accident|incident|impact) (?:[^.;]{{0,40}} )?(?:occurred|happened|took place|"
+    r"\b(?:crash|collision|accident|incident|impact) (?:[^.;]{0,40} )?(?:occurred|happened|took place|"
     rf"occurs)\b[^.]*\b(?:in|on|along) the (?:[\w-]+ ){{0,4}}?{_COMPASS}bound\b"
 )
 

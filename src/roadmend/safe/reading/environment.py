@@ -13,18 +13,18 @@ _LIGHT = (
         Time.NIGHTTIME,
         0.95,
         (
-            r"dark(?:ness)?\b(?! (?:blue|green|red|grey|gray|brown|colou?red|tinted|clothing|clothes|suv|"
-            r"sedan|spot|substance|smudge|pickup|van|car))|unlit\b|street ?(?:lights?|lamps?) (?:were |was "
-            r")?(?:on|present|lit|illuminated)|no daylight|after sunset|moonlight|no street ?lights|not "
-            r"lighted|pitch black|before sunrise|after sundown"
+            r"dark(?:ness)?\b(?! (?:blue|green|red|grey|gray|brown|colou?red|tinted|clothing|clothes|suv|sedan|"
+            r"spot|substance|smudge|pickup|van|car))|unlit\b|"
+            r"street ?(?:lights?|lamps?) (?:were |was )?(?:on|present|lit|illuminated)|no daylight|after sunset|"
+            r"moonlight|no street ?lights|not lighted|pitch black|before sunrise|after sundown"
         ),
     ),
     (
         Time.DAYTIME,
         0.95,
         (
-            r"daylight|day ?time\b(?! running)|broad day|dawn|dusk|sunrise|sunset|twilight|full light|"
-            r"sunlight|bright(?:ly)? sun\w*|sunny|in the light of day|light conditions were day"
+            r"daylight|day ?time\b(?! running)|broad day|dawn|dusk|sunrise|sunset|twilight|full light|sunlight|"
+            r"bright(?:ly)? sun\w*|sunny|in the light of day|light conditions were day"
         ),
     ),
 )
@@ -33,17 +33,14 @@ _HOURS = (
     (
         Time.NIGHTTIME,
         0.85,
-        (
-            r"night ?time|(?:over|mid)night|nights?\b(?!club)|late evening|post-?midnight|small hours|wee "
-            r"hours"
-        ),
+        (r"night ?time|(?:over|mid)night|nights?\b(?!club)|late evening|post-?midnight|small hours|wee hours"),
     ),
     (
         Time.DAYTIME,
         0.85,
         (
-            r"(?:mid|late|early)?[- ]?morning|noon|mid-?day|(?:early|mid|late)?[- ]?afternoon|rush hour|lunch "
-            r"?time|during the day\b|day hours|(?:sunny|cloudy|clear|rainy|overcast|bright|gr[ae]y|snowy|"
+            r"(?:mid|late|early)?[- ]?morning|noon|mid-?day|(?:early|mid|late)?[- ]?afternoon|rush hour|"
+            r"lunch ?time|during the day\b|day hours|(?:sunny|cloudy|clear|rainy|overcast|bright|gr[ae]y|snowy|"
             r"foggy) (?:\w+ )?day\b"
         ),
     ),
@@ -54,10 +51,10 @@ _CLOCK = re.compile(
     r"(?:at|about|around|approximately|near|was)\s+(\d{1,2}):[0-5]\d\b(?!\s*[ap]\.?m))"
 )
 _LATER = re.compile(
-    r"\b(?:later (?:that|the) (?:day|morning|night|evening)|next (?:day|morning)|the day (?:after|"
-    r"following|before)|previous (?:day|night)|the night before|"
-    r"hours (?:after|later)|hospital|trauma|transported|treated|admitted|slept|sleep|worked|shift|"
-    r"headlights?|airbag|passerby|police report|scene images)\b"
+    r"\b(?:later (?:that|the) (?:day|morning|night|evening)|next (?:day|morning)|"
+    r"the day (?:after|following|before)|previous (?:day|night)|the night before|hours (?:after|later)|hospital|"
+    r"trauma|transported|treated|admitted|slept|sleep|worked|shift|headlights?|airbag|passerby|police report|"
+    r"scene images)\b"
 )
 
 _NOT = r"(?<!no )(?<!not )(?<!without )(?<!stopped )(?<!any )(?<!earlier )"
@@ -66,8 +63,8 @@ _SKY = (
         Weather.SNOWY,
         0.95,
         (
-            rf"{_NOT}(?:snow(?:ing|fall|y|storm)|blizzard|sleet(?:ing)?|snow flurries|flurries|hail(?:ing|"
-            rf"storm)?|snow (?:was|is) falling|falling snow|(?:light|heavy|blowing) snow)"
+            rf"{_NOT}(?:snow(?:ing|fall|y|storm)|blizzard|sleet(?:ing)?|snow flurries|flurries|hail(?:ing|storm)?|"
+            r"snow (?:was|is) falling|falling snow|(?:light|heavy|blowing) snow)"
         ),
     ),
     (
@@ -75,8 +72,8 @@ _SKY = (
         0.95,
         (
             rf"{_NOT}(?:rain(?:ing|y|storm|fall|s)?|drizzl(?:e|ing|y)|showers?|downpour|thunderstorms?|"
-            rf"precipitation|rained|misting|freezing rain)(?! (?:earlier|gutter|had|before|the (?:day|night) "
-            rf"before))"
+            r"precipitation|rained|misting|freezing rain)(?! (?:earlier|gutter|had|before|"
+            r"the (?:day|night) before))"
         ),
     ),
     (
@@ -89,8 +86,8 @@ _SKY = (
         0.9,
         (
             rf"{_NOT}(?:(?:strong|high|heavy|gusty|gusting|severe) (?:cross)?winds?|crosswinds?|gust[sy]?|"
-            rf"(?:weather|it|conditions?|day) (?:was|were) (?:\w+ and )?windy|windy (?:conditions|weather|"
-            rf"day)|(?:^|[,;] |and )windy[.;]?$)"
+            r"(?:weather|it|conditions?|day) (?:was|were) (?:\w+ and )?windy|windy (?:conditions|weather|day)|"
+            r"(?:^|[,;] |and )windy[.;]?$)"
         ),
     ),
     (Weather.OVERCAST, 0.95, rf"{_NOT}overcast"),
@@ -99,18 +96,18 @@ _SKY = (
         None,
         0.95,
         (
-            r"(?:sky|skies|weather(?: conditions?)?|atmospher\w+(?: conditions?)?|conditions?|day|night|"
-            r"evening|morning|afternoon|visibility)\s+(?:was|were|is|being|had been|remained)\s+(?:reported "
-            r"(?:as|to be) |described as |also |both )?(?:dry and |warm and |cool and |cold and |dark and |"
-            r"mostly |generally )?(?:clear|sunny|fair|fine|good)\b"
+            r"(?:sky|skies|weather(?: conditions?)?|atmospher\w+(?: conditions?)?|conditions?|day|night|evening|"
+            r"morning|afternoon|visibility)\s+(?:was|were|is|being|had been|remained)\s+(?:reported (?:as|to be) |"
+            r"described as |also |both )?(?:dry and |warm and |cool and |cold and |dark and |mostly |"
+            r"generally )?(?:clear|sunny|fair|fine|good)\b"
         ),
     ),
     (
         None,
         0.95,
         (
-            r"(?:clear|fair|sunny|cloudless|blue|good|fine),? (?:and (?:dry|sunny|bright|warm|cold|cool) "
-            r")?(?:sk(?:y|ies)|weather|conditions?|day(?:light|time)?|night|evening|morning|afternoon|"
+            r"(?:clear|fair|sunny|cloudless|blue|good|fine),? (?:and (?:dry|sunny|bright|warm|cold|"
+            r"cool) )?(?:sk(?:y|ies)|weather|conditions?|day(?:light|time)?|night|evening|morning|afternoon|"
             r"atmospher\w+)"
         ),
     ),
@@ -126,9 +123,9 @@ _SKY = (
         None,
         0.9,
         (
-            r"no adverse (?:weather|atmospher\w+)|no (?:weather|atmospheric)[- ]related|(?:weather|"
-            r"atmospheric) (?:conditions )?(?:was|were) (?:not (?:a|an) factor|normal)|under clear|in clear\b|"
-            r"bright sun\w*|sunshine|clear and dry|clear, dry|dry and clear"
+            r"no adverse (?:weather|atmospher\w+)|no (?:weather|atmospheric)[- ]related|"
+            r"(?:weather|atmospheric) (?:conditions )?(?:was|were) (?:not (?:a|an) factor|normal)|under clear|"
+            r"in clear\b|bright sun\w*|sunshine|clear and dry|clear, dry|dry and clear"
         ),
     ),
 )
@@ -139,11 +136,10 @@ _COMPILED_LIGHT, _COMPILED_HOURS = (
     for table in (_LIGHT, _HOURS)
 )
 _OTHER_SENSE = re.compile(
-    r"\bwindy (?:road|two|2|country|rural|roadway|section)|\bcleared?\b(?= (?:the|of|to|a|an|from|"
-    r"traffic|view))|\bto (?:completely |fully )?clear\b|"
-    r"\brain[- ](?:gutter|x|sensor)|\b(?:due to|because of|from) (?:the )?(?:earlier|previous) "
-    r"(?:rain|snow)\w*|\b(?:snow|rain) (?:had|that) [^,.;]*|\bsnow ?(?:plow|bank|mobile|tires?|"
-    r"drift)s?\b|"
+    r"\bwindy (?:road|two|2|country|rural|roadway|section)|\bcleared?\b(?= (?:the|of|to|a|an|from|traffic|view))|"
+    r"\bto (?:completely |fully )?clear\b|\brain[- ](?:gutter|x|sensor)|"
+    r"\b(?:due to|because of|from) (?:the )?(?:earlier|previous) (?:rain|snow)\w*|"
+    r"\b(?:snow|rain) (?:had|that) [^,.;]*|\bsnow ?(?:plow|bank|mobile|tires?|drift)s?\b|"
     r"\b(?:it|snow|rain) had (?:been )?(?:snow|rain)\w* (?:earlier|before|the)[^,.;]*"
 )
 

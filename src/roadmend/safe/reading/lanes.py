@@ -9,76 +9,72 @@ from roadmend.safe.reading.text import Sentence
 _COMPASS = r"(?:north|south|east|west)"
 _N = r"(\d{1,2})"
 _KIND = (
-    r"(?:(?:travel|traffic|through|straight|straight-through|straight through|general|driving|"
-    r"bituminous|asphalt|concrete|paved|dedicated|level|initial|main|marked|inbound|outbound|adjacent|"
-    r"designated|separate|active|channelized|single|exclusive|turn|left|right|left-turn|right-turn|"
-    r"center|middle|two-way|2-way|only)[- ,]*)*"
+    r"(?:(?:travel|traffic|through|straight|straight-through|straight through|general|driving|bituminous|asphalt|"
+    r"concrete|paved|dedicated|level|initial|main|marked|inbound|outbound|adjacent|designated|separate|active|"
+    r"channelized|single|exclusive|turn|left|right|left-turn|right-turn|center|middle|two-way|2-way|only)[- ,]*)*"
 )
 _ROAD = (
-    r"(?:road|roadway|trafficway|highway|street|freeway|interstate|expressway|avenue|boulevard|"
-    r"parkway|thoroughfare|turnpike|route|arterial)"
+    r"(?:road|roadway|trafficway|highway|street|freeway|interstate|expressway|avenue|boulevard|parkway|"
+    r"thoroughfare|turnpike|route|arterial)"
 )
 _TOTAL = re.compile(
-    rf"(?<![\w-])(?:([2-9]|1\d)[- ]lane(?:d)?\b(?! {_COMPASS}bound| (?:for|of) {_COMPASS}| in (?:each|"
-    rf"either))|(1)[- ]lane(?:d)? (?:[\w-]+ ){{0,2}}{_ROAD})"
+    rf"(?<![\w-])(?:([2-9]|1\d)[- ]lane(?:d)?\b(?! {_COMPASS}bound| (?:for|of) {_COMPASS}| in (?:each|either))|"
+    rf"(1)[- ]lane(?:d)? (?:[\w-]+ ){{0,2}}{_ROAD})"
 )
 _HAS = re.compile(
-    rf"\b{_ROAD}s?\b[^.;]{{0,40}}?(?:\b(?:has|had|having|with|of|comprising|featur\w+|contain\w+|"
-    rf"carr\w+|(?:is|was) (?:made up|composed)(?: of)?)|\() ?(?:a total of )?{_N} {_KIND}lanes\b"
-    rf"(?! (?:in (?:each|either)|each|per|{_COMPASS}))"
+    rf"\b{_ROAD}s?\b[^.;]{{0,40}}?(?:\b(?:has|had|having|with|of|comprising|featur\w+|contain\w+|carr\w+|"
+    rf"(?:is|was) (?:made up|composed)(?: of)?)|\() ?(?:a total of )?{_N} {_KIND}lanes\b(?! (?:in (?:each|either)|"
+    rf"each|per|{_COMPASS}))"
 )
 _EACH = re.compile(
-    rf"(?<![\w-])(?:{_N}|(a single|a|single)) {_KIND}lanes?\b(?: of (?:travel|traffic))?(?:(?!(?<!turn "
-    rf")(?<!turning )\blanes?\b)[^.;\d]){{0,45}}?\b(?:in|for|per|going|each)\s*(?:each|either|both|"
-    rf"every|opposite|opposing|per)?\s*(?:travel |traffic |of the )?(?:direction|way|directions|"
-    rf"side)s?\b(?: of travel)?"
-    rf"|(?<![\w-]){_N}[- ]lanes? (?:in )?each (?:way|direction)"
+    rf"(?<![\w-])(?:{_N}|(a single|a|single)) {_KIND}lanes?\b(?: of (?:travel|"
+    r"traffic))?(?:(?!(?<!turn )(?<!turning )\blanes?\b)[^.;\d]){0,45}?\b(?:in|for|per|going|each)\s*(?:each|"
+    r"either|both|every|opposite|opposing|per)?\s*(?:travel |traffic |of the )?(?:direction|way|directions|"
+    rf"side)s?\b(?: of travel)?|(?<![\w-]){_N}[- ]lanes? (?:in )?each (?:way|direction)"
 )
 _COUNT = rf"(?<![\w-])(?<!number )(?<!lane )(?<!no )(?<!event ){_N}"  # "lane 2" and "the number 2 lane" count nothing
 _HAS_OR_IS_OF = (
-    r"(?:consist\w*|(?:is|was|are|were) composed|had|has|have|contain\w*|provid\w*|of|with|featur\w*|"
-    r"compris\w*|includ\w*)"
+    r"(?:consist\w*|(?:is|was|are|were) composed|had|has|have|contain\w*|provid\w*|of|with|featur\w*|compris\w*|"
+    r"includ\w*)"
 )
 _DIRECTED = (
     # "2 northbound lanes", "1 northbound left-turn lane"
     re.compile(
-        rf"{_COUNT} (?:[\w-]+,? ){{0,2}}?({_COMPASS})bound\b(?! (?:vehicle|car|driver|approach))"
-        rf"(?: {_KIND}|[- ](?:(?!\d)[\w-]+ ){{0,3}})lanes?"
+        rf"{_COUNT} (?:[\w-]+,? ){{0,2}}?({_COMPASS})bound\b(?! (?:vehicle|car|driver|approach))(?: {_KIND}|"
+        r"[- ](?:(?!\d)[\w-]+ ){0,3})lanes?"
     ),
     # "2 northbound and 3 southbound lanes"
     re.compile(rf"{_COUNT} ({_COMPASS})bound(?=,? and \d{{1,2}} {_COMPASS}bound {_KIND}lanes)"),
     # "2 lanes northbound", "2 through lanes for northbound traffic"
     re.compile(
-        rf"{_COUNT} {_KIND}(?:through-)?lanes? (?:for |traveling |heading |running |in the |going |that "
-        rf"(?:travel|run) |of )?"
-        rf"({_COMPASS})(?:bound|erly|ern)?\b(?!/| and {_COMPASS})"
+        rf"{_COUNT} {_KIND}(?:through-)?lanes? (?:for |traveling |heading |running |in the |going |"
+        rf"that (?:travel|run) |of )?({_COMPASS})(?:bound|erly|ern)?\b(?!/| and {_COMPASS})"
     ),
     # "the northbound roadway consists of 2 travel lanes"
     re.compile(
         rf"(?<!\d )\b({_COMPASS})bound (?:side |approach |roadway |road |direction |lanes |portion |"
-        rf"direction of travel |"
-        rf"travel lanes |traffic |lane |leg )*(?:[\w' -]{{0,24}})?\b{_HAS_OR_IS_OF} (?:of )?(?:only )?{_N} "
-        rf"(?:\w+ )?{_KIND}lanes?"
+        r"direction of travel |travel lanes |traffic |lane |"
+        rf"leg )*(?:[\w' -]{{0,24}})?\b{_HAS_OR_IS_OF} (?:of )?(?:only )?{_N} (?:\w+ )?{_KIND}lanes?"
     ),
 )
 _PAIR = re.compile(rf"(?<![\w-]){_N} {_KIND}lanes? (?:for )?(?:the )?{_COMPASS}(?:bound)? and {_COMPASS}(?:bound)?\b")
 _TURN_LANE = re.compile(
-    rf"(?:(?<![\w-]){_N}|\ban?|\bthe) (?:[\w-]+ )?(?:center |dedicated |continuous |2-way |two-way |"
-    rf"shared |exclusive )*(?:left[- ]turn|turn(?:ing)?|right[- ]turn)(?:[- ]only)?(?:ing)? lanes?"
+    rf"(?:(?<![\w-]){_N}|\ban?|\bthe) (?:[\w-]+ )?(?:center |dedicated |continuous |2-way |two-way |shared |"
+    r"exclusive )*(?:left[- ]turn|turn(?:ing)?|right[- ]turn)(?:[- ]only)?(?:ing)? lanes?"
 )
 _CENTER_TURN_LANE = re.compile(
     r"\b(?:2-way|two-way|center|middle|continuous|shared|dedicated) (?:\w+[- ])?(?:left[- ])?turn(?:ing)? lane"
 )
 _MIDDLE_OF = re.compile(
-    rf"\b(?:\w+|\d) (?:travel |through )?lane of {_N}\b|\b(?:left|right|middle|center|inside|outside|"
-    rf"far left|far right) (?:\w+ )?of {_N} (?:\w+ )?lanes?|\b(?:left|right|middle|center) (?:travel "
-    rf")?lane of (?:a )?{_N}"
+    rf"\b(?:\w+|\d) (?:travel |through )?lane of {_N}\b|"
+    rf"\b(?:left|right|middle|center|inside|outside|far left|far right) (?:\w+ )?of {_N} (?:\w+ )?lanes?|"
+    rf"\b(?:left|right|middle|center) (?:travel )?lane of (?:a )?{_N}"
 )
 _RAMP = re.compile(r"\bramp\b")
 _ONE_WAY = re.compile(r"\b(?:1|one)-?\s?way (?:street|road|roadway|traffic|asphalt|alley)|\bone-way\b|\b1-way\b")
 _TWO_WAY = re.compile(
-    r"\b(?:2|two)-?\s?way\b(?! (?:left|turn|radio|stop))|\bwide enough for 2\b|\bundivided\b|"
-    r"\bcenterline\b|\bopposing lane\b|\boncoming (?:travel )?lane\b|\bdouble yellow\b"
+    r"\b(?:2|two)-?\s?way\b(?! (?:left|turn|radio|stop))|\bwide enough for 2\b|\bundivided\b|\bcenterline\b|"
+    r"\bopposing lane\b|\boncoming (?:travel )?lane\b|\bdouble yellow\b"
 )
 _LANE_OF = re.compile(rf"\bin the ({_COMPASS})bound (?:travel )?lane\b")
 MOST = 16

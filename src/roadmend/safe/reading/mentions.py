@@ -11,31 +11,29 @@ from roadmend.safe.reading.vehicle_names import case_vehicle, name_case_vehicle
 REFERENCE = re.compile(r"\bv(\d)\b")
 
 _VERB = (
-    r"(?<!non-)\b(?:was|is|were|had|has|which|who|that|driven|driving|travel(?:ing|ed)|being|operated|"
-    r"occupied|parked|stopped|"
-    r"struck|while|approach\w*|head\w*|proceed\w*|enter\w*|turn\w*|failed|attempt\w*|drifted|lost|came|collided|when|"
-    r"northbound|southbound|eastbound|westbound|impacted|contacted|hit|made|did|began|crossed|went|"
-    r"ran|moving|slow\w*)\b"
+    r"(?<!non-)\b(?:was|is|were|had|has|which|who|that|driven|driving|travel(?:ing|ed)|being|operated|occupied|"
+    r"parked|stopped|struck|while|approach\w*|head\w*|proceed\w*|enter\w*|turn\w*|failed|attempt\w*|drifted|lost|"
+    r"came|collided|when|northbound|southbound|eastbound|westbound|impacted|contacted|hit|made|did|began|crossed|"
+    r"went|ran|moving|slow\w*)\b"
 )
 _DESCRIBED_AFTER = re.compile(
-    r"\bv(?P<number>\d)\b\)?(?:\s*\([^)]{0,60}\))*"
-    r"(?:\s*[,.:=-]+\s*(?:(?:was|is)\s+)?(?:also\s+)?(?:an?|the|another)?\s*|\s+(?:was|"
-    r"is)\s+(?:also\s+)?(?:an?|the)\s+|\s*\(\s*(?:an?\s+|the\s+)?|\s+an?\s+(?=(?:19|20)\d\d\b)|"
-    r"[\s,]+(?:(?:was|is|had been)\s+)?(?:operating|driving|drove|operated|drives|in)\s+(?:an?|the|"
-    r"his|her)\s+)"
-    rf"(?:(?:north|south|east|west)bound,?\s+)?(?P<text>(?:(?!{_VERB}|\bv\d\b)[^.;()]){{2,140}})"
+    r"\bv(?P<number>\d)\b\)?(?:\s*\([^)]{0,60}\))*(?:\s*[,.:=-]+\s*(?:(?:was|is)\s+)?(?:also\s+)?(?:an?|the|"
+    r"another)?\s*|\s+(?:was|is)\s+(?:also\s+)?(?:an?|the)\s+|\s*\(\s*(?:an?\s+|the\s+)?|"
+    r"\s+an?\s+(?=(?:19|20)\d\d\b)|[\s,]+(?:(?:was|is|had been)\s+)?(?:operating|driving|drove|operated|drives|"
+    r"in)\s+(?:an?|the|his|her)\s+)(?:(?:north|south|east|"
+    rf"west)bound,?\s+)?(?P<text>(?:(?!{_VERB}|\bv\d\b)[^.;()]){{2,140}})"
 )
 _DESCRIBED_BEFORE = re.compile(
-    r"\b(?:an?|the|another|\d{4})\s+(?P<text>(?:(?!\bv\d\b)[^;()]){2,100}?),?\s*"
-    r"\(\s*(?:the )?(?:(?:case|subject) vehicle\W+)?v(?P<number>\d)\b"
+    r"\b(?:an?|the|another|\d{4})\s+(?P<text>(?:(?!\bv\d\b)[^;()]){2,100}?),?\s*\(\s*(?:the )?(?:(?:case|"
+    r"subject) vehicle\W+)?v(?P<number>\d)\b"
 )
 _APPOSED = re.compile(  # "a 2010 Ford Focus, v1, struck"
-    r"(?<!v\d, )(?<!v\d )\b(?:an?|the|another)\s+(?P<text>(?:(?!\b(?:v\d|an?|the|another)\b)[^.;(),]){2,60}), "
-    r"v(?P<number>\d),"
+    r"(?<!v\d, )(?<!v\d )\b(?:an?|the|another)\s+(?P<text>(?:(?!\b(?:v\d|an?|the|"
+    r"another)\b)[^.;(),]){2,60}), v(?P<number>\d),"
 )
 _OWN_CAR = re.compile(
-    r"\bv(?P<number>\d)\b(?:(?!\bv\d\b)[^.;]){0,120}?\bin (?:his|her|their) "
-    rf"(?P<text>(?:(?!{_VERB})[\w -]){{3,40}})"
+    r"\bv(?P<number>\d)\b(?:(?!\bv\d\b)[^.;]){0,120}?\bin (?:his|her|"
+    rf"their) (?P<text>(?:(?!{_VERB})[\w -]){{3,40}})"
 )
 _LAST_DETERMINER = re.compile(r".*\b(?:an?|the|another|with|and|of|her|his|their|in|by|driving)\s+(?=\S)")
 _WITH_A_TRAILER = re.compile(r"\bwith an? (?:[\w-]+ ){0,2}(?:semi-?)?trailer$")
@@ -43,30 +41,26 @@ _WHO = re.compile(
     r"\b(?:driver|passenger|occupant|male|female|man|woman|boy|girl|year[- ]old|side|front|rear|lane|road|curve)\b"
 )
 _NO_CONTACT = re.compile(
-    r"\bv(\d)\b(?:\s*\([^)]*non-?contact[^)]*\)|[^.;]{0,40}\b(?:non-?contact vehicle|(?:was|were) not "
-    r"(?:struck|contacted|hit|involved)|"
+    r"\bv(\d)\b(?:\s*\([^)]*non-?contact[^)]*\)|[^.;]{0,40}\b(?:non-?contact vehicle|"
+    r"(?:was|were) not (?:struck|contacted|hit|involved)|"
     r"did not (?:make contact|come (?:in|into) contact|contact|strike|collide)))"
 )
 _SUBJECT_NOUN = (
-    r"(?:car|vehicle|automobile|sedan|coupe|hatchback|convertible|wagon|suv|sport utility vehicle|"
-    r"utility vehicle|crossover|"
-    r"minivan|van|pickup truck|pickup|tractor[-/ ]?trailer|semi-?(?:truck|trailer truck)?|18[- "
-    r"]wheeler|box truck|dump truck|"
-    r"(?:delivery |cargo |commercial )?truck|bus|taxi|motorcycle)"
+    r"(?:car|vehicle|automobile|sedan|coupe|hatchback|convertible|wagon|suv|sport utility vehicle|utility vehicle|"
+    r"crossover|minivan|van|pickup truck|pickup|tractor[-/ ]?trailer|semi-?(?:truck|trailer truck)?|18[- ]wheeler|"
+    r"box truck|dump truck|(?:delivery |cargo |commercial )?truck|bus|taxi|motorcycle)"
 )
 _INTRODUCED = re.compile(
-    rf"\b(?P<article>an?|the|another|his|her|driving an?|driver of "
-    rf"an?)\s+(?P<text>(?:(?!\b(?:{_SUBJECT_NOUN[3:-1]})\b|\b(?:of|and|the|an?|to|in|on|by|at|with|"
-    rf"from)\b)[\w/'-]+,?\s+){{0,6}}?{_SUBJECT_NOUN})(?![\w-])(?! (?:lane|stop|door|seat|driver|"
-    rf"occupant|accident|crash|collision|road|fuel|trailer|registration|damage|ahead of (?:it|him|"
-    rf"her)))"
+    r"\b(?P<article>an?|the|another|his|her|driving an?|"
+    rf"driver of an?)\s+(?P<text>(?:(?!\b(?:{_SUBJECT_NOUN[3:-1]})\b|"
+    rf"\b(?:of|and|the|an?|to|in|on|by|at|with|from)\b)[\w/'-]+,?\s+){{0,6}}?{_SUBJECT_NOUN})(?![\w-])(?! (?:lane|"
+    r"stop|door|seat|driver|occupant|accident|crash|collision|road|fuel|trailer|registration|damage|"
+    r"ahead of (?:it|him|her)))"
 )
 _STRUCK_UNNUMBERED = re.compile(
-    r"\b(?:struck|hit|strik(?:es|ing)|hitting|impact(?:ed|s)?(?: with)?|contacted|collided with|"
-    r"collision with|crashed into|"
-    r"rear-ended|ran into|sideswiped)\s+(?:the\s+[\w\s-]{1,30}\s+of\s+)?(?P<np>(?:an?|another|"
-    r"the)\s+(?P<kind>legally parked|"
-    rf"parked|unoccupied|stopped|disabled|oncoming|second|other|"
+    r"\b(?:struck|hit|strik(?:es|ing)|hitting|impact(?:ed|s)?(?: with)?|contacted|collided with|collision with|"
+    r"crashed into|rear-ended|ran into|sideswiped)\s+(?:the\s+[\w\s-]{1,30}\s+of\s+)?(?P<np>(?:an?|another|"
+    r"the)\s+(?P<kind>legally parked|parked|unoccupied|stopped|disabled|oncoming|second|other|"
     rf"non-occupied)\s+(?:(?!v\d)[\w/-]+\s+){{0,5}}?{_SUBJECT_NOUN})(?! trailer)\b"
 )
 
@@ -121,8 +115,8 @@ def find_cast(sentences: Sequence[Sentence]) -> Cast:
 
 def _touches(sentences: Sequence[Sentence], number: int) -> bool:
     contact = re.compile(
-        rf"(?:front|rear|back|side|plane|bumper|corner)s? (?:\w+ )?of v{number}\b|(?:struck|hit|impacted|"
-        rf"contacted) (?:the [\w\s-]{{1,30}} of )?v{number}\b"
+        rf"(?:front|rear|back|side|plane|bumper|corner)s? (?:\w+ )?of v{number}\b|"
+        rf"(?:struck|hit|impacted|contacted) (?:the [\w\s-]{{1,30}} of )?v{number}\b"
     )
     return any(contact.search(sentence.plain) for sentence in sentences)
 
@@ -178,9 +172,8 @@ def _by_number(sentences: Sequence[Sentence], vehicles: Sequence[Described]) -> 
     if not usable:
         return tuple(sentences)
     pattern = re.compile(
-        rf"\b(?:the|this) (?:\d{{4}} "
-        rf")?({'|'.join(re.escape(alias) for alias in usable)})(?![\w-])(?!\s*(?:\w+\s*)?,?\s*\(\s*v\d|'s? "
-        rf"(?:driver|owner))(?: \(\s*v\d\s*\))?"
+        rf"\b(?:the|this) (?:\d{{4}} )?({'|'.join(map(re.escape, usable))})(?![\w-])"
+        r"(?!\s*(?:\w+\s*)?,?\s*\(\s*v\d|'s? (?:driver|owner))(?: \(\s*v\d\s*\))?"
     )
     return tuple(
         replace(sentence, plain=pattern.sub(lambda match: f"v{aliases[match[1]]}", sentence.plain))

@@ -9,90 +9,84 @@ from roadmend.safe.reading.finding import Finding, nothing
 from roadmend.safe.reading.text import Sentence
 
 _RAMP = (
-    r"(?:on-ramp|entrance[- ]ramp|entry[- ]ramp|access ramp|merg(?:e|ing) (?:ramp|lane)|acceleration "
-    r"lane|slip road|freeway entrance|(?<!exit )(?<!off-)(?<!off )ramp)"
+    r"(?:on-ramp|entrance[- ]ramp|entry[- ]ramp|access ramp|merg(?:e|ing) (?:ramp|lane)|acceleration lane|"
+    r"slip road|freeway entrance|(?<!exit )(?<!off-)(?<!off )ramp)"
 )
 _ON_RAMP = re.compile(
-    rf"\b(?:on|in|from|off|along|down|up|of|using|traveling|exiting|exited|leaving|left|at the end "
-    rf"of)\s+(?:of )?(?:the |an? |its |lane of )*(?:[\w-]+ ){{0,4}}?{_RAMP}\b"
-    rf"|\b(?:merg\w+|enter(?:ing|ed)?) (?:\w+ ){{0,3}}?(?:on)?to (?:the |an? )?(?:[\w-]+ "
-    rf"){{0,4}}?(?:freeway|highway|interstate|expressway|turnpike|parkway|motorway|main ?(?:line|road|"
-    rf"way)|traffic)\b"
-    rf"|\bmerg(?:e|ed|ing) (?:in|on)to\b(?! the (?:left|right|middle|center|inside|outside|adjacent|"
-    rf"next))[^.;]{{0,40}}\bfrom\b"
-    r"|\b(?:attempt\w*|about|try\w*|inten\w+|beginning|began|in order) to (?:enter|merge onto|merge "
-    r"into|merge with|join) (?:the )?(?:same )?(?:[\w-]+ )?(?:freeway|highway|interstate|expressway|"
-    r"turnpike|traffic|main)"
+    r"\b(?:on|in|from|off|along|down|up|of|using|traveling|exiting|exited|leaving|left|"
+    rf"at the end of)\s+(?:of )?(?:the |an? |its |lane of )*(?:[\w-]+ ){{0,4}}?{_RAMP}\b|"
+    r"\b(?:merg\w+|enter(?:ing|ed)?) (?:\w+ ){0,3}?(?:on)?to (?:the |an? )?(?:[\w-]+ ){0,4}?(?:freeway|"
+    r"highway|interstate|expressway|turnpike|parkway|motorway|main ?(?:line|road|way)|traffic)\b|"
+    r"\bmerg(?:e|ed|ing) (?:in|on)to\b(?! the (?:left|right|middle|center|inside|outside|adjacent|"
+    r"next))[^.;]{0,40}\bfrom\b|\b(?:attempt\w*|about|try\w*|inten\w+|beginning|began|in order) to (?:enter|"
+    r"merge onto|merge into|merge with|join) (?:the )?(?:same )?(?:[\w-]+ )?(?:freeway|highway|interstate|"
+    r"expressway|turnpike|traffic|main)"
 )
 _NOT_FROM_RAMP = re.compile(
-    rf"\b(?:to|onto|toward|towards|for|approaching|past|enter(?:ing)?|before|exit(?:ing)? (?:to|onto|"
-    rf"at)) (?:the |an? )?(?:(?!from\b)[\w-]+ ){{0,4}}?{_RAMP}\b|\bexit[- ]ramp|\boff-ramp|\bramp (?:to|signal|"
-    rf"meter)"
+    r"\b(?:to|onto|toward|towards|for|approaching|past|enter(?:ing)?|before|exit(?:ing)? (?:to|onto|at)) (?:the |"
+    rf"an? )?(?:(?!from\b)[\w-]+ ){{0,4}}?{_RAMP}\b|\bexit[- ]ramp|\boff-ramp|\bramp (?:to|signal|meter)"
 )
 _T = re.compile(
-    r"\b[\"']?t[\"']?[- ]?(?:type )?(?:intersection|junction|shaped|intersecting)|\b3[- "
-    r"](?:leg(?:ged)?|way|arm(?:ed)?|legs?)(?: [\w-]+){0,3}? (?:intersection|junction)|"
-    r"\b(?:intersection|junction) (?:with|of|has|had|having) 3 (?:legs|approaches|arms)|\by[- "
-    r"](?:intersection|junction)|"
-    r"\b(?:ends|ended|terminates|terminated|dead[- ]ends?) (?:in|at|into) (?:an? |the )?(?:\"?t\"?\b|"
-    r"[\w-]+ (?:road|street|roadway|highway|avenue)|(?:route|highway) \d+|intersection)|\b(?:intersection|"
-    r"junction)[^.;]{0,30}\b(?:forms?|forming|formed|in the shape of) (?:an? |the )?\"?t\"?\b"
+    r"\b[\"']?t[\"']?[- ]?(?:type )?(?:intersection|junction|shaped|intersecting)|"
+    r"\b3[- ](?:leg(?:ged)?|way|arm(?:ed)?|legs?)(?: [\w-]+){0,3}? (?:intersection|junction)|"
+    r"\b(?:intersection|junction) (?:with|of|has|had|having) 3 (?:legs|approaches|arms)|"
+    r"\by[- ](?:intersection|junction)|\b(?:ends|ended|terminates|terminated|dead[- ]ends?) (?:in|at|into) (?:an? |"
+    r"the )?(?:\"?t\"?\b|[\w-]+ (?:road|street|roadway|highway|avenue)|(?:route|highway) \d+|intersection)|"
+    r"\b(?:intersection|junction)[^.;]{0,30}\b(?:forms?|forming|formed|in the shape of) (?:an? |the )?\"?t\"?\b"
 )
 _CROSS = re.compile(
-    r"\b(?:intersections?|junction|crossroads?|intersecting (?:road|roadway|street|highway)|cross-? "
-    r"?streets?|roundabout|traffic circle|4[- ]way stop|all[- ]way stop|crossing street)\b"
+    r"\b(?:intersections?|junction|crossroads?|intersecting (?:road|roadway|street|highway)|cross-? ?streets?|"
+    r"roundabout|traffic circle|4[- ]way stop|all[- ]way stop|crossing street)\b"
 )
 _ELSEWHERE = re.compile(
-    r"\b(?:(?:just |approximately |about |immediately )?(?:north|south|east|west|prior|short|away|"
-    r"downstream|upstream|past|beyond|before|feet|meters|miles?|yards) (?:of|from|to|the|off|reaching|"
-    r"an?)\b[^.;,]{0,30}?\b(?:intersection|junction)|"
-    r"non-?[- ]?(?:intersection|junction)|no (?:intersection|junction)s?|not (?:at|in|near) an? "
-    r"(?:intersection|junction)|(?:next|previous|nearest|adjacent|another|upcoming) (?:\w+ "
-    r")?(?:intersection|junction))"
+    r"\b(?:(?:just |approximately |about |immediately )?(?:north|south|east|west|prior|short|away|downstream|"
+    r"upstream|past|beyond|before|feet|meters|miles?|yards) (?:of|from|to|the|off|reaching|"
+    r"an?)\b[^.;,]{0,30}?\b(?:intersection|junction)|non-?[- ]?(?:intersection|junction)|"
+    r"no (?:intersection|junction)s?|not (?:at|in|near) an? (?:intersection|junction)|"
+    r"(?:next|previous|nearest|adjacent|another|upcoming) (?:\w+ )?(?:intersection|junction))"
 )
 _AT_JUNCTION = re.compile(
-    r"\b(?:enter\w*|in|into|at|approach\w*|through|cross\w*|within|of|near|stopped|controlled|"
-    r"reach\w*|middle of)\b[^.;]{0,50}\b(?:intersection|junction|crossroads?|roundabout|"
-    r"intersecting)\b|\bintersection\b[^.;]{0,40}\b(?:was|is|controlled|of)\b"
+    r"\b(?:enter\w*|in|into|at|approach\w*|through|cross\w*|within|of|near|stopped|controlled|reach\w*|"
+    r"middle of)\b[^.;]{0,50}\b(?:intersection|junction|crossroads?|roundabout|intersecting)\b|"
+    r"\bintersection\b[^.;]{0,40}\b(?:was|is|controlled|of)\b"
 )
 _CURVE = re.compile(
-    r"\bcurv(?:e|es|ed|ing|ature|y)\b|\bbend\b|\bbends\b|\bwinding\b|\bbent\b|\bswitchback\b|"
-    r"\bs-curve\b|\bhairpin\b|\bcloverleaf\b|\bveers to the\b|\bturning (?:roadway|road)\b"
+    r"\bcurv(?:e|es|ed|ing|ature|y)\b|\bbend\b|\bbends\b|\bwinding\b|\bbent\b|\bswitchback\b|\bs-curve\b|"
+    r"\bhairpin\b|\bcloverleaf\b|\bveers to the\b|\bturning (?:roadway|road)\b"
 )
 _NO_CURVE = re.compile(
-    r"\b(?:no|not|without|after|past|beyond|following|prior to|before) (?:an? |the |any )?(?:\w+ "
-    r")?curv\w+|\bcurv\w+ (?:\w+ ){0,5}?(?:prior to|before|ahead of) (?:the )?(?:crash|scene|site|"
-    r"impact|straight)|\bstraight(?:ened)? (?:out )?after|\bcurve warning signs?\b|\bcurv\w+ "
-    r"(?:further|farther|later)\b"
+    r"\b(?:no|not|without|after|past|beyond|following|prior to|before) (?:an? |the |any )?(?:\w+ )?curv\w+|"
+    r"\bcurv\w+ (?:\w+ ){0,5}?(?:prior to|before|ahead of) (?:the )?(?:crash|scene|site|impact|straight)|"
+    r"\bstraight(?:ened)? (?:out )?after|\bcurve warning signs?\b|\bcurv\w+ (?:further|farther|later)\b"
 )
 _NEGOTIATING = re.compile(
-    r"\b(?:negotiat\w*|exit\w*|enter\w*|in|on|through|around|round\w*|driv\w+|travel\w*|maintain\w*|"
-    r"complet\w*|failed)\b[^.;]{0,35}\b(?:curv\w+|bend)\b"
+    r"\b(?:negotiat\w*|exit\w*|enter\w*|in|on|through|around|round\w*|driv\w+|travel\w*|maintain\w*|complet\w*|"
+    r"failed)\b[^.;]{0,35}\b(?:curv\w+|bend)\b"
 )
 _AFTERMATH = re.compile(
-    r"\b(?:came|coming|come) to (?:a )?(?:final )?rest|\bfinal rest\b|\bfacing\b[^.;]{0,20}\bat "
-    r"(?:final )?rest|\badjacent (?:intersection|roadway)"
+    r"\b(?:came|coming|come) to (?:a )?(?:final )?rest|\bfinal rest\b|\bfacing\b[^.;]{0,20}\bat (?:final )?rest|"
+    r"\badjacent (?:intersection|roadway)"
 )
 _ROAD = re.compile(
-    r"\b(?:road|roadway|trafficway|highway|street|freeway|interstate|lane|lanes|avenue|boulevard|"
-    r"thoroughfare|expressway|parkway|turnpike)\b"
+    r"\b(?:road|roadway|trafficway|highway|street|freeway|interstate|lane|lanes|avenue|boulevard|thoroughfare|"
+    r"expressway|parkway|turnpike)\b"
 )
 _STRAIGHT = re.compile(r"\bstraight\b(?! (?:through|ahead|across|truck|out|on|line|at)|-)")
 _PEOPLE = re.compile(r"\b(?:airbag|belt|hospital|trauma|injur\w+|spine|rail-mounted|seat)\b")
 
 _STEM = re.compile(
-    r"\b(?:stem|terminating (?:road|leg|street|roadway)|(?:side|intersecting|minor|cross|ending|"
-    r"connecting|adjoining) (?:street|road|roadway|leg|highway))\b(?:(?!\b(?:arterial|highway|freeway|"
-    r"meets?|v\d)\b)[^.;]){0,40}\b(?:(?:to|on|from|toward|at) the |lies |lay |extend\w* |leads? |"
-    r"leads? off to the )(north|south|east|west)(?:ward)?\b(?!\s*(?:and|/|-|to\b))"
-    r"|\b(?:ends|ended|terminates|terminated) (?:in|at|into) [^.;]{0,40}?\bfrom the (north|south|east|west)\b"
-    r"|\b(?:to|on|from) the (north|south|east|west)\b(?: side)?[^.;]{0,20}\b(?:is|was|lies|lay) the "
-    r"(?:stem|side (?:road|street))|\b(north|south|east|west)(?:ern)? (?:leg|stem) (?:of|is|was|form)"
+    r"\b(?:stem|terminating (?:road|leg|street|roadway)|"
+    r"(?:side|intersecting|minor|cross|ending|connecting|adjoining) (?:street|road|roadway|leg|"
+    r"highway))\b(?:(?!\b(?:arterial|highway|freeway|meets?|v\d)\b)[^.;]){0,40}\b(?:(?:to|on|from|toward|at) the |"
+    r"lies |lay |extend\w* |leads? |leads? off to the )(north|south|east|west)(?:ward)?\b(?!\s*(?:and|/|-|to\b))|"
+    r"\b(?:ends|ended|terminates|terminated) (?:in|at|into) [^.;]{0,40}?\bfrom the (north|south|east|west)\b|"
+    r"\b(?:to|on|from) the (north|south|east|west)\b(?: side)?[^.;]{0,20}\b(?:is|was|lies|lay) the (?:stem|"
+    r"side (?:road|street))|\b(north|south|east|west)(?:ern)? (?:leg|stem) (?:of|is|was|form)"
 )
 _STEM_CONTROL = re.compile(
-    r"\bstop sign\w*\b[^.;]{0,40}\b(north|south|east|west)bound\b|\b(north|south|east|"
-    r"west)bound\b[^.;]{0,60}\b(?:controlled by|had|has|with|facing|regulated by) (?:an? )?(?:\w+ "
-    r")?(?:stop|yield)"
+    r"\bstop sign\w*\b[^.;]{0,40}\b(north|south|east|west)bound\b|"
+    r"\b(north|south|east|west)bound\b[^.;]{0,60}\b(?:controlled by|had|has|with|facing|"
+    r"regulated by) (?:an? )?(?:\w+ )?(?:stop|yield)"
 )
 _HAS_TO_WAIT = re.compile(r"\b(?:stop|yield) sign\b")
 _COMPASS_OF = {"north": Compass.NORTH, "south": Compass.SOUTH, "east": Compass.EAST, "west": Compass.WEST}
@@ -187,8 +181,8 @@ def _is_elsewhere(plain: str, words: str) -> bool:
     tail = plain[plain.find(words) + len(words) :] if words in plain else ""
     return bool(
         re.match(
-            r"[^.;]{0,50}?\b(?:north|south|east|west|feet|meters|beyond|past|short) (?:of|from) the (?:\w+ "
-            r")?(?:point|impact|crash|collision|scene)",
+            r"[^.;]{0,50}?\b(?:north|south|east|west|feet|meters|beyond|past|short) (?:of|"
+            r"from) the (?:\w+ )?(?:point|impact|crash|collision|scene)",
             tail,
         )
     )

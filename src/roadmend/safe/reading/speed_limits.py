@@ -16,16 +16,16 @@ _LIMIT = re.compile(
 )
 _NO_LIMIT = re.compile(r"\b(?:advisory|recommended|speed limit sign\b(?! (?:of|for|posted))|minimum)\b")
 _VALUE = re.compile(
-    r"(?P<first>\d{1,3}(?:\.\d+)?) (?P<unit>mph|km/h)\.?\s*(?:[(/\[]\s*|or |, "
-    r")?(?:(?P<second>\d{1,3}(?:\.\d+)?) (?P<unit2>(?!(?P=unit))(?:mph|km/h)))?"
+    r"(?P<first>\d{1,3}(?:\.\d+)?) (?P<unit>mph|km/h)\.?\s*(?:[(/\[]\s*|or |"
+    r", )?(?:(?P<second>\d{1,3}(?:\.\d+)?) (?P<unit2>(?!(?P=unit))(?:mph|km/h)))?"
 )
 _AXES = {
-    "ns": re.compile(r"\bnorth(?:bound)?\s*(?:/|-|and|or|to)?\s*(?:and )?south(?:bound)?\b|\bsouth(?:bound)?\s*(?:/|-|"
-r"and)\s*north|\b(?:north|south)bound (?:\w+ )?(?:lanes?|roadway|road|traffic|travel|direction|"
-r"approach|street)|\b(?:north|south) (?:\w+ )?(?:lanes?|roadway)"),
-    "ew": re.compile(r"\beast(?:bound)?\s*(?:/|-|and|or|to)?\s*(?:and )?west(?:bound)?\b|\bwest(?:bound)?\s*(?:/|-|"
-r"and)\s*east|\b(?:east|west)bound (?:\w+ )?(?:lanes?|roadway|road|traffic|travel|direction|"
-r"approach|street)|\b(?:east|west) (?:\w+ )?(?:lanes?|roadway)"),
+    "ns": re.compile(r"\bnorth(?:bound)?\s*(?:/|-|and|or|to)?\s*(?:and )?south(?:bound)?\b|"
+                     r"\bsouth(?:bound)?\s*(?:/|-|and)\s*north|\b(?:north|south)bound (?:\w+ )?(?:lanes?|roadway|"
+                     r"road|traffic|travel|direction|approach|street)|\b(?:north|south) (?:\w+ )?(?:lanes?|roadway)"),
+    "ew": re.compile(r"\beast(?:bound)?\s*(?:/|-|and|or|to)?\s*(?:and )?west(?:bound)?\b|"
+                     r"\bwest(?:bound)?\s*(?:/|-|and)\s*east|\b(?:east|west)bound (?:\w+ )?(?:lanes?|roadway|road|"
+                     r"traffic|travel|direction|approach|street)|\b(?:east|west) (?:\w+ )?(?:lanes?|roadway)"),
 }  # fmt: skip
 _AXIS_OF = {Position.N2S: "ns", Position.S2N: "ns", Position.W2E: "ew", Position.E2W: "ew"}
 _TOWARDS = {Position.N2S: "south", Position.S2N: "north", Position.W2E: "east", Position.E2W: "west"}
@@ -33,8 +33,9 @@ _LABEL = re.compile(r"\b(\d+)-?\s?lane\b")
 _BOTH = re.compile(r"\b(?:both|all|each|either)\b")
 _VEHICLE = re.compile(r"\bv(\d)\b")
 _SAME_ROAD = re.compile(
-    r"\b(?:this|the same) (?:road|street|highway|trafficway)|\bthe (?:road|roadway|trafficway|street|"
-    r"highway) (?:is|was|had|has|consist)|^(?:it|there|the (?:posted )?speed limit)\b"
+    r"\b(?:this|the same) (?:road|street|highway|trafficway)|"
+    r"\bthe (?:road|roadway|trafficway|street|highway) (?:is|was|had|has|consist)|"
+    r"^(?:it|there|the (?:posted )?speed limit)\b"
 )
 _FOR_TRUCKS = re.compile(r"[^\w.;]*(?:limit )?for (?:\w+ )?(?:trucks|tractor|commercial|heavy)")
 
@@ -145,8 +146,7 @@ def _is_speed_of_travel(plain: str, match: re.Match[str]) -> bool:
     before = plain[max(0, match.start() - 45) : match.start()]
     return bool(
         re.search(
-            r"\b(?:travel\w*|going|driving|moving|estimated?|approximately|speeds? of|delta|"
-            r"traveling)\b[^.;]*$",
+            r"\b(?:travel\w*|going|driving|moving|estimated?|approximately|speeds? of|delta|traveling)\b[^.;]*$",
             before,
         )
     ) and not re.search(r"limit[^.;]*$", before)

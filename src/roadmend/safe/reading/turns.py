@@ -12,77 +12,71 @@ _SIDE = r"(left|right)"
 _NO_TURN = re.compile(
     rf"\b{_SIDE}[- ]?turn(?:ing)?(?:[- ]only)?[- ](?:lanes?|bay|pocket|arrow|signal|curve)|"
     rf"\bturn(?:ing)? (?:only )?lanes?\b|\b{_SIDE}[- ]turn(?:ing)? (?:and|or) \w+ lanes?|"
-    rf"\bturn(?:ed|ing)? (?:the|his|her|its|their) (?:\w+ ){{0,2}}?(?:steering|wheel|handle\w*|head|"
-    rf"signals?)\b|\b(?:quarter|half|full)[- ]turns?\b|"
-    rf"\b{_SIDE} turn only\b|\bcurv\w+(?: to the)? {_SIDE}\b|\b{_SIDE}[- ]turning\b(?= (?:vehicles?|"
-    rf"lane|traffic|curve))|\bpath of (?:a |the )?turning|"
+    r"\bturn(?:ed|ing)? (?:the|his|her|its|their) (?:\w+ ){0,2}?(?:steering|wheel|handle\w*|head|signals?)\b|"
+    rf"\b(?:quarter|half|full)[- ]turns?\b|\b{_SIDE} turn only\b|\bcurv\w+(?: to the)? {_SIDE}\b|"
+    rf"\b{_SIDE}[- ]turning\b(?= (?:vehicles?|lane|traffic|curve))|\bpath of (?:a |the )?turning|"
     rf"\bturn(?:ed|ing)? (?:onto|on) (?:its|his|her|their) (?:side|roof|top|{_SIDE} side)|\bno {_SIDE} turns?\b"
 )
 _TURN = re.compile(
-    rf"\bturn(?:ed|ing|s)?(?:\s+(?:back|sharply|abruptly|suddenly|wide|quickly))?\s+(?:to (?:the |its |"
-    rf"his |her )?|toward (?:the )?)?{_SIDE}\b(?! (?:lane|side))"
-    rf"|\b{_SIDE}(?:-hand)?[- ]turn(?:s|ing)?\b|\b(?:make|made|making|makes|executing|execute[ds]?|"
-    rf"initiat\w+|negotiat\w+|perform\w*|begin|began|beginning|complet\w+|start\w*)(?: to make)? "
-    rf"(?:an? |its |his |her |the )?(?:\w+ )?{_SIDE}\b(?! (?:curve|lane|bend|side))"
-    rf"|\b(?:go|going|went)\s+{_SIDE}\b(?= (?:at|on|onto|into))|\bhung? a {_SIDE}\b"
+    r"\bturn(?:ed|ing|s)?(?:\s+(?:back|sharply|abruptly|suddenly|wide|quickly))?\s+(?:to (?:the |its |his |her )?|"
+    rf"toward (?:the )?)?{_SIDE}\b(?! (?:lane|side))|\b{_SIDE}(?:-hand)?[- ]turn(?:s|ing)?\b|"
+    r"\b(?:make|made|making|makes|executing|execute[ds]?|initiat\w+|negotiat\w+|perform\w*|begin|began|beginning|"
+    r"complet\w+|start\w*)(?: to make)? (?:an? |its |his |her |"
+    rf"the )?(?:\w+ )?{_SIDE}\b(?! (?:curve|lane|bend|side))|"
+    rf"\b(?:go|going|went)\s+{_SIDE}\b(?= (?:at|on|onto|into))|\bhung? a {_SIDE}\b"
 )
 _U_TURN = re.compile(r"\bu-?\s?turn")
 _OTHER_TURNS = re.compile(
-    r"\b(?:(?:non-?contact|another|other|unknown|phantom|an?|several|lead|preceding) (?:\w+ "
-    r")?(?:vehicles?|cars?|trucks?|motorists?)|the (?:vehicle|car|traffic|truck) (?:\w+ )?(?:in front|"
-    r"ahead)|"
-    r"traffic|vehicles? in front|(?:allow|for|waiting for|wait for|yield\w* to|let) (?:a |an |the |"
-    r"another |several )?(?:\w+ ){0,2}(?:vehicle|car|v\d|traffic)s?)\b"
+    r"\b(?:(?:non-?contact|another|other|unknown|phantom|an?|several|lead|preceding) (?:\w+ )?(?:vehicles?|cars?|"
+    r"trucks?|motorists?)|the (?:vehicle|car|traffic|truck) (?:\w+ )?(?:in front|ahead)|traffic|vehicles? in front|"
+    r"(?:allow|for|waiting for|wait for|yield\w* to|let) (?:a |an |the |another |several )?(?:\w+ ){0,2}(?:vehicle|"
+    r"car|v\d|traffic)s?)\b"
 )
 _CLEARS = re.compile(r"\b(?:wait\w*|allow\w*|yield\w*)\b[^,;]{0,60}?\b(?:clear|pass|go by)\b")
 _NOT = re.compile(r"\b(?:no|not|never|without|instead of|rather than)\s+(?:\w+ ){0,2}$")
-_AFTER = re.compile(
-    r"^(?:after|following) (?:the |this )?(?:initial |first )?(?:impact|collision|contact|crash|"
-    r"event)"
-)
+_AFTER = re.compile(r"^(?:after|following) (?:the |this )?(?:initial |first )?(?:impact|collision|contact|crash|event)")
 _LANE = re.compile(
-    rf"\b(?:travel\w*|stopped|driv\w+|head\w*|position\w*|waiting|was|northbound|southbound|eastbound|"
-    rf"westbound|east|west|north|south|turning)\b(?:(?! lane\b| of\b)[^,;.]){{0,50}}\b{_SIDE}[- "
-    rf"]turn(?:ing)?(?:[- ]only)?[- ]lane"
+    r"\b(?:travel\w*|stopped|driv\w+|head\w*|position\w*|waiting|was|northbound|southbound|eastbound|westbound|"
+    r"east|west|north|south|turning)\b(?:(?! lane\b| "
+    rf"of\b)[^,;.]){{0,50}}\b{_SIDE}[- ]turn(?:ing)?(?:[- ]only)?[- ]lane"
 )
 _STRAIGHT = re.compile(
-    r"\b(?:go|going|proceed\w*|continu\w+|travel\w*|driv\w+|pass\w*|cross\w*) (?:straight|through|"
-    r"over)|\bstraight (?:through|ahead|across|on)|\bcross(?:ing)?(?:-| )?(?:over )?(?:through )?the "
-    r"intersection|\bcontinue (?:traveling |driving |heading )?(?:north|south|east|west)"
+    r"\b(?:go|going|proceed\w*|continu\w+|travel\w*|driv\w+|pass\w*|cross\w*) (?:straight|through|over)|"
+    r"\bstraight (?:through|ahead|across|on)|\bcross(?:ing)?(?:-| )?(?:over )?(?:through )?the intersection|"
+    r"\bcontinue (?:traveling |driving |heading )?(?:north|south|east|west)"
 )
 
 _MANOEUVRES = (
-    (Manoeuvre.MERGE, re.compile(r"\b(?:merg(?:e|ed|ing)\b|(?:entering|enter|entered) (?:the |onto the )?(?:same )?(?:freeway|"
-r"highway|interstate|expressway)|acceleration lane)")),
+    (Manoeuvre.MERGE, re.compile(r"\b(?:merg(?:e|ed|ing)\b|(?:entering|enter|entered) (?:the |"
+                                 r"onto the )?(?:same )?(?:freeway|highway|interstate|expressway)|"
+                                 r"acceleration lane)")),
     (
         Manoeuvre.ENTER_THE_WRONG_WAY,
         re.compile(
-            r"\b(?:cross\w*|drift\w*|travel\w*|veer\w*|steer\w*|swerv\w*|mov\w+|enter\w*|encroach\w*|went|"
-r"slid|skid\w*|left|over|departed)\b[^.;]{0,60}?\b"
-            r"(?:centerline|center line|center of the road|median|double yellow|opposing|oncoming|opposite "
-r"(?:lane|side)|wrong (?:way|side)|"
+            r"\b(?:cross\w*|drift\w*|travel\w*|veer\w*|steer\w*|swerv\w*|mov\w+|enter\w*|encroach\w*|went|slid|"
+            r"skid\w*|left|over|departed)\b[^.;]{0,60}?\b(?:centerline|center line|center of the road|median|"
+            r"double yellow|opposing|oncoming|opposite (?:lane|side)|wrong (?:way|side)|"
             r"into v\d's (?:travel )?lane|center lane lines?|left of center)|\bwrong[- ]way\b|"
-r"\bhead-on\b.*\blane of v|left of center"
+            r"\bhead-on\b.*\blane of v|left of center"
         ),
     ),
     (
         Manoeuvre.CHANGING_LANE,
         re.compile(
             r"\b(?:chang\w+ lanes?|lane[- ]chang\w*|(?:veer|mov|steer|swerv|drift|cross|merg|cut|encroach|"
-r"enter)\w*\b[^.;]{0,50}\b(?:into|over) (?:the |another |an )?(?:adjacent |\d+ |first |second |"
-r"third |fourth |number \d |next |inside |outside )?"
-            r"(?:left|right|center|middle|adjacent|next|passing|inside|outside|second|third|first|number)? "
-r"?(?:(?:north|south|east|west)bound |travel |through )*lane)"
+            r"enter)\w*\b[^.;]{0,50}\b(?:into|over) (?:the |another |an )?(?:adjacent |\d+ |first |second |third |"
+            r"fourth |number \d |next |inside |outside )?(?:left|right|center|middle|adjacent|next|passing|inside|"
+            r"outside|second|third|first|number)? ?(?:(?:north|south|east|west)bound |travel |through )*lane)"
         ),
     ),
-    (Manoeuvre.STOP, re.compile(r"\b(?:was|were|is|been|sat|and|which|that)\s+(?:\w+ ){0,2}(?:stopped|parked|stationary|at a "
-r"(?:complete )?stop|disabled|stalled)\b|\b(?:came|brought[^.;]{0,20}) to a stop\b|^v\d (?:had "
-r")?stopped\b")),
+    (Manoeuvre.STOP, re.compile(r"\b(?:was|were|is|been|sat|and|which|that)\s+(?:\w+ ){0,2}(?:stopped|parked|"
+                                r"stationary|at a (?:complete )?stop|disabled|stalled)\b|"
+                                r"\b(?:came|brought[^.;]{0,20}) to a stop\b|^v\d (?:had )?stopped\b")),
 )  # fmt: skip
 
 _INTO_LANE = re.compile(
-    r"\b(?:enter\w*|into|across|cross\w*|onto|over)\b[^.;]{0,30}?\b(north|south|east|west)bound\b(?! "
-    r"(?:shoulder|roadside|curb))"
+    r"\b(?:enter\w*|into|across|cross\w*|onto|over)\b[^.;]{0,30}?\b(north|south|east|"
+    r"west)bound\b(?! (?:shoulder|roadside|curb))"
 )
 _OPPOSED = {"north": Position.N2S, "south": Position.S2N, "east": Position.E2W, "west": Position.W2E}
 

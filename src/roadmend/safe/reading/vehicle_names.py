@@ -11,8 +11,8 @@ _NOT_A_NUMBER = (
 )
 _REFERENCE = re.compile(rf"\b{_KIND}[\s-]*{_NUMBER}\b{_NOT_A_NUMBER}")
 _FURTHER = re.compile(
-    rf"(v\d(?:'s)?\s*(?:,\s*and|,\s*or|and|or|&|,)\s*){_NUMBER}\b{_NOT_A_NUMBER}(?=\s*(?:,|\.|;|and\b|"
-    rf"or\b|\w+ed\b|were\b|\w+\s+\w+))"
+    rf"(v\d(?:'s)?\s*(?:,\s*and|,\s*or|and|or|&|,)\s*){_NUMBER}\b{_NOT_A_NUMBER}(?=\s*(?:,|\.|;|and\b|or\b|\w+ed\b|"
+    r"were\b|\w+\s+\w+))"
 )
 _LETTER = re.compile(r"\b([Vv]ehicle|[Cc]ar|[Uu]nit|VEHICLE|CAR|UNIT) ([A-F])\b(?![\w'/-])")
 _ORDINAL = re.compile(r"\b(?:the|a) (first|second|third) (?:vehicle|car|automobile)\b")
