@@ -13,7 +13,8 @@ from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
 from roadmend.learning.checkpoint import load_checkpoint
 from roadmend.learning.shipped import find_model
-from roadmend.policies.neural import BINS, NeuralPolicy, action_of
+from roadmend.policies.neural import NeuralPolicy, action_of
+from roadmend.policies.neural_kinds import KINDS
 from roadmend.policies.registry import make_policy
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.runner import run_episode
@@ -21,6 +22,7 @@ from roadmend.world.runner import run_episode
 from .proving_ground import Body, drive, road, scene_at, two_lanes
 from .test_completion import Unrepaired
 
+BINS = KINDS["neural"].bins
 ROOT = Path(__file__).parents[2]
 
 

@@ -5,17 +5,18 @@ import json
 import numpy as np
 import pytest
 import torch
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from roadmend.core.errors import InputError
 from roadmend.learning.checkpoint import load_checkpoint
-from roadmend.policies.neural import BINS, NeuralPolicy
+from roadmend.policies.neural import NeuralPolicy
+from roadmend.policies.neural_kinds import KINDS
 from roadmend.policies.neural_tokens import COLUMNS
 from roadmend.training.dagger import Training, load_samples, samples_digest
 from roadmend.training.imitation import NeuralNetwork, batches, fit, losses_of, measure, two_hot
 from roadmend.training.imitation_configuration import ImitationConfiguration, Round, read_imitation_configuration
-from roadmend.training.imitation_rollout import UNASKED, Lesson, Samples, gather
+from roadmend.training.imitation_rollout import UNASKED, Samples, gather, ordinary_lesson
 
 torch.set_num_threads(1)  # as Training does; more threads wait for each other on a busy machine
 CPU = torch.device("cpu")
@@ -23,16 +24,22 @@ TINY = ImitationConfiguration(
     families=("S2", "S5"), every=10, hidden=16, feed_forward=32, head=(16,), batch=16, first_seed=240_000, held_out=0.5,
     rounds=(Round(episodes=1, epochs=6, learning_rate=3e-3), Round(episodes=1, epochs=2, expert_share=0.3)),
 )  # fmt: skip
+BINS = KINDS["neural"].bins
+
+
+def network_of(configuration: ImitationConfiguration) -> NeuralNetwork:
+    return NeuralNetwork(configuration.kind, configuration.encoder_shape, configuration.head_shape)
 
 
 @pytest.fixture(scope="module")
 def samples() -> Samples:
-    return Samples.join([gather(Lesson(family, 240_100, None, 1.0, 0.5, 5)) for family in ("S3", "S5")])
+    return Samples.join([gather(ordinary_lesson(family, 240_100, None, 1.0, 0.5, 5)) for family in ("S3", "S5")])
 
 
+@settings(deadline=None)
 @given(st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=20))
 def test_two_hot_weights_have_the_action_as_their_mean(actions):
-    weights = two_hot(torch.tensor(actions))
+    weights = two_hot(torch.tensor(actions), BINS)
     places = torch.linspace(-1.0, 1.0, BINS)
     assert torch.allclose(weights.sum(1), torch.ones(len(actions)), atol=1e-5)
     assert torch.allclose(weights @ places, torch.tensor(actions), atol=1e-5)
@@ -40,7 +47,7 @@ def test_two_hot_weights_have_the_action_as_their_mean(actions):
 
 
 def test_gathering_repeats_bit_for_bit_and_is_sound(samples):
-    again = Samples.join([gather(Lesson(family, 240_100, None, 1.0, 0.5, 5)) for family in ("S3", "S5")])
+    again = Samples.join([gather(ordinary_lesson(family, 240_100, None, 1.0, 0.5, 5)) for family in ("S3", "S5")])
     assert samples_digest(again) == samples_digest(samples)
     assert len(samples.outcomes) == 2
     assert samples.tokens.shape == (samples.counts.sum(), COLUMNS)
@@ -62,7 +69,7 @@ def test_batches_hold_every_row_once_with_its_own_tokens(samples):
 
 def test_the_loss_falls_and_the_error_with_it(samples):
     torch.manual_seed(1)
-    network = NeuralNetwork(TINY)
+    network = network_of(TINY)
     rows = np.arange(len(samples))
     before = measure(network, samples, rows, 64, CPU)
     fit(network, samples, TINY, Round(epochs=25, learning_rate=3e-3), 1, CPU, lambda *_: None)
@@ -73,7 +80,7 @@ def test_the_loss_falls_and_the_error_with_it(samples):
 
 def test_nothing_is_learned_about_lane_changes_that_nobody_asked_for(samples):
     torch.manual_seed(1)
-    network = NeuralNetwork(TINY)
+    network = network_of(TINY)
     unasked = np.flatnonzero(samples.changes == UNASKED)[:16]
     batch = next(batches(samples, unasked, 16, None, CPU))
     assert float(losses_of(network, batch)[1]) == 0.0

@@ -47,7 +47,7 @@ class CompiledEncoder:
         state = np.empty(shape.hidden, np.float32)
         self._attention = np.empty((shape.heads, tokens.shape[0] + 1), np.float32)
         _encode(
-            _plain(tokens),
+            plain(tokens),
             self._weights,
             shape.hidden,
             shape.layers,
@@ -83,12 +83,8 @@ class CompiledHead:
 
     def __init__(self, shape: HeadShape, tensors: Tensors, prefix: str) -> None:
         self.shape = shape
-        widths = shape.widths
-        parts = []
-        for place, (inputs, outputs) in enumerate(pairwise(widths)):
-            parts += _linear(tensors, f"{prefix}layers.{place}", outputs, inputs)
-        self._weights = np.concatenate([part.ravel() for part in parts])
-        self._widths = np.array(widths)
+        self._weights = pack_perceptron(shape, tensors, prefix)
+        self._widths = np.array(shape.widths)
 
     def apply(self, inputs: NDArray[np.float32]) -> Floats:
         """Return the raw outputs, (outputs,) float32, for inputs (inputs,).
@@ -98,7 +94,7 @@ class CompiledHead:
         """
         if inputs.shape != (self.shape.inputs,):
             raise ValueError(f"inputs: shape ({self.shape.inputs},) wanted, got {inputs.shape}")
-        return _apply(_plain(inputs), self._weights, self._widths)
+        return _apply(plain(inputs), self._weights, self._widths)
 
 
 def sigmoid(x: float) -> float:
@@ -106,7 +102,19 @@ def sigmoid(x: float) -> float:
     return float(_sigmoid(np.float32(x)))
 
 
-def _plain(values: NDArray[Any]) -> Floats:
+def pack_perceptron(shape: HeadShape, tensors: Tensors, prefix: str) -> Floats:
+    """All weights of a perceptron in one array, layer by layer.
+
+    Raises:
+        ValueError: a tensor is missing, has another shape or holds what is not finite.
+    """
+    parts = []
+    for place, (inputs, outputs) in enumerate(pairwise(shape.widths)):
+        parts += _linear(tensors, f"{prefix}layers.{place}", outputs, inputs)
+    return np.concatenate([part.ravel() for part in parts])
+
+
+def plain(values: NDArray[Any]) -> Floats:
     """The one kind of array that the kernels are compiled for.
 
     Another kind, be it only read-only, would wait for the compiler in the middle of a drive.

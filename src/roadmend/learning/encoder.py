@@ -6,7 +6,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from roadmend.learning.shape import EncoderShape, HeadShape
+from roadmend.learning.shape import EncoderShape, ExcerptShape, HeadShape, SetShape
 
 
 class EncoderLayer(nn.Module):
@@ -107,3 +107,33 @@ class Head(nn.Module):
             inputs = functional.relu(layer(inputs))
         outputs: Tensor = self.layers[-1](inputs)
         return outputs
+
+
+class SetEncoder(nn.Module):
+    """Turns the tokens of a scene into its state as SetShape says."""
+
+    def __init__(self, shape: SetShape) -> None:
+        super().__init__()
+        self.shape = shape
+        self.token = Head(shape.token_shape)
+
+    def forward(self, tokens: Tensor, mask: Tensor) -> Tensor:
+        """(B, N, c), (B, N) -> (B, 2 H); N is at least 1, and the first token of every scene is real."""
+        values = functional.relu(self.token(tokens))
+        # After the rectifier nothing is below 0, so a token that is not real never is the largest.
+        largest = (values * mask[:, :, None]).amax(dim=1)
+        return torch.cat([largest, values[:, 0]], dim=1)
+
+
+class Excerpt(nn.Module):
+    """Takes out of the tokens of a scene what ExcerptShape names; nothing is learned."""
+
+    def __init__(self, shape: ExcerptShape) -> None:
+        super().__init__()
+        self.shape = shape
+        self._tokens = [token for token, _ in shape.places]
+        self._columns = [column for _, column in shape.places]
+
+    def forward(self, tokens: Tensor, mask: Tensor) -> Tensor:  # noqa: ARG002 - as every encoder
+        """(B, N, c), (B, N) -> (B, places); the tokens named are there in every scene."""
+        return tokens[:, self._tokens, self._columns]

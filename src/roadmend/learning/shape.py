@@ -8,7 +8,7 @@ Width = Annotated[int, Field(ge=1, le=4096)]
 
 
 class Shape(BaseModel):
-    """Base of both: frozen, strict, and deaf to unknown names."""
+    """Base of all: frozen, strict, and deaf to unknown names."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
@@ -33,6 +33,44 @@ class EncoderShape(Shape):
         if self.hidden % self.heads:
             raise ValueError(f"heads: {self.heads} cannot share a hidden width of {self.hidden} evenly")
         return self
+
+    @property
+    def state(self) -> int:
+        """Width of the scene's state."""
+        return self.hidden
+
+
+class SetShape(Shape):
+    """A Deep Sets encoder (Zaheer et al. 2017): the same perceptron on every token, and the largest value of each output.
+
+    What the first token, the ego's, came to stands beside the largest values.
+    """
+
+    attributes: int = Field(ge=1, le=256, description="c, attributes of a token")
+    hidden: tuple[Width, ...] = Field((64,), description="widths between")
+    outputs: Width = Field(64, description="H, width of a token at the end")
+
+    @property
+    def token_shape(self) -> "HeadShape":
+        """The perceptron on a token."""
+        return HeadShape(inputs=self.attributes, hidden=self.hidden, outputs=self.outputs)
+
+    @property
+    def state(self) -> int:
+        """Width of the scene's state."""
+        return 2 * self.outputs
+
+
+class ExcerptShape(Shape):
+    """No network: some columns of some of the first tokens, one after another. Everything else stays unseen."""
+
+    attributes: int = Field(ge=1, le=256, description="c, attributes of a token")
+    places: tuple[tuple[int, int], ...] = Field(min_length=1, description="token and column of each value")
+
+    @property
+    def state(self) -> int:
+        """Width of the scene's state."""
+        return len(self.places)
 
 
 class HeadShape(Shape):

@@ -1,6 +1,5 @@
-"""The end-to-end neural driving policy: tokens in, throttle and brake out, no rule behind it."""
+"""The end-to-end neural driving policies: tokens in, throttle and brake out, no rule behind them."""
 
-import json
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,22 +13,19 @@ from roadmend.core.errors import InputError
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.learning.checkpoint import Checkpoint, load_checkpoint
-from roadmend.learning.compiled_encoder import CompiledEncoder, CompiledHead
-from roadmend.learning.shape import EncoderShape, HeadShape
+from roadmend.learning.compiled_encoder import CompiledHead
 from roadmend.learning.shipped import find_model
+from roadmend.policies.neural_kinds import KINDS, shapes_of
 from roadmend.policies.neural_observer import Observer
-from roadmend.policies.neural_tokens import COLUMNS, may_change
+from roadmend.policies.neural_tokens import may_change
 from roadmend.policies.parameters import Parameters
 
-KIND = "neural"
-BINS = 21  # of the action, evenly from -1 to 1
-OUTPUTS = BINS + 1  # and the lane change
 _AROUND = 2  # bins to either side of the most probable one that the action is the mean over
 _STOP = Decision(Command(0.0, 0.6), Trajectory.empty())  # where the ego's own state is unusable
 
 
 class NeuralParameters(Parameters):
-    """What the neural policy is set to."""
+    """What a neural policy is set to."""
 
     model: str = Field("neural", min_length=1, description="a shipped model's name, or a model file's path")
 
@@ -45,56 +41,57 @@ class NeuralParameters(Parameters):
 
 @cache
 def _load(path: Path, _modified: int) -> Checkpoint:
-    return load_checkpoint(path, KIND)
+    return load_checkpoint(path)
 
 
-def _checked(path: Path) -> Checkpoint:
+def load_model(path: Path, kind: str | None = None) -> Checkpoint:
+    """A model of a neural policy, read and checked; once for as long as the file stays as it is.
+
+    Raises:
+        InputError: the file is missing, damaged, of another kind than ``kind`` or any, or was trained on other tokens.
+    """
     try:
         modified = path.stat().st_mtime_ns
     except OSError:
         modified = 0  # reading it says what is wrong
     checkpoint = _load(path, modified)
-    encoder = EncoderShape.model_validate_json(_json(checkpoint, "encoder"))
-    head = HeadShape.model_validate_json(_json(checkpoint, "head"))
-    if encoder.attributes != COLUMNS or head.outputs != OUTPUTS or head.inputs != encoder.hidden:
-        raise InputError(str(path), "was trained on other tokens", "train it again with 'roadmend train policy'")
+    found = checkpoint.header["kind"]
+    if found not in KINDS or kind not in (None, found):
+        wanted = f"one of the kind {kind!r}" if kind is not None else "a neural policy's"
+        raise InputError(str(path), f"is a model of the kind {found!r}", f"give {wanted}")
+    shapes_of(checkpoint, path)
     return checkpoint
 
 
-def _json(checkpoint: Checkpoint, name: str) -> str:
-    return json.dumps(checkpoint.header["configuration"][name])
-
-
 def action_of(logits: NDArray[np.float32]) -> float:
-    """The action in [-1, 1] that BINS logits stand for: the mean over the most probable bin and its neighbours."""
+    """The action in [-1, 1] that the logits of bins stand for: the mean over the most probable bin and its neighbours."""
     best = int(np.argmax(logits))
-    low, high = max(best - _AROUND, 0), min(best + _AROUND + 1, BINS)
+    low, high = max(best - _AROUND, 0), min(best + _AROUND + 1, len(logits))
     weights = np.exp(logits[low:high].astype(np.float64) - float(logits[best]))
-    places = np.arange(low, high) * (2.0 / (BINS - 1)) - 1.0
+    places = np.arange(low, high) * (2.0 / (len(logits) - 1)) - 1.0
     return float(np.sum(weights * places) / np.sum(weights))
 
 
 class NeuralPolicy:
-    """A transformer over the tokens of the scene that was trained to imitate the privileged expert (DAgger).
+    """A network over the tokens of the scene that was trained to imitate the privileged expert (DAgger).
 
     The network decides throttle, brake and the moment of the lane change alone; the only rule is that the flag of the
     lane change is not raised outside the route's window, where it would have no effect.
     """
 
-    name = "neural"
-
-    def __init__(self, model: Path) -> None:
-        """Load a model.
+    def __init__(self, model: Path, kind: str | None = None) -> None:
+        """Load a model, of the ``kind`` wanted or of any.
 
         Raises:
             InputError: the file is missing, damaged or of another kind, or was trained on other tokens.
         """
-        checkpoint = _checked(model)
+        checkpoint = load_model(model, kind)
+        self.name = str(checkpoint.header["kind"])
         self.model_digest = checkpoint.digest
-        self._encoder = CompiledEncoder(
-            EncoderShape.model_validate_json(_json(checkpoint, "encoder")), checkpoint.tensors, "encoder."
-        )
-        self._head = CompiledHead(HeadShape.model_validate_json(_json(checkpoint, "head")), checkpoint.tensors, "head.")
+        encoder, head = shapes_of(checkpoint, model)
+        self._encoder = KINDS[self.name].compiled(encoder, checkpoint.tensors)
+        self._bins = KINDS[self.name].bins
+        self._head = CompiledHead(head, checkpoint.tensors, "head.")
         self.observer = Observer()
 
     def reset(self, route: Route) -> None:
@@ -104,8 +101,9 @@ class NeuralPolicy:
     def decide(self, tokens: NDArray[np.float32]) -> Command:
         """The network's answer to the tokens of a scene, shape (N, COLUMNS)."""
         outputs: NDArray[Any] = self._head.apply(self._encoder.encode(tokens))
-        change = bool(outputs[BINS] > 0.0) and may_change(tokens)
-        return Command.from_action(action_of(outputs[:BINS]), change_lane=change)
+        change = bool(outputs[-1] > 0.0) and may_change(tokens)
+        action = action_of(outputs[:-1]) if self._bins else min(max(float(outputs[0]), -1.0), 1.0)
+        return Command.from_action(action, change_lane=change)
 
     def step(self, scene: Scene) -> Decision:
         """Decide for one tick; brakes where the ego's own state is unusable or no route has come yet."""

@@ -31,6 +31,11 @@ _EGO, _OBJECT, _PLACE, _ZONE = 4, 23, 60, 67
 _ROOM = 83  # of the ego: room in the next lane ahead, behind, and the lesser of the two
 COLUMNS = 86
 
+# Token and column of all that is the ego's own motion and its road, and says nothing of others or of lights
+OWN = tuple((0, column) for column in range(_EGO, _OBJECT)) + tuple(
+    (token, column) for token in range(1, 1 + len(PLACES)) for column in range(_PLACE, _ZONE)
+)
+
 _STANDING = 0.3  # [m/s]
 _ACCELERATION_FILTER = 0.15  # [s]
 _AT_LINE = 3.5  # [m] before a line at which standing counts

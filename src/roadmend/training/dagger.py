@@ -21,10 +21,9 @@ from torch.utils.tensorboard import SummaryWriter
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import written_beside
 from roadmend.learning.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
-from roadmend.policies.neural import KIND
-from roadmend.training.imitation import Losses, NeuralNetwork, fit
+from roadmend.training.imitation import Losses, NeuralNetwork, fit, load_network, tensors_of
 from roadmend.training.imitation_configuration import ImitationConfiguration
-from roadmend.training.imitation_rollout import Lesson, Samples, gather
+from roadmend.training.imitation_rollout import Samples, gather, ordinary_lesson
 from roadmend.training.workers import open_mapper
 
 Report = Callable[[str, int, int], None]  # what is being done, how much of it is done, how much there is
@@ -92,7 +91,7 @@ class Training:
             parts.append(self._gathered(number, model))
             path = self.folder / f"round-{number}.safetensors"
             if path.exists():
-                self._check(load_checkpoint(path, KIND), path, number)
+                self._check(load_checkpoint(path, self.configuration.kind), path, number)
             else:
                 self._fitted(number, parts, model, path)
             model = path
@@ -111,11 +110,11 @@ class Training:
     def _gathered(self, number: int, model: Path | None) -> Samples:
         configuration, step = self.configuration, self.configuration.rounds[number]
         lessons = [
-            Lesson(family, seed, model, step.expert_share, configuration.noise, configuration.every)
+            ordinary_lesson(family, seed, model, step.expert_share, configuration.noise, configuration.every)
             for seed in configuration.seeds(number, self.seed)
             for family in configuration.families
         ]
-        before = load_checkpoint(model, KIND).digest if model is not None else ""
+        before = load_checkpoint(model, configuration.kind).digest if model is not None else ""
         made_by = json.dumps([self._gathering(number), before], sort_keys=True)
         path = self.folder / f"round-{number}.npz"
         if path.exists():
@@ -140,10 +139,12 @@ class Training:
     def _fitted(self, number: int, parts: list[Samples], before: Path | None, path: Path) -> None:
         configuration, step = self.configuration, self.configuration.rounds[number]
         torch.manual_seed(self.seed * 1000 + number)
-        network = NeuralNetwork(configuration).to(self.device)
-        if before is not None:
-            tensors = load_checkpoint(before, KIND).tensors
-            network.load_state_dict({name: torch.from_numpy(array.copy()) for name, array in tensors.items()})
+        parent = load_checkpoint(before, configuration.kind) if before is not None else None
+        if parent is None or before is None:
+            network = NeuralNetwork(configuration.kind, configuration.encoder_shape, configuration.head_shape)
+        else:
+            network = load_network(parent, before)
+        network.to(self.device)
         samples = Samples.join(parts)
         with SummaryWriter(str(self.folder / "tensorboard" / f"round-{number}")) as board:
 
@@ -160,7 +161,7 @@ class Training:
             )
         outcomes = Counter(parts[-1].outcomes)
         header = {
-            "kind": KIND,
+            "kind": configuration.kind,
             "configuration": {
                 "encoder": configuration.encoder_shape.model_dump(mode="json"),
                 "head": configuration.head_shape.model_dump(mode="json"),
@@ -173,7 +174,6 @@ class Training:
                 "scenes": len(samples),
                 "last_outcomes": dict(sorted(outcomes.items())),
             },
-            "ancestry": [load_checkpoint(before, KIND).digest] if before is not None else [],
+            "ancestry": [parent.digest] if parent is not None else [],
         }
-        state = {name: tensor.detach().cpu().numpy() for name, tensor in network.state_dict().items()}
-        save_checkpoint(path, state, header)
+        save_checkpoint(path, tensors_of(network), header)

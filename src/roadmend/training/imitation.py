@@ -1,7 +1,8 @@
-"""Fits the network of the neural policy to the expert's advice."""
+"""Fits the network of a neural policy to the expert's advice."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import torch
@@ -9,34 +10,61 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
-from roadmend.learning.encoder import Head, SceneEncoder
-from roadmend.policies.neural import BINS
+from roadmend.learning.checkpoint import Checkpoint
+from roadmend.learning.encoder import Excerpt, Head, SceneEncoder, SetEncoder
+from roadmend.learning.shape import EncoderShape, HeadShape, SetShape
+from roadmend.policies.neural_kinds import KINDS, AnyShape, shapes_of
 from roadmend.policies.neural_tokens import COLUMNS
 from roadmend.training.imitation_configuration import ImitationConfiguration, Round
 from roadmend.training.imitation_rollout import UNASKED, Samples
 
+_REGRESSION_BETA = 0.1  # of the action: up to this error the regression's loss is a square, from there a line
 _SORTED_TOGETHER = 16  # batches whose scenes are sorted by their number of tokens, so that little is padding
 
 
 class NeuralNetwork(nn.Module):
     """The encoder and the action head under the names of the shipped file."""
 
-    def __init__(self, configuration: ImitationConfiguration) -> None:
+    def __init__(self, kind: str, encoder: AnyShape, head: HeadShape) -> None:
         super().__init__()
-        self.encoder = SceneEncoder(configuration.encoder_shape)
-        self.head = Head(configuration.head_shape)
+        self.kind = kind
+        self.bins = KINDS[kind].bins
+        self.encoder = _encoder(encoder)
+        self.head = Head(head)
 
     def forward(self, tokens: Tensor, mask: Tensor) -> Tensor:
-        """(B, N, COLUMNS), (B, N) -> (B, BINS + 1): logits of the action's bins and of the lane change."""
+        """(B, N, COLUMNS), (B, N) -> (B, outputs): the action or the logits of its bins, and that of the lane change."""
         outputs: Tensor = self.head(self.encoder(tokens, mask))
         return outputs
+
+
+def _encoder(shape: AnyShape) -> nn.Module:
+    if isinstance(shape, EncoderShape):
+        return SceneEncoder(shape)
+    return SetEncoder(shape) if isinstance(shape, SetShape) else Excerpt(shape)
+
+
+def load_network(checkpoint: Checkpoint, path: Path) -> NeuralNetwork:
+    """The network of a model.
+
+    Raises:
+        InputError: it was trained on other tokens.
+    """
+    network = NeuralNetwork(str(checkpoint.header["kind"]), *shapes_of(checkpoint, path))
+    network.load_state_dict({name: torch.from_numpy(array.copy()) for name, array in checkpoint.tensors.items()})
+    return network
+
+
+def tensors_of(network: NeuralNetwork) -> dict[str, NDArray[np.float32]]:
+    """The weights of a network, as a model file holds them."""
+    return {name: tensor.detach().cpu().numpy() for name, tensor in network.state_dict().items()}
 
 
 @dataclass(frozen=True, slots=True)
 class Losses:
     """Means over some samples."""
 
-    action: float  # cross entropy [nat]
+    action: float  # cross entropy [nat]; of a regressed action its smooth absolute error
     change: float  # binary cross entropy [nat]
     error: float  # absolute error of the action
 
@@ -51,12 +79,12 @@ class Batch:
     changes: Tensor  # (B,)
 
 
-def two_hot(actions: Tensor) -> Tensor:
-    """Actions in [-1, 1], (B,), as weights on the two nearest of BINS bins, (B, BINS)."""
-    places = (actions.clamp(-1.0, 1.0) + 1.0) * (0.5 * (BINS - 1))
-    low = places.floor().clamp(max=BINS - 2).long()
+def two_hot(actions: Tensor, bins: int) -> Tensor:
+    """Actions in [-1, 1], (B,), as weights on the two nearest of some bins, (B, bins)."""
+    places = (actions.clamp(-1.0, 1.0) + 1.0) * (0.5 * (bins - 1))
+    low = places.floor().clamp(max=bins - 2).long()
     share = (places - low).unsqueeze(1)
-    result = torch.zeros(len(actions), BINS, device=actions.device)
+    result = torch.zeros(len(actions), bins, device=actions.device)
     result.scatter_(1, low.unsqueeze(1), 1.0 - share)
     return result.scatter_(1, low.unsqueeze(1) + 1, share)
 
@@ -87,18 +115,22 @@ def batches(
 
 
 def losses_of(network: NeuralNetwork, batch: Batch) -> tuple[Tensor, Tensor, Tensor]:
-    """Cross entropy of the action, binary cross entropy of the lane change and the action's error, each a mean."""
+    """Losses of the action and of the lane change (binary cross entropy) and the action's error, each a mean."""
     outputs = network(batch.tokens, batch.mask)
-    logits = outputs[:, :BINS]
-    action = functional.cross_entropy(logits, two_hot(batch.actions))
+    logits = outputs[:, :-1]
+    if network.bins:
+        action = functional.cross_entropy(logits, two_hot(batch.actions, network.bins))
+        answers = logits.softmax(1) @ torch.linspace(-1.0, 1.0, network.bins, device=logits.device)
+    else:
+        answers = logits[:, 0]
+        action = functional.smooth_l1_loss(answers, batch.actions, beta=_REGRESSION_BETA)
     asked = batch.changes != UNASKED
     change = outputs.new_zeros(())
     if bool(asked.any()):
         # Per batch and not per question, so that a batch with few of them does not count as much as one with many.
-        every = functional.binary_cross_entropy_with_logits(outputs[asked, BINS], batch.changes[asked], reduction="sum")
+        every = functional.binary_cross_entropy_with_logits(outputs[asked, -1], batch.changes[asked], reduction="sum")
         change = every / len(asked)
-    places = torch.linspace(-1.0, 1.0, BINS, device=logits.device)
-    error = (logits.softmax(1) @ places - batch.actions).abs().mean()
+    error = (answers - batch.actions).abs().mean()
     return action, change, error
 
 
@@ -123,6 +155,25 @@ def split(samples: Samples, held_out: float) -> tuple[NDArray[np.int64], NDArray
     return np.flatnonzero(~kept), np.flatnonzero(kept)
 
 
+def learn(
+    network: NeuralNetwork, optimizer: torch.optim.Optimizer, schedule: torch.optim.lr_scheduler.LRScheduler,
+    chosen: Iterator[Batch], change_weight: float,
+) -> Losses:  # fmt: skip
+    """Train on batches, a step each; returns the mean of their losses."""
+    network.train()
+    sums = np.zeros(4)
+    for batch in chosen:
+        action, change, error = losses_of(network, batch)
+        optimizer.zero_grad(set_to_none=True)
+        loss = action + change_weight * change
+        loss.backward()  # type: ignore[no-untyped-call]
+        nn.utils.clip_grad_norm_(network.parameters(), 1.0)
+        optimizer.step()
+        schedule.step()
+        sums += [action.item(), change.item(), error.item(), 1.0]
+    return Losses(*(sums[:3] / max(sums[3], 1.0)).tolist())
+
+
 def fit(
     network: NeuralNetwork, samples: Samples, configuration: ImitationConfiguration, step: Round, seed: int,
     device: torch.device, report: Callable[[int, Losses, Losses], None],
@@ -139,17 +190,8 @@ def fit(
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, total, 0.02 * step.learning_rate)
     last = Losses(0.0, 0.0, 0.0)
     for epoch in range(step.epochs):
-        network.train()
-        sums = np.zeros(4)
-        for batch in batches(samples, rows, configuration.batch, generator, device):
-            action, change, error = losses_of(network, batch)
-            optimizer.zero_grad(set_to_none=True)
-            loss = action + configuration.change_weight * change
-            loss.backward()  # type: ignore[no-untyped-call]
-            nn.utils.clip_grad_norm_(network.parameters(), 1.0)
-            optimizer.step()
-            schedule.step()
-            sums += [action.item(), change.item(), error.item(), 1.0]
+        chosen = batches(samples, rows, configuration.batch, generator, device)
+        learned = learn(network, optimizer, schedule, chosen, configuration.change_weight)
         last = measure(network, samples, held, configuration.batch, device)
-        report(epoch, Losses(*(sums[:3] / max(sums[3], 1.0)).tolist()), last)
+        report(epoch, learned, last)
     return last

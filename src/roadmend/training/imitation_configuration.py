@@ -1,15 +1,15 @@
-"""Every hyper-parameter of the neural policy's training: the single source of default, range and meaning."""
+"""Every hyper-parameter of a neural policy's training: the single source of default, range and meaning."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from roadmend.core.errors import InputError
-from roadmend.learning.shape import EncoderShape, HeadShape
-from roadmend.policies.neural import OUTPUTS
-from roadmend.policies.neural_tokens import COLUMNS
+from roadmend.learning.shape import EncoderShape, ExcerptShape, HeadShape, SetShape
+from roadmend.policies.neural_kinds import KINDS, AnyShape
+from roadmend.policies.neural_tokens import COLUMNS, OWN
 from roadmend.world.families import FAMILIES
 from roadmend.world.scenario_file import describe
 
@@ -37,14 +37,15 @@ class Round(Section):
 
 
 class ImitationConfiguration(Section):
-    """How the neural policy is trained."""
+    """How a neural policy is trained."""
 
+    kind: Literal["neural", "ego_mlp", "deep_sets"] = Field("neural", description="of policy")
     first_seed: int = Field(200_000, ge=50_000, le=900_000, description="of the scenarios that are driven")
     families: tuple[str, ...] = Field(tuple(FAMILIES), min_length=1, description="families of scenarios")
     every: int = Field(4, ge=1, le=100, description="ticks between two samples")
     noise: float = Field(0.5, ge=0.0, le=2.0, description="standard deviation of the expert's disturbances")
     hidden: int = Field(64, ge=4, le=512, description="H, width of a token inside")
-    layers: int = Field(2, ge=1, le=12, description="transformer layers")
+    layers: int = Field(2, ge=1, le=12, description="layers of the transformer, or of the perceptron on a token")
     heads: int = Field(4, ge=1, le=64, description="attention heads")
     feed_forward: int = Field(128, ge=4, le=2048, description="width of a layer's feed-forward part")
     head: tuple[int, ...] = Field((64,), description="hidden widths of the action head")
@@ -55,8 +56,12 @@ class ImitationConfiguration(Section):
     rounds: tuple[Round, ...] = Field((Round(),), min_length=1, max_length=50, description="one after another")
 
     @property
-    def encoder_shape(self) -> EncoderShape:
+    def encoder_shape(self) -> AnyShape:
         """The shape of the encoder."""
+        if KINDS[self.kind].shape is ExcerptShape:
+            return ExcerptShape(attributes=COLUMNS, places=OWN)
+        if KINDS[self.kind].shape is SetShape:
+            return SetShape(attributes=COLUMNS, hidden=(self.hidden,) * (self.layers - 1), outputs=self.hidden)
         return EncoderShape(
             attributes=COLUMNS, hidden=self.hidden, layers=self.layers, heads=self.heads,
             feed_forward=self.feed_forward, activation="relu",
@@ -65,7 +70,7 @@ class ImitationConfiguration(Section):
     @property
     def head_shape(self) -> HeadShape:
         """The shape of the head."""
-        return HeadShape(inputs=self.hidden, hidden=self.head, outputs=OUTPUTS)
+        return HeadShape(inputs=self.encoder_shape.state, hidden=self.head, outputs=KINDS[self.kind].outputs)
 
     def seeds(self, number: int, seed: int) -> range:
         """The scenarios' seeds of a round; those of another ``seed`` of the training do not overlap."""

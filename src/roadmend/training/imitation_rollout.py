@@ -1,4 +1,4 @@
-"""Gathers what the neural policy learns from: scenes that a driver meets, each with what the expert would do there."""
+"""Gathers what a neural policy learns from: scenes that a driver meets, each with what the expert would do there."""
 
 import random
 from dataclasses import dataclass
@@ -17,6 +17,7 @@ from roadmend.policies.neural_tokens import COLUMNS
 from roadmend.repair.registry import make_repairer
 from roadmend.world.families import sample_scenario
 from roadmend.world.runner import run_episode
+from roadmend.world.scenario import Scenario
 
 UNASKED = -1  # label of the lane change where there is nothing to decide
 
@@ -25,8 +26,8 @@ UNASKED = -1  # label of the lane change where there is nothing to decide
 class Lesson:
     """One episode to gather."""
 
-    family: str
-    seed: int
+    scenario: Scenario
+    draw: str  # what disturbances and turns at the wheel are drawn from
     model: Path | None  # the learner; None: the expert drives
     expert_share: float  # of the time during which the expert drives although there is a learner
     noise: float  # standard deviation of the disturbances of the expert's action
@@ -64,11 +65,11 @@ class Tutor:
 
     name = "tutor"
 
-    def __init__(self, lesson: Lesson, friction: float) -> None:
+    def __init__(self, lesson: Lesson) -> None:
         self._lesson = lesson
-        self._random = random.Random(f"roadmend/lesson/{lesson.family}/{lesson.seed}/{lesson.model is not None}")
+        self._random = random.Random(f"roadmend/lesson/{lesson.draw}/{lesson.model is not None}")
         self._expert = Expert()
-        self._expert.privilege(friction)
+        self._expert.privilege(lesson.scenario.environment.effective_friction)
         self._learner = NeuralPolicy(lesson.model) if lesson.model is not None else None
         self._observer = self._learner.observer if self._learner is not None else Observer()
         self._tick = 0
@@ -123,11 +124,15 @@ class Tutor:
         return Command.from_action(action, change_lane=change)
 
 
+def ordinary_lesson(family: str, seed: int, model: Path | None, expert_share: float, noise: float, every: int) -> Lesson:
+    """A lesson in a random scenario of a family."""
+    return Lesson(sample_scenario(family, seed), f"{family}/{seed}", model, expert_share, noise, every)
+
+
 def gather(lesson: Lesson) -> Samples:
     """Run one episode and return what was noted."""
-    scenario = sample_scenario(lesson.family, lesson.seed)
-    tutor = Tutor(lesson, scenario.environment.effective_friction)
-    summary = run_episode(scenario, tutor, make_repairer("none"))
+    tutor = Tutor(lesson)
+    summary = run_episode(lesson.scenario, tutor, make_repairer("none"))
     counts = np.array([len(tokens) for tokens in tutor.tokens], dtype=np.int16)
     flat = np.concatenate(tutor.tokens) if tutor.tokens else np.empty((0, COLUMNS), dtype=np.float16)
     return Samples(
