@@ -5,7 +5,7 @@ import click
 from roadmend.cli.lazy import LazyGroup, Table
 
 _COMMANDS: Table = {
-    "policy": ("roadmend.cli.train_policy", "policy", "The neural driving policy, by imitation of the expert."),
+    "policy": ("roadmend.cli.train_policy", "policy", "A neural driving policy, by imitation of the expert."),
     "adreft": ("roadmend.cli.train_adreft", "adreft", "ADReFT for one policy, from its corpus."),
     "self-oracle": ("roadmend.cli.train_rivals", "self_oracle", "The autoencoder of the rival ModelRepair."),
     "rivals": ("roadmend.cli.train_rivals", "rivals", "The rivals' best settings on the validation split."),

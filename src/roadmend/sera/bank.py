@@ -227,6 +227,14 @@ class Bank:
         """
         return next(entry for _, entry in read_entries(self._connection, "WHERE number = ?", (number,)))
 
+    def find(self, digest: str) -> Entry | None:
+        """The entry of the scenario with this digest, if there is one.
+
+        Raises:
+            InputError: it is damaged.
+        """
+        return next((entry for _, entry in read_entries(self._connection, "WHERE digest = ?", (digest,))), None)
+
     def entries(self) -> Iterator[Entry]:
         """All entries, one at a time.
 

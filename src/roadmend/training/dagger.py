@@ -5,64 +5,25 @@ is not made again, and everything follows from the configuration and the seed, s
 the same result.
 """
 
-import hashlib
 import json
-import zipfile
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import torch
 from torch.utils.tensorboard import SummaryWriter
 
 from roadmend.core.errors import InputError
-from roadmend.core.whole_file import written_beside
 from roadmend.learning.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from roadmend.training.imitation import Losses, NeuralNetwork, fit, load_network, tensors_of
 from roadmend.training.imitation_configuration import ImitationConfiguration
-from roadmend.training.imitation_rollout import Samples, gather, ordinary_lesson
+from roadmend.training.imitation_rollout import gather, ordinary_lesson
+from roadmend.training.samples import Samples, load_samples, samples_digest, save_samples
 from roadmend.training.workers import open_mapper
 
 Report = Callable[[str, int, int], None]  # what is being done, how much of it is done, how much there is
-
-
-def samples_digest(samples: Samples) -> str:
-    """SHA-256 of all samples, hexadecimal."""
-    value = hashlib.sha256()
-    for array in (samples.tokens, samples.counts, samples.actions, samples.changes, samples.episodes):
-        value.update(np.ascontiguousarray(array).tobytes())
-    return value.hexdigest()
-
-
-def save_samples(path: Path, samples: Samples, made_by: str) -> None:
-    """Write samples, whole or not at all, with the description of what made them."""
-    with written_beside(path) as beside, beside.open("wb") as file:
-        np.savez(
-            file, tokens=samples.tokens, counts=samples.counts, actions=samples.actions, changes=samples.changes,
-            episodes=samples.episodes, outcomes=np.array(samples.outcomes), made_by=np.array(made_by),
-        )  # fmt: skip
-
-
-def load_samples(path: Path, made_by: str) -> Samples:
-    """Read samples.
-
-    Raises:
-        InputError: the file is damaged, or other settings made it.
-    """
-    mend = "give another folder, or delete this one"
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            if str(file["made_by"]) != made_by:
-                raise InputError(str(path), "was made with other settings", mend)
-            return Samples(
-                file["tokens"], file["counts"], file["actions"], file["changes"], file["episodes"],
-                tuple(str(outcome) for outcome in file["outcomes"]),
-            )  # fmt: skip
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise InputError(str(path), f"cannot be read ({error})", mend) from None
 
 
 @dataclass

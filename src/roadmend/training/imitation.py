@@ -16,7 +16,7 @@ from roadmend.learning.shape import EncoderShape, HeadShape, SetShape
 from roadmend.policies.neural_kinds import KINDS, AnyShape, shapes_of
 from roadmend.policies.neural_tokens import COLUMNS
 from roadmend.training.imitation_configuration import ImitationConfiguration, Round
-from roadmend.training.imitation_rollout import UNASKED, Samples
+from roadmend.training.samples import UNASKED, Samples
 
 _REGRESSION_BETA = 0.1  # of the action: up to this error the regression's loss is a square, from there a line
 _SORTED_TOGETHER = 16  # batches whose scenes are sorted by their number of tokens, so that little is padding

@@ -1,10 +1,10 @@
 """Every hyper-parameter of a neural policy's training: the single source of default, range and meaning."""
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Self, TypeVar
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from roadmend.core.errors import InputError
 from roadmend.learning.shape import EncoderShape, ExcerptShape, HeadShape, SetShape
@@ -25,6 +25,9 @@ class Section(BaseModel):
     @classmethod
     def _from_list(cls, value: Any) -> Any:
         return tuple(value) if isinstance(value, list) else value  # YAML has no tuples
+
+
+AnySection = TypeVar("AnySection", bound=Section)
 
 
 class Round(Section):
@@ -55,6 +58,11 @@ class ImitationConfiguration(Section):
     held_out: float = Field(0.05, gt=0.0, le=0.5, description="share of the episodes that losses are measured on")
     rounds: tuple[Round, ...] = Field((Round(),), min_length=1, max_length=50, description="one after another")
 
+    @model_validator(mode="after")
+    def _has_a_shape(self) -> Self:
+        self.encoder_shape  # noqa: B018 - the heads must share the width
+        return self
+
     @property
     def encoder_shape(self) -> AnyShape:
         """The shape of the encoder."""
@@ -78,8 +86,13 @@ class ImitationConfiguration(Section):
         return range(begin, begin + self.rounds[number].episodes)
 
 
-def read_imitation_configuration(path: Path) -> ImitationConfiguration:
-    """Read a YAML file; names that are left out keep their defaults.
+def read_section(path: Path, section: type[AnySection], example: str) -> AnySection:
+    """Read a YAML file of settings; names that are left out keep their defaults.
+
+    Args:
+        path: the file.
+        section: what it holds.
+        example: a file with all names, for the message.
 
     Raises:
         InputError: it cannot be read, or a name or value is unknown or out of range.
@@ -91,10 +104,18 @@ def read_imitation_configuration(path: Path) -> ImitationConfiguration:
     except yaml.YAMLError:
         raise InputError(str(path), "broken YAML", "mend the file") from None
     try:
-        configuration = ImitationConfiguration.model_validate(content or {})
-        configuration.encoder_shape  # noqa: B018 - the heads must share the width
+        return section.model_validate(content or {})
     except ValidationError as error:
-        raise InputError(str(path), describe(error), "see config/training/policy.yaml") from None
+        raise InputError(str(path), describe(error), f"see {example}") from None
+
+
+def read_imitation_configuration(path: Path) -> ImitationConfiguration:
+    """Read a YAML file; names that are left out keep their defaults.
+
+    Raises:
+        InputError: it cannot be read, or a name or value is unknown or out of range.
+    """
+    configuration = read_section(path, ImitationConfiguration, "config/training/policy-neural.yaml")
     if unknown := [name for name in configuration.families if name not in FAMILIES]:
         raise InputError(str(path), f"there is no family {unknown[0]!r}", f"choose from {', '.join(FAMILIES)}")
     return configuration

@@ -15,11 +15,10 @@ from roadmend.policies.neural import NeuralPolicy
 from roadmend.policies.neural_observer import Observer
 from roadmend.policies.neural_tokens import COLUMNS
 from roadmend.repair.registry import make_repairer
+from roadmend.training.samples import UNASKED, Samples
 from roadmend.world.families import sample_scenario
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Scenario
-
-UNASKED = -1  # label of the lane change where there is nothing to decide
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,32 +31,6 @@ class Lesson:
     expert_share: float  # of the time during which the expert drives although there is a learner
     noise: float  # standard deviation of the disturbances of the expert's action
     every: int  # ticks between two samples
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Samples:
-    """T scenes with labels; the tokens of all scenes lie one after another."""
-
-    tokens: NDArray[np.float16]  # (sum of counts, COLUMNS)
-    counts: NDArray[np.int16]  # (T,)
-    actions: NDArray[np.float32]  # (T,) the expert's, in [-1, 1]
-    changes: NDArray[np.int8]  # (T,) whether it would begin the lane change: 0, 1 or UNASKED
-    episodes: NDArray[np.int32]  # (T,) which episode a scene comes from
-    outcomes: tuple[str, ...]  # of each episode
-
-    @classmethod
-    def join(cls, parts: "list[Samples]") -> "Samples":
-        """All samples of several parts; episodes are numbered on."""
-        begins = np.cumsum([0, *(len(part.outcomes) for part in parts[:-1])])
-        return cls(
-            np.concatenate([part.tokens for part in parts]), np.concatenate([part.counts for part in parts]),
-            np.concatenate([part.actions for part in parts]), np.concatenate([part.changes for part in parts]),
-            np.concatenate([part.episodes + begin for part, begin in zip(parts, begins, strict=True)]).astype(np.int32),
-            tuple(outcome for part in parts for outcome in part.outcomes),
-        )  # fmt: skip
-
-    def __len__(self) -> int:
-        return len(self.counts)
 
 
 class Tutor:

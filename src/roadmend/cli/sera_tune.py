@@ -1,0 +1,105 @@
+"""``roadmend sera tune``: few-shot repair of a neural policy on a selection of scenarios."""
+
+import hashlib
+import json
+import os
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from roadmend.cli.resources import config_folder
+from roadmend.cli.sera_options import BANK, JSON
+from roadmend.cli.table import show_rows
+from roadmend.core.errors import InputError
+from roadmend.learning.shipped import find_model
+from roadmend.sera.bank import Bank
+from roadmend.sera.evaluation_set import corpus_set, disjoint, known_in
+from roadmend.sera.selection import Stage, read_selection, scenarios_of
+from roadmend.training.device import choose_torch_device
+from roadmend.training.few_shot import Origin, Repair, few_shot_repair
+from roadmend.training.few_shot_settings import read_few_shot_settings
+from roadmend.world.corpus import SPLITS
+
+
+@click.command()
+@click.option("--policy", default="neural", show_default=True, help="A neural policy that ships, or its model file.")
+@BANK
+@click.option(
+    "--selection", "selected", required=True, type=click.Path(path_type=Path, dir_okay=False),
+    help="What 'sera recommend --json' printed.",
+)  # fmt: skip
+@click.option(
+    "--stage", default="refined", show_default=True, type=click.Choice(["initial", "refined", "random"]),
+    help="Of the selection.",
+)  # fmt: skip
+@click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Model file to write.")
+@click.option(
+    "--validation", type=click.Path(path_type=Path, dir_okay=False),
+    help="Corpus to choose the best epoch by, what is in the selection left out.  [default: the selection]",
+)  # fmt: skip
+@click.option("--split", default="validation", show_default=True, type=click.Choice(SPLITS), help="Of that corpus.")
+@click.option(
+    "--config", "file", type=click.Path(path_type=Path, dir_okay=False),
+    help="YAML file with the settings; config/training/few-shot.yaml if not given.",
+)  # fmt: skip
+@click.option("--epochs", type=click.IntRange(1, 100), help="Instead of the settings'.")
+@click.option("--learning-rate", type=click.FloatRange(0.0, 0.1, min_open=True), help="Instead of the settings'.")
+@click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
+@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@JSON
+def tune(
+    policy: str, bank_file: Path, selected: Path, stage: Stage, out: Path, validation: Path | None, split: str,
+    file: Path | None, epochs: int | None, learning_rate: float | None, seed: int, workers: int, *, as_json: bool,
+) -> None:  # fmt: skip
+    """Fine-tune a neural policy on a selection, guarded against forgetting; writes a new model file.
+
+    The expert and the policy drive the selected scenarios, the expert says what should be done, and scenes of ordinary
+    episodes are mixed in. The policy drives a validation set after every epoch; that epoch is kept that scores best
+    without losing on ordinary scenarios.
+    """
+    settings = read_few_shot_settings(file or config_folder() / "training" / "few-shot.yaml")
+    given = {"epochs": epochs, "learning_rate": learning_rate}
+    settings = settings.model_copy(update={name: value for name, value in given.items() if value is not None})
+    if out.suffix != ".safetensors":
+        raise InputError("--out", f"{out} is no model file's name", "end it with .safetensors")
+    selection = read_selection(selected, stage)
+    with Bank(bank_file) as bank:
+        scenarios = scenarios_of(selection, bank)
+    hard = [] if validation is None else disjoint(corpus_set(validation, split), known_in([bank_file]))
+    command = f"./roadmend sera tune --policy {Path(policy).name} --stage {stage} --seed {seed}"
+    origin = Origin(selection.digest, _digest(bank_file), command)
+    choose_torch_device("cpu", 1)
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        task = progress.add_task("starting")
+
+        def report(what: str, done: int, total: int) -> None:
+            progress.update(task, description=what, completed=done, total=total)
+
+        repaired = few_shot_repair(
+            find_model(policy), scenarios, settings, seed, out, validation=hard, origin=origin, workers=workers,
+            report=report,
+        )  # fmt: skip
+    if as_json:
+        click.echo(json.dumps({**asdict(repaired), "path": str(out)}, indent=2))
+        return
+    _show(repaired, len(scenarios))
+
+
+def _show(repaired: Repair, count: int) -> None:
+    rows = [["epochs", "Driving Score", "of what went well before", "kept"]]
+    for trial in repaired.trials:
+        mark = "kept" if trial == repaired.kept else ""
+        rows.append([str(trial.epochs), f"{trial.driving_score:.1f}", f"{trial.ordinary:.1f}", mark])
+    show_rows(rows)
+    click.echo(f"{repaired.path}: {repaired.scenes} scenes of {count} scenarios")
+    if not repaired.kept.epochs:
+        click.echo("no epoch was better than the policy as it was: the weights have not changed")
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -1,0 +1,133 @@
+"""Few-shot repair with a tiny budget: the guard, the header, and that it repeats."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import torch
+
+from roadmend.core.errors import InputError
+from roadmend.evaluation.driving_measures import DrivingMeasures
+from roadmend.learning.checkpoint import load_checkpoint, save_checkpoint
+from roadmend.learning.shipped import find_model
+from roadmend.policies.neural import NeuralPolicy
+from roadmend.training.few_shot import Origin, few_shot_repair, lessons_of
+from roadmend.training.few_shot_settings import FewShotSettings, read_few_shot_settings
+from roadmend.training.imitation_rollout import gather
+from roadmend.training.samples import Samples
+from roadmend.world.families import sample_scenario
+
+torch.set_num_threads(1)
+SETTINGS = FewShotSettings(epochs=3, replay=1, validation=1, every=10, learning_rate=1e-3)
+GOOD = DrivingMeasures("GOAL", 100.0, (), 100.0, True, None, None, False)
+BAD = replace(GOOD, outcome="COLLISION", driving_score=30.0, success=False)
+CONFIG = Path(__file__).parents[2] / "config"
+MODEL = find_model("neural")
+
+
+@pytest.fixture(scope="module")
+def scenarios():
+    return [sample_scenario("S3", 240_200), sample_scenario("S5", 240_201)]
+
+
+@pytest.fixture(scope="module")
+def kept(scenarios) -> dict[str, Samples]:
+    """What the lessons of these tests come to: driven once."""
+    return {}
+
+
+@pytest.fixture
+def gathering(kept):
+    def answer(lessons) -> Iterator[Samples]:
+        for lesson in lessons:
+            key = f"{lesson.draw}/{lesson.model}"
+            if key not in kept:
+                kept[key] = gather(lesson)
+            yield kept[key]
+
+    return answer
+
+
+def repair(scenarios, out, gathering, scores, **more):
+    """A repair whose policy fares on the validation set as ``scores`` say, trial by trial: ordinary, hard."""
+    turns = iter(scores)
+
+    def driving(_model, chosen):
+        ordinary, hard = next(turns)
+        kinds = [GOOD if ordinary else BAD] * (len(chosen) - len(scenarios)) + [GOOD if hard else BAD] * len(scenarios)
+        return iter(kinds)
+
+    arguments = {"settings": SETTINGS, "seed": 1, "out": out, "gathering": gathering, "driving": driving, **more}
+    return few_shot_repair(MODEL, scenarios, **arguments)
+
+
+def test_the_first_of_the_best_epochs_is_kept_and_the_header_tells_where_it_comes_from(tmp_path, scenarios, gathering):
+    out = tmp_path / "new" / "tuned.safetensors"
+    origin = Origin("selection-digest", "bank-digest", "command")
+    found = repair(scenarios, out, gathering, [(1, 0), (1, 0), (1, 1), (1, 1)], origin=origin)
+    assert found.kept.epochs == 2
+    assert [trial.epochs for trial in found.trials] == [0, 1, 2, 3]
+    model = load_checkpoint(out, "neural")
+    assert model.header["ancestry"][0] == load_checkpoint(MODEL).digest
+    told = model.header["configuration"]["few_shot"]
+    assert (told["selection"], told["bank"], told["seed"]) == ("selection-digest", "bank-digest", 1)
+    assert told["settings"] == SETTINGS.model_dump(mode="json")
+    assert told["scenarios"] == [scenario.digest for scenario in scenarios]
+    assert model.header["metrics"]["kept"]["epochs"] == 2
+    assert NeuralPolicy(out).model_digest == found.digest
+    assert [path.name for path in out.parent.iterdir()] == [out.name]
+
+
+def test_an_epoch_that_forgets_is_not_kept_however_good_it_is_elsewhere(tmp_path, scenarios, gathering):
+    out = tmp_path / "tuned.safetensors"
+    found = repair(scenarios, out, gathering, [(1, 0), (0, 1), (0, 1), (0, 1)])
+    assert found.kept.epochs == 0
+    before, after = load_checkpoint(MODEL).tensors, load_checkpoint(out).tensors
+    assert all((before[name] == after[name]).all() for name in before)
+
+
+def test_the_same_seed_gives_the_same_file_and_another_does_not(tmp_path, scenarios, gathering):
+    scores = [(1, 0), (1, 1), (1, 1), (1, 1)]
+    first = repair(scenarios, tmp_path / "a.safetensors", gathering, scores)
+    again = repair(scenarios, tmp_path / "b.safetensors", gathering, scores)
+    other = repair(scenarios, tmp_path / "c.safetensors", gathering, scores, seed=2)
+    assert first.digest == again.digest != other.digest
+
+
+def test_a_repaired_policy_can_be_repaired_again_and_remembers_all_its_ancestors(tmp_path, scenarios, gathering):
+    scores = [(1, 0), (1, 1), (1, 1), (1, 1)]
+    first = repair(scenarios, tmp_path / "a.safetensors", gathering, scores)
+    settings = SETTINGS.model_copy(update={"epochs": 1, "replay": 0})
+    again = few_shot_repair(
+        first.path, scenarios, settings, 0, tmp_path / "b.safetensors",
+        gathering=gathering, driving=lambda _model, chosen: iter([GOOD] * len(chosen)),
+    )  # fmt: skip
+    assert load_checkpoint(again.path).header["ancestry"][:2] == [first.digest, load_checkpoint(MODEL).digest]
+
+
+def test_demonstrations_are_driven_by_the_expert_and_by_the_policy(scenarios):
+    settings = SETTINGS.model_copy(update={"expert_drives": 2, "policy_drives": 1})
+    lessons = lessons_of(scenarios[0], MODEL, settings)
+    assert [lesson.model for lesson in lessons] == [None, None, MODEL]
+    assert len({(lesson.draw, lesson.model) for lesson in lessons}) == 3
+
+
+def test_nothing_to_learn_from_and_models_of_other_kinds_are_refused(tmp_path, scenarios):
+    with pytest.raises(InputError, match="none to learn from"):
+        few_shot_repair(MODEL, [], SETTINGS, 0, tmp_path / "tuned.safetensors")
+    other = tmp_path / "other.safetensors"
+    header = {"kind": "adreft", "configuration": {}, "data_digest": "", "metrics": {}, "ancestry": []}
+    save_checkpoint(other, {}, header)
+    with pytest.raises(InputError, match="kind 'adreft'"):
+        few_shot_repair(other, scenarios, SETTINGS, 0, tmp_path / "tuned.safetensors")
+
+
+def test_the_shipped_settings_are_the_defaults_and_mistakes_in_a_file_are_named(tmp_path):
+    assert read_few_shot_settings(CONFIG / "training" / "few-shot.yaml") == FewShotSettings()
+    path = tmp_path / "few.yaml"
+    for text, named in (("epoch: 3", "epoch"), ("replay_share: 1.0", "replay_share"),
+                        ("{expert_drives: 0, policy_drives: 0}", "no demonstration"), ("[", "broken YAML")):  # fmt: skip
+        path.write_text(text)
+        with pytest.raises(InputError, match=named):
+            read_few_shot_settings(path)
