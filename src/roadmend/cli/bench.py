@@ -9,6 +9,7 @@ from roadmend.cli.bench_readme import readme
 from roadmend.cli.bench_recorder import recorder
 from roadmend.cli.bench_retrieval import retrieval
 from roadmend.cli.bench_safe import safe
+from roadmend.cli.bench_sera import sera
 
 
 @click.group()
@@ -23,3 +24,4 @@ bench.add_command(readme)
 bench.add_command(recorder)
 bench.add_command(safe)
 bench.add_command(retrieval)
+bench.add_command(sera)

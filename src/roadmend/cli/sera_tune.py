@@ -93,7 +93,8 @@ def _show(repaired: Repair, count: int) -> None:
     rows = [["epochs", "Driving Score", "of what went well before", "kept"]]
     for trial in repaired.trials:
         mark = "kept" if trial == repaired.kept else ""
-        rows.append([str(trial.epochs), f"{trial.driving_score:.1f}", f"{trial.ordinary:.1f}", mark])
+        scores = ("-" if each is None else f"{each:.1f}" for each in (trial.driving_score, trial.ordinary))
+        rows.append([str(trial.epochs), *scores, mark])
     show_rows(rows)
     click.echo(f"{repaired.path}: {repaired.scenes} scenes of {count} scenarios")
     if not repaired.kept.epochs:

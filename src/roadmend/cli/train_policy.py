@@ -42,7 +42,9 @@ def policy(
     given = file or config_folder() / "training" / _SETTINGS.format(kind=kind)
     configuration = read_imitation_configuration(given)
     if configuration.kind != kind:
-        raise InputError(str(given), f"trains a policy of the kind {configuration.kind!r}", f"give --kind {configuration.kind}")
+        raise InputError(
+            str(given), f"trains a policy of the kind {configuration.kind!r}", f"give --kind {configuration.kind}"
+        )
     chosen = configuration.rounds[: rounds or len(configuration.rounds)]
     if episodes is not None:
         chosen = tuple(step.model_copy(update={"episodes": episodes}) for step in chosen)

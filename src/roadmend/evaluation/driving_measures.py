@@ -10,8 +10,9 @@ blame counts unless the ego stood; whose fault it is by nuPlan's rules is said b
 lane cost what is left of the route, and no factor.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 
@@ -41,6 +42,11 @@ class DrivingMeasures:
     efficiency: float | None  # [%] of the traffic's speed; None where nobody drove around the ego
     comfortness: float | None  # [%] of the pieces; None for a drive too short to tell
     at_fault: bool  # whether it ended in a collision by the ego's own fault
+
+    @classmethod
+    def parse(cls, content: Mapping[str, Any]) -> Self:
+        """From plain values, as ``dataclasses.asdict`` and JSON give them."""
+        return cls(**{**content, "infractions": tuple(content["infractions"])})
 
 
 class MeasuresObserver:

@@ -13,12 +13,14 @@ from roadmend import __version__
 from roadmend.core.errors import InputError
 from roadmend.learning.shipped import find_model
 from roadmend.policies.neural import NeuralParameters
-from roadmend.policies.parameters import ModularParameters
+from roadmend.policies.neural_kinds import KINDS
+from roadmend.policies.parameters import ModularParameters, Parameters
 from roadmend.repair.registry import METHODS
 
 _VERSIONED = ("libsumo", "eclipse-sumo", "numpy", "mcap", "rosbags", "ros-jazzy-rclpy")
-_POLICIES = {"modular": ModularParameters, "neural": NeuralParameters}
-_PREFIXES = {"adreft": "adreft-", "model": "self_oracle-", "neural": ""}  # of the shipped models of who has one
+_PREFIXES = {"adreft": "adreft-", "model": "self_oracle-"} | dict.fromkeys(
+    KINDS, ""
+)  # of the shipped models of who has one
 
 
 def provenance(scenario: Path, policy: str, method: str, clock: str, seed: int, given: Sequence[str]) -> dict[str, str]:
@@ -38,16 +40,22 @@ def provenance(scenario: Path, policy: str, method: str, clock: str, seed: int, 
         with contextlib.suppress(PackageNotFoundError):
             known[package] = version(package)
     for role, name, parameters in (
-        ("policy", policy, _POLICIES.get(policy)),
-        ("method", method, METHODS[method].parameters if method in METHODS else None),
+        ("policy", policy, _policy_parameters(policy)),
+        ("method", method, METHODS[method].parameters() if method in METHODS else None),
     ):
         if parameters is not None:
-            values = parameters().model_dump()
+            values = parameters.model_dump()
             known[f"{role}_defaults"] = json.dumps(values)
             if name in _PREFIXES:
                 model = _override(f"{name}.model", given) or str(values["model"])
                 known[f"{role}_model"], known[f"{role}_model_sha256"] = model, _digest(model, _PREFIXES[name])
     return known
+
+
+def _policy_parameters(policy: str) -> Parameters | None:
+    if policy in KINDS:
+        return NeuralParameters.of(policy)
+    return ModularParameters() if policy == "modular" else None
 
 
 def _override(name: str, given: Sequence[str]) -> str:

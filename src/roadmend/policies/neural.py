@@ -1,8 +1,9 @@
 """The end-to-end neural driving policies: tokens in, throttle and brake out, no rule behind them."""
 
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,11 @@ class NeuralParameters(Parameters):
     """What a neural policy is set to."""
 
     model: str = Field("neural", min_length=1, description="a shipped model's name, or a model file's path")
+
+    @classmethod
+    def of(cls, kind: str, values: Mapping[str, Any] | None = None) -> Self:
+        """Those of a kind, whose model ships under the kind's name; ``values`` replace the defaults."""
+        return cls.model_validate({"model": kind, **(values or {})})
 
     @property
     def path(self) -> Path:

@@ -56,14 +56,12 @@ def shapes_of(checkpoint: Checkpoint, path: Path) -> tuple[AnyShape, HeadShape]:
         InputError: it was trained on other tokens.
     """
     kind, configuration = KINDS[checkpoint.header["kind"]], checkpoint.header["configuration"]
+    foreign = InputError(str(path), "was trained on other tokens", "train it again with 'roadmend train policy'")
     try:
         encoder = kind.shape.model_validate_json(json.dumps(configuration["encoder"]))
         head = HeadShape.model_validate_json(json.dumps(configuration["head"]))
     except (KeyError, ValidationError):
-        encoder = head = None
-    if (
-        encoder is None or head is None
-        or encoder.attributes != COLUMNS or head.outputs != kind.outputs or head.inputs != encoder.state
-    ):  # fmt: skip
-        raise InputError(str(path), "was trained on other tokens", "train it again with 'roadmend train policy'")
+        raise foreign from None
+    if encoder.attributes != COLUMNS or head.outputs != kind.outputs or head.inputs != encoder.state:
+        raise foreign
     return encoder, head

@@ -1,6 +1,7 @@
 """The driving policies by name."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 from pydantic import ValidationError
@@ -9,6 +10,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.interfaces import Policy
 from roadmend.policies.modular import ModularPolicy
 from roadmend.policies.neural import NeuralParameters, NeuralPolicy
+from roadmend.policies.neural_kinds import KINDS
 from roadmend.policies.parameters import ModularParameters
 
 Values = Mapping[str, Any]
@@ -18,13 +20,13 @@ def _modular(values: Values) -> Policy:
     return ModularPolicy(ModularParameters.model_validate(dict(values)))
 
 
-def _neural(values: Values) -> Policy:
-    return NeuralPolicy(NeuralParameters.model_validate(dict(values)).path)
+def _neural(kind: str, values: Values) -> Policy:
+    return NeuralPolicy(NeuralParameters.of(kind, values).path, kind)
 
 
 POLICIES: dict[str, Callable[[Values], Policy]] = {
     "modular": _modular,
-    "neural": _neural,
+    **{kind: partial(_neural, kind) for kind in KINDS},
 }
 
 

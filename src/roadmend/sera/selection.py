@@ -37,7 +37,9 @@ def read_selection(path: Path, stage: Stage) -> Selection:
     except (ValueError, KeyError, TypeError):
         raise InputError(str(path), f"is no selection with a {stage!r} stage", _MEND) from None
     if not digests:
-        raise InputError(str(path), f"selects nothing at the {stage!r} stage", "select from a bank that holds something")
+        raise InputError(
+            str(path), f"selects nothing at the {stage!r} stage", "select from a bank that holds something"
+        )
     return Selection(digests, hashlib.sha256(data).hexdigest())
 
 

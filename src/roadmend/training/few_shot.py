@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from roadmend.core.errors import InputError
 from roadmend.evaluation.driving_measures import DrivingMeasures
 from roadmend.evaluation.measured_run import measured_run
-from roadmend.learning.checkpoint import Checkpoint, save_checkpoint
+from roadmend.learning.checkpoint import Checkpoint, Tensors, save_checkpoint
 from roadmend.policies.neural import NeuralPolicy, load_model
 from roadmend.training.few_shot_settings import FewShotSettings, ordinary_seeds
 from roadmend.training.imitation import NeuralNetwork, batches, learn, load_network, tensors_of
@@ -32,6 +32,7 @@ from roadmend.world.scenario import Scenario
 Report = Callable[[str, int, int], None]  # what is being done, how much of it is done, how much there is
 Gather = Callable[[Sequence[Lesson]], Iterator[Samples]]
 Drive = Callable[[Path, Sequence[Scenario]], Iterator[DrivingMeasures]]
+Epochs = Iterator[tuple[NeuralNetwork, float]]  # the network after every epoch, and the loss of the action in it
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +49,8 @@ class Trial:
     """The policy after some epochs on the validation set."""
 
     epochs: int  # 0: as it was
-    driving_score: float  # mean over the validation set
-    ordinary: float  # mean over its ordinary scenarios that went well before
+    driving_score: float | None  # mean over the validation set; None where it was not driven
+    ordinary: float | None  # mean over its ordinary scenarios that went well before
     action_loss: float | None = None  # of the last epoch's training
 
 
@@ -129,24 +130,36 @@ class _Work:
             for family, seed in ordinary_seeds(settings.replay_seed, settings.replay)
         ]  # fmt: skip
         old = self._gathered("replay", replay) if replay else None
-        ordinary = [
-            sample_scenario(family, seed) for family, seed in ordinary_seeds(settings.validation_seed, settings.validation)
-        ]  # fmt: skip
-        guard = _Guard(ordinary, hard, settings.tolerance)
-        trials, best, tensors = [guard.first(self._driven(self.model, guard.scenarios))], 0, self.parent.tensors
-        beside = out.with_name(f".{out.stem}.epoch{out.suffix}")
+        header = self._header(origin, shown, scenarios)
+        epochs = self._epochs(shown, old)
+        if settings.keep == "last":
+            trials, tensors = _run_through(epochs)
+            kept = trials[-1]
+        else:
+            ordinary = ordinary_seeds(settings.validation_seed, settings.validation)
+            guard = _Guard([sample_scenario(family, seed) for family, seed in ordinary], hard, settings.tolerance)
+            trials, tensors, kept = self._guarded(
+                epochs, guard, out.with_name(f".{out.stem}.epoch{out.suffix}"), header
+            )
+        header["metrics"] |= {"trials": [asdict(trial) for trial in trials], "kept": asdict(kept)}
+        digest = save_checkpoint(out, tensors, header)
+        return Repair(out, digest, kept, tuple(trials), len(shown), shown.outcomes)
+
+    def _guarded(
+        self, epochs: Epochs, guard: "_Guard", beside: Path, header: dict[str, Any]
+    ) -> tuple[list[Trial], Tensors, Trial]:  # fmt: skip
+        """All trials, and the weights of the one that is kept; every epoch's model is driven from ``beside``."""
+        trials, tensors = [guard.first(self._driven(self.model, guard.scenarios))], dict(self.parent.tensors)
+        kept = trials[0]
         try:
-            for number, (network, loss) in enumerate(self._epochs(shown, old), 1):
-                save_checkpoint(beside, tensors_of(network), self._header(origin, shown, scenarios, trials))
+            for number, (network, loss) in enumerate(epochs, 1):
+                save_checkpoint(beside, tensors_of(network), header)
                 trials.append(guard.trial(number, self._driven(beside, guard.scenarios), loss))
-                if guard.passes(trials[-1]) and trials[-1].driving_score > trials[best].driving_score:
-                    best, tensors = number, {name: array.copy() for name, array in tensors_of(network).items()}
+                if guard.prefers(trials[-1], kept):
+                    kept, tensors = trials[-1], _copied(network)
         finally:
             beside.unlink(missing_ok=True)
-        header = self._header(origin, shown, scenarios, trials)
-        header["metrics"]["kept"] = asdict(trials[best])
-        digest = save_checkpoint(out, tensors, header)
-        return Repair(out, digest, trials[best], tuple(trials), len(shown), shown.outcomes)
+        return trials, tensors, kept
 
     def _gathered(self, what: str, lessons: Sequence[Lesson]) -> Samples:
         parts = []
@@ -162,8 +175,7 @@ class _Work:
             self.report("validation", len(found), len(scenarios))
         return found
 
-    def _epochs(self, shown: Samples, old: Samples | None) -> Iterator[tuple[NeuralNetwork, float]]:
-        """The network after every epoch, and the loss of the action in it."""
+    def _epochs(self, shown: Samples, old: Samples | None) -> Epochs:
         settings = self.settings
         torch.manual_seed(self.seed)
         generator = np.random.default_rng(self.seed)
@@ -184,9 +196,7 @@ class _Work:
             self.report("learning", number + 1, settings.epochs)
             yield network, learned.action
 
-    def _header(
-        self, origin: Origin, shown: Samples, scenarios: Sequence[Scenario], trials: Sequence[Trial]
-    ) -> dict[str, Any]:
+    def _header(self, origin: Origin, shown: Samples, scenarios: Sequence[Scenario]) -> dict[str, Any]:
         before = self.parent.header
         return {
             "kind": before["kind"],
@@ -198,7 +208,7 @@ class _Work:
                 },
             },
             "data_digest": samples_digest(shown),
-            "metrics": {"scenes": len(shown), "trials": [asdict(trial) for trial in trials]},
+            "metrics": {"scenes": len(shown)},
             "ancestry": [self.parent.digest, *before["ancestry"]],
         }  # fmt: skip
 
@@ -221,7 +231,7 @@ class _Guard:
         """What the policy comes to as it is."""
         self._fine = [place for place in range(len(self.ordinary)) if measures[place].success]
         trial = self.trial(0, measures, None)
-        self.before = trial.ordinary
+        self.before = trial.ordinary or 0.0
         return trial
 
     def trial(self, epochs: int, measures: Sequence[DrivingMeasures], loss: float | None) -> Trial:
@@ -229,8 +239,24 @@ class _Guard:
         whole = fmean(each.driving_score for each in measures)
         return Trial(epochs, whole, fmean(ordinary) if ordinary else 0.0, loss)
 
-    def passes(self, trial: Trial) -> bool:
-        return trial.ordinary >= self.before - self.tolerance
+    def prefers(self, trial: Trial, kept: Trial) -> bool:
+        """Whether a trial is better than the one that is kept so far, and has not lost what the policy could do."""
+        assert trial.driving_score is not None
+        assert kept.driving_score is not None
+        assert trial.ordinary is not None
+        return trial.ordinary >= self.before - self.tolerance and trial.driving_score > kept.driving_score
+
+
+def _run_through(epochs: Epochs) -> tuple[list[Trial], Tensors]:
+    trials, tensors = list[Trial](), dict[str, NDArray[np.float32]]()
+    for number, (network, loss) in enumerate(epochs, 1):
+        trials, tensors = [*trials, Trial(number, None, None, loss)], _copied(network)
+    return trials, tensors
+
+
+def _copied(network: NeuralNetwork) -> dict[str, NDArray[np.float32]]:
+    """The weights as they are now, whatever training goes on to do to them."""
+    return {name: array.copy() for name, array in tensors_of(network).items()}
 
 
 def _rows(shown: int, total: int, replayed: int, generator: np.random.Generator) -> NDArray[np.int64]:
@@ -248,11 +274,12 @@ def _gathering(mapper: Mapper) -> Gather:
 
 def _driving(mapper: Mapper) -> Drive:
     def drive(model: Path, scenarios: Sequence[Scenario]) -> Iterator[DrivingMeasures]:
-        return mapper(_measure, [(model, scenario) for scenario in scenarios])
+        return mapper(drive_once, [(model, scenario) for scenario in scenarios])
 
     return drive
 
 
-def _measure(task: tuple[Path, Scenario]) -> DrivingMeasures:
+def drive_once(task: tuple[Path, Scenario]) -> DrivingMeasures:
+    """The measures of the policy with a model in a scenario, without repair."""
     model, scenario = task
     return measured_run(scenario, NeuralPolicy(model))

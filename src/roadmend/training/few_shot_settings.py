@@ -1,7 +1,7 @@
 """Every setting of few-shot repair: the single source of default, range and meaning."""
 
 from pathlib import Path
-from typing import Self
+from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -26,7 +26,10 @@ class FewShotSettings(Section):
     replay_share: float = Field(0.5, ge=0.0, lt=1.0, description="share of the scenes of an epoch that are theirs")
     validation: int = Field(4, ge=1, le=900, description="ordinary episodes of each family that forgetting shows in")
     validation_seed: int = Field(340_000, ge=50_000, le=900_000, description="of the first of these")
-    tolerance: float = Field(1.0, ge=0.0, le=100.0, description="Driving Score that may be lost on those that went well")
+    keep: Literal["best", "last"] = Field("best", description="epoch: the guard's choice, or the last without a guard")
+    tolerance: float = Field(
+        1.0, ge=0.0, le=100.0, description="Driving Score that may be lost on those that went well"
+    )
 
     @model_validator(mode="after")
     def _shows_something(self) -> Self:

@@ -97,7 +97,9 @@ class Tutor:
         return Command.from_action(action, change_lane=change)
 
 
-def ordinary_lesson(family: str, seed: int, model: Path | None, expert_share: float, noise: float, every: int) -> Lesson:
+def ordinary_lesson(
+    family: str, seed: int, model: Path | None, expert_share: float, noise: float, every: int
+) -> Lesson:
     """A lesson in a random scenario of a family."""
     return Lesson(sample_scenario(family, seed), f"{family}/{seed}", model, expert_share, noise, every)
 

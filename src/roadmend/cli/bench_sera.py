@@ -1,0 +1,162 @@
+"""``roadmend bench sera``: what scenarios recommended from failures do for a policy, beside the paper's tables."""
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import click
+from pydantic import TypeAdapter
+from rich.console import Console
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+from roadmend.cli.resources import config_folder
+from roadmend.cli.table import show_rows
+from roadmend.core.errors import InputError, RoadmendError
+from roadmend.evaluation.benchmark_files import read_json
+from roadmend.evaluation.benchmark_report import provenance
+from roadmend.evaluation.result_store import ResultStore
+from roadmend.evaluation.sera_experiment import Experiment
+from roadmend.evaluation.sera_page import write_sera
+from roadmend.evaluation.sera_plan import SeraPlan, bank_entries, evaluation_set, known_scenarios, read_sera_plan
+from roadmend.evaluation.sera_summary import build_content, main_rows, tables
+from roadmend.evaluation.sera_workshop import Workshop
+from roadmend.learning.shipped import find_model
+from roadmend.nodes.evaluation_episode import EvaluatedEpisode, EvaluationJob, evaluate, identity_of
+from roadmend.sera.analyser import ANALYSERS
+from roadmend.sera.analysis import read_incidents
+from roadmend.sera.bank import Bank, build_bank
+from roadmend.sera.incident import Incident
+from roadmend.sera.pattern import FailurePattern
+from roadmend.training.device import choose_torch_device
+from roadmend.training.few_shot_settings import read_few_shot_settings
+from roadmend.training.workers import open_mapper
+from roadmend.world.network import cache_folder
+from roadmend.world.scenario import Scenario
+
+_INCIDENTS: TypeAdapter[list[Incident]] = TypeAdapter(list[Incident])
+
+
+@click.command()
+@click.option("--policies", help="Neural policies, separated by commas.  [default: those of the plan]")
+@click.option("--seeds", type=click.IntRange(1, 100), help="Instead of the plan's.")
+@click.option("--quick", is_flag=True, help="One policy, two seeds and a small bank, in about three minutes.")
+@click.option(
+    "--plan", "file", type=click.Path(path_type=Path, dir_okay=False), help="Instead of config/benchmarks/sera.yaml."
+)
+@click.option(
+    "--committed", default=Path("tests/benchmarks"), show_default=True, type=click.Path(path_type=Path, file_okay=False),
+    help="Folder of the committed figures; retrieval's are taken from there.",
+)  # fmt: skip
+@click.option(
+    "--work", type=click.Path(path_type=Path, file_okay=False),
+    help="Folder for finished work; an interrupted run goes on.  [default: in the user's cache]",
+)  # fmt: skip
+@click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Folder for sera.json, .md and .html.")
+@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def sera(
+    policies: str | None, seeds: int | None, file: Path | None, committed: Path, work: Path | None, out: Path | None,
+    workers: int, *, quick: bool, as_json: bool,
+) -> None:  # fmt: skip
+    """Tune policies on random, recommended and reflected selections, and measure what that gains and what it loses.
+
+    Everything that was driven or tuned is kept, by all that decides it, and not done again.
+    """
+    config = config_folder()
+    plan = read_sera_plan(file or config / "benchmarks" / "sera.yaml", quick=quick)
+    plan = plan.model_copy(update={} if seeds is None else {"seeds": seeds})
+    chosen = plan.policies if policies is None else [part.strip() for part in policies.split(",")]
+    models = {policy: find_model(policy) for policy in chosen}
+    choose_torch_device("cpu", 1)
+    folder = work or cache_folder() / "benchmarks" / "sera"
+    columns = SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn()
+    with (
+        ResultStore(folder) as store,
+        open_mapper(workers) as mapper,
+        Progress(*columns, console=Console(stderr=True)) as progress,
+    ):
+        task, counts = progress.add_task("starting"), dict[str, int]()
+
+        def report(what: str) -> None:
+            counts[what] = counts.get(what, 0) + 1
+            progress.update(task, description=", ".join(f"{count} {name}" for name, count in counts.items()))
+
+        results, sizes = _run(plan, config, models, Workshop(store, mapper, report))
+    path = committed / "retrieval.json"
+    command = "./roadmend bench sera" + " --quick" * quick + (f" --policies {policies}" if policies else "")
+    command += f" --seeds {seeds}" if seeds is not None else ""
+    content = build_content(results, read_json(path) if path.is_file() else None, provenance(command), sizes)
+    if out is not None:
+        write_sera(out, "sera-quick" if quick else "sera", content)
+    if as_json:
+        click.echo(json.dumps(content, indent=2))
+        return
+    for rows in (main_rows(content), *(table.rows for table in tables(content))):
+        show_rows(rows)
+
+
+def _run(
+    plan: SeraPlan, config: Path, models: Mapping[str, Path], workshop: Workshop
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What each policy's experiment came to, and the sizes of all."""
+    evaluated = evaluation_set(plan.evaluation, config)
+    path = workshop.store.folder / "scenarios.bank"
+    build_bank(path, bank_entries(plan.bank, config, known_scenarios(evaluated)))
+    settings = read_few_shot_settings(config / "training" / "few-shot.yaml")
+    results = {}
+    with Bank(path) as bank:
+        for policy, model in models.items():
+            logs = _Logs(policy, workshop)
+            results[policy] = Experiment(model, plan, settings, evaluated, bank, workshop, logs.patterns).run()
+        sizes = {
+            "seeds": plan.seeds, "bank": len(bank), "evaluation": len(evaluated),
+            "hard": sum(each.is_hard for each in evaluated), "plan": plan.model_dump(mode="json"),
+            "few_shot": settings.model_dump(mode="json"),
+        }  # fmt: skip
+    return results, sizes
+
+
+class _Logs:
+    """The bags of what a policy fails at, and the patterns in them."""
+
+    def __init__(self, policy: str, workshop: Workshop) -> None:
+        self._policy = policy
+        self._workshop = workshop
+        self._identity = identity_of(policy, "none")
+        self._analyser = ANALYSERS["embedded"]()
+
+    def patterns(self, failed: Sequence[Scenario]) -> tuple[FailurePattern, ...]:
+        """The patterns in the failures of some scenarios, those with most evidence first."""
+        incidents = [incident for scenario in failed for incident in self._incidents(scenario)]
+        return self._analyser.analyse(incidents)
+
+    def _incidents(self, scenario: Scenario) -> list[Incident]:
+        bags = self._workshop.store.folder / "bags"
+        job = EvaluationJob(scenario, self._policy, "none", bags, "failures", self._identity)
+
+        def read() -> dict[str, Any]:
+            (episode,) = self._workshop.mapper(evaluate, [job])
+            return {"incidents": [asdict(one) for one in _read(episode, bags)]}
+
+        kept = self._workshop.remember("analysed", [job.key], read)
+        return _INCIDENTS.validate_json(json.dumps(kept["incidents"]))
+
+
+def _read(episode: EvaluatedEpisode, bags: Path) -> Sequence[Incident]:
+    """The incidents of an episode; none of one that reached its goal, red light or not.
+
+    Raises:
+        RoadmendError: it could not be driven.
+        InputError: its bag cannot be read.
+    """
+    if episode.fault:
+        raise RoadmendError(episode.fault)
+    if not episode.bag:
+        return ()
+    reading = read_incidents(bags / episode.bag)
+    if reading.problem:
+        raise InputError(episode.bag, reading.problem, "run the same command again")
+    return reading.incidents

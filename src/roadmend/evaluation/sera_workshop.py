@@ -1,0 +1,111 @@
+"""Everything slow that the benchmark of SERA does, each kept by what decided it, so that nothing is done twice."""
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from roadmend.evaluation.driving_measures import DrivingMeasures
+from roadmend.evaluation.result_store import ResultStore
+from roadmend.evaluation.source_digest import source_digest
+from roadmend.learning.checkpoint import load_checkpoint
+from roadmend.policies.neural import load_model
+from roadmend.training.few_shot import drive_once, few_shot_repair
+from roadmend.training.few_shot_settings import FewShotSettings
+from roadmend.training.imitation_rollout import Lesson, gather
+from roadmend.training.samples import Samples, load_samples, save_samples
+from roadmend.training.workers import Mapper
+from roadmend.world.scenario import Scenario
+
+_CODE = ("roadmend.policies.neural", "roadmend.evaluation.measured_run")
+
+
+@dataclass
+class Workshop:
+    """Drives, gathers and tunes in a folder."""
+
+    store: ResultStore
+    mapper: Mapper
+    report: Callable[[str], None] = field(default=lambda _what: None)  # hears of everything that is newly done
+
+    def drive(self, model: Path, scenarios: Sequence[Scenario]) -> list[DrivingMeasures]:
+        """The measures of a policy in scenarios, in order."""
+        digest, code = load_model(model).digest, source_digest(_CODE)
+        keys = [_key("drive", digest, code, scenario.digest) for scenario in scenarios]
+        tasks = {
+            key: (model, one) for key, one in zip(keys, scenarios, strict=True) if self.store.get(key) is None
+        }  # fmt: skip
+        for key, measures in zip(tasks, self.mapper(drive_once, tasks.values()), strict=True):
+            self.store.add(key, asdict(measures))
+            self.report("driven")
+        return [DrivingMeasures.parse(self._get(key)) for key in keys]
+
+    def gather(self, lessons: Sequence[Lesson]) -> Iterator[Samples]:
+        """The samples of lessons, in order."""
+        code = source_digest([*_CODE, "roadmend.training.imitation_rollout"])
+        folder = self.store.folder / "lessons"
+        folder.mkdir(exist_ok=True)
+        places = {}
+        for lesson in lessons:
+            driver = "" if lesson.model is None else load_model(lesson.model).digest
+            made_by = [
+                code,
+                lesson.scenario.digest,
+                lesson.draw,
+                driver,
+                lesson.expert_share,
+                lesson.noise,
+                lesson.every,
+            ]
+            key = _key("gather", *made_by)
+            places[key] = folder / f"{key[:32]}.npz", lesson
+        missing = {key: lesson for key, (path, lesson) in places.items() if not path.exists()}
+        for key, samples in zip(missing, self.mapper(gather, missing.values()), strict=True):
+            save_samples(places[key][0], samples, key)
+            self.report("demonstrated")
+        return (load_samples(path, key) for key, (path, _) in places.items())
+
+    def tune(
+        self, model: Path, scenarios: Sequence[Scenario], settings: FewShotSettings, seed: int,
+        validation: Sequence[Scenario],
+    ) -> Path:  # fmt: skip
+        """The model that few-shot repair makes; its trials are in its header."""
+        code = source_digest([*_CODE, "roadmend.training.few_shot"])
+        key = _key(
+            "tune", code, load_model(model).digest, settings.model_dump(mode="json"), seed,
+            [scenario.digest for scenario in scenarios], [scenario.digest for scenario in validation],
+        )  # fmt: skip
+        path = self.store.folder / "models" / f"{key[:32]}.safetensors"
+        if not path.exists():
+            few_shot_repair(
+                model, scenarios, settings, seed, path, validation=validation, gathering=self.gather,
+                driving=lambda tuned, chosen: iter(self.drive(tuned, chosen)),
+            )  # fmt: skip
+            self.report("tuned")
+        return path
+
+    def remember(self, what: str, content: Sequence[Any], make: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+        """What ``make`` gives, made once for the content that decides it."""
+        key = _key(what, *content)
+        kept = self.store.get(key)
+        if kept is None:
+            kept = make()
+            self.store.add(key, kept)
+            self.report(what)
+        return kept
+
+    def _get(self, key: str) -> dict[str, Any]:
+        found = self.store.get(key)
+        assert found is not None
+        return found
+
+
+def kept_epochs(model: Path) -> int:
+    """How many epochs the guard kept of a tuned model."""
+    return int(load_checkpoint(model).header["metrics"]["kept"]["epochs"])
+
+
+def _key(*content: Any) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
