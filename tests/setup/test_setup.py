@@ -279,11 +279,15 @@ class TestOneLineErrors:
 
 
 class TestTorch:
-    @pytest.mark.parametrize("command", ["train", "train adreft --seed 3", "bench adreft --quick", "set-up train"])
+    @pytest.mark.parametrize(
+        "command", ["train", "train adreft --seed 3", "bench adreft --quick", "bench sera", "sera tune", "set-up train"]
+    )
     def test_is_installed_for_what_trains_or_measures_against_it(self, launcher, command):
         assert launcher.needs_torch(command.split())
 
-    @pytest.mark.parametrize("command", ["", "demo", "run train", "bench loop", "set-up", "train --help", "train x -h"])
+    @pytest.mark.parametrize(
+        "command", ["", "demo", "run train", "bench loop", "sera analyse", "set-up", "train --help", "train x -h"]
+    )
     def test_and_for_nothing_else(self, launcher, command):
         assert not launcher.needs_torch(command.split())
 

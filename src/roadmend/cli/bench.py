@@ -2,26 +2,20 @@
 
 import click
 
-from roadmend.cli.bench_adreft import adreft
-from roadmend.cli.bench_loop import loop
-from roadmend.cli.bench_outcomes import outcomes
-from roadmend.cli.bench_readme import readme
-from roadmend.cli.bench_recorder import recorder
-from roadmend.cli.bench_retrieval import retrieval
-from roadmend.cli.bench_safe import safe
-from roadmend.cli.bench_sera import sera
+from roadmend.cli.lazy import LazyGroup, Table
+
+_COMMANDS: Table = {
+    "adreft": ("roadmend.cli.bench_adreft", "adreft", "Every repair method on every policy, as the paper has it."),
+    "loop": ("roadmend.cli.bench_loop", "loop", "What the loop costs beside bare SUMO and a bare ring of nodes."),
+    "outcomes": ("roadmend.cli.bench_outcomes", "outcomes", "How a policy fares in random scenarios."),
+    "readme": ("roadmend.cli.bench_readme", "readme", "Copy the committed figures into the README."),
+    "recorder": ("roadmend.cli.bench_recorder", "recorder", "What the recorder takes in, and what a kill costs."),
+    "retrieval": ("roadmend.cli.bench_retrieval", "retrieval", "Searching a bank of a million scenarios."),
+    "safe": ("roadmend.cli.bench_safe", "safe", "Crash reports into scenarios, beside the paper's figures."),
+    "sera": ("roadmend.cli.bench_sera", "sera", "What policies learn from recommended scenarios."),
+}
 
 
-@click.group()
+@click.group(cls=LazyGroup, table=_COMMANDS)
 def bench() -> None:
     """Measure, in ratios."""
-
-
-bench.add_command(adreft)
-bench.add_command(loop)
-bench.add_command(outcomes)
-bench.add_command(readme)
-bench.add_command(recorder)
-bench.add_command(safe)
-bench.add_command(retrieval)
-bench.add_command(sera)

@@ -1,0 +1,71 @@
+"""``roadmend sera tune`` from patterns to a tuned policy that drives."""
+
+import json
+
+import pytest
+
+from roadmend.cli.main import main
+from roadmend.learning.checkpoint import load_checkpoint
+from roadmend.learning.shipped import find_model
+from roadmend.policies.registry import make_policy
+
+TINY = "{epochs: 1, replay: 1, validation: 1, every: 10, expert_drives: 1, policy_drives: 0}"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("tune")
+
+
+@pytest.fixture(scope="module")
+def bank(folder):
+    path = folder / "small.bank"
+    assert main(["sera", "bank", "build", "--sample", "2", "--out", str(path)]) == 0
+    return path
+
+
+@pytest.fixture
+def selection(folder, bank, capsys):
+    capsys.readouterr()
+    assert main(["sera", "recommend", "--bank", str(bank), "--pattern", "cut-in", "-k", "1", "--json"]) == 0
+    path = folder / "selection.json"
+    path.write_text(capsys.readouterr().out)
+    return path
+
+
+@pytest.mark.parametrize("policy", ["deep_sets"])
+def test_a_selection_becomes_a_model_that_tells_where_it_comes_from(folder, bank, selection, policy, capsys):
+    settings, out = folder / "tiny.yaml", folder / f"{policy}.safetensors"
+    settings.write_text(TINY)
+    command = ["sera", "tune", "--policy", policy, "--bank", str(bank), "--selection", str(selection)]
+    command += ["--config", str(settings), "--workers", "1", "--out", str(out)]
+    assert main([*command, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert [trial["epochs"] for trial in told["trials"]] == [0, 1]
+    model = load_checkpoint(out, policy)
+    assert model.digest == told["digest"]
+    assert model.header["ancestry"][0] == load_checkpoint(find_model(policy)).digest
+    assert len(model.header["configuration"]["few_shot"]["bank"]) == 64
+    assert make_policy(policy, {"model": str(out)}).model_digest == model.digest
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"--out": "model.txt"}, "is no model file's name"),
+        ({"--policy": "nobody"}, "roadmend ships no nobody"),
+        ({"--selection": "gone.json"}, "gone.json"),
+        ({"--bank": "gone.bank"}, "no such file"),
+    ],
+)
+def test_mistakes_are_one_line_and_leave_nothing(folder, bank, selection, change, message, capsys):
+    given = {
+        "--policy": "neural",
+        "--bank": str(bank),
+        "--selection": str(selection),
+        "--out": str(folder / "x.safetensors"),
+    }
+    arguments = [part for pair in {**given, **change}.items() for part in pair]
+    assert main(["sera", "tune", *arguments]) == 2
+    assert message in capsys.readouterr().err
+    assert not (folder / "x.safetensors").exists()
