@@ -172,7 +172,7 @@ def test_the_figures_are_written_in_the_fields_that_others_read(results, tmp_pat
     assert read["retrieval"] == {"n": 1000, "p95_ms": 4.5, "recall_at_10": 0.995}
     text = (tmp_path / "sera.md").read_text()
     assert f"{full:.1f}" in text
-    assert all(table.title in text for table in tables(content))
+    assert all(f"## {table.title}" in (tmp_path / "sera-tables.md").read_text() for table in tables(content))
     page = (tmp_path / "sera.html").read_text()
     assert page.count("data:image/svg+xml") == 2
     assert page == build_page(content)

@@ -24,18 +24,21 @@ _COLOURS = dict(
 
 
 def write_sera(folder: Path, stem: str, content: Content) -> None:
-    """Write STEM.json, STEM.md and STEM.html.
+    """Write STEM.json, STEM.md (what the README shows), STEM-tables.md (the other tables) and STEM.html.
 
     Raises:
         InputError: the folder cannot be written.
     """
     rows = main_rows(content)
     lines = ["| " + " | ".join(row) + " |" for row in (rows[0], ["---"] * len(rows[0]), *rows[1:])]
-    others = "\n\n".join(table.markdown(3) for table in tables(content))
+    comparisons, forgetting, *_ = tables(content)
+    shown = "\n\n".join(table.markdown().partition("\n\n")[2] for table in (comparisons, forgetting))
+    others = "\n\n".join(table.markdown() for table in tables(content))
     made = origin(content["provenance"])
     write_texts(folder, {
         f"{stem}.json": json.dumps(content, indent=2, allow_nan=False) + "\n",
-        f"{stem}.md": f"# {TITLE}\n\n" + "\n".join(lines) + f"\n\n{lead(content)}\n\n{others}\n\n{made}\n",
+        f"{stem}.md": f"# {TITLE}\n\n" + "\n".join(lines) + f"\n\n{lead(content)}\n\n{shown}\n\n{made}\n",
+        f"{stem}-tables.md": f"# {TITLE}: the other tables\n\n{others}\n\n{made}\n",
         f"{stem}.html": build_page(content),
     })  # fmt: skip
 

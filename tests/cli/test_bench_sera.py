@@ -1,0 +1,82 @@
+"""``roadmend bench sera``: the command around the experiment, which is tested on its own."""
+
+import json
+
+import pytest
+
+from roadmend.cli import bench_sera
+from roadmend.cli.main import main
+
+ARM = {"driving_score": 60.0, "success_rate": 50.0, "efficiency": 80.0, "comfortness": None}
+FORGOTTEN = {
+    "ordinary": 10,
+    "went_well": 0,
+    "ordinary_change": 0.0,
+    "driving_score_change": None,
+    "success_rate_change": None,
+}
+SIZES = {"seeds": 2, "bank": 100, "evaluation": 40, "hard": 20}
+
+
+def result(gain):
+    seeds = [
+        {
+            "seed": seed,
+            "arms": {
+                arm: {**ARM, "driving_score": 60.0 + place * gain + seed * (1 + 0.1 * place)}
+                for place, arm in enumerate(("base", "random", "initial", "full", "half_bank"))
+            },
+            "forgetting": {"full": FORGOTTEN},
+        }
+        for seed in range(2)
+    ]
+    return {"seeds": seeds, "sweep": [{"epochs": 1, "learning_rate": 1e-4, **ARM}]}
+
+
+@pytest.fixture
+def command(tmp_path, monkeypatch):
+    plans = []
+
+    def run(plan, _config, models, _workshop):
+        plans.append(plan)
+        return {policy: result(2.0) for policy in models}, SIZES
+
+    monkeypatch.setattr(bench_sera, "_run", run)
+    (tmp_path / "retrieval.json").write_text(json.dumps({"n": 5, "p95_ms": 1.0, "recall_at_10": 0.99}))
+    base = ["bench", "sera", "--workers", "1", "--work", str(tmp_path / "work"), "--committed", str(tmp_path)]
+    return base, plans
+
+
+def test_files_and_figures(command, tmp_path, capsys):
+    base, plans = command
+    assert main([*base, "--policies", "neural,ego_mlp", "--seeds", "2", "--out", str(tmp_path / "out"), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert plans[0].seeds == 2
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
+        "sera-tables.md",
+        "sera.html",
+        "sera.json",
+        "sera.md",
+    ]
+    assert told == json.loads((tmp_path / "out" / "sera.json").read_text())
+    assert set(told["summary"]) == {"neural", "ego_mlp"}
+    assert told["comparisons"]["neural"]["in_order"]
+    assert told["comparisons"]["neural"]["gain_percent"] == pytest.approx(100.0 * (66.65 / 60.5 - 1.0))
+    assert told["retrieval"]["n"] == 5
+    assert told["provenance"]["command"] == "./roadmend bench sera --policies neural,ego_mlp --seeds 2"
+
+
+def test_a_quick_run_takes_less_and_writes_under_another_name(command, tmp_path, capsys):
+    base, plans = command
+    assert main([*base, "--quick", "--out", str(tmp_path / "out")]) == 0
+    assert plans[0].bank.violations < 20
+    assert (tmp_path / "out" / "sera-quick.json").is_file()
+    assert "full, half the bank" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("more", "message"), [(["--policies", "nobody"], "ships no nobody"), (["--plan", "gone.yaml"], "cannot be read")]
+)
+def test_mistakes_are_one_line(command, more, message, capsys):
+    assert main([*command[0], *more]) == 2
+    assert message in capsys.readouterr().err
