@@ -2,10 +2,10 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
-from roadmend.core.errors import InputError
-from roadmend.language.replay import ReplayModel
+from roadmend.language.models import MODELS
 from roadmend.safe.embedded import EmbeddedExtractor
 from roadmend.safe.extraction import Extractor
 from roadmend.safe.stage_one import LanguageExtractor, StageOneOptions
@@ -30,21 +30,11 @@ def _embedded(_: BackendOptions) -> Extractor:
     return EmbeddedExtractor()
 
 
-def _openai(options: BackendOptions) -> Extractor:
-    # Its client takes a second to import, and most runs do without.
-    from roadmend.language.openai_chat import OpenAIModel, read_openai_settings  # noqa: PLC0415
-
-    return LanguageExtractor(OpenAIModel(read_openai_settings(options.settings)), options.stage_one)
-
-
-def _replay(options: BackendOptions) -> Extractor:
-    if options.recording is None:
-        raise InputError("backend replay", "has no recording", "name one with --recording")
-    return LanguageExtractor(ReplayModel(options.recording), options.stage_one)
+def _language(name: str, options: BackendOptions) -> Extractor:
+    return LanguageExtractor(MODELS[name](options.settings, options.recording), options.stage_one)
 
 
 BACKENDS: Mapping[str, Callable[[BackendOptions], Extractor]] = {
     "embedded": _embedded,
-    "openai": _openai,
-    "replay": _replay,
+    **{name: partial(_language, name) for name in MODELS},
 }

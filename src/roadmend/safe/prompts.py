@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from roadmend.language.chat import Message, Request, Role
+from roadmend.language.retry import objecting
 from roadmend.safe.dsl import Position, RoadType
 from roadmend.safe.dsl_data import answer_schema, dump_data
 from roadmend.safe.knowledge_base import Template, WorkedExample
@@ -140,10 +141,7 @@ def _conversation(
     messages = [_say(Role.SYSTEM, system), _say(Role.USER, task)]
     if worked is not None:
         messages += [_say(Role.ASSISTANT, _READY), _say(Role.USER, f"An example.\n{worked}")]
-    messages += [_say(Role.ASSISTANT, _GO_ON), _hand_over(report)]
-    if objections:
-        listed = "\n".join(f"- {objection}" for objection in objections)
-        messages.append(_say(Role.USER, f"An earlier answer to this was rejected. Look again and mend:\n{listed}"))
+    messages += [_say(Role.ASSISTANT, _GO_ON), _hand_over(report), *objecting(objections)]
     return tuple(messages)
 
 

@@ -9,6 +9,7 @@ from roadmend.core.errors import InputError
 from roadmend.language.chat import ChatModel, Request
 from roadmend.language.errors import AnswerError, LanguageError
 from roadmend.language.exchange import RecordingModel
+from roadmend.language.retry import ask_until_accepted
 from roadmend.safe.dsl import CrashScenario, Position, RoadType
 from roadmend.safe.dsl_data import dump_data, parse_data
 from roadmend.safe.extraction import Evidence, Extraction, ExtractionError, Step, Watch, unwatched
@@ -70,7 +71,7 @@ class LanguageExtractor:
             else:
                 found = None
             scenario = steps.run("the scenario", lambda o: extraction_request(report, found, o), encode_scenario)
-        except (LanguageError, ExtractionError) as error:
+        except LanguageError as error:
             raise ExtractionError(str(error), tuple(model.exchanges)) from None
         sketch = "read: sent to the model beside the summary" if report.sketch is not None else "there is none"
         notes = [*report.notes]
@@ -91,25 +92,23 @@ class _Steps:
         self.watch = watch
 
     def run(self, what: str, ask: Callable[[Sequence[str]], Request], encode: Callable[[str], Answer]) -> Answer:
-        objections: list[str] = []
-        for attempt in range(1, self.options.attempts + 1):
+        attempt, attempts = 0, self.options.attempts
+
+        def next_request(objections: Sequence[str]) -> Request:
+            nonlocal attempt
+            attempt += 1
             request = ask(objections)
-            self.watch(Step(request.purpose, attempt, self.options.attempts))
-            try:
-                reply = self.model.ask(request)
-                answer = encode(reply.text)
-            except AnswerError as error:
-                objections = [str(error)]
-                continue
+            self.watch(Step(request.purpose, attempt, attempts))
+            return request
+
+        def judge(request: Request, text: str) -> tuple[Answer, list[str]]:
+            answer = encode(text)
             if not self.options.validation:
-                return answer
-            self.watch(Step("validation", attempt, self.options.attempts))
-            objections = self.validate(request, reply.text)
-            if not objections:
-                return answer
-        raise ExtractionError(
-            f"{self.options.attempts} answers for {what} were rejected, the last one because: {'; '.join(objections)}"
-        )
+                return answer, []
+            self.watch(Step("validation", attempt, attempts))
+            return answer, self.validate(request, text)
+
+        return ask_until_accepted(self.model, what, next_request, judge, attempts)
 
     def validate(self, request: Request, answer: str) -> list[str]:
         """Objections of the self-validator; an answer of its own that cannot be understood is one, too."""
