@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from roadmend.core.errors import InputError
-from roadmend.sera.analyser import ANALYSERS
+from roadmend.sera.analyser import EmbeddedAnalyser
 from roadmend.sera.analysis import analyse, find_bags, read_incidents
 from roadmend.sera.analysis_report import NOTHING, report
 from roadmend.sera.incident import Ego, Place
@@ -17,7 +17,7 @@ from roadmend.sera.pattern import Where
 from .recorded import incident
 
 SAMPLES = Path(__file__).parents[2] / "bags" / "samples"
-EMBEDDED = ANALYSERS["embedded"]()
+EMBEDDED = EmbeddedAnalyser()
 
 
 def test_what_agrees_is_one_pattern_with_what_holds_for_all_of_it():

@@ -12,6 +12,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from roadmend.cli.language_options import language_options
 from roadmend.cli.table import wide_console
 from roadmend.evaluation.source_digest import source_digest
 from roadmend.language.exchange import add_usages
@@ -25,22 +26,9 @@ from roadmend.safe.stage_one import StageOneOptions
 @click.command()
 @click.argument("reports", type=click.Path(path_type=Path))
 @click.option("--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Folder for the results.")
-@click.option("--backend", default="embedded", show_default=True, type=click.Choice([*BACKENDS]))
-@click.option(
-    "--settings",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="YAML file with the endpoint of openai (see config/language); the environment wins.",
-)
-@click.option("--recording", type=click.Path(path_type=Path), help="Results of an earlier run, for replay.")
+@language_options(BACKENDS)
 @click.option("--no-prompt-generation", is_flag=True, help="With a model: ask without the knowledge base.")
 @click.option("--no-validation", is_flag=True, help="With a model: take its answers unchecked.")
-@click.option(
-    "--attempts",
-    default=StageOneOptions().attempts,
-    show_default=True,
-    type=click.IntRange(1, 20),
-    help="With a model: executions of a step.",
-)
 @click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def extract(

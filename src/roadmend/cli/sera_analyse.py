@@ -1,33 +1,40 @@
 """``roadmend sera analyse``: the failures in bags, and the patterns in them."""
 
+import json
 import os
+from dataclasses import asdict
 from pathlib import Path
 
 import click
 from rich.console import Console
 from rich.progress import Progress
 
+from roadmend.cli.language_options import language_options
+from roadmend.cli.sera_language import keeping_exchanges, open_backend, show_tokens
 from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import write_text
-from roadmend.sera.analyser import ANALYSERS
-from roadmend.sera.analysis import Analysis, analyse, dump_analysis, find_bags, read_incidents
+from roadmend.sera.analysis import Analysis, analyse, find_bags, read_incidents
 from roadmend.sera.analysis_report import NOTHING, pattern_rows, report
+from roadmend.sera.backends import BACKENDS
 from roadmend.sera.pattern_file import dump_patterns
 from roadmend.training.workers import open_mapper
 
 
 @click.command("analyse")
 @click.argument("bags", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--analyser", default="embedded", show_default=True, type=click.Choice(sorted(ANALYSERS)))
+@language_options(BACKENDS)
 @click.option(
     "--out",
     type=click.Path(path_type=Path, dir_okay=False),
-    help="The patterns for 'sera recommend', JSON; a report as .md beside it.",
+    help="The patterns for 'sera recommend', JSON; a report as .md beside it, and what a language model was asked.",
 )
 @click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def analyse_bags(bags: tuple[Path, ...], analyser: str, out: Path | None, workers: int, *, as_json: bool) -> int:
+def analyse_bags(
+    bags: tuple[Path, ...], backend: str, settings: Path | None, recording: Path | None, attempts: int,
+    out: Path | None, workers: int, *, as_json: bool,
+) -> int:  # fmt: skip
     """Find the failures and interventions in BAGS, and the patterns in them.
 
     BAGS are bags, or folders with bags in them. A bag that cannot be read is named, and the others go on; the exit code
@@ -36,6 +43,7 @@ def analyse_bags(bags: tuple[Path, ...], analyser: str, out: Path | None, worker
     found = find_bags(bags)
     if out is not None and out.suffix == ".md":
         raise InputError("--out", f"{out} is where the report would go", "name a .json file")
+    opened = open_backend(backend, settings, recording, attempts, out)
     readings = []
     with (
         open_mapper(min(workers, len(found))) as mapper,
@@ -45,14 +53,16 @@ def analyse_bags(bags: tuple[Path, ...], analyser: str, out: Path | None, worker
         for reading in mapper(read_incidents, found):
             readings.append(reading)
             progress.advance(task)
-    analysis = analyse(readings, ANALYSERS[analyser]())
+    with keeping_exchanges(opened, out):
+        analysis = analyse(readings, opened.analyser)
     if out is not None:
         write_text(out, dump_patterns(analysis.patterns))
         write_text(out.with_suffix(".md"), report(analysis))
     if as_json:
-        click.echo(dump_analysis(analysis), nl=False)
+        click.echo(json.dumps({**asdict(analysis), "language_model": opened.tokens()}, indent=2, allow_nan=False))
     else:
         _show(analysis)
+        show_tokens(opened)
     for each in analysis.unreadable:
         click.echo(f"not read: {each.problem}", err=True)
     return 1 if analysis.unreadable else 0

@@ -8,9 +8,13 @@ from typing import Any
 import click
 from rich.table import Table
 
+from roadmend.cli.language_options import language_options
 from roadmend.cli.sera_bank import described
+from roadmend.cli.sera_language import keeping_exchanges, open_backend, show_tokens
 from roadmend.cli.sera_options import BANK, JSON, PATTERN, filter_options, filters_of
 from roadmend.cli.table import wide_console
+from roadmend.core.whole_file import write_text
+from roadmend.sera.backends import BACKENDS
 from roadmend.sera.bank import Bank
 from roadmend.sera.pattern_file import read_patterns
 from roadmend.sera.recommendation import recommend as recommend_from
@@ -26,17 +30,25 @@ from roadmend.world.scenario_file import load_scenario
     "--exclude", multiple=True, type=click.Path(path_type=Path, dir_okay=False),
     help="Scenario file that must not come, as one of the evaluation set. May be repeated.",
 )  # fmt: skip
+@language_options(BACKENDS)
+@click.option(
+    "--out", type=click.Path(path_type=Path, dir_okay=False),
+    help="The selections as JSON; beside it what a language model was asked.",
+)  # fmt: skip
 @filter_options
 @JSON
 def recommend(
-    bank_file: Path, patterns: tuple[str, ...], count: int, seed: int, exclude: tuple[Path, ...], *, as_json: bool,
+    bank_file: Path, patterns: tuple[str, ...], count: int, seed: int, exclude: tuple[Path, ...], backend: str,
+    settings: Path | None, recording: Path | None, attempts: int, out: Path | None, *, as_json: bool,
     **given: tuple[str, ...],
 ) -> None:  # fmt: skip
     """Select the best scenarios for each failure pattern, and swap what the selection as a whole is better without."""
     wanted = [pattern for each in patterns for pattern in read_patterns(each)]
     digests = [load_scenario(path).digest for path in exclude]
-    with Bank(bank_file) as opened:
-        found = recommend_from(opened, wanted, count, filters_of(given), digests, seed)
+    filters = filters_of(given)
+    asked = open_backend(backend, settings, recording, attempts, out)
+    with Bank(bank_file) as opened, keeping_exchanges(asked, out):
+        found = recommend_from(opened, wanted, count, filters, digests, seed, asked.reflector)
         entries = {
             pick.number: described(opened.entry(pick.number))
             for pick in (*found.initial, *found.refined, *found.random)
@@ -58,10 +70,15 @@ def recommend(
     ]  # fmt: skip
     content["measures"] = {name: asdict(measures) for name, measures in found.measures.items()}
     content["missing"] = found.missing
+    content["language_model"] = asked.tokens()
+    text = json.dumps(content, indent=2)
+    if out is not None:
+        write_text(out, text + "\n")
     if as_json:
-        click.echo(json.dumps(content, indent=2))
+        click.echo(text)
     else:
         _show(content)
+        show_tokens(asked)
 
 
 def _show(content: dict[str, Any]) -> None:

@@ -9,6 +9,7 @@ from roadmend.core.errors import InputError
 from roadmend.language.chat import ChatModel, Request
 from roadmend.language.errors import AnswerError, LanguageError
 from roadmend.language.exchange import RecordingModel
+from roadmend.language.question import ATTEMPTS
 from roadmend.language.retry import ask_until_accepted
 from roadmend.safe.dsl import CrashScenario, Position, RoadType
 from roadmend.safe.dsl_data import dump_data, parse_data
@@ -32,7 +33,7 @@ class StageOneOptions:
 
     prompt_generation: bool = True
     validation: bool = True
-    attempts: int = 3
+    attempts: int = ATTEMPTS
 
 
 @dataclass(frozen=True, slots=True)

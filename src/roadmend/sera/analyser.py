@@ -1,7 +1,7 @@
 """From incidents to failure patterns: the interface, and the embedded analyser that needs no language model."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Protocol, TypeVar
 
 from roadmend.sera.descriptor import HazardKind
@@ -32,13 +32,15 @@ class EmbeddedAnalyser:
     def analyse(self, incidents: Sequence[Incident]) -> tuple[FailurePattern, ...]:
         """The patterns, those with most evidence first."""
         groups: dict[str, list[Incident]] = defaultdict(list)
-        for incident in sorted(incidents, key=lambda one: (one.bag, one.time, one.kind)):
+        for incident in in_order(incidents):
             groups[_key(incident)].append(incident)
         patterns = [pattern_of(key, group) for key, group in groups.items()]
         return tuple(sorted(patterns, key=lambda pattern: (-len(pattern.evidence), pattern.name)))
 
 
-ANALYSERS: Mapping[str, Callable[[], Analyser]] = {"embedded": EmbeddedAnalyser}
+def in_order(incidents: Sequence[Incident]) -> list[Incident]:
+    """The same order, whatever order they come in."""
+    return sorted(incidents, key=lambda one: (one.bag, one.time, one.kind))
 
 
 def pattern_of(name: str, incidents: Sequence[Incident]) -> FailurePattern:

@@ -1,8 +1,7 @@
 """The analysis of many bags: incidents bag by bag, patterns over all of them."""
 
-import json
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 from roadmend.core.errors import InputError
@@ -77,11 +76,6 @@ def analyse(readings: Sequence[Reading], analyser: Analyser) -> Analysis:
         analyser.analyse(incidents),
         incidents,
     )
-
-
-def dump_analysis(analysis: Analysis) -> str:
-    """As JSON text."""
-    return json.dumps(asdict(analysis), indent=2, allow_nan=False) + "\n"
 
 
 def _is_bag(path: Path, folder: Path | None = None) -> bool:

@@ -9,7 +9,7 @@ from roadmend.core.errors import InputError
 from roadmend.sera.bank import Bank, Hit
 from roadmend.sera.facets import Filters
 from roadmend.sera.pattern import FailurePattern
-from roadmend.sera.reflection import Measures, Pick, Swap, candidates_of, measure, reflect
+from roadmend.sera.reflection import EmbeddedReflector, Measures, Pick, Reflector, Swap, candidates_of, measure
 
 _POOL = 10  # candidates for each place of a selection
 
@@ -28,7 +28,7 @@ class Recommendation:
 
 def recommend(
     bank: Bank, patterns: Sequence[FailurePattern], count: int, filters: Filters | None = None,
-    exclude: Collection[str] = (), seed: int = 0,
+    exclude: Collection[str] = (), seed: int = 0, reflector: Reflector | None = None,
 ) -> Recommendation:  # fmt: skip
     """Select ``count`` scenarios for each pattern, none twice; the same bank and arguments give the same.
 
@@ -39,18 +39,20 @@ def recommend(
         filters: what every scenario must be.
         exclude: digests of scenarios that must not come, those of the evaluation set.
         seed: of the random selection.
+        reflector: makes the refined selection of the first; the embedded one if None.
 
     Raises:
         InputError: there is no pattern, or one says nothing that the bank knows.
+        LanguageError: the reflector asks a language model, and no usable answer came.
     """
     if not patterns:
         raise InputError("patterns", "there is none", "give at least one")
     found = [bank.search(pattern, count * _POOL, filters, exclude) for pattern in patterns]
     initial = _first_choice(found, count)
-    refined, swaps = reflect(candidates_of(bank, patterns, found), initial)
+    refined, swaps = (reflector or EmbeddedReflector()).reflect(candidates_of(bank, patterns, found), initial)
     drawn = _draw(bank, patterns, len(initial), filters, exclude, seed)
-    everything = candidates_of(bank, patterns, [*found, [Hit(pick.number, 0.0) for pick in drawn]])
-    random = [Pick(pick.number, pick.pattern, everything.score(pick)) for pick in drawn]
+    everything = candidates_of(bank, patterns, [*found, [Hit(number, 0.0) for number, _ in drawn]])
+    random = [everything.pick(number, place) for number, place in drawn]
     selections = {"initial": initial, "refined": refined, "random": random}
     return Recommendation(
         tuple(initial), tuple(refined), tuple(random), tuple(swaps),
@@ -72,8 +74,9 @@ def _first_choice(found: Sequence[Sequence[Hit]], count: int) -> list[Pick]:
 def _draw(
     bank: Bank, patterns: Sequence[FailurePattern], count: int, filters: Filters | None, exclude: Collection[str],
     seed: int,
-) -> list[Pick]:  # fmt: skip
+) -> list[tuple[int, int]]:  # fmt: skip
+    """Numbers of entries, each with the pattern that it stands for."""
     allowed = bank.allowed(filters, exclude)
     numbers = np.arange(len(bank)) if allowed is None else np.flatnonzero(allowed)
     drawn = np.random.default_rng(seed).choice(numbers, count, replace=False) if count else numbers[:0]
-    return [Pick(int(number), place % len(patterns), 0.0) for place, number in enumerate(sorted(drawn))]
+    return [(int(number), place % len(patterns)) for place, number in enumerate(sorted(drawn))]

@@ -7,6 +7,7 @@ as long as they gain: a local search that ends, because every swap raises what i
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from roadmend.sera.bank import Bank, Hit
 from roadmend.sera.descriptor import Descriptor
 from roadmend.sera.pattern import FailurePattern
 from roadmend.sera.terms import features
+from roadmend.sera.words import words_of, words_of_pattern
 
 _SIMILAR_FROM = 0.8  # cosine from which two entries repeat each other
 _LEAST_GAIN = 0.02
@@ -60,6 +62,7 @@ class Candidate:
 
     number: int
     name: str
+    words: str
     difficulty: str  # too easy, too hard, or neither
     aspects: tuple[frozenset[str], ...]  # of each pattern, those that the entry shows
 
@@ -68,15 +71,16 @@ class Candidate:
 class Pool:
     """Entries to choose from, by their number, with scores for the patterns and likenesses among them."""
 
+    patterns: tuple[str, ...]  # in words
     candidates: tuple[Candidate, ...]
     places: dict[int, int]  # number -> place among the candidates
     wanted: tuple[frozenset[str], ...]  # aspects of each pattern that the bank has at all
     scores: NDArray[np.float64]  # shape (patterns, candidates)
     likeness: NDArray[np.float64]  # cosines, shape (candidates, candidates)
 
-    def score(self, pick: Pick) -> float:
-        """How well a pick fits its pattern."""
-        return float(self.scores[pick.pattern, self.places[pick.number]])
+    def pick(self, number: int, pattern: int) -> Pick:
+        """An entry as chosen for a pattern."""
+        return Pick(number, pattern, float(self.scores[pattern, self.places[number]]))
 
     def coverage(self) -> NDArray[np.float64]:
         """Share of each pattern's aspects that each candidate shows, shape (patterns, candidates)."""
@@ -95,14 +99,20 @@ def candidates_of(bank: Bank, patterns: Sequence[FailurePattern], found: Sequenc
     known = frozenset[str]().union(*shown)
     wanted = tuple(frozenset(features(pattern).terms) & known for pattern in patterns)
     candidates = tuple(
-        Candidate(number, entry.name, difficulty_of(entry.descriptor), tuple(each & terms for each in wanted))
+        Candidate(
+            number,
+            entry.name,
+            words_of(entry.descriptor),
+            difficulty_of(entry.descriptor),
+            tuple(each & terms for each in wanted),
+        )
         for number, entry, terms in zip(numbers, entries, shown, strict=True)
     )
     vectors = bank.vectors(numbers).astype(np.float64)
     queries = np.array([bank.embed(pattern) for pattern in patterns], dtype=np.float64)
     return Pool(
-        candidates, {number: place for place, number in enumerate(numbers)}, wanted, queries @ vectors.T,
-        vectors @ vectors.T,
+        tuple(words_of_pattern(pattern) for pattern in patterns), candidates,
+        {number: place for place, number in enumerate(numbers)}, wanted, queries @ vectors.T, vectors @ vectors.T,
     )  # fmt: skip
 
 
@@ -121,37 +131,67 @@ def difficulty_of(descriptor: Descriptor) -> str:
     return _TOO_HARD if share == 1.0 and len(descriptor.outcomes) > 1 else ""
 
 
-def reflect(pool: Pool, initial: Sequence[Pick]) -> tuple[list[Pick], list[Swap]]:
-    """Swap entries as long as the selection gains; how many each pattern has stays as it is."""
-    picks, swaps = [*initial], list[Swap]()
-    if not picks:
+class Reflector(Protocol):
+    """Looks at a selection as a whole and swaps entries."""
+
+    def reflect(self, pool: Pool, initial: Sequence[Pick]) -> tuple[list[Pick], list[Swap]]:
+        """The selection after the swaps, and the swaps; how many each pattern has stays as it is."""
+
+
+class EmbeddedReflector:
+    """Swaps as long as the selection gains by what is measured."""
+
+    def reflect(self, pool: Pool, initial: Sequence[Pick]) -> tuple[list[Pick], list[Swap]]:
+        """The selection after the swaps, and the swaps; the same pool and selection give the same."""
+        picks, swaps = [*initial], list[Swap]()
+        worth = Worth(pool)
+        while picks:
+            gains = worth.gains(picks)
+            row, into = np.unravel_index(int(np.argmax(gains)), gains.shape)
+            if gains[row, into] < _LEAST_GAIN:
+                break
+            out, new = picks[row], pool.candidates[into].number
+            others = [pick for pick in picks if pick is not out]
+            swaps.append(
+                Swap(out.number, new, out.pattern, float(gains[row, into]), worth.reason(out, int(into), others))
+            )
+            picks[row] = pool.pick(new, out.pattern)
         return picks, swaps
-    costs = np.array([_DIFFICULTY_COSTS[candidate.difficulty] for candidate in pool.candidates])
-    coverage, repeats = pool.coverage(), _repeats(pool)
-    value = pool.scores + coverage - costs
-    while True:
-        chosen = np.array([pool.places[pick.number] for pick in picks])
+
+
+class Worth:
+    """What entries of a pool are worth to a selection."""
+
+    def __init__(self, pool: Pool) -> None:
+        self.pool = pool
+        self.costs = np.array([_DIFFICULTY_COSTS[candidate.difficulty] for candidate in pool.candidates])
+        self.coverage, self.repeats = pool.coverage(), _repeats(pool)
+        self.value = pool.scores + self.coverage - self.costs
+
+    def gains(self, picks: Sequence[Pick]) -> NDArray[np.float64]:
+        """What a selection gains by each candidate in the place of each pick, shape (picks, candidates).
+
+        Minus infinity for candidates that are in the selection.
+        """
+        chosen = np.array([self.pool.places[pick.number] for pick in picks])
         patterns = np.array([pick.pattern for pick in picks])
-        crowding = repeats[:, chosen].sum(axis=1)
-        lost = value[patterns, chosen] - crowding[chosen]
-        won = value[patterns] - crowding + repeats[chosen]
+        crowding = self.repeats[:, chosen].sum(axis=1)
+        lost = self.value[patterns, chosen] - crowding[chosen]
+        won = self.value[patterns] - crowding + self.repeats[chosen]
         won[:, chosen] = -np.inf
-        gains = won - lost[:, None]
-        row, into = np.unravel_index(int(np.argmax(gains)), gains.shape)
-        if gains[row, into] < _LEAST_GAIN:
-            return picks, swaps
-        out, pattern = int(chosen[row]), int(patterns[row])
+        return np.asarray(won - lost[:, None])
+
+    def reason(self, out: Pick, into: int, others: Sequence[Pick]) -> str:
+        """Why a candidate, by its place, is better than a pick beside others: what it gains most by."""
+        old, pattern = self.pool.places[out.number], out.pattern
+        rest = [self.pool.places[pick.number] for pick in others]
         parts = {
-            "repeats": crowding[out] - (crowding[into] - repeats[into, out]),
-            "coverage": coverage[pattern, into] - coverage[pattern, out],
-            "difficulty": costs[out] - costs[into],
-            "score": pool.scores[pattern, into] - pool.scores[pattern, out],
+            "repeats": self.repeats[old, rest].sum() - self.repeats[into, rest].sum(),
+            "coverage": self.coverage[pattern, into] - self.coverage[pattern, old],
+            "difficulty": self.costs[old] - self.costs[into],
+            "score": self.pool.scores[pattern, into] - self.pool.scores[pattern, old],
         }
-        others = np.delete(chosen, row)
-        reason = _reason(pool, pattern, out, int(into), max(parts, key=lambda name: float(parts[name])), others)
-        new = pool.candidates[into].number
-        swaps.append(Swap(picks[row].number, new, pattern, float(gains[row, into]), reason))
-        picks[row] = Pick(new, pattern, float(pool.scores[pattern, into]))
+        return _reason(self.pool, pattern, old, into, max(parts, key=lambda name: float(parts[name])), rest)
 
 
 def _repeats(pool: Pool) -> NDArray[np.float64]:
@@ -161,11 +201,11 @@ def _repeats(pool: Pool) -> NDArray[np.float64]:
     return np.asarray(result)
 
 
-def _reason(pool: Pool, pattern: int, out: int, into: int, part: str, others: NDArray[np.int64]) -> str:
+def _reason(pool: Pool, pattern: int, out: int, into: int, part: str, others: Sequence[int]) -> str:
     old, new = pool.candidates[out], pool.candidates[into]
     match part:
         case "repeats":
-            twin = int(others[np.argmax(pool.likeness[out, others])])
+            twin = max(others, key=lambda other: float(pool.likeness[out, other]))
             return f"redundant: {old.name} is {pool.likeness[out, twin]:.2f} like {pool.candidates[twin].name}"
         case "coverage":
             more = sorted(new.aspects[pattern] - old.aspects[pattern])

@@ -1,0 +1,63 @@
+"""Who analyses and who reflects, by name: the same names for both, and for stage I of SAFE."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+from roadmend.core.errors import InputError
+from roadmend.language.exchange import RecordingModel, dump_exchanges
+from roadmend.language.models import MODELS
+from roadmend.language.question import ATTEMPTS
+from roadmend.sera.analyser import Analyser, EmbeddedAnalyser
+from roadmend.sera.language_analyser import LanguageAnalyser
+from roadmend.sera.language_reflection import LanguageReflector
+from roadmend.sera.reflection import EmbeddedReflector, Reflector
+
+EMBEDDED = "embedded"
+BACKENDS = (EMBEDDED, *MODELS)
+
+
+@dataclass(frozen=True)
+class Backend:
+    """An analyser and a reflector, and what a language model was asked on their behalf; no model if embedded."""
+
+    analyser: Analyser
+    reflector: Reflector
+    model: RecordingModel | None = None
+
+    @classmethod
+    def open(
+        cls, name: str, settings: Path | None = None, recording: Path | None = None, attempts: int = ATTEMPTS
+    ) -> Self:
+        """The backend of a name.
+
+        Args:
+            name: one of BACKENDS.
+            settings: file with the settings of openai; None for its environment alone.
+            recording: recorded exchanges, for replay.
+            attempts: answers that a question may take.
+
+        Raises:
+            InputError: there is none of that name, or something that it needs is missing or unusable.
+        """
+        if name == EMBEDDED:
+            return cls(EmbeddedAnalyser(), EmbeddedReflector())
+        if name not in MODELS:
+            raise InputError("backend", f"there is no {name!r}", f"choose one of {', '.join(BACKENDS)}")
+        model = RecordingModel(MODELS[name](settings, recording))
+        return cls(LanguageAnalyser(model, attempts), LanguageReflector(model, attempts), model)
+
+    def exchanges(self) -> str:
+        """What was said to the model and what it answered, one JSON object a line; a replay reads it."""
+        return dump_exchanges(self.model.exchanges) if self.model is not None else ""
+
+    def tokens(self) -> dict[str, float]:
+        """What was asked for and used up so far, by the endpoint's count; the cost where prices are known."""
+        replies = [each.reply for each in self.model.exchanges if each.reply is not None] if self.model else []
+        costs = [reply.cost for reply in replies if reply.cost is not None]
+        return {
+            "requests": len(self.model.exchanges) if self.model is not None else 0,
+            "input_tokens": sum(reply.input_tokens for reply in replies),
+            "output_tokens": sum(reply.output_tokens for reply in replies),
+            **({"cost": sum(costs)} if costs else {}),
+        }
