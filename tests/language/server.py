@@ -1,4 +1,4 @@
-"""A server on this machine that speaks OpenAI's chat protocol, as far as the client uses it."""
+"""A server on this machine that speaks OpenAI's protocol for chat and embeddings, as far as the client uses it."""
 
 import json
 import threading
@@ -20,6 +20,21 @@ def completion(content, **changes):
         "choices": [choice],
         "usage": {"prompt_tokens": 1000, "completion_tokens": 50, "total_tokens": 1050},
     } | changes
+
+
+def embeddings(encode):
+    """Answers a request for embeddings with what a function makes of each text; in reverse, for the index counts."""
+
+    def answer(body):
+        assert body["encoding_format"] == "float"
+        data = [
+            {"object": "embedding", "index": index, "embedding": encode(text)}
+            for index, text in enumerate(body["input"])
+        ]
+        usage = {"prompt_tokens": 7, "total_tokens": 7}
+        return {"object": "list", "model": body["model"], "data": data[::-1], "usage": usage}
+
+    return answer
 
 
 class Server:
@@ -53,7 +68,7 @@ def serving(*answers):
 
     class Handler(BaseHTTPRequestHandler):
         def do_POST(self):
-            assert self.path == "/v1/chat/completions"
+            assert self.path in {"/v1/chat/completions", "/v1/embeddings"}
             body = json.loads(self.rfile.read(int(self.headers["Content-Length"])))
             status, headers, content = server.answer(
                 {name.lower(): value for name, value in self.headers.items()}, body

@@ -13,12 +13,12 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from roadmend.cli.sera_options import BANK, JSON, PATTERN, filter_options, filters_of
+from roadmend.cli.sera_options import BANK, EMBEDDER, JSON, PATTERN, filter_options, filters_of
 from roadmend.cli.table import wide_console
 from roadmend.sera.bank import Bank, Built, Report, build_bank
 from roadmend.sera.describe import entry_of, entry_of_case
 from roadmend.sera.descriptor import Entry
-from roadmend.sera.embedding import EMBEDDERS
+from roadmend.sera.embedding import DEFAULT, FORMS, inherited_embedder
 from roadmend.sera.exchange import export_bank, read_export
 from roadmend.sera.pattern_file import read_patterns
 from roadmend.sera.words import words_of
@@ -27,7 +27,7 @@ from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario_file import load_scenario
 
 _OUT = click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Bank to write.")
-_EMBEDDER = click.option("--embedder", default="latent", show_default=True, type=click.Choice(sorted(EMBEDDERS)))
+_EMBEDDER = click.option("--embedder", help=f"One of {FORMS}.  [default: that of --bank, or {DEFAULT}]")
 _COUNTED = ("family", "road", "weather", "light")
 
 
@@ -63,7 +63,7 @@ def bank() -> None:
 @JSON
 def build(
     count: int, seed: int, corpora: tuple[Path, ...], splits: tuple[str, ...], scenarios: tuple[Path, ...],
-    embedder: str, out: Path, *, as_json: bool,
+    embedder: str | None, out: Path, *, as_json: bool,
 ) -> None:  # fmt: skip
     """Build a bank from families, corpora and scenario files; it replaces OUT when it is whole."""
     loaded = [load_corpus(path) for path in corpora]
@@ -77,7 +77,7 @@ def build(
     )  # fmt: skip
     total = len(scenarios) + count * len(FAMILIES)
     total += sum(len(corpus.select(split=split)) for corpus in loaded for split in dict.fromkeys(splits))
-    _build(out, entries, embedder, total, as_json=as_json)
+    _build(out, entries, embedder or DEFAULT, total, as_json=as_json)
 
 
 @bank.command(name="import")
@@ -86,14 +86,22 @@ def build(
 @_EMBEDDER
 @_OUT
 @JSON
-def import_(exports: tuple[Path, ...], bank_file: Path | None, embedder: str, out: Path, *, as_json: bool) -> None:
+def import_(
+    exports: tuple[Path, ...], bank_file: Path | None, embedder: str | None, out: Path, *, as_json: bool
+) -> None:
     """Build a bank from exports, and from another bank if there is one; OUT may be that bank itself."""
     imported = itertools.chain.from_iterable(read_export(path) for path in exports)
     if bank_file is None:
-        _build(out, imported, embedder, None, as_json=as_json)
+        _build(out, imported, embedder or DEFAULT, None, as_json=as_json)
         return
     with Bank(bank_file) as known:
-        _build(out, itertools.chain(known.entries(), imported), embedder, None, as_json=as_json)
+        _build(
+            out,
+            itertools.chain(known.entries(), imported),
+            embedder or inherited_embedder(known.embedder.name),
+            None,
+            as_json=as_json,
+        )
 
 
 def _build(out: Path, entries: Iterable[Entry], embedder: str, total: int | None, *, as_json: bool) -> None:
@@ -173,15 +181,19 @@ def export(bank_file: Path, out: Path) -> None:
 
 @bank.command()
 @BANK
+@EMBEDDER
 @PATTERN
 @click.option("-k", "count", default=10, show_default=True, type=click.IntRange(1, 10_000), help="Scenarios.")
 @filter_options
 @JSON
-def search(bank_file: Path, patterns: tuple[str, ...], count: int, *, as_json: bool, **given: tuple[str, ...]) -> None:
+def search(
+    bank_file: Path, embedder: str | None, patterns: tuple[str, ...], count: int, *, as_json: bool,
+    **given: tuple[str, ...],
+) -> None:  # fmt: skip
     """Find the scenarios that fit failure patterns best."""
     wanted = [pattern for each in patterns for pattern in read_patterns(each)]
     filters = filters_of(given)
-    with Bank(bank_file) as opened:
+    with Bank(bank_file, embedder) as opened:
         found: list[dict[str, Any]] = [
             {"pattern": pattern.name, "score": round(hit.score, 4), **described(opened.entry(hit.number))}
             for pattern in wanted

@@ -16,6 +16,10 @@ PATTERN = click.option(
     "--pattern", "patterns", required=True, multiple=True,
     help="What is looked for: a JSON or YAML file of failure patterns, or words. May be repeated.",
 )  # fmt: skip
+EMBEDDER = click.option(
+    "--embedder",
+    help="That the bank must have been made with; needed where it is code of yours, which is not run otherwise.",
+)
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 
 

@@ -11,7 +11,7 @@ from rich.table import Table
 from roadmend.cli.language_options import language_options
 from roadmend.cli.sera_bank import described
 from roadmend.cli.sera_language import keeping_exchanges, open_backend, show_tokens
-from roadmend.cli.sera_options import BANK, JSON, PATTERN, filter_options, filters_of
+from roadmend.cli.sera_options import BANK, EMBEDDER, JSON, PATTERN, filter_options, filters_of
 from roadmend.cli.table import wide_console
 from roadmend.core.whole_file import write_text
 from roadmend.sera.backends import BACKENDS
@@ -23,6 +23,7 @@ from roadmend.world.scenario_file import load_scenario
 
 @click.command()
 @BANK
+@EMBEDDER
 @PATTERN
 @click.option("-k", "count", default=8, show_default=True, type=click.IntRange(1, 1000), help="Scenarios a pattern.")
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="Of the random selection.")
@@ -38,7 +39,7 @@ from roadmend.world.scenario_file import load_scenario
 @filter_options
 @JSON
 def recommend(
-    bank_file: Path, patterns: tuple[str, ...], count: int, seed: int, exclude: tuple[Path, ...], backend: str,
+    bank_file: Path, embedder: str | None, patterns: tuple[str, ...], count: int, seed: int, exclude: tuple[Path, ...], backend: str,
     settings: Path | None, recording: Path | None, attempts: int, out: Path | None, *, as_json: bool,
     **given: tuple[str, ...],
 ) -> None:  # fmt: skip
@@ -47,7 +48,7 @@ def recommend(
     digests = [load_scenario(path).digest for path in exclude]
     filters = filters_of(given)
     asked = open_backend(backend, settings, recording, attempts, out)
-    with Bank(bank_file) as opened, keeping_exchanges(asked, out):
+    with Bank(bank_file, embedder) as opened, keeping_exchanges(asked, out):
         found = recommend_from(opened, wanted, count, filters, digests, seed, asked.reflector)
         entries = {
             pick.number: described(opened.entry(pick.number))

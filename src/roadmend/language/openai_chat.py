@@ -3,7 +3,8 @@
 import base64
 import logging
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,10 @@ from roadmend.language.chat import Image, Reply, Request
 from roadmend.language.errors import AnswerError, RefusalError, UnavailableError
 
 _LOGGER = logging.getLogger(__name__)
-_ENVIRONMENT = {"base_url": "OPENAI_BASE_URL", "model": "OPENAI_MODEL", "api_key": "OPENAI_API_KEY"}
+_ENVIRONMENT = {
+    "base_url": "OPENAI_BASE_URL", "model": "OPENAI_MODEL", "embedding_model": "OPENAI_EMBEDDING_MODEL",
+    "api_key": "OPENAI_API_KEY",
+}  # fmt: skip
 
 
 class OpenAISettings(BaseModel):
@@ -27,6 +31,7 @@ class OpenAISettings(BaseModel):
 
     base_url: str = Field(default="https://api.openai.com/v1", pattern=r"^https?://")
     model: str = Field(default="gpt-4o", min_length=1)
+    embedding_model: str = Field(default="text-embedding-3-small", min_length=1)
     api_key: SecretStr
     timeout: float = Field(default=60.0, gt=0, le=3600, description="[s] of one attempt")
     attempts: int = Field(default=5, ge=1, le=20)
@@ -63,11 +68,54 @@ def read_openai_settings(file: Path | None, environment: Mapping[str, str] = os.
         raise InputError(where, f"field {name}: {first['msg']}", "see config/language/openai.yaml") from None
 
 
+def client_of(settings: OpenAISettings) -> openai.OpenAI:
+    """A client.
+
+    Retries, growing pauses and the server's Retry-After are its own; a time-out, 408, 409, 429 and every 5xx are tried
+    again.
+    """
+    return openai.OpenAI(
+        base_url=settings.base_url,
+        api_key=settings.api_key.get_secret_value(),
+        timeout=settings.timeout,
+        max_retries=settings.attempts - 1,
+    )
+
+
+@contextmanager
+def clear_errors(settings: OpenAISettings, lack: str) -> Iterator[None]:
+    """Turns the client's errors into ours, none of which holds the key.
+
+    Args:
+        settings: of the client.
+        lack: what was not sent, where something else was.
+
+    Raises:
+        UnavailableError: no answer, as often as it was tried.
+        AnswerError: the answer is something else.
+    """
+
+    def without_key(text: str) -> str:
+        return text.replace(settings.api_key.get_secret_value(), "[key]")
+
+    try:
+        yield
+    except openai.APITimeoutError:
+        raise UnavailableError(
+            f"{settings.base_url} did not answer within {settings.timeout:g} s, tried {settings.attempts} times"
+        ) from None
+    except openai.APIStatusError as error:
+        problem = without_key(error.message)
+        raise UnavailableError(f"{settings.base_url} answered {error.status_code}: {problem}") from None
+    except openai.APIConnectionError as error:
+        problem = without_key(str(error.__cause__ or error))
+        raise UnavailableError(f"{settings.base_url} cannot be reached: {problem}") from None
+    except (openai.OpenAIError, ValueError) as error:
+        raise AnswerError(f"{settings.base_url} sent {lack}: {without_key(str(error))[:200]}") from None
+
+
 class OpenAIModel:
     """Asks an endpoint.
-
-    Retries, growing pauses and the server's Retry-After are the client's; a time-out, 408, 409, 429 and every 5xx
-    are tried again.
 
     Args:
         settings: see ``OpenAISettings``.
@@ -75,12 +123,7 @@ class OpenAIModel:
 
     def __init__(self, settings: OpenAISettings) -> None:
         self.settings = settings
-        self.client = openai.OpenAI(
-            base_url=settings.base_url,
-            api_key=settings.api_key.get_secret_value(),
-            timeout=settings.timeout,
-            max_retries=settings.attempts - 1,
-        )
+        self.client = client_of(settings)
 
     def ask(self, request: Request) -> Reply:
         """Ask for one completion.
@@ -102,22 +145,8 @@ class OpenAIModel:
             },
             "temperature": 0,
         }
-        try:
+        with clear_errors(self.settings, "no chat completion"):
             completion = self.client.chat.completions.create(**body)
-        except openai.APITimeoutError:
-            raise UnavailableError(
-                f"{self.settings.base_url} did not answer within {self.settings.timeout:g} s, "
-                f"tried {self.settings.attempts} times"
-            ) from None
-        except openai.APIStatusError as error:
-            problem = self._without_key(error.message)
-            raise UnavailableError(f"{self.settings.base_url} answered {error.status_code}: {problem}") from None
-        except openai.APIConnectionError as error:
-            problem = self._without_key(str(error.__cause__ or error))
-            raise UnavailableError(f"{self.settings.base_url} cannot be reached: {problem}") from None
-        except (openai.OpenAIError, ValueError) as error:
-            problem = self._without_key(str(error))[:200]
-            raise AnswerError(f"{self.settings.base_url} sent no chat completion: {problem}") from None
         return self._reply(completion, request.purpose)
 
     def _reply(self, completion: ChatCompletion, purpose: str) -> Reply:
@@ -144,9 +173,6 @@ class OpenAIModel:
         if self.settings.input_price is None or self.settings.output_price is None:
             return None
         return (given * self.settings.input_price + made * self.settings.output_price) / 1e6
-
-    def _without_key(self, text: str) -> str:
-        return text.replace(self.settings.api_key.get_secret_value(), "[key]")
 
 
 def _part(part: str | Image) -> dict[str, Any]:

@@ -24,7 +24,7 @@ from roadmend.sera.bank_file import (
     write_array,
 )
 from roadmend.sera.descriptor import Descriptor, Entry
-from roadmend.sera.embedding import Embedder, Vectors, embedder_kind
+from roadmend.sera.embedding import DEFAULT, Embedder, Vectors, check_embedder, fit_embedder, load_embedder
 from roadmend.sera.facets import Bits, Filters, facet_bits
 from roadmend.sera.near_equality import nearly_equal, skeleton
 from roadmend.sera.pattern import FailurePattern
@@ -54,7 +54,7 @@ class Hit:
 
 
 def build_bank(
-    path: Path, entries: Iterable[Entry], embedder: str = "latent", report: Report = lambda _stage, _done: None
+    path: Path, entries: Iterable[Entry], embedder: str = DEFAULT, report: Report = lambda _stage, _done: None
 ) -> Built:
     """Write a bank, complete or not at all; the same entries in the same order give the same bank.
 
@@ -62,11 +62,12 @@ def build_bank(
 
     Raises:
         InputError: the place cannot be written, there is no such embedder, or an entry is unusable.
+        LanguageError: the endpoint of the embedder does not answer.
     """
-    kind = embedder_kind(embedder)
+    check_embedder(embedder)
     with new_file(path) as connection:
         built = _insert(connection, entries, report)
-        model = kind.fit(read_descriptors(connection, max(1, -(-built.added // _TRAINED_ON))))
+        model = fit_embedder(embedder, read_descriptors(connection, max(1, -(-built.added // _TRAINED_ON))))
         with tempfile.TemporaryFile(dir=path.parent) as file:
             shape = (built.added, model.dimensions)
             vectors = np.memmap(file, np.float16, "w+", shape=shape) if built.added else np.zeros(shape, np.float16)
@@ -80,7 +81,7 @@ def build_bank(
             write_array(connection, "vectors", vectors)
         write_array(connection, "codes", index.dump_codes())
         write_array(connection, "embedder", np.frombuffer(model.dump(), dtype=np.uint8))
-        facts = {"format": FORMAT, "roadmend": __version__, "embedder": embedder, "entries": str(built.added)}
+        facts = {"format": FORMAT, "roadmend": __version__, "embedder": model.name, "entries": str(built.added)}
         connection.executemany("INSERT INTO meta VALUES (?, ?)", facts.items())
     return built
 
@@ -135,16 +136,21 @@ def chunks(descriptors: Iterator[Descriptor]) -> Iterator[list[Descriptor]]:
 class Bank:
     """A bank open for reading. Vectors and codes are in memory, entries stay in the file."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, embedder: str | None = None) -> None:
         """Open a bank.
 
+        Args:
+            path: of the file.
+            embedder: that it must have been made with; needed where that one is the user's own code, which is not run
+                because a file says so. None for whichever it was.
+
         Raises:
-            InputError: the file is missing, is no bank, is damaged, or is of another version.
+            InputError: the file is missing, is no bank, is damaged, or is of another version or embedder.
         """
         self.path = path
         self._connection, self.meta = open_file(path)
         try:
-            self._load()
+            self._load(embedder)
         except (sqlite3.DatabaseError, KeyError, ValueError) as error:
             self.close()
             raise InputError(str(path), f"is damaged ({error})", REMEDY) from None
@@ -152,10 +158,10 @@ class Bank:
             self.close()
             raise
 
-    def _load(self) -> None:
+    def _load(self, named: str | None) -> None:
         self._count = int(self.meta["entries"])
         content = read_array(self._connection, self.meta, "embedder", np.uint8)
-        self.embedder: Embedder = embedder_kind(self.meta["embedder"]).load(content.tobytes())
+        self.embedder: Embedder = load_embedder(self.meta["embedder"], content.tobytes(), named)
         vectors = read_array(self._connection, self.meta, "vectors", np.float16)
         codes = read_array(self._connection, self.meta, "codes", np.uint8)
         self.index = VectorIndex.load(vectors.reshape(self._count, self.embedder.dimensions), codes)
@@ -182,7 +188,8 @@ class Bank:
         """The pattern as a vector, shape (dimensions,).
 
         Raises:
-            InputError: nothing that the pattern says means anything to this bank.
+            InputError: nothing that the pattern says means anything to this bank, or its embedder cannot be used.
+            LanguageError: the endpoint of the embedder does not answer.
         """
         vector: Vectors = self.embedder.embed([pattern])[0]
         if not vector.any() and len(self):
@@ -202,7 +209,8 @@ class Bank:
             exclude: digests of scenarios that must not come, for instance those of an evaluation set.
 
         Raises:
-            InputError: nothing that the pattern says means anything to this bank.
+            InputError: nothing that the pattern says means anything to this bank, or its embedder cannot be used.
+            LanguageError: the endpoint of the embedder does not answer.
         """
         if not len(self):
             return []

@@ -40,6 +40,8 @@ class LatentEmbedder:
     weights: NDArray[np.float64]  # inverse document frequency times the group's factor, shape (terms,)
     projection: NDArray[np.float64]  # shape (terms, directions)
 
+    name = "latent"
+
     @property
     def dimensions(self) -> int:
         """Length of a vector."""
@@ -78,9 +80,6 @@ class LatentEmbedder:
                 return cls({name: row for row, name in enumerate(names)}, arrays["weights"], arrays["projection"])
         except (OSError, KeyError, EOFError) as error:
             raise ValueError(str(error)) from None
-
-
-load_latent = LatentEmbedder.load
 
 
 def fit_latent(descriptors: Iterable[Descriptor]) -> LatentEmbedder:
