@@ -50,6 +50,7 @@ setup(
             "foxglove_node = roadmend.nodes.foxglove:main",
             "replay_node = roadmend.nodes.replay:main",
             "safe_node = roadmend.nodes.safe:main",
+            "sera_node = roadmend.nodes.sera:main",
         ],
     },
 )

@@ -11,6 +11,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 REPOSITORY = Path(__file__).parents[2]
 NAMES = sorted(path.stem for path in (REPOSITORY / "msg" / "msg").glob("*.msg"))
 ACTIONS = sorted(path.stem for path in (REPOSITORY / "msg" / "action").glob("*.action"))
+SERVICES = sorted(path.stem for path in (REPOSITORY / "msg" / "srv").glob("*.srv"))
 VALUES = {
     "boolean": True,
     "double": 0.1 + 0.2,
@@ -58,6 +59,14 @@ def test_round_trip(name, make):
 def test_actions_make_the_round_trip(name, part):
     message = filled(getattr(getattr(importlib.import_module("roadmend_msgs.action"), name), part))
     assert deserialize_message(serialize_message(message), type(message)) == message
+
+
+@pytest.mark.parametrize("name", SERVICES)
+@pytest.mark.parametrize("half", ["Request", "Response"])
+def test_both_halves_of_a_service_survive(name, half):
+    message_type = getattr(getattr(importlib.import_module("roadmend_msgs.srv"), name), half)
+    for message in (filled(message_type), message_type()):
+        assert deserialize_message(serialize_message(message), message_type) == message
 
 
 def test_transforms_can_be_sent():

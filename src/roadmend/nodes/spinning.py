@@ -49,8 +49,9 @@ def stop_on_signals() -> Iterator[StopFlag]:
 def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> int:
     """Run one node until it has finished or is told to stop.
 
-    The node may have an attribute ``finished`` (the loop ends when it turns true), an attribute ``exit_code`` and a
-    method ``close()`` that is called before the node is destroyed, while publishing still works.
+    The node may have an attribute ``finished`` (the loop ends when it turns true), an attribute ``exit_code``, an
+    attribute ``stop`` (it is given the flag, to look at during long work) and a method ``close()`` that is called before
+    the node is destroyed, while publishing still works.
 
     Returns:
         Exit code for the process: the node's, or 2 for bad input.
@@ -76,6 +77,8 @@ def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> 
 
 def _run(factory: Callable[[], Node], stop: StopFlag) -> int:
     node = factory()
+    if hasattr(node, "stop"):
+        node.stop = stop
     executor = EventsExecutor()
     executor.add_node(node)
     gc.freeze()  # what is there now stays: the collector need not walk through all of numba again and again

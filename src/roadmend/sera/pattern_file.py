@@ -33,13 +33,22 @@ def read_patterns(given: str) -> list[FailurePattern]:
         raise InputError(given, "no such file", _REMEDY) from None
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise InputError(given, f"cannot be read ({' '.join(str(error).split())})", _REMEDY) from None
-    try:
-        patterns = PATTERNS.validate_python(content if isinstance(content, list) else [content])
-    except ValidationError as error:
-        raise InputError(given, describe(error), _REMEDY) from None
+    patterns = parse_patterns(content if isinstance(content, list) else [content], given)
     if not patterns:
         raise InputError(given, "holds no pattern", _REMEDY)
     return patterns
+
+
+def parse_patterns(content: Sequence[object], where: str) -> list[FailurePattern]:
+    """Patterns from plain data.
+
+    Raises:
+        InputError: a field is unknown or unusable.
+    """
+    try:
+        return PATTERNS.validate_python(content)
+    except ValidationError as error:
+        raise InputError(where, describe(error), _REMEDY) from None
 
 
 def dump_patterns(patterns: Sequence[FailurePattern]) -> str:
