@@ -14,6 +14,7 @@ _COMMANDS: Table = {
     "analyse": ("roadmend.cli.sera_analyse", "analyse_bags", "Find the failures in bags, and the patterns in them."),
     "recommend": ("roadmend.cli.sera_recommend", "recommend", "Select scenarios to learn from."),
     "tune": ("roadmend.cli.sera_tune", "tune", "Fine-tune a neural policy on a selection."),
+    "cycle": ("roadmend.cli.sera_cycle", "cycle", "Run several generations of all this, and plot them."),
 }
 
 

@@ -21,7 +21,7 @@ from roadmend.sera.descriptor import Entry
 from roadmend.sera.embedding import DEFAULT, FORMS, inherited_embedder
 from roadmend.sera.exchange import export_bank, read_export
 from roadmend.sera.pattern_file import read_patterns
-from roadmend.sera.words import words_of
+from roadmend.sera.words import described
 from roadmend.world.corpus import SPLITS, load_corpus
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario_file import load_scenario
@@ -208,10 +208,3 @@ def search(
     wide_console().print(table)
     if not found:
         click.echo("nothing fits: the bank is empty, or nothing passes the filters")
-
-
-def described(entry: Entry) -> dict[str, str]:
-    """An entry in a few words."""
-    return {
-        "name": entry.name, "digest": entry.digest, "origin": entry.origin, "words": words_of(entry.descriptor),
-    }  # fmt: skip

@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, cast
@@ -31,7 +31,10 @@ _NAME = "measures"
 
 
 @click.command()
-@click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
+@click.option(
+    "--policy", default="modular", show_default=True,
+    help=f"One of {', '.join(sorted(POLICIES))}, or the model file of a neural policy.",
+)  # fmt: skip
 @click.option("--repair", "method", default="none", show_default=True, type=click.Choice(sorted(METHODS)))
 @click.option("--scenarios", type=click.IntRange(1, 100_000), help="Random scenarios of each family.  [default: 20]")
 @click.option("--first-seed", type=click.IntRange(0, 2**30), help="Of the random scenarios.  [default: 0]")
@@ -63,7 +66,9 @@ def evaluate(
     chosen = disjoint(whole, known_in(known))
     identity = identity_of(policy, method)
     jobs = [EvaluationJob(one, policy, method, out / _BAGS, cast(Record, record), identity) for one in chosen]
-    found = _drive(jobs, out, workers)
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("episodes", total=len(jobs))
+        found = drive_jobs(jobs, out, workers, lambda done, _: progress.update(task, completed=done))
     content = _content(jobs, found, len(whole) - len(chosen))
     families = {one.family or "other" for one in chosen}
     measures = {name: _measures(jobs, found, name) for name in [*sorted(families), "all"]}
@@ -90,21 +95,32 @@ def _whole(scenarios: int | None, first_seed: int | None, corpus: Path | None, s
     return corpus_set(corpus, split)
 
 
-def _drive(jobs: Sequence[EvaluationJob], out: Path, workers: int) -> list[EvaluatedEpisode]:
-    """What each job came to, in order; what is there from an earlier call is not driven again."""
-    with (
-        ResultStore(out) as store,
-        Progress(console=Console(stderr=True), transient=True) as progress,
-    ):
+def drive_jobs(
+    jobs: Sequence[EvaluationJob], out: Path, workers: int, told: Callable[[int, int], None]
+) -> list[EvaluatedEpisode]:
+    """What each job came to, in order; what is there from an earlier call is not driven again.
+
+    Args:
+        jobs: to do.
+        out: folder of what was done.
+        workers: processes.
+        told: hears how many are done, of how many.
+
+    Raises:
+        InputError: the folder holds something else, or cannot be written.
+        SimulationError: a worker process died.
+    """
+    with ResultStore(out) as store:
         done = {job.key: _parse(kept) for job in jobs if (kept := store.get(job.key)) is not None}
         missing = [job for job in jobs if job.key not in done]
-        task = progress.add_task("episodes", total=len(jobs), completed=len(jobs) - len(missing))
+        before = len(jobs) - len(missing)
+        told(before, len(jobs))
         with open_mapper(max(1, min(workers, len(missing)))) as mapper:
-            for job, episode in zip(missing, mapper(drive, missing), strict=True):
+            for number, (job, episode) in enumerate(zip(missing, mapper(drive, missing), strict=True), before + 1):
                 done[job.key] = episode
                 if not episode.fault:
                     store.add(job.key, asdict(episode))
-                progress.advance(task)
+                told(number, len(jobs))
     return [done[job.key] for job in jobs]
 
 

@@ -1,7 +1,6 @@
 """``roadmend sera recommend``: select scenarios to learn from, reflect on the selection, say why."""
 
 import json
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +8,6 @@ import click
 from rich.table import Table
 
 from roadmend.cli.language_options import language_options
-from roadmend.cli.sera_bank import described
 from roadmend.cli.sera_language import keeping_exchanges, open_backend, show_tokens
 from roadmend.cli.sera_options import BANK, EMBEDDER, JSON, PATTERN, filter_options, filters_of
 from roadmend.cli.table import wide_console
@@ -17,6 +15,7 @@ from roadmend.core.whole_file import write_text
 from roadmend.sera.backends import BACKENDS
 from roadmend.sera.bank import Bank
 from roadmend.sera.pattern_file import read_patterns
+from roadmend.sera.recommendation import content_of
 from roadmend.sera.recommendation import recommend as recommend_from
 from roadmend.world.scenario_file import load_scenario
 
@@ -50,27 +49,7 @@ def recommend(
     asked = open_backend(backend, settings, recording, attempts, out)
     with Bank(bank_file, embedder) as opened, keeping_exchanges(asked, out):
         found = recommend_from(opened, wanted, count, filters, digests, seed, asked.reflector)
-        entries = {
-            pick.number: described(opened.entry(pick.number))
-            for pick in (*found.initial, *found.refined, *found.random)
-        }
-    content: dict[str, Any] = {
-        name: [
-            {"pattern": wanted[pick.pattern].name, "score": round(pick.score, 4), **entries[pick.number]}
-            for pick in getattr(found, name)
-        ]
-        for name in ("initial", "refined", "random")
-    }
-    content["swaps"] = [
-        {
-            "pattern": wanted[swap.pattern].name, "gain": round(swap.gain, 4), "reason": swap.reason,
-            "out": entries[swap.out]["name"] if swap.out in entries else swap.out,
-            "into": entries[swap.into]["name"] if swap.into in entries else swap.into,
-        }
-        for swap in found.swaps
-    ]  # fmt: skip
-    content["measures"] = {name: asdict(measures) for name, measures in found.measures.items()}
-    content["missing"] = found.missing
+        content = content_of(found, wanted, opened)
     content["language_model"] = asked.tokens()
     text = json.dumps(content, indent=2)
     if out is not None:

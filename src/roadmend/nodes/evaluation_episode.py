@@ -34,7 +34,7 @@ class EvaluationJob:
     """What to drive; travels to other processes by pickle."""
 
     scenario: Scenario
-    policy: str
+    policy: str  # name or model file
     method: str
     folder: Path  # of the bags
     record: Record  # failures: what does not end at the goal, or was repaired on the way
@@ -61,13 +61,19 @@ def identity_of(policy: str, method: str) -> str:
     """Digest of a policy and a repair method: their names, models and code, and the code of the world and the measures.
 
     Raises:
-        InputError: there is no such policy or method, or a model cannot be read.
+        InputError: there is no such policy, model file or method, or a model cannot be read.
     """
     entry = METHODS[method]
     made = entry.make(read_parameters(method, entry.parameters, None), 0)
     modules = [type(make_policy(policy)).__module__, type(made).__module__]
     code = source_digest([*modules, "roadmend.repair.guard", "roadmend.world.runner", MeasuresObserver.__module__])
-    content = [policy, policy_model(policy), method, getattr(getattr(made, "model", None), "digest", None), code]
+    content = [
+        Path(policy).stem,
+        policy_model(policy),
+        method,
+        getattr(getattr(made, "model", None), "digest", None),
+        code,
+    ]
     return hashlib.sha256(json.dumps(content).encode()).hexdigest()
 
 
@@ -87,7 +93,7 @@ def _evaluate(job: EvaluationJob) -> EvaluatedEpisode:
     if job.record == "none" or (job.record == "failures" and not failed):
         return EvaluatedEpisode(run.measures, run.summary.digest)
     # Recording slows a run down, and most need none: those that do are driven again, which gives the same.
-    bag = job.folder / f"{job.scenario.name}-{job.policy}-{job.method}-{job.key[:8]}"
+    bag = job.folder / f"{job.scenario.name}-{Path(job.policy).stem}-{job.method}-{job.key[:8]}"
     if not bag.exists():  # else of an earlier call with the same key: what is there is whole
         with new_bag(bag) as writer:
             again = _Run(job, writer)

@@ -8,6 +8,7 @@ from pydantic import ValidationError
 
 from roadmend.core.errors import InputError
 from roadmend.core.interfaces import Policy
+from roadmend.learning.shipped import SUFFIX, find_model
 from roadmend.policies.modular import ModularPolicy
 from roadmend.policies.neural import NeuralParameters, NeuralPolicy
 from roadmend.policies.neural_kinds import KINDS
@@ -31,13 +32,17 @@ POLICIES: dict[str, Callable[[Values], Policy]] = {
 
 
 def make_policy(name: str, parameters: Values | None = None) -> Policy:
-    """A policy by name; ``parameters`` replace single defaults.
+    """A policy by name, or the neural one of a model file; ``parameters`` replace single defaults.
 
     Raises:
-        InputError: there is no such policy, or a parameter is unknown or out of range.
+        InputError: there is no such policy or file, or a parameter is unknown or out of range.
     """
+    if name.endswith(SUFFIX):
+        return NeuralPolicy(find_model(name))
     if name not in POLICIES:
-        raise InputError("policy", f"there is no {name!r}", f"choose one of {', '.join(POLICIES)}")
+        raise InputError(
+            "policy", f"there is no {name!r}", f"choose one of {', '.join(POLICIES)}, or give a model file"
+        )
     try:
         return POLICIES[name](parameters or {})
     except ValidationError as error:

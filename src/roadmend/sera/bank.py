@@ -1,5 +1,7 @@
 """The scenario bank: built once, never changed in place, searched by failure pattern."""
 
+import hashlib
+import json
 import sqlite3
 import tempfile
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
@@ -183,6 +185,11 @@ class Bank:
     def close(self) -> None:
         """Let go of the file."""
         self._connection.close()
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of what the bank says of itself, the digests of its vectors and of its embedder among it."""
+        return hashlib.sha256(json.dumps(self.meta, sort_keys=True).encode()).hexdigest()
 
     def embed(self, pattern: FailurePattern) -> Vectors:
         """The pattern as a vector, shape (dimensions,).

@@ -1,7 +1,8 @@
 """Which scenarios of a bank to learn from: the best for each failure pattern, and a random draw to compare with."""
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from roadmend.sera.bank import Bank, Hit
 from roadmend.sera.facets import Filters
 from roadmend.sera.pattern import FailurePattern
 from roadmend.sera.reflection import EmbeddedReflector, Measures, Pick, Reflector, Swap, candidates_of, measure
+from roadmend.sera.words import described
 
 _POOL = 10  # candidates for each place of a selection
 
@@ -80,3 +82,32 @@ def _draw(
     numbers = np.arange(len(bank)) if allowed is None else np.flatnonzero(allowed)
     drawn = np.random.default_rng(seed).choice(numbers, count, replace=False) if count else numbers[:0]
     return [(int(number), place % len(patterns)) for place, number in enumerate(sorted(drawn))]
+
+
+def content_of(found: Recommendation, patterns: Sequence[FailurePattern], bank: Bank) -> dict[str, Any]:
+    """A recommendation as plain data, which ``read_selection`` takes."""
+    stages = {"initial": found.initial, "refined": found.refined, "random": found.random}
+    numbers = {pick.number for picks in stages.values() for pick in picks}
+    numbers |= {number for swap in found.swaps for number in (swap.out, swap.into)}
+    entries = {number: described(bank.entry(number)) for number in sorted(numbers)}
+    return {
+        **{
+            stage: [
+                {"pattern": patterns[pick.pattern].name, "score": round(pick.score, 4), **entries[pick.number]}
+                for pick in picks
+            ]
+            for stage, picks in stages.items()
+        },
+        "swaps": [
+            {
+                "pattern": patterns[swap.pattern].name,
+                "gain": round(swap.gain, 4),
+                "reason": swap.reason,
+                "out": entries[swap.out]["name"],
+                "into": entries[swap.into]["name"],
+            }
+            for swap in found.swaps
+        ],
+        "measures": {name: asdict(measures) for name, measures in found.measures.items()},
+        "missing": found.missing,
+    }
