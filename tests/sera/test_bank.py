@@ -111,15 +111,17 @@ def test_the_same_scenario_adds_its_outcomes_and_a_nearly_equal_one_is_left_out(
     entries = [
         entry_of(scenario, "a", ran("GOAL", 2.0)), entry_of(scenario, "b", ran("COLLISION", 0.0)),
         entry_of(nudged, "c"), entry_of(moved, "d"),
+        entry_of(moved.model_copy(update={"name": "alias"}), "e", ran("COLLISION", 0.0)),
     ]  # fmt: skip
-    assert build_bank(tmp_path / "b", entries) == Built(added=2, merged=1, near_equal=1)
+    assert build_bank(tmp_path / "b", entries) == Built(added=2, merged=2, near_equal=1)
     with Bank(tmp_path / "b") as bank:
         kept = list(bank.entries())
         assert [each.name for each in kept] == ["S4-1", "moved"]
         assert kept[0].descriptor.outcomes == (OutcomeStatistics("modular", {"COLLISION": 1, "GOAL": 1}, 0.0),)
         assert kept[0].scenario == scenario
+        assert kept[1].descriptor.outcomes == ran("COLLISION", 0.0)  # of its alias
         # The filter sees the outcome that came later.
-        assert len(bank.search(FailurePattern("x", "exit"), 9, Filters(outcome=("COLLISION",)))) == 1
+        assert len(bank.search(FailurePattern("x", "exit"), 9, Filters(outcome=("COLLISION",)))) == 2
 
 
 def test_the_same_entries_give_the_same_bank(tmp_path):

@@ -43,7 +43,7 @@ class Built:
     """What became of the entries that were given."""
 
     added: int
-    merged: int  # the same scenario again: outcomes were added up
+    merged: int  # the same scenario again, be it under another name: outcomes were added up
     near_equal: int  # left out
 
 
@@ -60,7 +60,7 @@ def build_bank(
 ) -> Built:
     """Write a bank, complete or not at all; the same entries in the same order give the same bank.
 
-    Of scenarios with the same digest one stays, with the outcomes of all; of nearly equal ones the first.
+    Of the same scenario, under whatever names, one stays, with the outcomes of all; of nearly equal ones the first.
 
     Raises:
         InputError: the place cannot be written, there is no such embedder, or an entry is unusable.
@@ -93,34 +93,44 @@ def _insert(connection: sqlite3.Connection, entries: Iterable[Entry], report: Re
     for done, entry in enumerate(entries, 1):
         if done % _CHUNK == 0:
             report("read", done)
-        row = connection.execute("SELECT number, descriptor FROM entries WHERE digest = ?", (entry.digest,)).fetchone()
-        if row is not None:
-            known = DESCRIPTOR.validate_json(row[1]).with_outcomes(entry.descriptor.outcomes)
-            update = "UPDATE entries SET descriptor = ?, facets = ? WHERE number = ?"
-            connection.execute(update, (DESCRIPTOR.dump_json(known, exclude_defaults=True), facet_bits(known), row[0]))
+        shape, like, is_same = _like(connection, entry)
+        if like is None:
+            values = added, *pack(entry, facet_bits(entry.descriptor), shape)
+            connection.execute("INSERT INTO entries VALUES (?, ?, ?, ?, ?, ?, ?, ?)", values)
+            added += 1
+        elif is_same:
+            _add_outcomes(connection, like, entry)
             merged += 1
-            continue
-        shape, is_near = _near(connection, entry)
-        if is_near:
+        else:
             near += 1
-            continue
-        values = added, *pack(entry, facet_bits(entry.descriptor), shape)
-        connection.execute("INSERT INTO entries VALUES (?, ?, ?, ?, ?, ?, ?, ?)", values)
-        added += 1
     report("read", added + merged + near)
     return Built(added, merged, near)
 
 
-def _near(connection: sqlite3.Connection, entry: Entry) -> tuple[str | None, bool]:
-    """The skeleton of an entry's scenario, and whether a nearly equal one is in the bank."""
-    if entry.scenario is None:
-        return None, False
+def _like(connection: sqlite3.Connection, entry: Entry) -> tuple[str | None, int | None, bool]:
+    """The skeleton of an entry's scenario; the number of a like one in the bank; whether the two are the same.
+
+    A scenario is the same under another name, and nearly equal where its numbers hardly differ.
+    """
+    row = connection.execute("SELECT number FROM entries WHERE digest = ?", (entry.digest,)).fetchone()
+    if row is not None or entry.scenario is None:
+        return None, None if row is None else int(row[0]), True
     shape, numbers = skeleton(entry.scenario)
-    for _, other in read_entries(connection, "WHERE skeleton = ?", (shape,)):
+    near: int | None = None
+    for number, other in read_entries(connection, "WHERE skeleton = ?", (shape,)):
         assert other.scenario is not None
-        if nearly_equal(numbers, skeleton(other.scenario)[1]):
-            return shape, True
-    return shape, False
+        if entry.scenario.model_copy(update={"name": other.name}).digest == other.digest:
+            return shape, number, True
+        if near is None and nearly_equal(numbers, skeleton(other.scenario)[1]):
+            near = number
+    return shape, near, False
+
+
+def _add_outcomes(connection: sqlite3.Connection, number: int, entry: Entry) -> None:
+    (content,) = connection.execute("SELECT descriptor FROM entries WHERE number = ?", (number,)).fetchone()
+    known = DESCRIPTOR.validate_json(content).with_outcomes(entry.descriptor.outcomes)
+    values = DESCRIPTOR.dump_json(known, exclude_defaults=True), facet_bits(known), number
+    connection.execute("UPDATE entries SET descriptor = ?, facets = ? WHERE number = ?", values)
 
 
 def chunks(descriptors: Iterator[Descriptor]) -> Iterator[list[Descriptor]]:

@@ -28,7 +28,8 @@ from roadmend.sera.descriptor import (
     RoadKind,
     Side,
 )
-from roadmend.world.families import FAMILIES
+from roadmend.world.families import FAMILIES, highway, intersection
+from roadmend.world.families.traffic import count_of
 from roadmend.world.scenario import DriverName, Environment, FamilyName, Weather
 from roadmend.world.space import Choice, Dimension, Uniform, Whole
 
@@ -41,12 +42,6 @@ _MANOEUVRES: dict[FamilyName, EgoManoeuvre] = {
 _TARGETS: dict[FamilyName, str] = {"S1": "west", "S2": "east", "S3": "north"}
 _SIDES: dict[str, Side] = {"east": "right", "north": "oncoming", "west": "left"}
 _ACTIONS = {"none": [], "brake": ["brake"], "cut_in": ["cut_in"], "swoop": ["cut_in", "brake"], "run": ["run"]}
-# How many of a space's slots are filled, as the families do it (a test holds the two together).
-_VEHICLE_COUNTS = {
-    "intersection": {"light": (2, 5), "medium": (6, 12), "dense": (13, 22)},
-    "highway": {"light": (3, 8), "medium": (9, 16), "dense": (17, 28)},
-}
-_PEDESTRIAN_COUNTS = {"light": (0, 2), "medium": (1, 5), "dense": (3, 8)}
 Row = Mapping[str, Any]  # values by dimension; those of slots are arrays over the slots
 
 
@@ -120,11 +115,6 @@ def _draw_outcomes(count: int, generator: np.random.Generator) -> list[tuple[Out
     return result
 
 
-def _slots_filled(row: Row, counts: Mapping[str, tuple[int, int]]) -> range:
-    low, high = counts[row["density"]]
-    return range(round(low + row["fill"] * (high - low)))
-
-
 def _intersection(name: FamilyName, row: Row, outcomes: tuple[OutcomeStatistics, ...]) -> Descriptor:
     arms = ["south", "east", "north", "west"]
     if row["layout"] == "tee":
@@ -132,7 +122,7 @@ def _intersection(name: FamilyName, row: Row, outcomes: tuple[OutcomeStatistics,
         arms = ["south", _TARGETS[name], spare[row["third_arm"]]]
     participants, drivers = Counter[ParticipantKind](), Counter[DriverName]()
     hazards: list[Hazard] = []
-    for slot in _slots_filled(row, _VEHICLE_COUNTS["intersection"]):
+    for slot in range(count_of(intersection.VEHICLE_COUNTS, row)):
         arm = row["v.from"][slot]
         if arm not in arms:
             arm = arms[1 + slot % (len(arms) - 1)]
@@ -143,7 +133,7 @@ def _intersection(name: FamilyName, row: Row, outcomes: tuple[OutcomeStatistics,
         participants[row["v.kind"][slot]] += 1
         drivers[row["v.driver"][slot]] += 1
     if row["crossings"]:
-        for slot in _slots_filled(row, _PEDESTRIAN_COUNTS):
+        for slot in range(count_of(intersection.PEDESTRIAN_COUNTS, row)):
             arm = row["p.from"][slot] if row["p.from"][slot] in arms else arms[0]
             is_ahead = row["p.arrival"][slot] * row["p.speed"][slot] < row["ego_distance"]
             side = _SIDES.get(arm) or side_on_road(0, 0, is_ahead=is_ahead)
@@ -161,7 +151,7 @@ def _highway(name: FamilyName, row: Row, outcomes: tuple[OutcomeStatistics, ...]
     ego_lane = min(int(row["ego_lane"] * lanes), lanes - 1, 1)
     participants, drivers = Counter[ParticipantKind](), Counter[DriverName]()
     hazards: list[Hazard] = []
-    for slot in _slots_filled(row, _VEHICLE_COUNTS["highway"]):
+    for slot in range(count_of(highway.VEHICLE_COUNTS, row)):
         is_ahead = row["v.offset"][slot] > 0.0
         if name == "S4":
             lane = min(int(row["v.lane"][slot] * lanes), lanes - 1)

@@ -4,8 +4,10 @@ from roadmend.world.drivers import BODIES
 from roadmend.world.families.traffic import (
     DRIVER,
     WEATHER,
+    Counts,
     Place,
     body_length,
+    count_of,
     environment,
     make_room,
     manoeuvres,
@@ -17,7 +19,7 @@ from roadmend.world.space import Choice, Dimension, Parameters, Uniform, Whole
 VEHICLES = 28  # slots
 _KIND = Choice({"car": 0.66, "truck": 0.2, "bus": 0.04, "motorcycle": 0.1})
 _MANOEUVRES = {"none": 0.52, "brake": 0.14, "cut_in": 0.17, "swoop": 0.17}
-_COUNTS = {"light": (3, 8), "medium": (9, 16), "dense": (17, VEHICLES)}
+VEHICLE_COUNTS: Counts = {"light": (3, 8), "medium": (9, 16), "dense": (17, VEHICLES)}
 
 
 def _vehicle_slot(slot: str) -> dict[str, Dimension]:
@@ -131,9 +133,7 @@ def build_ramp(parameters: Parameters, name: str, seed: int) -> Scenario:
 
 
 def _slots(parameters: Parameters) -> list[str]:
-    low, high = _COUNTS[str(parameters["density"])]
-    count = round(low + float(parameters["fill"]) * (high - low))
-    return [f"v{index}" for index in range(count)]
+    return [f"v{index}" for index in range(count_of(VEHICLE_COUNTS, parameters))]
 
 
 def _speed(parameters: Parameters, slot: str, limit: float) -> float:

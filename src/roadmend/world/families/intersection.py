@@ -5,8 +5,10 @@ from roadmend.world.drivers import BODIES
 from roadmend.world.families.traffic import (
     DRIVER,
     WEATHER,
+    Counts,
     Place,
     body_length,
+    count_of,
     environment,
     make_room,
     manoeuvres,
@@ -68,7 +70,8 @@ SPACE: dict[str, Dimension] = {
     **{key: value for index in range(VEHICLES) for key, value in _vehicle_slot(f"v{index}").items()},
     **{key: value for index in range(PEDESTRIANS) for key, value in _pedestrian_slot(f"p{index}").items()},
 }
-_COUNTS = {"light": (2, 5), "medium": (6, 12), "dense": (13, VEHICLES)}
+VEHICLE_COUNTS: Counts = {"light": (2, 5), "medium": (6, 12), "dense": (13, VEHICLES)}
+PEDESTRIAN_COUNTS: Counts = {"light": (0, 2), "medium": (1, 5), "dense": (3, PEDESTRIANS)}
 
 
 def build_intersection(family: str, parameters: Parameters, name: str, seed: int) -> Scenario:
@@ -150,12 +153,10 @@ def _turn(arms: list[str], arm: str, turn: int) -> str:
 
 
 def _vehicles(parameters: Parameters, arms: list[str], ego: Place) -> list[Actor]:
-    low, high = _COUNTS[str(parameters["density"])]
-    count = round(low + float(parameters["fill"]) * (high - low))
     limit = float(parameters["speed_limit"])
     places = []
     ways: dict[str, str] = {}
-    for slot in (f"v{index}" for index in range(count)):
+    for slot in (f"v{index}" for index in range(count_of(VEHICLE_COUNTS, parameters))):
         arm = str(parameters[f"{slot}.from"])
         if arm not in arms:
             arm = arms[1 + sum(map(ord, slot)) % (len(arms) - 1)]
@@ -197,10 +198,8 @@ def _lane_for(parameters: Parameters, arm: str, way: str) -> int:
 def _pedestrians(parameters: Parameters, arms: list[str]) -> list[Actor]:
     if not parameters["crossings"]:
         return []
-    low, high = {"light": (0, 2), "medium": (1, 5), "dense": (3, PEDESTRIANS)}[str(parameters["density"])]
-    count = round(low + float(parameters["fill"]) * (high - low))
     actors: list[Actor] = []
-    for slot in (f"p{index}" for index in range(count)):
+    for slot in (f"p{index}" for index in range(count_of(PEDESTRIAN_COUNTS, parameters))):
         arm = str(parameters[f"{slot}.from"])
         if arm not in arms:
             arm = arms[0]

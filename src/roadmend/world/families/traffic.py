@@ -1,7 +1,8 @@
 """What the families share: slots for other vehicles, and room between those in one lane."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 from roadmend.world.drivers import BODIES
 from roadmend.world.scenario import Brake, CutIn, Environment, Manoeuvre, RunRightOfWay, Trigger
@@ -12,6 +13,15 @@ WEATHER: dict[str, Dimension] = {
     "time_of_day": Choice({"daytime": 0.65, "nighttime": 0.35}),
 }
 DRIVER = Choice({"careful": 0.15, "normal": 0.35, "aggressive": 0.3, "reckless": 0.2})
+
+
+Counts = Mapping[str, tuple[int, int]]  # by density of traffic: the least and the most that are there
+
+
+def count_of(counts: Counts, parameters: Mapping[str, Any]) -> int:
+    """How many slots are filled, the first ones."""
+    low, high = counts[str(parameters["density"])]
+    return round(low + float(parameters["fill"]) * (high - low))
 
 
 def slot_manoeuvre(slot: str, weights: dict[str, float]) -> dict[str, Dimension]:
