@@ -6,6 +6,7 @@ import pytest
 import yaml
 
 from roadmend.core.errors import InputError
+from roadmend.learning.shipped import find_model
 from roadmend.policies.parameters import ModularParameters
 from roadmend.policies.registry import POLICIES, make_policy
 
@@ -20,6 +21,13 @@ def test_the_file_of_defaults_holds_the_defaults():
 def test_every_policy_is_made_by_its_name():
     for name in POLICIES:
         assert make_policy(name).name == name
+
+
+def test_a_model_file_is_a_neural_policy(tmp_path):
+    shipped = find_model("neural")
+    assert make_policy(str(shipped)).model_digest == make_policy("neural").model_digest
+    with pytest.raises(InputError, match="no such model file"):
+        make_policy(str(tmp_path / "none.safetensors"))
 
 
 def test_an_unknown_name_is_answered_with_the_known_ones():

@@ -1,0 +1,96 @@
+"""``roadmend sera cycle`` from the sample bags by one command; the tuning alone is acted, since it needs torch."""
+
+import json
+import shutil
+import sys
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+
+import pytest
+from PIL import Image
+
+from roadmend.cli.main import main
+
+SAMPLES = Path(__file__).parents[2] / "bags" / "samples"
+QUICK = [
+    "--generations",
+    "1",
+    "--scenarios",
+    "1",
+    "--first-seed",
+    "4",
+    "--bank-scenarios",
+    "4",
+    "-k",
+    "2",
+    "--workers",
+    "1",
+]
+
+
+@pytest.fixture
+def lessons(monkeypatch):
+    """What the tuning was given, instead of tuning; the policy stays as it was."""
+    given = []
+
+    def few_shot_repair(model, scenarios, settings, seed, out, **others):
+        given.append((model, [*scenarios], settings, seed, others))
+        others["report"]("learning", 1, 1)
+        shutil.copy(model, out)
+        trial = SimpleNamespace(epochs=0, driving_score=60.0)
+        return SimpleNamespace(kept=trial, trials=(trial,))
+
+    repair, device = ModuleType("roadmend.training.few_shot"), ModuleType("roadmend.training.device")
+    repair.few_shot_repair, repair.Origin = few_shot_repair, lambda *values: values
+    device.choose_torch_device = lambda *_: None
+    for module in (repair, device):
+        monkeypatch.setitem(sys.modules, module.__name__, module)
+    return given
+
+
+def test_the_cycle_end_to_end_from_the_sample_bags_and_once_more(tmp_path, capsys, lessons):
+    out = tmp_path / "cycle"
+    command = ["sera", "cycle", "--bags", str(SAMPLES / "collision"), "--out", str(out), "--epochs", "2", *QUICK]
+    assert main([*command, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert json.loads((out / "cycle.json").read_text(encoding="utf-8")) == told
+    first, last = told["generations"]
+    assert first["patterns"] == ["collision in the exit lane: the ego drives on, a truck cuts in"]
+    assert len(first["selected"]) == 2
+    assert first["tuned"] == {
+        "model": "generation-0/model.safetensors", "epochs": 0, "driving_score": 60.0, "before": 60.0,
+    }  # fmt: skip
+    assert first["summary"]["episodes"] == 5
+    assert last["summary"] == first["summary"]
+    assert last["tuned"] is None
+    assert Image.open(out / "cycle.png").size[0] > 1000
+    assert "Generation 1" in (out / "cycle.html").read_text(encoding="utf-8")
+
+    (given,) = lessons
+    model, scenarios, settings, seed, others = given
+    assert (model.name, settings.epochs, seed, len(scenarios)) == ("neural.safetensors", 2, 0, 2)
+    assert [scenario.name for scenario in scenarios] == first["selected"]
+    assert others["workers"] == 1
+
+    assert main(command) == 0
+    printed = capsys.readouterr().out
+    assert "generation 0: 1 incidents, 1 patterns, 2 scenarios" in printed
+    assert "no epoch was better than the policy as it was" in printed
+    assert len(lessons) == 1  # nothing is done twice
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["--policy", "modular"], "roadmend ships no modular.safetensors"),
+        (["--policy", "nowhere.safetensors"], "no such model file"),
+        (["--bags", "nowhere"], "there is no such bag or folder"),
+        (["--config", "nowhere.yaml"], "nowhere.yaml"),
+        (["--backend", "replay"], "has no recording"),
+    ],
+)
+def test_what_cannot_work_is_one_line_and_leaves_nothing(tmp_path, capsys, arguments, complaint):
+    assert main(["sera", "cycle", "--out", str(tmp_path / "out"), *arguments]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert complaint in line
+    assert not list(tmp_path.iterdir())
