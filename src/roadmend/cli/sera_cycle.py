@@ -13,8 +13,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from roadmend.cli.language_options import language_options
 from roadmend.cli.resources import config_folder
-from roadmend.cli.sera_evaluate import drive_jobs
-from roadmend.cli.sera_options import EMBEDDER, JSON
+from roadmend.cli.sera_evaluate import chosen_set, drive_jobs
+from roadmend.cli.sera_options import EMBEDDER, JSON, set_options
 from roadmend.cli.table import show_rows
 from roadmend.core.whole_file import write_text, written_beside
 from roadmend.evaluation.benchmark_report import origin, provenance
@@ -27,7 +27,7 @@ from roadmend.sera.backends import BACKENDS, Backend
 from roadmend.sera.bank import Bank, build_bank
 from roadmend.sera.cycle import Cycle, CycleOptions, Evaluation, Generation, Tuned
 from roadmend.sera.describe import entry_of
-from roadmend.sera.evaluation_set import disjoint, known_in, sampled_set
+from roadmend.sera.evaluation_set import disjoint, known_in
 from roadmend.training.few_shot_settings import FewShotSettings, read_few_shot_settings
 from roadmend.training.workers import open_mapper
 from roadmend.world.families import FAMILIES, sample_scenario
@@ -45,10 +45,7 @@ Told = Callable[[str, int, int], None]  # what is being done, how much of it is 
     help="Bags that the first generation learns from instead of the evaluation's; or folders. May be repeated.",
 )  # fmt: skip
 @click.option("--generations", default=2, show_default=True, type=click.IntRange(1, 50), help="Times it is tuned.")
-@click.option(
-    "--scenarios", default=10, show_default=True, type=click.IntRange(1, 10_000), help="Of each family to evaluate on."
-)
-@click.option("--first-seed", default=0, show_default=True, type=click.IntRange(0, 2**30), help="Of these.")
+@set_options
 @click.option(
     "--bank", "bank_file", type=click.Path(path_type=Path, dir_okay=False),
     help="Bank to learn from.  [default: one is built of random scenarios]",
@@ -62,12 +59,9 @@ Told = Callable[[str, int, int], None]  # what is being done, how much of it is 
     "-k", "count", default=4, show_default=True, type=click.IntRange(1, 1000), help="Scenarios a failure pattern."
 )
 @click.option(
-    "--patterns",
-    default=6,
-    show_default=True,
-    type=click.IntRange(1, 1000),
+    "--patterns", default=6, show_default=True, type=click.IntRange(1, 1000),
     help="Learned from in a generation, at most.",
-)
+)  # fmt: skip
 @click.option(
     "--config", "file", type=click.Path(path_type=Path, dir_okay=False),
     help="YAML file with the settings of the tuning; config/training/few-shot.yaml if not given.",
@@ -79,10 +73,10 @@ Told = Callable[[str, int, int], None]  # what is being done, how much of it is 
 @click.option("--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Folder; resumes there.")
 @JSON
 def cycle(
-    policy: str, bags: tuple[Path, ...], generations: int, scenarios: int, first_seed: int, bank_file: Path | None,
-    bank_scenarios: int, embedder: str | None, count: int, patterns: int, file: Path | None, epochs: int | None,
-    backend: str, settings: Path | None, recording: Path | None, attempts: int, seed: int, workers: int, out: Path, *,
-    as_json: bool,
+    policy: str, bags: tuple[Path, ...], generations: int, scenarios: int | None, first_seed: int | None,
+    corpus: Path | None, split: str | None, bank_file: Path | None, bank_scenarios: int, embedder: str | None,
+    count: int, patterns: int, file: Path | None, epochs: int | None, backend: str, settings: Path | None,
+    recording: Path | None, attempts: int, seed: int, workers: int, out: Path, *, as_json: bool,
 ) -> int:  # fmt: skip
     """Drive, analyse the failures, recommend scenarios, tune, and drive again, for several generations.
 
@@ -95,6 +89,7 @@ def cycle(
     few_shot = read_few_shot_settings(file or config_folder() / "training" / "few-shot.yaml")
     few_shot = few_shot if epochs is None else few_shot.model_copy(update={"epochs": epochs})
     first = tuple(find_bags(bags)) if bags else ()
+    whole_set = chosen_set(scenarios, first_seed, corpus, split)
     opened = Backend.open(backend, settings, recording, attempts)
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
     with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
@@ -105,7 +100,7 @@ def cycle(
             progress.update(part, description=what, completed=done, total=total)
 
         bank_path = bank_file or _built_bank(out, bank_scenarios, told)
-        evaluated = disjoint(sampled_set(scenarios, first_seed), known_in([bank_path]))
+        evaluated = disjoint(whole_set, known_in([bank_path]))
         steps = _Steps(evaluated, few_shot, seed, out, workers, told)
         options = CycleOptions(
             generations, count, patterns, seed, first, json.dumps([few_shot.model_dump(mode="json"), backend])
@@ -155,7 +150,9 @@ class _Steps:
         )
 
     def read(self, bags: Sequence[Path]) -> Iterator[Reading]:
-        with open_mapper(max(1, min(self._workers, len(bags)))) as mapper:
+        if not bags:
+            return
+        with open_mapper(min(self._workers, len(bags))) as mapper:
             for done, reading in enumerate(mapper(read_incidents, bags), 1):
                 self._told("bags", done, len(bags))
                 yield reading

@@ -11,6 +11,7 @@ import click
 from rich.console import Console
 from rich.progress import Progress
 
+from roadmend.cli.sera_options import set_options
 from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError
 from roadmend.evaluation.benchmark_report import provenance, write_report
@@ -23,7 +24,6 @@ from roadmend.policies.registry import POLICIES
 from roadmend.repair.registry import METHODS
 from roadmend.sera.evaluation_set import corpus_set, disjoint, known_in, sampled_set
 from roadmend.training.workers import open_mapper
-from roadmend.world.corpus import SPLITS
 from roadmend.world.scenario import Scenario
 
 _BAGS = "bags"
@@ -36,12 +36,7 @@ _NAME = "measures"
     help=f"One of {', '.join(sorted(POLICIES))}, or the model file of a neural policy.",
 )  # fmt: skip
 @click.option("--repair", "method", default="none", show_default=True, type=click.Choice(sorted(METHODS)))
-@click.option("--scenarios", type=click.IntRange(1, 100_000), help="Random scenarios of each family.  [default: 20]")
-@click.option("--first-seed", type=click.IntRange(0, 2**30), help="Of the random scenarios.  [default: 0]")
-@click.option(
-    "--corpus", type=click.Path(path_type=Path, dir_okay=False), help="Its cases instead of random scenarios."
-)
-@click.option("--split", type=click.Choice(SPLITS), help="Of the corpus.  [default: all]")
+@set_options
 @click.option(
     "--disjoint-from", "known", multiple=True, type=click.Path(path_type=Path, dir_okay=False),
     help="A bank, a corpus or a scenario file: what is in it is left out. May be repeated.",
@@ -62,7 +57,7 @@ def evaluate(
     An interrupted call goes on where it stopped; the outcome does not depend on the number of workers. The exit code is
     1 if an episode could not be driven.
     """
-    whole = _whole(scenarios, first_seed, corpus, split)
+    whole = chosen_set(scenarios, first_seed, corpus, split)
     chosen = disjoint(whole, known_in(known))
     identity = identity_of(policy, method)
     jobs = [EvaluationJob(one, policy, method, out / _BAGS, cast(Record, record), identity) for one in chosen]
@@ -85,7 +80,12 @@ def evaluate(
     return 1 if content["faults"] else 0
 
 
-def _whole(scenarios: int | None, first_seed: int | None, corpus: Path | None, split: str | None) -> list[Scenario]:
+def chosen_set(scenarios: int | None, first_seed: int | None, corpus: Path | None, split: str | None) -> list[Scenario]:
+    """The evaluation set that the options stand for.
+
+    Raises:
+        InputError: they contradict each other, or the file is no corpus.
+    """
     if corpus is None:
         if split is not None:
             raise InputError("--split", "is of a corpus, and there is none", "name one with --corpus")

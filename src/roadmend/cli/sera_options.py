@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from roadmend.sera.facets import Filters
+from roadmend.world.corpus import SPLITS
 
 BANK = click.option(
     "--bank", "bank_file", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Bank to read."
@@ -38,3 +39,20 @@ def filters_of(given: dict[str, tuple[str, ...]]) -> Filters:
         InputError: a group has no such value.
     """
     return Filters(**given)
+
+
+def set_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Options of an evaluation set: random scenarios, or a corpus."""
+    options = [
+        click.option(
+            "--scenarios", type=click.IntRange(1, 100_000), help="Random scenarios of each family.  [default: 20]"
+        ),
+        click.option("--first-seed", type=click.IntRange(0, 2**30), help="Of the random scenarios.  [default: 0]"),
+        click.option(
+            "--corpus", type=click.Path(path_type=Path, dir_okay=False), help="Its cases instead of random scenarios."
+        ),
+        click.option("--split", type=click.Choice(SPLITS), help="Of the corpus.  [default: all]"),
+    ]
+    for option in reversed(options):
+        command = option(command)
+    return command

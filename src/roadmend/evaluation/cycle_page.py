@@ -31,6 +31,7 @@ def cycle_chart(generations: Generations) -> Figure:
         _draw(axes, generations, measure)
         axes.set_xlabel("generation")
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+        axes.set_ylim(0.0, None if measure == "efficiency" else 107.0)  # of 100, all but the ego's speed against others
         axes.set_xlim(-0.4, max(1, len(generations) - 1) + 0.4)
         bare(axes, "y")
     return figure
