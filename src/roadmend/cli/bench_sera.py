@@ -25,7 +25,7 @@ from roadmend.evaluation.sera_summary import build_content, main_rows, tables
 from roadmend.evaluation.sera_workshop import Workshop
 from roadmend.learning.shipped import find_model
 from roadmend.nodes.evaluation_episode import EvaluatedEpisode, EvaluationJob, evaluate, identity_of
-from roadmend.sera.analyser import ANALYSERS
+from roadmend.sera.analyser import EmbeddedAnalyser
 from roadmend.sera.analysis import read_incidents
 from roadmend.sera.bank import Bank, build_bank
 from roadmend.sera.incident import Incident
@@ -126,7 +126,7 @@ class _Logs:
         self._policy = policy
         self._workshop = workshop
         self._identity = identity_of(policy, "none")
-        self._analyser = ANALYSERS["embedded"]()
+        self._analyser = EmbeddedAnalyser()
 
     def patterns(self, failed: Sequence[Scenario]) -> tuple[FailurePattern, ...]:
         """The patterns in the failures of some scenarios, those with most evidence first."""

@@ -214,11 +214,13 @@ def _show(content: dict[str, Any], out: Path) -> None:
     for each in generations:
         lead = f"generation {each['number']}"
         if each["tuned"] is not None:
-            tuned = each["tuned"]
+            epochs, score, before = (each["tuned"][name] for name in ("epochs", "driving_score", "before"))
+            gain = (
+                "" if None in {score, before} else f", Driving Score on its validation set {before:.1f} -> {score:.1f}"
+            )
             click.echo(
                 f"{lead}: {each['incidents']} incidents, {len(each['patterns'])} patterns, {len(each['selected'])} scenarios "
-                f"({each['swaps']} swaps); tuned for {tuned['epochs']} epochs, Driving Score on what was selected and "
-                f"ordinary scenarios {tuned['before']:.1f} -> {tuned['driving_score']:.1f}"
+                f"({each['swaps']} swaps); tuned for {epochs} epochs{gain}"
             )
         for note in each["notes"]:
             click.echo(f"{lead}: {note}")

@@ -41,8 +41,8 @@ class Tuned:
 
     model: Path
     epochs: int  # that were kept; 0 where none was better than the policy as it was
-    driving_score: float  # on the validation set
-    before: float  # likewise, of the policy as it was
+    driving_score: float | None  # on the validation set; None where that was not driven
+    before: float | None  # likewise, of the policy as it was
 
 
 class Steps(Protocol):
