@@ -11,6 +11,7 @@ from roadmend.cli.main import main
 from roadmend.learning.checkpoint import load_checkpoint
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.adreft.model import AdreftModel
+from roadmend.training.adreft.configuration import PracticeSection
 from roadmend.training.closed_loop import evaluate_cases, summarise
 from roadmend.world.corpus import save_corpus
 
@@ -131,11 +132,13 @@ def test_the_trials_of_another_policy_can_be_practised_on_too(train, tmp_path, m
     save_corpus(other, tmp_path / "config" / "corpora" / "sleepy.jsonl")
     once = {**PRACTISED, "practice": {**PRACTISED["practice"], "rounds": 1}}
     assert train(corpus, once, "alone.safetensors") == 0
-    assert train(corpus, once, "both.safetensors", "--also", "sleepy") == 0
+    assert train(corpus, once, "both.safetensors", "--also", "sleepy", "--set", "practice.dose=0.5") == 0
     alone, both = (load_checkpoint(tmp_path / f"{name}.safetensors").header for name in ("alone", "both"))
     assert alone["data"]["also"] == []
     assert [(each["name"], each["corpus"]) for each in both["data"]["also"]] == [("sleepy", other.digest)]
     assert alone["data_digest"] != both["data_digest"]
+    doses = [each["configuration"]["training"]["practice"]["dose"] for each in (alone, both)]
+    assert doses == [PracticeSection().dose, 0.5]
     assert alone["data"]["training"] == both["data"]["training"]
     count = len(list((tmp_path / "both.training" / "trials").iterdir()))
     assert count == len(corpus.select(split="training")) + len(other.select(split="training"))
@@ -165,6 +168,10 @@ def test_ablations_leave_something_out(train, tmp_path, ablation):
         (["--start", "none.safetensors"], "none.safetensors: cannot be read"),
         (["--device", "abacus"], "'abacus' cannot be used here"),
         (["--also", "sleepy"], "nothing is practised by this configuration"),
+        (["--set", "practice.dose"], "'practice.dose' is no SECTION.NAME=VALUE; write for instance"),
+        (["--set", "practice=1"], "'practice=1' is no SECTION.NAME=VALUE"),
+        (["--set", "practice.dose=much"], "practice.dose"),
+        (["--set", "practise.dose=1"], "practise"),
     ],
 )
 def test_what_cannot_be_is_said_in_one_line(train, tmp_path, capsys, options, words):

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+import yaml
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
@@ -50,6 +51,10 @@ _ABLATIONS: dict[str, tuple[Only, dict[str, dict[str, Any]]]] = {  # which stage
     "--also", type=click.Choice(sorted(POLICIES)), multiple=True,
     help="Practise on the trials of this policy too, on the training cases of its own corpus; may be repeated.",
 )  # fmt: skip
+@click.option(
+    "--set", "settings", multiple=True, metavar="SECTION.NAME=VALUE",
+    help="Hyper-parameter in the place of the file's; may be repeated.",
+)  # fmt: skip
 @click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Model file to write.")
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
 @click.option("--device", default="auto", show_default=True, help="auto, cpu or cuda.")
@@ -73,8 +78,8 @@ _ABLATIONS: dict[str, tuple[Only, dict[str, dict[str, Any]]]] = {  # which stage
     help="Go on with an interrupted training of the same settings, or begin it anew; frames are kept either way.",
 )  # fmt: skip
 def adreft(
-    policy: str, corpus_file: Path | None, file: Path | None, also: tuple[str, ...], out: Path, seed: int, device: str,
-    workers: int, only: Only, start: Path | None, ablation: str | None, work: Path | None, *, resume: bool | None,
+    policy: str, corpus_file: Path | None, file: Path | None, also: tuple[str, ...],
+    settings: tuple[str, ...], out: Path, seed: int, device: str, workers: int, only: Only, start: Path | None, ablation: str | None, work: Path | None, *, resume: bool | None,
 ) -> None:  # fmt: skip
     """Train ADReFT for one policy, by the stages that the configuration has.
 
@@ -85,7 +90,9 @@ def adreft(
     looked at; what is said at the end was measured on the validation split.
     """
     begin = time.perf_counter()
-    configuration = read_training_configuration(file or config_folder() / "training" / "adreft.yaml")
+    configuration = read_training_configuration(
+        file or config_folder() / "training" / "adreft.yaml", dict(map(_setting, settings))
+    )
     if ablation is not None:
         only, changes = _ABLATIONS[ablation][0] or only, _ABLATIONS[ablation][1]
         configuration = _changed(configuration, changes)
@@ -118,6 +125,21 @@ def adreft(
         )  # fmt: skip
         trained = pipeline.run(out, only, start)
     _say(out, trained, time.perf_counter() - begin)
+
+
+def _setting(text: str) -> tuple[str, Any]:
+    """The name and the value of ``SECTION.NAME=VALUE``.
+
+    Raises:
+        InputError: it is no such thing.
+    """
+    name, _, value = text.partition("=")
+    try:
+        if value and all(name.partition(".")):
+            return name, yaml.safe_load(value)
+    except yaml.YAMLError:
+        pass
+    raise InputError("--set", f"{text!r} is no SECTION.NAME=VALUE", "write for instance practice.dose=0.1")
 
 
 def _companion(policy: str) -> Companion:

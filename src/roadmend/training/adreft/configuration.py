@@ -3,6 +3,7 @@
 The defaults are the paper's where the paper names a value (config/training/adreft-paper.yaml).
 """
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -235,8 +236,12 @@ class TrainingConfiguration(Section):
         return self
 
 
-def read_training_configuration(path: Path) -> TrainingConfiguration:
+def read_training_configuration(path: Path, changes: Mapping[str, Any] | None = None) -> TrainingConfiguration:
     """Read a configuration file; what it does not name has its default.
+
+    Args:
+        path: YAML.
+        changes: values that take the place of the file's, by "section.name".
 
     Raises:
         InputError: the file is missing, is no YAML, or a field of it is unusable.
@@ -250,6 +255,12 @@ def read_training_configuration(path: Path) -> TrainingConfiguration:
     except yaml.YAMLError:
         raise InputError(str(path), "broken YAML", "mend the file") from None
     try:
-        return TrainingConfiguration.model_validate(content if content is not None else {})
+        content = content if content is not None else {}
+        for name, value in (changes or {}).items():
+            section, _, field = name.partition(".")
+            content = content | {section: content.get(section, {}) | ({field: value} if field else value)}
+        return TrainingConfiguration.model_validate(content)
+    except (TypeError, AttributeError):
+        raise InputError(str(path), "its sections are no mappings", "see config/training/adreft.yaml") from None
     except ValidationError as error:
         raise InputError(str(path), describe(error), "see config/training/adreft.yaml for names and ranges") from None
