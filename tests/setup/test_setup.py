@@ -280,7 +280,16 @@ class TestOneLineErrors:
 
 class TestTorch:
     @pytest.mark.parametrize(
-        "command", ["train", "train adreft --seed 3", "bench adreft --quick", "bench sera", "sera tune", "set-up train"]
+        "command",
+        [
+            "train",
+            "train adreft --seed 3",
+            "bench adreft --quick",
+            "bench sera",
+            "sera cycle",
+            "sera tune",
+            "set-up train",
+        ],
     )
     def test_is_installed_for_what_trains_or_measures_against_it(self, launcher, command):
         assert launcher.needs_torch(command.split())
