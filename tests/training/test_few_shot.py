@@ -87,6 +87,15 @@ def test_an_epoch_that_forgets_is_not_kept_however_good_it_is_elsewhere(tmp_path
     assert all((before[name] == after[name]).all() for name in before)
 
 
+def test_without_the_guard_nothing_is_driven_and_the_last_epoch_is_kept(tmp_path, scenarios, gathering):
+    out = tmp_path / "tuned.safetensors"
+    found = repair(scenarios, out, gathering, [], settings=SETTINGS.model_copy(update={"keep": "last"}))
+    assert found.kept == found.trials[-1]
+    assert [(trial.epochs, trial.driving_score) for trial in found.trials] == [(1, None), (2, None), (3, None)]
+    before, after = load_checkpoint(MODEL).tensors, load_checkpoint(out).tensors
+    assert any((before[name] != after[name]).any() for name in before)
+
+
 def test_the_same_seed_gives_the_same_file_and_another_does_not(tmp_path, scenarios, gathering):
     scores = [(1, 0), (1, 1), (1, 1), (1, 1)]
     first = repair(scenarios, tmp_path / "a.safetensors", gathering, scores)
