@@ -42,7 +42,8 @@ def test_an_analysis_is_kept_counted_and_replayed(tmp_path, capsys, endpoint, mo
         assert main([*command, "--backend", "openai", "--out", str(out)]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["patterns"][0]["words"] == "A truck cuts in at the exit."
-    assert told["language_model"] == {"requests": 1, "input_tokens": 1000, "output_tokens": 50}
+    (used,) = told["usage"].values()
+    assert used == {"answers": 1, "input_tokens": 1000, "output_tokens": 50, "cost": None}
     kept = out.with_suffix(".exchanges.jsonl")
     assert KEY not in kept.read_text(encoding="utf-8")
     monkeypatch.delenv("OPENAI_API_KEY")
@@ -92,6 +93,6 @@ def test_a_reflection_by_a_model(tmp_path, capsys, endpoint):
         assert main([*command, "--backend", "openai", "--out", str(out)]) == 0
     printed = capsys.readouterr().out
     assert "It is wetter." in printed
-    assert "language model: 1 requests, 1000 tokens in, 50 out" in printed
+    assert ": 1 answers, 1,000 tokens in, 50 out" in printed
     assert json.loads(out.read_text(encoding="utf-8"))["swaps"][0]["reason"] == "It is wetter."
     assert out.with_suffix(".exchanges.jsonl").is_file()

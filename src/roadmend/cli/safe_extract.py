@@ -60,9 +60,7 @@ def extract(
     else:
         _show(done, out)
         for model, used in usage.items():
-            price = "" if used.cost is None else f", {used.cost:.4f} US dollars"
-            tokens = f"{used.input_tokens:,} tokens in, {used.output_tokens:,} out"
-            click.echo(f"{model}: {used.answers} answers, {tokens}{price}")
+            click.echo(f"{model}: {used}")
     return 1 if any(extracted.error for extracted in done) else 0
 
 

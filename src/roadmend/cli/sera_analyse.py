@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from roadmend.cli.language_options import language_options
-from roadmend.cli.sera_language import keeping_exchanges, open_backend, show_tokens
+from roadmend.cli.sera_language import keeping_exchanges, open_backend, show_usage
 from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import write_text
@@ -59,10 +59,16 @@ def analyse_bags(
         write_text(out, dump_patterns(analysis.patterns))
         write_text(out.with_suffix(".md"), report(analysis))
     if as_json:
-        click.echo(json.dumps({**asdict(analysis), "language_model": opened.tokens()}, indent=2, allow_nan=False))
+        click.echo(
+            json.dumps(
+                {**asdict(analysis), "usage": {model: asdict(used) for model, used in opened.usage().items()}},
+                indent=2,
+                allow_nan=False,
+            )
+        )
     else:
         _show(analysis)
-        show_tokens(opened)
+        show_usage(opened)
     for each in analysis.unreadable:
         click.echo(f"not read: {each.problem}", err=True)
     return 1 if analysis.unreadable else 0

@@ -38,12 +38,7 @@ def keeping_exchanges(backend: Backend, out: Path | None) -> Iterator[None]:
             write_text(out.with_suffix(ENDING), backend.exchanges())
 
 
-def show_tokens(backend: Backend) -> None:
-    """Say what a language model was asked for; nothing if none was."""
-    if backend.model is not None:
-        used = backend.tokens()
-        cost = f", {used['cost']:.4f} US dollars" if "cost" in used else ""
-        click.echo(
-            f"language model: {used['requests']} requests, {used['input_tokens']} tokens in, "
-            f"{used['output_tokens']} out{cost}"
-        )
+def show_usage(backend: Backend) -> None:
+    """Say what a language model took; nothing if none was asked."""
+    for model, used in backend.usage().items():
+        click.echo(f"{model}: {used}")

@@ -1,6 +1,7 @@
 """``roadmend sera recommend``: select scenarios to learn from, reflect on the selection, say why."""
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +9,7 @@ import click
 from rich.table import Table
 
 from roadmend.cli.language_options import language_options
-from roadmend.cli.sera_language import keeping_exchanges, open_backend, show_tokens
+from roadmend.cli.sera_language import keeping_exchanges, open_backend, show_usage
 from roadmend.cli.sera_options import BANK, EMBEDDER, JSON, PATTERN, filter_options, filters_of
 from roadmend.cli.table import wide_console
 from roadmend.core.whole_file import write_text
@@ -50,7 +51,7 @@ def recommend(
     with Bank(bank_file, embedder) as opened, keeping_exchanges(asked, out):
         found = recommend_from(opened, wanted, count, filters, digests, seed, asked.reflector)
         content = content_of(found, wanted, opened)
-    content["language_model"] = asked.tokens()
+    content["usage"] = {model: asdict(used) for model, used in asked.usage().items()}
     text = json.dumps(content, indent=2)
     if out is not None:
         write_text(out, text + "\n")
@@ -58,7 +59,7 @@ def recommend(
         click.echo(text)
     else:
         _show(content)
-        show_tokens(asked)
+        show_usage(asked)
 
 
 def _show(content: dict[str, Any]) -> None:

@@ -53,6 +53,10 @@ class Usage:
             cost,
         )
 
+    def __str__(self) -> str:
+        price = "" if self.cost is None else f", {self.cost:.4f} US dollars"
+        return f"{self.answers} answers, {self.input_tokens:,} tokens in, {self.output_tokens:,} out{price}"
+
 
 def usage_of(exchanges: Iterable[Exchange]) -> dict[str, Usage]:
     """What exchanges took, by model."""

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Self
 
 from roadmend.core.errors import InputError
-from roadmend.language.exchange import RecordingModel, dump_exchanges
+from roadmend.language.exchange import RecordingModel, Usage, dump_exchanges, usage_of
 from roadmend.language.models import MODELS
 from roadmend.language.question import ATTEMPTS
 from roadmend.sera.analyser import Analyser, EmbeddedAnalyser
@@ -51,13 +51,6 @@ class Backend:
         """What was said to the model and what it answered, one JSON object a line; a replay reads it."""
         return dump_exchanges(self.model.exchanges) if self.model is not None else ""
 
-    def tokens(self) -> dict[str, float]:
-        """What was asked for and used up so far, by the endpoint's count; the cost where prices are known."""
-        replies = [each.reply for each in self.model.exchanges if each.reply is not None] if self.model else []
-        costs = [reply.cost for reply in replies if reply.cost is not None]
-        return {
-            "requests": len(self.model.exchanges) if self.model is not None else 0,
-            "input_tokens": sum(reply.input_tokens for reply in replies),
-            "output_tokens": sum(reply.output_tokens for reply in replies),
-            **({"cost": sum(costs)} if costs else {}),
-        }
+    def usage(self) -> dict[str, Usage]:
+        """What was used up so far, by model."""
+        return usage_of(self.model.exchanges) if self.model is not None else {}
