@@ -16,7 +16,7 @@ from .crashes import ALL, HEAD_ON, role
 def test_a_crash_is_found_and_its_file_shows_it_again(name, tmp_path):
     ego = {"straight": 0, "rear end": 1}[name]
     found = reproduce(role(ALL[name], ego), "modular", 30)
-    assert found.is_reproduced, found.outcome
+    assert found.scenario is not None, found.outcome
     save_scenario(found.scenario, tmp_path / "s.yaml")
     summary = run_episode(load_scenario(tmp_path / "s.yaml"), make_policy("modular"), make_repairer("none"))
     assert summary.outcome is EventKind.COLLISION
@@ -28,11 +28,11 @@ def test_a_crash_is_found_and_its_file_shows_it_again(name, tmp_path):
 def test_who_is_alone_or_was_the_one_that_left_its_lane_is_not_tried():
     for what, ego, words in ((ALL["alone"], 0, "single vehicle"), (HEAD_ON, 1, "no policy is asked")):
         found = reproduce(role(what, ego), "modular", 30)
-        assert (found.is_reproduced, found.episodes) == (False, 0)
+        assert (found.scenario, found.episodes) == (None, 0)
         assert words in found.outcome
 
 
 def test_a_budget_that_runs_out_says_how_near_it_came():
     found = reproduce(role(ALL["parked"], 0), "modular", 2)
-    assert (found.is_reproduced, found.episodes) == (False, 2)
+    assert (found.scenario, found.episodes) == (None, 2)
     assert "nearest" in found.outcome

@@ -34,7 +34,6 @@ class Reproduction:
         episodes: driven until the crash happened, or in all.
         scenario: in which it happened; None if it did not.
         outcome: text of that episode's end, or why there is none.
-        failures: episodes that could not be built or run.
         trial: the episode in which it happened.
     """
 
@@ -44,13 +43,7 @@ class Reproduction:
     episodes: int
     scenario: Scenario | None
     outcome: str
-    failures: int = 0
     trial: Trial | None = None
-
-    @property
-    def is_reproduced(self) -> bool:
-        """Whether the described crash happened."""
-        return self.scenario is not None
 
 
 def reproduce(role: Role, policy: str, budget: int, seed: int = 0) -> Reproduction:
@@ -70,29 +63,27 @@ def reproduce(role: Role, policy: str, budget: int, seed: int = 0) -> Reproducti
     space = open_questions(role.crash)
     generator = generator_of(role, f"reproduce/{policy}/{seed}")
     best: tuple[float, Parameters, Trial] | None = None
-    failures, said = 0, "nobody came near"
+    said = "nobody came near"
     for episode in range(budget):
         drawn = _next(space, best, role, generator, fresh=episode % _FRESH == 0)
         try:
             scenario = build_scenario(role, drawn, f"{role.report}-v{role.number}-reproduced-{policy}", seed)
             trial = run_trial(scenario, policy)
         except RoadmendError as error:
-            failures, said = failures + 1, str(error)
+            said = str(error)
             continue
         gap = trial.summary.min_distance
         if trial.contact is not None:
             layout = lay_out(answer(role.crash, drawn), drawn)
             verdict = judge(role.crash, layout, role.ego, trial.contact)
             if verdict.is_described:
-                return Reproduction(
-                    role.report, role.number, policy, episode + 1, scenario, trial.summary.text, failures, trial
-                )
+                return Reproduction(role.report, role.number, policy, episode + 1, scenario, trial.summary.text, trial)
             said, gap = verdict.reason, 3.0  # [m] as good as a near miss: the wrong crash is no step to the right one
         elif math.isfinite(gap):
             said = f"no contact; the nearest was {min(gap, best[0]) if best else gap:.1f} m"
         if best is None or gap < best[0] or episode % _FRESH == 0:
             best = (gap, drawn, trial)
-    return Reproduction(role.report, role.number, policy, budget, None, said, failures)
+    return Reproduction(role.report, role.number, policy, budget, None, said)
 
 
 def _next(
