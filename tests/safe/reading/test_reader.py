@@ -160,6 +160,82 @@ def test_collisions(words, collision):
     assert (found.striking, found.struck, found.striking_side, found.struck_side) == collision
 
 
+CROSSING = "They met at a four-way intersection. V1, a sedan, was traveling north."
+
+
+@pytest.mark.parametrize(
+    ("words", "position"),
+    [
+        ("The front of V2, a van, struck the right side of V1.", Position.E2W),
+        ("The front of V2, a van, struck the left side of V1.", Position.W2E),
+        ("The front of V1 struck the right side of V2, a van.", Position.W2E),
+        ("The front of V1 struck the left side of V2, a van.", Position.E2W),
+        ("V1 turned left. The front of V2, a van, struck the right side of V1.", Position.N2S),
+        ("V1 turned left. Its front was contacted by the front of V2, a van.", Position.N2S),
+        ("V1 turned right. The front of her vehicle contacted the right front of V2, a van.", Position.W2E),
+        ("V2, a van, turned right. The front of V1 struck the front of V2.", Position.E2W),
+        ("V2, a van, turned left in front of V1. The front of V1 struck the right side of V2.", Position.N2S),
+        ("The rear of V2, a van, struck the left side of V1.", None),
+        ("V2, a van, turned right. The front of V1 struck the right side of V2.", None),
+    ],
+)
+def test_where_the_other_came_from_follows_from_the_sides_that_met(words, position):
+    assert read_summary(f"{CROSSING} {words}").scenario.vehicles[1].initial_position is position
+
+
+def test_away_from_a_junction_the_sides_that_met_say_nothing():
+    summary = "V1, a sedan, was traveling north on a straight road. The front of V2, a van, struck the left side of V1."
+    assert read_summary(summary).scenario.vehicles[1].initial_position is None
+
+
+@pytest.mark.parametrize(
+    ("where", "position"),
+    [
+        ("on a two-way street and hit V2, a van parked on the right shoulder", Position.W2E),
+        ("on a two-way street and hit V2, a van parked at the left road edge", Position.E2W),
+        ("on a two-way street and hit V2, a van parked along the north curb", Position.E2W),
+        ("on a two-way street and hit V2, a van parked along the south side", Position.W2E),
+        ("on a two-way street and hit V2, a van parked along the east side of a lot", None),
+        ("on a two-way street and hit V2, a van parked nearby", None),
+        ("on a one-way street and hit V2, a van parked at the left road edge", Position.W2E),
+        ("the wrong way on a one-way street and hit V2, a van that was parked", None),
+    ],
+)
+def test_a_parked_vehicle_faces_as_traffic_on_its_side_does(where, position):
+    summary = f"V1, a sedan, was traveling east {where}."
+    assert read_summary(summary).scenario.vehicles[1].initial_position is position
+
+
+def test_parked_beside_nobody_who_travels_along():
+    assert (
+        read_summary("V1, a sedan, hit V2, a van parked at the left curb.").scenario.vehicles[1].initial_position
+        is None
+    )
+
+
+def test_who_turns_left_in_front_of_another_does_not_go_its_way():
+    assert one_heading("V2, a van, turned left in front of V1.") is None
+    assert one_heading("V2, a van, was in front of V1.") is Position.S2N
+
+
+def one_heading(words):
+    return (
+        read_summary(f"V1, a sedan, was northbound on a two-lane road. {words}").scenario.vehicles[1].initial_position
+    )
+
+
+def test_a_bend_that_leads_to_the_place_makes_the_road_a_curve():
+    summary = "V1, a sedan, hit V2, a van, on a road that curved to the left just before the crash site."
+    assert read_summary(summary).scenario.road.road_type is RoadType.CURVE
+
+
+def test_lanes_that_are_not_called_lanes_again():
+    summary = (
+        "V1, a sedan, hit V2, a van, on the southbound lanes of a highway. The three southbound were level and dry."
+    )
+    assert read_summary(summary).scenario.road.lanes == 3
+
+
 def test_who_touched_nothing_is_left_out():
     reading = read_summary(
         "V1, a sedan, hit V2, a van. V3 (non-contact vehicle), a bus, was ahead of V1. They were on a two-lane road."

@@ -26,7 +26,7 @@ _LAST_NAMED = re.compile(r"\bv(\d)\)?(?:\s*\([^)]*\)|,? (?:an?|the) [^.;]*)?,?$"
 _REFERENCE = re.compile(r"\bv(\d)\b")
 _PRONOUN = re.compile(
     r"^(?:(?:and|when|as|while|before|after|but|then)\s+)?(?:he|she|it|they|this vehicle|the vehicle|"
-    r"the driver(?! (?:of|in) v\d)|its|his|her)\b"
+    r"the driver(?! (?:of|in) v\d)|its|his|her|the (?:[\w-]+ ){1,3}of (?:its|his|her|the) (?:own )?(?:vehicle|car))\b"
 )
 _ASIDE = re.compile(
     r"\s*\((?!v\d|(?:north|south|east|west)(?:bound)?(?: to \w+)?\))[^)]*\)"

@@ -24,6 +24,7 @@ _HIT = re.compile(
 )
 _PASSIVE = re.compile(r"\b(?:was|were|being|got|is|been)\s+(?:\w+ly\s+|then\s+|also\s+|subsequently\s+)?$")
 _REFERENCE = re.compile(r"\bv(\d)\b")
+_APPOSED = re.compile(r"(?<=\bv\d), (?:an?|the) [^,;]{2,60},")
 _WITH = re.compile(r"\bwith (?:the |its |his |her )?(.{0,60})")
 _TOGETHER = re.compile(
     r"\bv(\d) and v(\d)\b[^;.]{0,30}\b(?:collided|impacted|struck each|hit each|made contact)\b(?P<how>[^.;]{0,60})"
@@ -79,7 +80,8 @@ def _hits(clause: Clause) -> list[Contact]:
         earlier, later = list(_REFERENCE.finditer(before)), list(_REFERENCE.finditer(after))
         one = int(earlier[-1][1]) if earlier else clause.subjects[0] if len(clause.subjects) == 1 else None
         # The side is named in the last phrase before the verb: "the front of v2".
-        near = re.split(r",|\band the\b|\bwhen\b|\bv\d (?=and)", before)[-1] if earlier else before[-60:]
+        phrases = re.split(r",|\band the\b|\bwhen\b|\bv\d (?=and)", _APPOSED.sub(" ", before))
+        near = phrases[-1] if earlier else before[-60:]
         if _PASSIVE.search(before):
             by = after.find("by ")
             by_whom = [match for match in later if match.start() > by >= 0]

@@ -76,6 +76,7 @@ _ADJECTIVE = re.compile(
     rf"\bby v(\d)\)?, {_COMPASS}bound\b"
 )
 _NEAR = r"\b(?:ahead of|behind|following|in front of|pass|passing|overtak\w+|trailing) (?:[^.;,]{0,60}\()?(?:\w+ )?"
+_INTO_THE_WAY = re.compile(r"\b(?:turn\w*|cross\w*|pull\w* out)\b[^,;.]{0,40}?\bin front of\b")
 _NOT_OWN = re.compile(r"\b(?:(?:came|coming|come) to (?:a )?(?:final )?rest|rotat\w+|rebounded|spun)\b")
 _OPPOSING = re.compile(
     r"\b(?:in the )?(?:opposite|opposing|oncoming)(?: travel)?(?: direction|\b)|\bfrom the opposite\b|"
@@ -218,7 +219,7 @@ def _relative(
         if re.search(r"\b(?:rotat|rest\b)", clause.text):
             continue
         if number not in clause.subjects:
-            behind = re.search(rf"{_NEAR}v{number}\b", clause.text)
+            behind = re.search(rf"{_NEAR}v{number}\b", _INTO_THE_WAY.sub(" ", clause.text))
             leader = found.get(clause.subjects[0]) if behind and len(clause.subjects) == 1 else None
             if leader is not None and leader.value is not None:
                 return Finding(leader.value, 0.75, clause.sentence, f"as v{clause.subjects[0]}")
@@ -235,7 +236,8 @@ def _relative(
                 and re.search(r"travel|approach|from|head|com", clause.text)
             ):
                 return Finding(_OPPOSITE[known.value], 0.75, clause.sentence, f"opposite to v{other}")
-            if _SAME.search(clause.text) and re.search(rf"{_NEAR}v{other}\b|same|also", clause.text):
+            text = _INTO_THE_WAY.sub(" ", clause.text)
+            if _SAME.search(text) and re.search(rf"{_NEAR}v{other}\b|same|also", text):
                 return Finding(known.value, 0.75, clause.sentence, f"as v{other}")
     return None
 

@@ -43,8 +43,8 @@ _DIRECTED = (
         rf"{_COUNT} (?:[\w-]+,? ){{0,2}}?({_COMPASS})bound\b(?! (?:vehicle|car|driver|approach))(?: {_KIND}|"
         r"[- ](?:(?!\d)[\w-]+ ){0,3})lanes?"
     ),
-    # "2 northbound and 3 southbound lanes"
-    re.compile(rf"{_COUNT} ({_COMPASS})bound(?=,? and \d{{1,2}} {_COMPASS}bound {_KIND}lanes)"),
+    # "2 northbound and 3 southbound lanes", and, of lanes named before, "the 2 northbound were level"
+    re.compile(rf"{_COUNT} ({_COMPASS})bound(?=,? and \d{{1,2}} {_COMPASS}bound {_KIND}lanes| (?:were|are)\b)"),
     # "2 lanes northbound", "2 through lanes for northbound traffic"
     re.compile(
         rf"{_COUNT} {_KIND}(?:through-)?lanes? (?:for |traveling |heading |running |in the |going |"

@@ -19,11 +19,13 @@ from roadmend.safe.dsl import (
 )
 from roadmend.safe.reading.clauses import cut_clauses
 from roadmend.safe.reading.contacts import Contact, read_contacts
+from roadmend.safe.reading.crossing_paths import cross_headings
 from roadmend.safe.reading.directions import heading_of_the_place, read_headings, relate_headings
 from roadmend.safe.reading.environment import read_time, read_weather
 from roadmend.safe.reading.finding import Finding, nothing
 from roadmend.safe.reading.lanes import read_lanes
 from roadmend.safe.reading.mentions import Cast, find_cast
+from roadmend.safe.reading.parked import park_headings
 from roadmend.safe.reading.road_type import read_road_type, read_stem, vehicles_on_ramp
 from roadmend.safe.reading.speed_limits import limit_for, read_limits
 from roadmend.safe.reading.text import read_sentences
@@ -67,13 +69,17 @@ def _assemble(cast: Cast) -> Reading:
     sides = {number: finding.value for number, finding in turns.items()}
     stated = read_headings(clauses, numbers)
     headings = relate_headings(stated, clauses, sides, [(each.striking, each.struck, each.sides) for each in contacts])
+    road_type = read_road_type(sentences, clauses, len(numbers), [number for number in numbers if sides[number]])
+    is_t, merging = road_type.value is RoadType.T_INTERSECTION, road_type.value is RoadType.MERGING
+    at_junction = is_t or road_type.value is RoadType.INTERSECTION
+    if at_junction and contacts:
+        headings = cross_headings(headings, sides, contacts[0])
+    else:
+        headings = park_headings(headings, clauses)
     place = heading_of_the_place(clauses)
     headings = {number: finding if finding.value is not None else place for number, finding in headings.items()}
     manoeuvres = read_manoeuvres(clauses, turns, headings)
 
-    road_type = read_road_type(sentences, clauses, len(numbers), [number for number in numbers if sides[number]])
-    is_t, merging = road_type.value is RoadType.T_INTERSECTION, road_type.value is RoadType.MERGING
-    at_junction = is_t or road_type.value is RoadType.INTERSECTION
     lanes = read_lanes(sentences, merging=merging)
     known = {number: finding.value for number, finding in headings.items()}
     stem = read_stem(sentences, clauses, known, sides) if is_t else nothing("only a T-intersection has a stem")

@@ -56,7 +56,6 @@ _CURVE = re.compile(
 )
 _NO_CURVE = re.compile(
     r"\b(?:no|not|without|after|past|beyond|following|prior to|before) (?:an? |the |any )?(?:\w+ )?curv\w+|"
-    r"\bcurv\w+ (?:\w+ ){0,5}?(?:prior to|before|ahead of) (?:the )?(?:crash|scene|site|impact|straight)|"
     r"\bstraight(?:ened)? (?:out )?after|\bcurve warning signs?\b|\bcurv\w+ (?:further|farther|later)\b"
 )
 _NEGOTIATING = re.compile(
