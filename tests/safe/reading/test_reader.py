@@ -101,6 +101,8 @@ def test_time(words, time):
         ("The road was wet.", None),
         ("V2 waited for traffic to clear.", None),
         ("They were on a windy road.", None),
+        ("It was daytime and clear.", Weather.SUNNY),
+        ("It was late night and clear.", Weather.CLEAR),
         ("V1 had its fog lights on.", None),
     ],
 )
@@ -116,6 +118,10 @@ def test_weather(words, weather):
         ("The speed limit was 72 km/h.", 45),
         ("The posted speed limit was 89KMPH (55MPH).", 55),
         ("V1 was traveling at approximately 60 mph.", None),
+        ("The posted speed was 40 mph.", 40),
+        ("V1 was traveling along a road with a 25 mph limit.", 25),
+        ("The speed limit on V1's road was 30 mph and the speed limit on V2's road was 50 mph.", 30),
+        ("The speed limit was 55 mph with an advisory speed of 35 mph.", 55),
         ("An advisory speed of 25 mph is posted with a speed limit sign.", None),
         ("They met at an intersection. The speed limit of the east/west road is 30 mph.", None),
     ],
@@ -227,6 +233,61 @@ def one_heading(words):
 def test_a_bend_that_leads_to_the_place_makes_the_road_a_curve():
     summary = "V1, a sedan, hit V2, a van, on a road that curved to the left just before the crash site."
     assert read_summary(summary).scenario.road.road_type is RoadType.CURVE
+
+
+def test_a_road_that_ends_at_a_route_makes_a_t_intersection():
+    summary = "V1, a sedan, hit V2, a van, at the junction of a side road that ends at the state route."
+    assert read_summary(summary).scenario.road.road_type is RoadType.T_INTERSECTION
+
+
+@pytest.mark.parametrize(
+    ("road", "lanes"),
+    [
+        ("The street is two lanes.", 2),
+        ("The road has four lanes in both directions with dedicated left turn lanes.", 4),
+        ("The road has two lanes in each direction and a center turn lane.", 5),
+    ],
+)
+def test_lanes(road, lanes):
+    assert read_summary(f"V1, a sedan, hit V2, a van. {road}").scenario.road.lanes == lanes
+
+
+def test_the_only_limit_holds_for_the_road_that_joins_too():
+    summary = (
+        "At an intersection a side street meets a two-lane, north/south highway. The posted speed limit was 45 mph. "
+        "V1, a sedan, was traveling west. V2, a van, was traveling south. V2 hit V1."
+    )
+    assert [vehicle.speed_limit_mph for vehicle in read_summary(summary).scenario.vehicles] == [45, 45]
+
+
+def test_who_is_numbered_by_nothing_but_the_case_vehicle():
+    summary = (
+        "The case vehicle is a 2015 Honda Fit that was struck by a 2012 Jeep Patriot on a two-lane road. The case vehicle "
+        "was traveling north. The Jeep was traveling south."
+    )
+    vehicles = read_summary(summary).scenario.vehicles
+    assert [vehicle.model for vehicle in vehicles] == ["Sedan", "SUV"]
+    assert [vehicle.initial_position for vehicle in vehicles] == [Position.S2N, Position.N2S]
+
+
+def test_two_of_one_make_stay_two():
+    summary = "A 2010 Honda Civic was traveling north. A 2012 Honda Pilot hit the Civic. The Honda Pilot was new."
+    assert [vehicle.model for vehicle in read_summary(summary).scenario.vehicles] == ["Sedan", "SUV"]
+
+
+def test_a_pair_with_one_verb_goes_one_way():
+    summary = "V1, a 2010 Ford Focus, and V2, a 2012 Jeep Patriot, were westbound on a two-lane road. V1 hit V2."
+    assert {vehicle.initial_position for vehicle in read_summary(summary).scenario.vehicles} == {Position.E2W}
+
+
+def test_the_lanes_of_the_crash_give_the_heading_of_who_has_none():
+    summary = "This crash took place on a northbound interstate. V1, a sedan in lane one, hit V2, a van in lane two."
+    assert {vehicle.initial_position for vehicle in read_summary(summary).scenario.vehicles} == {Position.S2N}
+
+
+def test_what_is_parked_has_a_body_too():
+    summary = "V1, a sedan, was northbound on a two-lane road and hit a parked 2003 Ford Econoline."
+    assert [vehicle.model for vehicle in read_summary(summary).scenario.vehicles] == ["Sedan", "Minivan"]
 
 
 def test_lanes_that_are_not_called_lanes_again():

@@ -31,6 +31,7 @@ _PRONOUN = re.compile(
 _ASIDE = re.compile(
     r"\s*\((?!v\d|(?:north|south|east|west)(?:bound)?(?: to \w+)?\))[^)]*\)"
 )  # counts of lanes, ages, belts
+_PAIR = re.compile(r"\bv(\d), (?:an?|the) [^,;.]{2,60},? and v(\d), (?:an?|the) [^,;.]{2,60}, were (?:both )?")
 _RELATIVE = re.compile(rf"^(?:(?:which|who|that)\b|{_TRAVELING})")
 _PLACED = re.compile(
     r"^(?:while |and |as )?(?:ahead of|behind|in front of|following|in advance of|directly ahead of|"
@@ -66,7 +67,7 @@ def cut_clauses(sentences: Sequence[Sentence], numbers: Sequence[int]) -> tuple[
     clauses: list[Clause] = []
     topic: tuple[int, ...] = ()  # what a pronoun at the start of the next sentence means
     for sentence in sentences:
-        plain = _ASIDE.sub("", sentence.plain)
+        plain = _PAIR.sub(r"v\1 and v\2 were both ", _ASIDE.sub("", sentence.plain))
         subject: tuple[int, ...] = ()
         for text in filter(None, (part.strip() for part in _split(plain))):
             found = _subjects(text, numbers)

@@ -117,7 +117,7 @@ def read_headings(clauses: Sequence[Clause], numbers: Sequence[int]) -> dict[int
 
 _PLACE_OF_CRASH = re.compile(
     r"\b(?:crash|collision|accident|incident|impact) (?:[^.;]{0,40} )?(?:occurred|happened|took place|"
-    rf"occurs)\b[^.]*\b(?:in|on|along) the (?:[\w-]+ ){{0,4}}?{_COMPASS}bound\b"
+    rf"occurs)\b[^.]*\b(?:in|on|along) (?:the|an?) (?:[\w-]+ ){{0,4}}?{_COMPASS}bound\b"
 )
 
 

@@ -115,8 +115,8 @@ _SKY = (
         None,
         0.9,
         (
-            r"(?:it was|was|were|weather:?|conditions:?) (?:dark,? |daylight,? |light,? |dry,? |dusk,? |"
-            r"dawn,? )?(?:and )?(?:clear|sunny)(?= and|,|\.|;| with| at| on|$)"
+            r"(?:it was|was|were|weather:?|conditions:?) (?:(?:dark|daylight|day ?time|light|dry|"
+            r"dusk|dawn|night ?time|(?:early |late |mid-?)?(?:morning|afternoon|evening|night)),? )?(?:and )?(?:clear|sunny)(?= and|,|\.|;| with| at| on|$)"
         ),
     ),
     (

@@ -23,7 +23,7 @@ _TOTAL = re.compile(
 )
 _HAS = re.compile(
     rf"\b{_ROAD}s?\b[^.;]{{0,40}}?(?:\b(?:has|had|having|with|of|comprising|featur\w+|contain\w+|carr\w+|"
-    rf"(?:is|was) (?:made up|composed)(?: of)?)|\() ?(?:a total of )?{_N} {_KIND}lanes\b(?! (?:in (?:each|either)|"
+    rf"(?:is|was|are|were)(?: (?:made up|composed)(?: of)?)?)|\() ?(?:a total of )?{_N} {_KIND}lanes\b(?! (?:in (?:each|either)|"
     rf"each|per|{_COMPASS}))"
 )
 _EACH = re.compile(
@@ -63,7 +63,7 @@ _TURN_LANE = re.compile(
     r"exclusive )*(?:left[- ]turn|turn(?:ing)?|right[- ]turn)(?:[- ]only)?(?:ing)? lanes?"
 )
 _CENTER_TURN_LANE = re.compile(
-    r"\b(?:2-way|two-way|center|middle|continuous|shared|dedicated) (?:\w+[- ])?(?:left[- ])?turn(?:ing)? lane"
+    r"\b(?:2-way|two-way|center|middle|continuous|shared|dedicated) (?:\w+[- ])?(?:left[- ])?turn(?:ing)? lane\b"
 )
 _MIDDLE_OF = re.compile(
     rf"\b(?:\w+|\d) (?:travel |through )?lane of {_N}\b|"

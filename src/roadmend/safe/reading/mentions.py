@@ -17,8 +17,8 @@ _VERB = (
     r"went|ran|moving|slow\w*)\b"
 )
 _DESCRIBED_AFTER = re.compile(
-    r"\bv(?P<number>\d)\b\)?(?:\s*\([^)]{0,60}\))*(?:\s*[,.:=-]+\s*(?:(?:was|is)\s+)?(?:also\s+)?(?:an?|the|"
-    r"another)?\s*|\s+(?:was|is)\s+(?:also\s+)?(?:an?|the)\s+|\s*\(\s*(?:an?\s+|the\s+)?|"
+    r"\bv(?P<number>\d)\b\)?(?:\s*\([^)]{0,60}\))*(?:\s*[,.:=-]+\s*(?:(?:was|is)\s+)?(?:also\s+)?(?:(?:an?|the|"
+    r"another)\s+(?:(?:legally|illegally|parked|unoccupied|stopped|disabled)\s+)*)?\s*|\s+(?:was|is)\s+(?:also\s+)?(?:an?|the)\s+|\s*\(\s*(?:an?\s+|the\s+)?|"
     r"\s+an?\s+(?=(?:19|20)\d\d\b)|[\s,]+(?:(?:was|is|had been)\s+)?(?:operating|driving|drove|operated|drives|"
     r"in)\s+(?:an?|the|his|her)\s+)(?:(?:north|south|east|"
     rf"west)bound,?\s+)?(?P<text>(?:(?!{_VERB}|\bv\d\b)[^.;()]){{2,140}})"
@@ -61,8 +61,11 @@ _STRUCK_UNNUMBERED = re.compile(
     r"\b(?:struck|hit|strik(?:es|ing)|hitting|impact(?:ed|s)?(?: with)?|contacted|collided with|collision with|"
     r"crashed into|rear-ended|ran into|sideswiped)\s+(?:the\s+[\w\s-]{1,30}\s+of\s+)?(?P<np>(?:an?|another|"
     r"the)\s+(?P<kind>legally parked|parked|unoccupied|stopped|disabled|oncoming|second|other|"
-    rf"non-occupied)\s+(?:(?!v\d)[\w/-]+\s+){{0,5}}?{_SUBJECT_NOUN})(?! trailer)\b"
+    rf"non-occupied)\s+(?:(?:(?!v\d)[\w/-]+\s+){{0,5}}?{_SUBJECT_NOUN}|(?:19|20)\d\d [\w-]+ [\w-]+))(?! trailer)\b"
 )
+
+
+_MAKE = "make "
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +106,10 @@ def find_cast(sentences: Sequence[Sentence]) -> Cast:
     named = tuple(replace(sentence, plain=name_case_vehicle(sentence.plain, case)) for sentence in sentences)
     if not any(REFERENCE.search(sentence.plain) for sentence in named):
         named = _number_by_mention(named)
+    elif not any(REFERENCE.search(sentence.plain) for sentence in sentences) and (
+        own := _describe(named, [case], case)[case].name
+    ):
+        named = _number_by_mention(named, own)
     else:
         named = _number_the_struck(named)
     left_out = {int(match[1]) for sentence in named for match in _NO_CONTACT.finditer(sentence.plain)}
@@ -219,9 +226,14 @@ def _number_the_struck(sentences: Sequence[Sentence]) -> tuple[Sentence, ...]:
     return tuple(sentences)
 
 
-def _number_by_mention(sentences: Sequence[Sentence]) -> tuple[Sentence, ...]:
-    """Number the vehicles of a report without numbers in the order in which it mentions them."""
-    keys: list[tuple[str, ...]] = []
+def _number_by_mention(sentences: Sequence[Sentence], first: Name | None = None) -> tuple[Sentence, ...]:
+    """Number the vehicles of a report without numbers in the order in which it mentions them.
+
+    Args:
+        sentences: the report's.
+        first: what the first one is called, where the report calls it the case vehicle too.
+    """
+    keys = [_key_of(first)] if first else []
     result = []
     for sentence in sentences:
         plain, place = "", 0
@@ -235,9 +247,15 @@ def _number_by_mention(sentences: Sequence[Sentence]) -> tuple[Sentence, ...]:
     return tuple(result)
 
 
+def _key_of(name: Name) -> tuple[str, ...]:
+    return tuple(filter(None, (f"{_MAKE}{name.make}", name.model)))
+
+
 def _find(keys: list[tuple[str, ...]], key: tuple[str, ...], *, is_new: bool) -> int | None:
+    # Two vehicles may be of one make: it tells them apart only where there is nothing else.
+    own = {part for part in key if not part.startswith(_MAKE)} or {*key}
     for number, known in enumerate(keys, start=1):
-        if set(key) & set(known):
+        if own & {*known}:
             keys[number - 1] = (*known, *key)
             return number
     if not is_new or len(keys) == 9:
@@ -259,7 +277,7 @@ def _mentions(plain: str) -> list[tuple[int, int, tuple[str, ...], bool]]:
         start = before.start() if before else year.start() if year else name.span[0]
         body = re.match(rf"(?:[\s,]+[\w'/-]+){{0,4}}?[\s,]+{_SUBJECT_NOUN}(?![\w-])", plain[name.span[1] :])
         end = name.span[1] + (body.end() if body and not re.search(_VERB, body[0]) else 0)
-        key = (name.model or name.make, *([_noun(plain[start:end])] if body else []))
+        key = (*_key_of(name), *([_noun(plain[start:end])] if body else []))
         places.append((start, end, tuple(filter(None, key)), True))
     for match in _INTRODUCED.finditer(plain):
         if any(start < match.end() and match.start() < end for start, end, _, _ in places):

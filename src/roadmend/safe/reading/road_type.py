@@ -31,7 +31,8 @@ _T = re.compile(
     r"\b3[- ](?:leg(?:ged)?|way|arm(?:ed)?|legs?)(?: [\w-]+){0,3}? (?:intersection|junction)|"
     r"\b(?:intersection|junction) (?:with|of|has|had|having) 3 (?:legs|approaches|arms)|"
     r"\by[- ](?:intersection|junction)|\b(?:ends|ended|terminates|terminated|dead[- ]ends?) (?:in|at|into) (?:an? |"
-    r"the )?(?:\"?t\"?\b|[\w-]+ (?:road|street|roadway|highway|avenue)|(?:route|highway) \d+|intersection)|"
+    r"the )?(?:\"?t\"?\b|[\w-]+ (?:road|street|roadway|highway|avenue|route|arterial|boulevard|thoroughfare)|"
+    r"(?:route|highway) \d+|intersection)|"
     r"\b(?:intersection|junction)[^.;]{0,30}\b(?:forms?|forming|formed|in the shape of) (?:an? |the )?\"?t\"?\b"
 )
 _CROSS = re.compile(

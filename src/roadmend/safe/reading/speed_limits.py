@@ -14,6 +14,9 @@ _LEAST = 5  # [mph]
 _LIMIT = re.compile(
     r"\bspeed (?:limits?|zone)|\bposted:? (?:at|limit|speed|\d)|\blimits?\b|(?:mph|km/h) (?:speed )?(?:zone|limit)"
 )
+_ADVICE = re.compile(
+    r"\b(?:advisory|recommended|suggested) (?:curve )?speed(?: limit)?(?: (?:of|is|was))? \d+ (?:mph|km/h)(?: ?\(\d+ (?:mph|km/h)\))?"
+)
 _NO_LIMIT = re.compile(r"\b(?:advisory|recommended|speed limit sign\b(?! (?:of|for|posted))|minimum)\b")
 _VALUE = re.compile(
     r"(?P<first>\d{1,3}(?:\.\d+)?) (?P<unit>mph|km/h)\.?\s*(?:[(/\[]\s*|or |"
@@ -37,6 +40,7 @@ _SAME_ROAD = re.compile(
     r"\bthe (?:road|roadway|trafficway|street|highway) (?:is|was|had|has|consist)|"
     r"^(?:it|there|the (?:posted )?speed limit)\b"
 )
+_ROAD_BEFORE_VALUE = re.compile(r"\blimits? (?:on|for|of|along|in) [^.;,]*\b(?:was|is)\s*$")
 _FOR_TRUCKS = re.compile(r"[^\w.;]*(?:limit )?for (?:\w+ )?(?:trucks|tractor|commercial|heavy)")
 
 
@@ -51,6 +55,7 @@ class Limit:
     towards: str | None
     sentence: str
     trucks: bool = False  # for heavy trucks alone
+    by_context: bool = False  # the road is that of the sentences before
 
 
 def read_limits(sentences: Sequence[Sentence]) -> tuple[Limit, ...]:
@@ -59,7 +64,7 @@ def read_limits(sentences: Sequence[Sentence]) -> tuple[Limit, ...]:
     axes_of_label = _axes_of_labels(sentences)
     topic: frozenset[str] = frozenset()  # the road that the sentences before were about
     for sentence in sentences:
-        plain = sentence.plain
+        plain = _ADVICE.sub("", sentence.plain)
         named = _axes(plain)
         if named:
             topic = named
@@ -79,8 +84,10 @@ def read_limits(sentences: Sequence[Sentence]) -> tuple[Limit, ...]:
             around = plain if len(values) == 1 else _own_part(plain, start, match, end, road_first=road_first)
             axes = _axes(around)
             labels = frozenset(int(label) for label in _LABEL.findall(around))
+            by_context = False
             if not axes and len(values) == 1:
                 axes = topic if _SAME_ROAD.search(plain) and len(topic) == 1 else frozenset()
+                by_context = bool(axes) and plain.startswith("the ")
             if not axes and labels and len(axes_of_label) > 1:
                 axes = frozenset().union(*(axes_of_label.get(label, frozenset()) for label in labels))
             vehicles = frozenset(int(number) for number in _VEHICLE.findall(around))
@@ -93,7 +100,7 @@ def read_limits(sentences: Sequence[Sentence]) -> tuple[Limit, ...]:
                 else None
             )
             trucks = _FOR_TRUCKS.match(plain, match.end()) is not None
-            limits.append(Limit(_mph(match), axes, vehicles, labels, one_way, sentence.text, trucks))
+            limits.append(Limit(_mph(match), axes, vehicles, labels, one_way, sentence.text, trucks, by_context))
     return tuple(limits)
 
 
@@ -129,7 +136,9 @@ def limit_for(
     general = [limit for limit in others if not limit.axes or len(limit.axes) == 2]
     if general:
         return Finding(general[0].mph, 0.9 if len(general) == 1 else 0.6, general[0].sentence, "the limit of the place")
-    if (axis is None or not at_junction) and len({limit.mph for limit in others}) == 1:
+    if (axis is None or not at_junction or all(limit.by_context for limit in others)) and len(
+        {limit.mph for limit in others}
+    ) == 1:
         return Finding(others[0].mph, 0.5, others[0].sentence, "the only limit mentioned")
     return nothing("the limits mentioned are those of another road")
 
@@ -144,17 +153,19 @@ def _mph(match: re.Match[str]) -> int:
 
 def _is_speed_of_travel(plain: str, match: re.Match[str]) -> bool:
     before = plain[max(0, match.start() - 45) : match.start()]
+    if re.match(r"\)?,?\s*(?:posted )?(?:speed )?(?:limit|zone)\b", plain[match.end() :]):
+        return False
     return bool(
         re.search(
             r"\b(?:travel\w*|going|driving|moving|estimated?|approximately|speeds? of|delta|traveling)\b[^.;]*$",
             before,
         )
-    ) and not re.search(r"limit[^.;]*$", before)
+    ) and not re.search(r"(?:limit|posted)[^.;]*$", before)
 
 
 def _own_part(plain: str, start: int, match: re.Match[str], end: int, *, road_first: bool) -> str:
     """The words that belong to one of several values: those after it where 'for' or 'on' follows, else those before."""
-    if road_first:
+    if road_first or _ROAD_BEFORE_VALUE.search(plain[start : match.start()]):
         return plain[start : match.start()]
     after = re.match(
         r"(?:[^\d]*?\b(?:for|on|in|along)\b|\s*(?=(?:north|south|east|west)\b))((?:(?!\band\b(?! (?:east|west|north|south))).)*)",
