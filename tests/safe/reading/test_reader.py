@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from roadmend.cli.resources import config_folder
-from roadmend.safe.dsl import Action, Manoeuvre, Position, RoadType, Side, Time, Weather
+from roadmend.safe.dsl import Action, Compass, Manoeuvre, Model, Position, RoadType, Side, Time, Weather
 from roadmend.safe.dsl_data import dump_data, parse_data
 from roadmend.safe.reading.reader import read_summary
 
@@ -73,6 +73,7 @@ def one(text):
         ("It was dark but lighted.", Time.NIGHTTIME),
         ("The crash occurred at dawn.", Time.DAYTIME),
         ("It was dusk.", Time.DAYTIME),
+        ("It was light outside.", Time.DAYTIME),
         ("It happened in the predawn hours.", Time.NIGHTTIME),
         ("It happened in the evening hours (daylight).", Time.DAYTIME),
         ("It happened in the late evening.", Time.NIGHTTIME),
@@ -101,6 +102,7 @@ def test_time(words, time):
         ("The road was wet.", None),
         ("V2 waited for traffic to clear.", None),
         ("They were on a windy road.", None),
+        ("There was a snow storm.", Weather.SNOWY),
         ("It was daytime and clear.", Weather.SUNNY),
         ("It was late night and clear.", Weather.CLEAR),
         ("V1 had its fog lights on.", None),
@@ -278,6 +280,25 @@ def test_two_of_one_make_stay_two():
 def test_a_pair_with_one_verb_goes_one_way():
     summary = "V1, a 2010 Ford Focus, and V2, a 2012 Jeep Patriot, were westbound on a two-lane road. V1 hit V2."
     assert {vehicle.initial_position for vehicle in read_summary(summary).scenario.vehicles} == {Position.E2W}
+
+
+def test_what_follows_that_is_said_of_the_vehicle_before():
+    summary = (
+        "V1 was a 2010 Ford Focus that was going north on a two-lane road. V2 was a Jeep Patriot that was going west."
+    )
+    headings = [vehicle.initial_position for vehicle in read_summary(summary).scenario.vehicles]
+    assert headings == [Position.S2N, Position.E2W]
+
+
+def test_who_turns_from_a_lane_came_along_it():
+    summary = (
+        "At a T-intersection a two-lane road that leads south meets a highway. V1, a Mazda6, turned right from the "
+        "northbound lane onto the eastbound lane. V2, a van, was eastbound and struck the rear of V1."
+    )
+    scenario = read_summary(summary).scenario
+    assert scenario.road.stem is Compass.SOUTH
+    assert scenario.vehicles[0].model is Model.SEDAN
+    assert scenario.vehicles[0].initial_position is Position.S2N
 
 
 def test_the_lanes_of_the_crash_give_the_heading_of_who_has_none():

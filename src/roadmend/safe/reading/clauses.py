@@ -22,7 +22,7 @@ _BOUNDARY = re.compile(
     rf"(?:(?<=v\d)|(?<=v\d\))),?\s+(?={_TRAVELING})|,?\s+(?=(?:which|who|that)\s+(?:was|were|had|is|has)\b)|"
     r",\s+(?=(?:where|causing)\b)"
 )
-_LAST_NAMED = re.compile(r"\bv(\d)\)?(?:\s*\([^)]*\)|,? (?:an?|the) [^.;]*)?,?$")
+_LAST_NAMED = re.compile(r"\bv(\d)\)?(?:\s*\([^)]*\)|(?:,| was| is)? (?:an?|the) [^.;]*)?,?$")
 _REFERENCE = re.compile(r"\bv(\d)\b")
 _PRONOUN = re.compile(
     r"^(?:(?:and|when|as|while|before|after|but|then)\s+)?(?:he|she|it|they|this vehicle|the vehicle|"

@@ -54,7 +54,8 @@ _INTENT = re.compile(
 _FROM = re.compile(
     rf"\b(?:from|out of) the {_COMPASS}\b(?! (?:side|leg|lane|bound|to\b))|"
     rf"\bfrom (?:the )?{_COMPASS}(?:bound)? to(?:ward)?s? (?:the )?{_COMPASS}|"
-    rf"\b{_COMPASS}(?:bound)? to {_COMPASS}(?:bound)?\b|\bfrom {_COMPASS}bound (?!(?:\w+ )?(?:lanes?|traffic)\b)"
+    rf"\b{_COMPASS}(?:bound)? to {_COMPASS}(?:bound)?\b|\bfrom {_COMPASS}bound (?!(?:\w+ )?(?:lanes?|traffic)\b)|"
+    rf"\bturn\w* (?:left|right) from the {_COMPASS}bound\b"
 )
 _TOKEN = re.compile(
     rf"(?<![\w/-]){_COMPASS}(?:bound|erly)?\b(?![/-]| (?:and|or) (?:north|south|east|west)|(?:east|west))"
@@ -191,10 +192,10 @@ def _from_where(text: str) -> Position | None:
     match = _FROM.search(_NOT_OWN.split(text)[0])
     if match is None:
         return None
-    coming, _, to_first, _, to_second, road = match.groups()
+    coming, _, to_first, _, to_second, road, lane = match.groups()
     if coming:
         return _OPPOSITE[_OF[coming]]
-    return _OF[to_first or to_second or road]
+    return _OF[to_first or to_second or road or lane]
 
 
 def _lane(text: str) -> Position | None:

@@ -24,7 +24,7 @@ _LIGHT = (
         0.95,
         (
             r"daylight|day ?time\b(?! running)|broad day|dawn|dusk|sunrise|sunset|twilight|full light|sunlight|"
-            r"bright(?:ly)? sun\w*|sunny|in the light of day|light conditions were day"
+            r"bright(?:ly)? sun\w*|sunny|in the light of day|light conditions were day|light out(?:side)?"
         ),
     ),
 )
@@ -63,7 +63,7 @@ _SKY = (
         Weather.SNOWY,
         0.95,
         (
-            rf"{_NOT}(?:snow(?:ing|fall|y|storm)|blizzard|sleet(?:ing)?|snow flurries|flurries|hail(?:ing|storm)?|"
+            rf"{_NOT}(?:snow(?:ing|fall|y|storm)|snow[ -]storm|blizzard|sleet(?:ing)?|snow flurries|flurries|hail(?:ing|storm)?|"
             r"snow (?:was|is) falling|falling snow|(?:light|heavy|blowing) snow)"
         ),
     ),

@@ -79,6 +79,8 @@ _STEM = re.compile(
     r"(?:side|intersecting|minor|cross|ending|connecting|adjoining) (?:street|road|roadway|leg|"
     r"highway))\b(?:(?!\b(?:arterial|highway|freeway|meets?|v\d)\b)[^.;]){0,40}\b(?:(?:to|on|from|toward|at) the |"
     r"lies |lay |extend\w* |leads? |leads? off to the )(north|south|east|west)(?:ward)?\b(?!\s*(?:and|/|-|to\b))|"
+    r"\b(?:road|roadway|street|highway) (?:that |which )?(?:leads?|leading|extends?|extending) (?:off |out )?(?:to the )?"
+    r"(north|south|east|west)\b(?!\s*(?:and|/|-|to\b))|"
     r"\b(?:ends|ended|terminates|terminated) (?:in|at|into) [^.;]{0,40}?\bfrom the (north|south|east|west)\b|"
     r"\b(?:to|on|from) the (north|south|east|west)\b(?: side)?[^.;]{0,20}\b(?:is|was|lies|lay) the (?:stem|"
     r"side (?:road|street))|\b(north|south|east|west)(?:ern)? (?:leg|stem) (?:of|is|was|form)"

@@ -43,6 +43,7 @@ _SPELLINGS = tuple(
         (r"\b(north|south|east|west)(?:bound)? and (north|south|east|west)bound\b", r"\1bound and \2bound"),
         (r"\bleft-?hand(?:ed)?\b", "left"),
         (r"\bright-?hand(?:ed)?\b", "right"),
+        (r"\bmazda(?=[2356]\b)", "mazda "),
         (r"\bon-? ?ramp\b", "on-ramp"),
         (r"\boff-? ?ramp\b", "off-ramp"),
         (r"\bpick-? up\b|\bpick-up\b", "pickup"),
