@@ -179,8 +179,8 @@ CROSSING = "They met at a four-way intersection. V1, a sedan, was traveling nort
         ("The front of V1 struck the right side of V2, a van.", Position.W2E),
         ("The front of V1 struck the left side of V2, a van.", Position.E2W),
         ("V1 turned left. The front of V2, a van, struck the right side of V1.", Position.N2S),
-        ("V1 turned left. Its front was contacted by the front of V2, a van.", Position.N2S),
-        ("V1 turned right. The front of her vehicle contacted the right front of V2, a van.", Position.W2E),
+        ("V1 turned left. Its front was struck by the front of V2, a van.", Position.N2S),
+        ("V1 turned right. The front of his car struck the right front of V2, a van.", Position.W2E),
         ("V2, a van, turned right. The front of V1 struck the front of V2.", Position.E2W),
         ("V2, a van, turned left in front of V1. The front of V1 struck the right side of V2.", Position.N2S),
         ("The rear of V2, a van, struck the left side of V1.", None),
@@ -312,9 +312,7 @@ def test_what_is_parked_has_a_body_too():
 
 
 def test_lanes_that_are_not_called_lanes_again():
-    summary = (
-        "V1, a sedan, hit V2, a van, on the southbound lanes of a highway. The three southbound were level and dry."
-    )
+    summary = "V1, a sedan, hit V2, a van, on the southbound lanes of a highway. The three southbound are straight."
     assert read_summary(summary).scenario.road.lanes == 3
 
 
