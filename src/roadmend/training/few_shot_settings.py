@@ -12,7 +12,7 @@ from roadmend.world.families import FAMILIES
 class FewShotSettings(Section):
     """How a neural policy is fine-tuned on a few scenarios."""
 
-    epochs: int = Field(5, ge=1, le=100, description="passes through the demonstrations")
+    epochs: int = Field(4, ge=1, le=100, description="passes through the demonstrations")
     learning_rate: float = Field(3e-4, gt=0.0, le=0.1, description="at the beginning; falls to 2 % along a cosine")
     batch: int = Field(128, ge=1, le=65_536, description="scenes a step")
     weight_decay: float = Field(1e-4, ge=0.0, le=1.0, description="of AdamW")
