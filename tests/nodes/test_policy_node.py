@@ -195,7 +195,9 @@ def test_an_unknown_policy_is_refused_by_name(domain, tmp_path, monkeypatch):
     monkeypatch.setenv("ROS_LOG_DIR", str(tmp_path))
     rclpy.init(args=["test", "--ros-args", "-p", "policy:=autopilot"], domain_id=domain)
     try:
-        with pytest.raises(InputError, match="parameter policy: 'autopilot' is not allowed; choose one of deep_sets, ego_mlp, modular"):
+        with pytest.raises(
+            InputError, match="parameter policy: 'autopilot' is not allowed; choose one of deep_sets, ego_mlp, modular"
+        ):
             PolicyNode()
     finally:
         rclpy.try_shutdown()
