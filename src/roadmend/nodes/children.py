@@ -23,7 +23,7 @@ _LOG_HEAD = re.compile(r"^\[[A-Z]+\] \[[0-9.]+\] \[([^]]*)\]: ")  # what ROS put
 
 @dataclass
 class Child:
-    """One node process and its log file."""
+    """One node process and its log file; ``environment`` goes before what the launcher has in its own."""
 
     name: str
     module: str
@@ -38,7 +38,8 @@ class Child:
         """Start the process; what it prints goes to its log."""
         self.process = _context.Process(
             target=_become_node,
-            args=(self.module, [self.name, *self.arguments], dict(self.environment), str(self.log)),
+            # All of the environment as it is now: the server's own is that of the day when it started.
+            args=(self.module, [self.name, *self.arguments], {**os.environ, **self.environment}, str(self.log)),
             name=self.name,
         )
         self.process.start()
@@ -84,6 +85,7 @@ def _become_node(module: str, arguments: list[str], environment: dict[str, str],
     with Path(log).open("ab", buffering=0) as file:
         os.dup2(file.fileno(), 1)
         os.dup2(file.fileno(), 2)
+    os.environ.clear()
     os.environ.update(environment)
     sys.exit(importlib.import_module(module).main(arguments))
 
