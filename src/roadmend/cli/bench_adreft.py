@@ -1,6 +1,5 @@
 """``roadmend bench adreft``: the paper's protocol, all methods on both policies."""
 
-import os
 import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ from roadmend.cli.adreft_cost import cost_of
 from roadmend.cli.adreft_entrants import Choice, find_entrants
 from roadmend.cli.adreft_labels import weak_labels
 from roadmend.cli.bench_robustness import run_robustness
+from roadmend.cli.options import CACHED_WORK, COMMITTED, WORKERS
 from roadmend.cli.resources import config_folder
 from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError
@@ -76,16 +76,10 @@ class _Options:
 @click.option(
     "--corpora", type=click.Path(path_type=Path, file_okay=False), help="Folder of the corpora.  [default: config's]"
 )
-@click.option(
-    "--committed", default=Path("tests/benchmarks"), show_default=True,
-    type=click.Path(path_type=Path, file_okay=False), help="Folder of the committed figures.",
-)  # fmt: skip
-@click.option(
-    "--work", type=click.Path(path_type=Path, file_okay=False),
-    help="Folder for finished work; an interrupted run goes on.  [default: in the user's cache]",
-)  # fmt: skip
+@COMMITTED
+@CACHED_WORK
 @click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Folder for JSON, Markdown and the page.")
-@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@WORKERS
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def adreft(
     policies: tuple[str, ...], methods: str | None, families: str | None, cases: int | None, split: str, fresh_seed: int | None,

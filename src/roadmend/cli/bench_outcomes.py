@@ -2,7 +2,6 @@
 
 import math
 import multiprocessing
-import os
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from roadmend.cli.figures import Figures
+from roadmend.cli.options import WORKERS
 from roadmend.core.outcome import EventKind
 from roadmend.evaluation.benchmark_report import provenance
 from roadmend.evaluation.intervals import wilson
@@ -73,7 +73,7 @@ def _episode(job: _Job) -> EpisodeSummary:
 )
 @click.option("--first-seed", default=0, show_default=True, type=click.IntRange(0, 2**30))
 @click.option("--repeat/--no-repeat", default=True, show_default=True, help="Run each twice and compare the digests.")
-@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@WORKERS
 @click.option(
     "--out", type=click.Path(path_type=Path, file_okay=False), help="Folder for outcomes.json and outcomes.md."
 )

@@ -1,6 +1,5 @@
 """``roadmend bench safe``: crash reports read, built, driven and reproduced, beside the paper's figures."""
 
-import os
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -8,6 +7,7 @@ from typing import Any
 import click
 
 from roadmend.cli.figures import Figures
+from roadmend.cli.options import WORKERS
 from roadmend.cli.safe_work import open_cases, work_through
 from roadmend.evaluation.benchmark_report import provenance
 from roadmend.policies.registry import POLICIES
@@ -37,7 +37,7 @@ _PAPER: dict[str, Any] = {  # SAFE, RQ1 and RQ3: other simulators, other policie
 @click.option("--budget", default=36, show_default=True, type=click.IntRange(1, 100_000),
               help="Episodes of each role to reproduce a crash.")  # fmt: skip
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
-@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@WORKERS
 @click.option("--work", type=click.Path(path_type=Path, file_okay=False),
               help="Folder for what is done; a run goes on there. The cache by default.")  # fmt: skip
 @click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Folder for safe.json and safe.md.")

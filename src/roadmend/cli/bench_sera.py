@@ -1,7 +1,6 @@
 """``roadmend bench sera``: what scenarios recommended from failures do for a policy, beside the paper's tables."""
 
 import json
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -12,6 +11,7 @@ from pydantic import TypeAdapter
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
+from roadmend.cli.options import CACHED_WORK, COMMITTED, WORKERS
 from roadmend.cli.resources import config_folder
 from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError, RoadmendError
@@ -46,16 +46,10 @@ _INCIDENTS: TypeAdapter[list[Incident]] = TypeAdapter(list[Incident])
 @click.option(
     "--plan", "file", type=click.Path(path_type=Path, dir_okay=False), help="Instead of config/benchmarks/sera.yaml."
 )
-@click.option(
-    "--committed", default=Path("tests/benchmarks"), show_default=True, type=click.Path(path_type=Path, file_okay=False),
-    help="Folder of the committed figures; retrieval's are taken from there.",
-)  # fmt: skip
-@click.option(
-    "--work", type=click.Path(path_type=Path, file_okay=False),
-    help="Folder for finished work; an interrupted run goes on.  [default: in the user's cache]",
-)  # fmt: skip
+@COMMITTED
+@CACHED_WORK
 @click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Folder for sera.json, .md and .html.")
-@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@WORKERS
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def sera(
     policies: str | None, seeds: int | None, file: Path | None, committed: Path, work: Path | None, out: Path | None,

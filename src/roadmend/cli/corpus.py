@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import click
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 from rich.table import Table
 
+from roadmend.cli.options import WORKERS
+from roadmend.cli.progress import counting
 from roadmend.cli.resources import config_folder
 from roadmend.cli.table import wide_console
 from roadmend.core.errors import InputError, RoadmendError
@@ -78,7 +78,7 @@ def corpus() -> None:
     help="With --fresh-seed: violations, and as many successes, of each family.",
 )
 @click.option("--allow-partial", is_flag=True, help="Search nothing: make do with what the searches found so far.")
-@_WORKERS
+@WORKERS
 def build(
     policy: str, families: str, searches: Path, out: Path, plan_file: Path | None, fresh_seed: int | None, cases: int,
     workers: int, *, allow_partial: bool,
@@ -119,8 +119,7 @@ def _finish(gathered: Gathered, out: Path, *, allow_partial: bool) -> int:
 
 
 def _bars() -> Bar:
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    return Bar(*columns, console=Console(stderr=True))
+    return counting()
 
 
 def _reporter(bar: Bar) -> Report:
@@ -144,7 +143,7 @@ def _reporter(bar: Bar) -> Report:
 @click.option(
     "--cases", "count", type=click.IntRange(1), help="Run only so many, spread over the corpus; all if not given."
 )
-@_WORKERS
+@WORKERS
 @_JSON
 def verify(policy: str, file: Path | None, count: int | None, workers: int, *, as_json: bool) -> int:
     """Run cases again and compare the digests of the trajectories; exit code 1 if one differs."""

@@ -1,18 +1,17 @@
 """``roadmend safe extract``: what happened in a crash, from its report."""
 
 import json
-import os
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
 import click
-from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from roadmend.cli.language_options import language_options
+from roadmend.cli.options import WORKERS
+from roadmend.cli.progress import counting
 from roadmend.cli.table import wide_console
 from roadmend.evaluation.source_digest import source_digest
 from roadmend.language.exchange import add_usages
@@ -29,7 +28,7 @@ from roadmend.safe.stage_one import StageOneOptions
 @language_options(BACKENDS)
 @click.option("--no-prompt-generation", is_flag=True, help="With a model: ask without the knowledge base.")
 @click.option("--no-validation", is_flag=True, help="With a model: take its answers unchecked.")
-@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@WORKERS
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def extract(
     reports: Path, out: Path, backend: str, settings: Path | None, recording: Path | None, attempts: int, workers: int,
@@ -45,9 +44,8 @@ def extract(
     extractor = BACKENDS[backend](BackendOptions(options, settings, recording))
     # Other rules, other results; and a sketch is read by a program that may be there or not.
     key = f"{source_digest(['roadmend.safe.backends'])} {backend} {options} {is_sketch_read()}"
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
     done = []
-    with Progress(*columns, console=Console(stderr=True)) as progress:
+    with counting() as progress:
         task = progress.add_task("reports", total=len(paths))
         for extracted in extract_reports(paths, extractor, key, out, workers):
             done.append(extracted)

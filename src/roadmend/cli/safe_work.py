@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import click
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from roadmend.cli.progress import counting
 from roadmend.core.errors import InputError
 from roadmend.evaluation.result_store import ResultStore
 from roadmend.policies.registry import POLICIES
@@ -18,8 +17,6 @@ from roadmend.safe.driving import Job, Result, do
 from roadmend.search.workers import open_map
 
 WORK = ".work"  # folder for finished jobs in the output
-_COLUMNS = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-
 policies_option = click.option(
     "--policy", "policies", multiple=True, default=["modular"], show_default=True, type=click.Choice(sorted(POLICIES)),
     help="May be given more than once.",
@@ -69,7 +66,7 @@ def work_through(jobs: Sequence[Job], out: Path, workers: int, label: str) -> li
         SimulationError: a worker process died.
     """
     keys = [job.key for job in jobs]
-    with ResultStore(out / WORK) as store, Progress(*_COLUMNS, console=Console(stderr=True)) as progress:
+    with ResultStore(out / WORK) as store, counting() as progress:
         open_ends = [(key, job) for key, job in zip(keys, jobs, strict=True) if not _is_done(store, key, out)]
         task = progress.add_task(label, total=len(jobs), completed=len(jobs) - len(open_ends))
         with open_map(do, workers) as mapped:

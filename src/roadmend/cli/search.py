@@ -1,17 +1,16 @@
 """``roadmend search``: find scenarios in which a policy under repair collides."""
 
 import json
-import os
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import click
 import yaml
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from roadmend.cli.options import WORKERS
+from roadmend.cli.progress import counting
 from roadmend.cli.table import wide_console
 from roadmend.core.errors import InputError
 from roadmend.policies.registry import POLICIES
@@ -51,7 +50,7 @@ _FAMILY_HELP = "; ".join(f"{family.name} {family.title}" for family in FAMILIES.
     type=click.Path(path_type=Path, file_okay=False),
     help="Folder for the ledger and the scenarios found; a search that is there goes on.",
 )
-@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@WORKERS
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def search(
     family: str, technique: str, policy: str, method: str, budget: int, seed: int, file: Path | None, out: Path,
@@ -64,9 +63,8 @@ def search(
     """
     chosen = read_technique_parameters(technique, _read(file))
     campaign = Campaign(Subject(family, policy, method, seed), technique, chosen)
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
     with Ledger(out, campaign.settings) as ledger:
-        with Progress(*columns, console=Console(stderr=True)) as progress:
+        with counting() as progress:
             violations = tally(ledger.entries).violations
             task = progress.add_task(_label(violations), total=budget, completed=min(budget, len(ledger.entries)))
 

@@ -1,7 +1,6 @@
 """``roadmend sera analyse``: the failures in bags, and the patterns in them."""
 
 import json
-import os
 from dataclasses import asdict
 from pathlib import Path
 
@@ -10,6 +9,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from roadmend.cli.language_options import language_options
+from roadmend.cli.options import WORKERS
 from roadmend.cli.sera_language import keeping_exchanges, open_backend, show_usage
 from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError
@@ -29,7 +29,7 @@ from roadmend.training.workers import open_mapper
     type=click.Path(path_type=Path, dir_okay=False),
     help="The patterns for 'sera recommend', JSON; a report as .md beside it, and what a language model was asked.",
 )
-@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@WORKERS
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def analyse_bags(
     bags: tuple[Path, ...], backend: str, settings: Path | None, recording: Path | None, attempts: int,

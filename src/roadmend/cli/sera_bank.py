@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import click
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from roadmend.cli.progress import stages
 from roadmend.cli.sera_options import BANK, EMBEDDER, JSON, PATTERN, filter_options, filters_of
 from roadmend.cli.table import wide_console
 from roadmend.sera.bank import Bank, Built, Report, build_bank
@@ -122,16 +121,8 @@ def _plain(built: Built) -> dict[str, int]:
 @contextmanager
 def build_progress(total: int | None) -> Iterator[Report]:
     """A bar for each stage of building a bank."""
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
-    with Progress(*columns, console=Console(stderr=True)) as bar:
-        tasks: dict[str, Any] = {}
-
-        def report(stage: str, done: int) -> None:
-            if stage not in tasks:
-                tasks[stage] = bar.add_task(stage, total=total)
-            bar.update(tasks[stage], completed=done)
-
-        yield report
+    with stages() as report:
+        yield lambda stage, done: report(stage, done, total)
 
 
 @bank.command()

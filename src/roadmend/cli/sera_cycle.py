@@ -1,7 +1,6 @@
 """``roadmend sera cycle``: generations of a policy, each learning from what the one before got wrong."""
 
 import json
-import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -12,6 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from roadmend.cli.language_options import language_options
+from roadmend.cli.options import WORKERS
 from roadmend.cli.resources import config_folder
 from roadmend.cli.sera_evaluate import chosen_set, drive_jobs
 from roadmend.cli.sera_options import EMBEDDER, JSON, set_options
@@ -69,7 +69,7 @@ Told = Callable[[str, int, int], None]  # what is being done, how much of it is 
 @click.option("--epochs", type=click.IntRange(1, 100), help="Instead of the settings'.")
 @language_options(BACKENDS)
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
-@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@WORKERS
 @click.option("--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Folder; resumes there.")
 @JSON
 def cycle(

@@ -1,7 +1,6 @@
 """``roadmend sera evaluate``: how a policy fares on an evaluation set, with bags of what went wrong."""
 
 import json
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -11,6 +10,7 @@ import click
 from rich.console import Console
 from rich.progress import Progress
 
+from roadmend.cli.options import WORKERS
 from roadmend.cli.sera_options import set_options
 from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError
@@ -45,7 +45,7 @@ _NAME = "measures"
     "--record", default="failures", show_default=True, type=click.Choice(["failures", "all", "none"]),
     help="Bags; failures: of what does not end at the goal or is repaired on the way.",
 )  # fmt: skip
-@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@WORKERS
 @click.option("--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Folder; resumes there.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def evaluate(

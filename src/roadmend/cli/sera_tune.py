@@ -2,14 +2,13 @@
 
 import hashlib
 import json
-import os
 from dataclasses import asdict
 from pathlib import Path
 
 import click
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from roadmend.cli.options import WORKERS
+from roadmend.cli.progress import stages
 from roadmend.cli.resources import config_folder
 from roadmend.cli.sera_options import BANK, JSON
 from roadmend.cli.table import show_rows
@@ -48,7 +47,7 @@ from roadmend.world.corpus import SPLITS
 @click.option("--epochs", type=click.IntRange(1, 100), help="Instead of the settings'.")
 @click.option("--learning-rate", type=click.FloatRange(0.0, 0.1, min_open=True), help="Instead of the settings'.")
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
-@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@WORKERS
 @JSON
 def tune(
     policy: str, bank_file: Path, selected: Path, stage: Stage, out: Path, validation: Path | None, split: str,
@@ -72,13 +71,7 @@ def tune(
     command = f"./roadmend sera tune --policy {Path(policy).name} --stage {stage} --seed {seed}"
     origin = Origin(selection.digest, _digest(bank_file), command)
     choose_torch_device("cpu", 1)
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    with Progress(*columns, console=Console(stderr=True)) as progress:
-        task = progress.add_task("starting")
-
-        def report(what: str, done: int, total: int) -> None:
-            progress.update(task, description=what, completed=done, total=total)
-
+    with stages() as report:
         repaired = few_shot_repair(
             find_model(policy), scenarios, settings, seed, out, validation=hard, origin=origin, workers=workers,
             report=report,

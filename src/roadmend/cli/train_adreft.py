@@ -1,6 +1,5 @@
 """``roadmend train adreft``: ADReFT for one policy, from a corpus to a model file."""
 
-import os
 import time
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from roadmend.cli.corpus_choice import corpus_of
+from roadmend.cli.options import WORKERS
 from roadmend.cli.resources import config_folder
 from roadmend.core.errors import InputError
 from roadmend.policies.registry import POLICIES
@@ -19,7 +19,7 @@ from roadmend.training.adreft.pipeline import (
     PRACTICE_STATE,
     REINFORCEMENT_STATE,
     SUPERVISED_STATE,
-    Companion,
+    Driver,
     Only,
     Pipeline,
     Subject,
@@ -27,6 +27,7 @@ from roadmend.training.adreft.pipeline import (
 )
 from roadmend.training.device import choose_torch_device
 from roadmend.training.workers import open_mapper
+from roadmend.world.corpus import Corpus
 
 _ABLATIONS: dict[str, tuple[Only, dict[str, dict[str, Any]]]] = {  # which stage alone, and what is set
     "rand_r": ("supervised", {"model": {"choice": "random"}}),
@@ -58,7 +59,7 @@ _ABLATIONS: dict[str, tuple[Only, dict[str, dict[str, Any]]]] = {  # which stage
 @click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Model file to write.")
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
 @click.option("--device", default="auto", show_default=True, help="auto, cpu or cuda.")
-@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@WORKERS
 @click.option("--only", type=click.Choice(["supervised", "reinforcement"]), help="One of the two stages.")
 @click.option(
     "--start", type=click.Path(path_type=Path, dir_okay=False),
@@ -103,10 +104,8 @@ def adreft(
     corpus = corpus_of(policy, corpus_file)
     work = work or out.with_name(f"{out.stem}.training")
     _open_work(work, resume=resume, keep_supervised=only == "reinforcement")
-    subject = Subject(
-        policy, corpus.model or "", corpus.digest, corpus.select(split="training"),
-        corpus.select(split="validation"), [_companion(other) for other in also],
-    )  # fmt: skip
+    validation = corpus.select(split="validation")
+    subject = Subject(_driver(corpus), validation, [_driver(corpus_of(other)) for other in also])
     chosen = choose_torch_device(device, configuration.threads)
     columns = (
         TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn(),
@@ -142,9 +141,8 @@ def _setting(text: str) -> tuple[str, Any]:
     raise InputError("--set", f"{text!r} is no SECTION.NAME=VALUE", "write for instance practice.dose=0.1")
 
 
-def _companion(policy: str) -> Companion:
-    corpus = corpus_of(policy)
-    return Companion(policy, corpus.model or "", corpus.digest, corpus.select(split="training"))
+def _driver(corpus: Corpus) -> Driver:
+    return Driver(corpus.policy, corpus.model or "", corpus.digest, corpus.select(split="training"))
 
 
 def _changed(configuration: TrainingConfiguration, changes: dict[str, dict[str, Any]]) -> TrainingConfiguration:

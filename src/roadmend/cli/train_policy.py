@@ -1,15 +1,15 @@
 """``roadmend train policy``: the neural policies by imitation of the privileged expert."""
 
-import os
 import shutil
 from pathlib import Path
 
 import click
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from roadmend.cli.options import WORKERS
+from roadmend.cli.progress import stages
 from roadmend.cli.resources import config_folder
 from roadmend.core.errors import InputError
+from roadmend.core.whole_file import written_beside
 from roadmend.policies.neural_kinds import KINDS
 from roadmend.training.dagger import Training
 from roadmend.training.device import choose_torch_device
@@ -28,7 +28,7 @@ _SETTINGS = "policy-{kind}.yaml"
 )  # fmt: skip
 @click.option("--rounds", type=click.IntRange(1, 50), help="Only the first so many rounds.")
 @click.option("--episodes", type=click.IntRange(1, 900), help="New episodes of each family in every round.")
-@click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+@WORKERS
 @click.option("--device", default="auto", show_default=True, help="auto, cpu or cuda.")
 @click.option("--resume", is_flag=True, help="Go on with an interrupted training of the same settings.")
 def policy(
@@ -55,19 +55,12 @@ def policy(
     command = f"./roadmend train policy --kind {kind} --out {out.name} --seed {seed}"
     command += f" --rounds {rounds}" if rounds else ""
     command += f" --episodes {episodes}" if episodes else ""
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    with Progress(*columns, console=Console(stderr=True)) as progress:
-        task = progress.add_task("starting")
-
-        def report(what: str, done: int, total: int) -> None:
-            progress.update(task, description=what, completed=done, total=total)
-
+    with stages() as report:
         # One thread: small batches gain little from more, and the bits are the same on every machine.
         training = Training(
             configuration, seed, folder, workers, choose_torch_device(device, 1), command, report
         )  # fmt: skip
         last = training.run()
-    part = out.with_name(f"{out.name}.part")
-    shutil.copyfile(last, part)
-    part.replace(out)
+    with written_beside(out) as beside:
+        shutil.copyfile(last, beside)
     click.echo(f"{out}: trained in {len(chosen)} round{'s' if len(chosen) > 1 else ''}")

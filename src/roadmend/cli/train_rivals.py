@@ -1,19 +1,17 @@
 """``roadmend train self-oracle`` and ``roadmend train rivals``: what ADReFT is held against, at its best."""
 
-import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import click
 import yaml
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from roadmend import __version__
 from roadmend.cli.corpus_choice import corpus_of
+from roadmend.cli.options import WORKERS
+from roadmend.cli.progress import counting, stages_of
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import write_text
 from roadmend.learning.checkpoint import load_checkpoint
@@ -32,9 +30,6 @@ _CORPUS = click.option(
     "--corpus", "corpus_file", type=click.Path(path_type=Path, dir_okay=False),
     help="The policy's corpus; config/corpora/POLICY.jsonl if not given.",
 )  # fmt: skip
-_WORKERS = click.option(
-    "--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256)
-)  # fmt: skip
 
 
 @click.command("self-oracle")
@@ -43,7 +38,7 @@ _WORKERS = click.option(
 @click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Model file to write.")
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
 @click.option("--epochs", default=100, show_default=True, type=click.IntRange(1, 10_000))
-@_WORKERS
+@WORKERS
 def self_oracle(policy: str, corpus_file: Path | None, out: Path, seed: int, epochs: int, workers: int) -> None:
     """Train the autoencoder of ModelRepair on the successes of the training split.
 
@@ -59,7 +54,7 @@ def self_oracle(policy: str, corpus_file: Path | None, out: Path, seed: int, epo
     corpus = corpus_of(policy, corpus_file)
     settings = SelfOracleSettings(seed=seed, epochs=epochs)
     cases = corpus.select(split="training", violation=False)
-    with _progress() as progress:
+    with counting() as progress:
         driving = progress.add_task("driving", total=len(cases))
         learning = progress.add_task("learning", total=epochs)
         with open_mapper(min(workers, max(1, len(cases)))) as mapper:
@@ -94,7 +89,7 @@ def self_oracle(policy: str, corpus_file: Path | None, out: Path, seed: int, epo
     "--model", "model_file", type=click.Path(path_type=Path, dir_okay=False),
     help="SelfOracle model; the one that ships for the policy if not given.",
 )  # fmt: skip
-@_WORKERS
+@WORKERS
 def rivals(
     policy: str, corpus_file: Path | None, out: Path, only: tuple[str, ...], number: int | None,
     model_file: Path | None, workers: int,
@@ -118,14 +113,8 @@ def rivals(
     }  # fmt: skip
     found = _written(out, header)
     identity = {"corpus": corpus.digest, "roadmend": __version__}
-    with _progress() as progress, open_mapper(workers) as mapper:
-        tasks: dict[str, Any] = {}
-
-        def report(name: str, done: int, total: int) -> None:
-            if name not in tasks:
-                tasks[name] = progress.add_task(name, total=total)
-            progress.update(tasks[name], completed=done, total=total)
-
+    with counting() as progress, open_mapper(workers) as mapper:
+        report = stages_of(progress)
         for rival in chosen:
             of_model = {"model": model} if rival.method == "model" else {}
             file = out.with_name(f"{out.stem}.tuning") / f"{rival.name}.jsonl"
@@ -149,13 +138,6 @@ def _first(cases: list[Case], number: int | None) -> list[Case]:
         if number is None or counts[key] <= number:
             chosen.append(case)
     return chosen
-
-
-@contextmanager
-def _progress() -> Iterator[Progress]:
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    with Progress(*columns, console=Console(stderr=True)) as progress:
-        yield progress
 
 
 def _written(path: Path, header: dict[str, Any]) -> dict[str, Any]:

@@ -41,25 +41,28 @@ Report = Callable[[str, int, int, str], None]  # what is done, how much of it, o
 
 
 @dataclass(frozen=True, slots=True)
-class Subject:
-    """Whom the model is trained for, and on what."""
+class Driver:
+    """A policy, and the cases that its repair is learned from."""
 
     policy: str
     policy_digest: str  # of the policy's model; empty where it has none
     corpus_digest: str
     training: Sequence[EpisodeCase]
-    validation: Sequence[EpisodeCase]
-    also: Sequence["Companion"] = ()
+
+    def as_header(self) -> dict[str, str]:
+        """What a model's header says of it."""
+        return {
+            "corpus": self.corpus_digest, "policy": self.policy_digest, "training": digest_of_cases(self.training)
+        }  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
-class Companion:
-    """Another policy, whose trials are practised on too: what braking does is much the same under any driver."""
+class Subject:
+    """Whom the model is trained for, and on what."""
 
-    policy: str
-    policy_digest: str  # of the policy's model; empty where it has none
-    corpus_digest: str
-    training: Sequence[EpisodeCase]
+    driver: Driver
+    validation: Sequence[EpisodeCase]
+    also: Sequence[Driver] = ()  # whose trials are practised on too: braking does much the same under any driver
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +108,7 @@ class Pipeline:
         Raises:
             InputError: a split is empty, or the configuration names what there is not.
         """
-        for name, cases in (("training", subject.training), ("validation", subject.validation)):
+        for name, cases in (("training", subject.driver.training), ("validation", subject.validation)):
             if not any(case.is_violation for case in cases):
                 raise InputError(f"{name} split", "holds no violation", "give a corpus that has some")
         self._configuration, self._subject = configuration, subject
@@ -146,7 +149,7 @@ class Pipeline:
         section = self._configuration.frames
         stride = section.stride if name == "training" else section.validation_stride
         subject = self._subject
-        recipe = Recipe(subject.policy, subject.policy_digest, self._model.tokenizer, stride)
+        recipe = Recipe(subject.driver.policy, subject.driver.policy_digest, self._model.tokenizer, stride)
         gathered: list[CaseFrames] = []
 
         def report(frames: CaseFrames) -> None:
@@ -155,7 +158,7 @@ class Pipeline:
 
         gather_frames(cases, recipe, self._work / "frames", self._mapper, report)
         self._report(f"{name} labels", 0, len(cases), self._configuration.frames.labels)
-        self._scheme.prepare(cases, subject.policy, self._work / "labels", self._mapper)
+        self._scheme.prepare(cases, subject.driver.policy, self._work / "labels", self._mapper)
         labels = [self._scheme.label(case, frames) for case, frames in zip(cases, gathered, strict=True)]
         self._report(f"{name} labels", len(cases), len(cases), self._configuration.frames.labels)
         return FrameSet.join(gathered, labels, self._model.encoder.attributes)
@@ -196,7 +199,7 @@ class Pipeline:
         plan = TrialPlan(
             section.per_violation, section.per_success, section.blinded, section.interval, self._seed, digest
         )  # fmt: skip
-        drivers: list[Subject | Companion] = [subject, *subject.also]
+        drivers = [subject.driver, *subject.also]
         done, episodes, cases = 0, 0, sum(len(driver.training) for driver in drivers)
 
         def count(trials: CaseTrials) -> None:
@@ -216,7 +219,7 @@ class Pipeline:
         if only == "reinforcement" and not state.exists():
             mend = "train that stage first, or give a model with --start"
             raise InputError(str(state), "there is no supervised stage to begin with", mend)
-        training = self._frames(self._subject.training, "training")
+        training = self._frames(self._subject.driver.training, "training")
         stage = SupervisedStage(
             self._model, section, training, validation, seed=self._seed, device=self._device, state=state,
             log=self._work / "tensorboard",
@@ -261,7 +264,8 @@ class Pipeline:
     def _reinforce(self, before: _Supervised, threshold: float) -> tuple[dict[str, NDArray[Any]], list[RoundFigures]]:
         section, subject = self._configuration.reinforcement, self._subject
         stage = ReinforcementStage(
-            before.model, before.tensors, threshold, section, subject.policy, subject.training, subject.validation,
+            before.model, before.tensors, threshold, section, subject.driver.policy, subject.driver.training,
+            subject.validation,
             seed=self._seed, device=self._device, mapper=self._mapper, state=self._work / REINFORCEMENT_STATE,
             log=self._work / "tensorboard",
         )  # fmt: skip
@@ -286,7 +290,12 @@ class Pipeline:
             self._report("validation in closed loop", done, len(subject.validation), "")
 
         return evaluate_cases(
-            subject.validation, subject.policy, "adreft", {"model": str(model)}, mapper=self._mapper, report=report
+            subject.validation,
+            subject.driver.policy,
+            "adreft",
+            {"model": str(model)},
+            mapper=self._mapper,
+            report=report,
         )
 
     def _header(
@@ -297,17 +306,12 @@ class Pipeline:
         return {
             "configuration": {
                 "training": self._configuration.model_dump(mode="json"), "seed": self._seed, "only": only,
-                "policy": subject.policy, "roadmend": __version__,
+                "policy": subject.driver.policy, "roadmend": __version__,
             },
             "data_digest": before.data_digest,
             "data": {
-                "corpus": subject.corpus_digest, "policy": subject.policy_digest,
-                "training": digest_of_cases(subject.training), "validation": digest_of_cases(subject.validation),
-                "also": [
-                    {"name": other.policy, "policy": other.policy_digest, "corpus": other.corpus_digest,
-                     "training": digest_of_cases(other.training)}
-                    for other in subject.also
-                ],
+                **subject.driver.as_header(), "validation": digest_of_cases(subject.validation),
+                "also": [{"name": other.policy, **other.as_header()} for other in subject.also],
             },
             "ancestry": before.ancestry,
             "metrics": {
