@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 import torch
 
@@ -81,10 +82,22 @@ def test_the_first_of_the_best_epochs_is_kept_and_the_header_tells_where_it_come
 
 def test_an_epoch_that_forgets_is_not_kept_however_good_it_is_elsewhere(tmp_path, scenarios, gathering):
     out = tmp_path / "tuned.safetensors"
-    found = repair(scenarios, out, gathering, [(1, 0), (0, 1), (0, 1), (0, 1)])
+    found = repair(scenarios, out, gathering, [(1, 0), (0, 1), (0, 1), (0, 1), (0, 1), (0, 1)])
     assert found.kept.epochs == 0
+    assert [(trial.epochs, trial.share) for trial in found.trials[-2:]] == [(1, 0.5), (1, 0.25)]
     before, after = load_checkpoint(MODEL).tensors, load_checkpoint(out).tensors
     assert all((before[name] == after[name]).all() for name in before)
+
+
+def test_half_of_a_change_that_forgets_is_kept_where_it_forgets_nothing(tmp_path, scenarios, gathering):
+    whole, half = tmp_path / "whole.safetensors", tmp_path / "half.safetensors"
+    settings = SETTINGS.model_copy(update={"epochs": 1, "mixtures": (0.5,)})
+    repair(scenarios, whole, gathering, [(1, 0), (1, 1)], settings=settings)
+    found = repair(scenarios, half, gathering, [(1, 0), (0, 1), (1, 1)], settings=settings)
+    assert (found.kept.epochs, found.kept.share) == (1, 0.5)
+    old, new, mixed = (load_checkpoint(path).tensors for path in (MODEL, whole, half))
+    for name in old:
+        np.testing.assert_allclose(mixed[name], (old[name] + new[name]) / 2, atol=1e-6)
 
 
 def test_without_the_guard_nothing_is_driven_and_the_last_epoch_is_kept(tmp_path, scenarios, gathering):

@@ -83,11 +83,11 @@ def tune(
 
 
 def _show(repaired: Repair, count: int) -> None:
-    rows = [["epochs", "Driving Score", "of what went well before", "kept"]]
+    rows = [["epochs", "of their change", "Driving Score", "of what went well before", "kept"]]
     for trial in repaired.trials:
         mark = "kept" if trial == repaired.kept else ""
         scores = ("-" if each is None else f"{each:.1f}" for each in (trial.driving_score, trial.ordinary))
-        rows.append([str(trial.epochs), *scores, mark])
+        rows.append([str(trial.epochs), f"{100 * trial.share:.0f} %" if trial.epochs else "-", *scores, mark])
     show_rows(rows)
     click.echo(f"{repaired.path}: {repaired.scenes} scenes of {count} scenarios")
     if not repaired.kept.epochs:

@@ -3,13 +3,13 @@
 In every scenario the privileged expert drives, and the policy drives while the expert says what it would do (DAgger,
 Ross et al. 2011). What comes of it is mixed with scenes of ordinary episodes, and after every epoch the policy drives a
 validation set: the epoch is kept that scores best there without losing on the ordinary scenarios that went well before.
-Where no epoch does, the policy stays as it was.
+Where no epoch does, weights part of the way between the old and the new ones are tried; where these do not either, the
+policy stays as it was.
 """
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from statistics import fmean
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,7 @@ from roadmend.policies.neural import NeuralPolicy, load_model
 from roadmend.training.few_shot_settings import FewShotSettings, ordinary_seeds
 from roadmend.training.imitation import NeuralNetwork, batches, learn, load_network, tensors_of
 from roadmend.training.imitation_rollout import Lesson, gather, ordinary_lesson
+from roadmend.training.repair_guard import Guard, Trial, mixture
 from roadmend.training.samples import Samples, samples_digest
 from roadmend.training.workers import Mapper, open_mapper
 from roadmend.world.families import sample_scenario
@@ -42,16 +43,6 @@ class Origin:
     selection: str = ""  # digest of the file that the scenarios come from
     bank: str = ""  # digest of the bank
     command: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Trial:
-    """The policy after some epochs on the validation set."""
-
-    epochs: int  # 0: as it was
-    driving_score: float | None  # mean over the validation set; None where it was not driven
-    ordinary: float | None  # mean over its ordinary scenarios that went well before
-    action_loss: float | None = None  # of the last epoch's training
 
 
 @dataclass(frozen=True)
@@ -137,7 +128,7 @@ class _Work:
             kept = trials[-1]
         else:
             ordinary = ordinary_seeds(settings.validation_seed, settings.validation)
-            guard = _Guard([sample_scenario(family, seed) for family, seed in ordinary], hard, settings.tolerance)
+            guard = Guard([sample_scenario(family, seed) for family, seed in ordinary], hard, settings.tolerance)
             trials, tensors, kept = self._guarded(
                 epochs, guard, out.with_name(f".{out.stem}.epoch{out.suffix}"), header
             )
@@ -146,17 +137,30 @@ class _Work:
         return Repair(out, digest, kept, tuple(trials), len(shown), shown.outcomes)
 
     def _guarded(
-        self, epochs: Epochs, guard: "_Guard", beside: Path, header: dict[str, Any]
+        self, epochs: Epochs, guard: Guard, beside: Path, header: dict[str, Any]
     ) -> tuple[list[Trial], Tensors, Trial]:  # fmt: skip
-        """All trials, and the weights of the one that is kept; every epoch's model is driven from ``beside``."""
-        trials, tensors = [guard.first(self._driven(self.model, guard.scenarios))], dict(self.parent.tensors)
+        """All trials, and the weights of the one that is kept; every model that is tried is driven from ``beside``."""
+        old = dict(self.parent.tensors)
+        trials, tensors = [guard.first(self._driven(self.model, guard.scenarios))], old
         kept = trials[0]
+        rejected: tuple[Trial, Tensors] | None = None  # the best of those that may not be kept
         try:
             for number, (network, loss) in enumerate(epochs, 1):
                 save_checkpoint(beside, tensors_of(network), header)
                 trials.append(guard.trial(number, self._driven(beside, guard.scenarios), loss))
                 if guard.prefers(trials[-1], kept):
                     kept, tensors = trials[-1], _copied(network)
+                elif rejected is None or guard.is_higher(trials[-1], rejected[0]):
+                    rejected = trials[-1], _copied(network)
+            whole, new = rejected or (kept, old)
+            for share in () if kept.epochs else self.settings.mixtures:
+                mixed = mixture(old, new, share)
+                save_checkpoint(beside, mixed, header)
+                measures = self._driven(beside, guard.scenarios)
+                trials.append(guard.trial(whole.epochs, measures, whole.action_loss, share))
+                if guard.prefers(trials[-1], kept):
+                    kept, tensors = trials[-1], mixed
+                    break
         finally:
             beside.unlink(missing_ok=True)
         return trials, tensors, kept
@@ -211,40 +215,6 @@ class _Work:
             "metrics": {"scenes": len(shown)},
             "ancestry": [self.parent.digest, *before["ancestry"]],
         }  # fmt: skip
-
-
-@dataclass
-class _Guard:
-    """What is asked of an epoch, and what it came to."""
-
-    ordinary: Sequence[Scenario]
-    hard: Sequence[Scenario]
-    tolerance: float
-    before: float = 0.0
-    _fine: list[int] = field(default_factory=list)  # ordinary scenarios that went well before
-
-    @property
-    def scenarios(self) -> list[Scenario]:
-        return [*self.ordinary, *self.hard]
-
-    def first(self, measures: Sequence[DrivingMeasures]) -> Trial:
-        """What the policy comes to as it is."""
-        self._fine = [place for place in range(len(self.ordinary)) if measures[place].success]
-        trial = self.trial(0, measures, None)
-        self.before = trial.ordinary or 0.0
-        return trial
-
-    def trial(self, epochs: int, measures: Sequence[DrivingMeasures], loss: float | None) -> Trial:
-        ordinary = [measures[place].driving_score for place in self._fine]
-        whole = fmean(each.driving_score for each in measures)
-        return Trial(epochs, whole, fmean(ordinary) if ordinary else 0.0, loss)
-
-    def prefers(self, trial: Trial, kept: Trial) -> bool:
-        """Whether a trial is better than the one that is kept so far, and has not lost what the policy could do."""
-        assert trial.driving_score is not None
-        assert kept.driving_score is not None
-        assert trial.ordinary is not None
-        return trial.ordinary >= self.before - self.tolerance and trial.driving_score > kept.driving_score
 
 
 def _run_through(epochs: Epochs) -> tuple[list[Trial], Tensors]:

@@ -1,7 +1,7 @@
 """Every setting of few-shot repair: the single source of default, range and meaning."""
 
 from pathlib import Path
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -21,14 +21,18 @@ class FewShotSettings(Section):
     expert_drives: int = Field(1, ge=0, le=100, description="episodes a scenario that the expert drives")
     policy_drives: int = Field(1, ge=0, le=100, description="episodes a scenario that the policy drives, advised")
     expert_share: float = Field(0.2, ge=0.0, le=1.0, description="share of the time of those that the expert drives")
-    replay: int = Field(8, ge=0, le=900, description="ordinary episodes of each family that old skill is kept with")
+    replay: int = Field(30, ge=0, le=900, description="ordinary episodes of each family that old skill is kept with")
     replay_seed: int = Field(330_000, ge=50_000, le=900_000, description="of the first of these")
     replay_share: float = Field(0.5, ge=0.0, lt=1.0, description="share of the scenes of an epoch that are theirs")
-    validation: int = Field(3, ge=1, le=900, description="ordinary episodes of each family that forgetting shows in")
+    validation: int = Field(5, ge=1, le=900, description="ordinary episodes of each family that forgetting shows in")
     validation_seed: int = Field(340_000, ge=50_000, le=900_000, description="of the first of these")
     keep: Literal["best", "last"] = Field("best", description="epoch: the guard's choice, or the last without a guard")
     tolerance: float = Field(
         1.0, ge=0.0, le=100.0, description="Driving Score that may be lost on those that went well"
+    )
+
+    mixtures: tuple[Annotated[float, Field(gt=0.0, lt=1.0)], ...] = Field(
+        (0.5, 0.25), description="shares of the way to the new weights that are tried where no epoch is kept"
     )
 
     @model_validator(mode="after")
