@@ -94,6 +94,18 @@ def test_what_every_policy_mastered_far_from_anybody_goes(tmp_path):
         assert names == ["untried"]
 
 
+def test_where_policies_fail_there_is_more_to_learn_than_where_they_do_not(tmp_path):
+    wanted = {"hazards": cut_in("truck"), "weather": "rainy"}
+    mastered = entry("mastered", **wanted, outcomes=ran("GOAL", 1.0))
+    failed = entry("failed", **wanted, participants={"car": 4}, outcomes=ran("COLLISION"))
+    untried = entry("untried", **wanted, participants={"car": 4}, light="nighttime")
+    with made_of(tmp_path, [mastered, untried, failed, entry("dry")]) as bank:
+        found = recommend(bank, [CUT_IN], 1)
+        assert [bank.entry(pick.number).name for pick in found.initial] == ["mastered"]
+        assert [bank.entry(pick.number).name for pick in found.refined] == ["failed"]
+        assert found.swaps[0].reason == "more to learn: failed failed in 1 of 1 runs, mastered failed in 0 of 1 runs"
+
+
 def test_too_easy_and_too_hard_are_read_off_the_outcomes():
     def difficulty(*outcomes):
         return difficulty_of(dataclasses.replace(PLAIN, outcomes=tuple(each for one in outcomes for each in one)))

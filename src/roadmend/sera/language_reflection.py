@@ -20,7 +20,7 @@ The data: "patterns" are what a policy fails at; "selected" are scenarios chosen
 The task: look at the selection as a whole and say which scenarios to swap, so that the policy learns most from it:
   coverage: together the scenarios of a pattern show all that the pattern is made of
   diversity and redundancy: no two scenarios teach the same
-  difficulty: none is too easy or too hard to learn from
+  difficulty: none is too easy or too hard to learn from; where runs of policies have failed, there is more to learn
 Swap only what makes the set better; no swap at all is an answer, too.
 For each swap give the number of the selected scenario that goes ("out"), the number of the other that comes ("into") \
 and the reason in one sentence. A scenario goes or comes at most once.
@@ -97,6 +97,8 @@ def _data(pool: Pool, initial: Sequence[Pick], others: dict[int, list[int]]) -> 
             "scenario": candidate.words[:_LONGEST],
             "likeness": [round(float(pool.scores[pattern, pool.places[number]]), 3) for pattern in patterns],
             "difficulty": candidate.difficulty or None,
+            "runs": candidate.runs,
+            "failures": candidate.failures,
         }
 
     return {

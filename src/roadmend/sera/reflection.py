@@ -1,7 +1,7 @@
 """The second look: a selection as a whole, and swaps that mend it, each with its reason.
 
-A selection is worth what its entries are worth (how well they fit their pattern, how many of its aspects they show,
-how much there is to learn from them) less what they repeat of each other. Swaps are made one at a time, the best first,
+A selection is worth what its entries are worth (how well they fit their pattern, how many of its aspects they show, how
+often policies fail in them) less what they repeat of each other. Swaps are made one at a time, the best first,
 as long as they gain: a local search that ends, because every swap raises what is worth at most so much.
 """
 
@@ -23,6 +23,7 @@ _LEAST_GAIN = 0.02
 _TOO_EASY, _TOO_HARD = "too easy", "too hard"
 _DIFFICULTY_COSTS = {_TOO_EASY: 0.5, _TOO_HARD: 0.3, "": 0.0}
 _WIDE = 5.0  # [m] from which nobody came near
+_USUAL = 0.3  # share of runs that fail of a scenario that nobody has run; as good as one run that was
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +66,13 @@ class Candidate:
     words: str
     difficulty: str  # too easy, too hard, or neither
     aspects: tuple[frozenset[str], ...]  # of each pattern, those that the entry shows
+    runs: int = 0  # of it that are known of
+    failures: int = 0  # among those
+
+    @property
+    def failing(self) -> float:
+        """Share of runs that are to be expected to fail, by what is known: so much there is to learn."""
+        return (self.failures + _USUAL) / (self.runs + 1)
 
 
 @dataclass(frozen=True)
@@ -105,6 +113,8 @@ def candidates_of(bank: Bank, patterns: Sequence[FailurePattern], found: Sequenc
             words_of(entry.descriptor),
             difficulty_of(entry.descriptor),
             tuple(each & terms for each in wanted),
+            sum(each.runs for each in entry.descriptor.outcomes),
+            sum(each.failures for each in entry.descriptor.outcomes),
         )
         for number, entry, terms in zip(numbers, entries, shown, strict=True)
     )
@@ -166,7 +176,8 @@ class Worth:
         self.pool = pool
         self.costs = np.array([_DIFFICULTY_COSTS[candidate.difficulty] for candidate in pool.candidates])
         self.coverage, self.repeats = pool.coverage(), _repeats(pool)
-        self.value = pool.scores + self.coverage - self.costs
+        self.failing = np.array([candidate.failing for candidate in pool.candidates])
+        self.value = pool.scores + self.coverage + self.failing - self.costs
 
     def gains(self, picks: Sequence[Pick]) -> NDArray[np.float64]:
         """What a selection gains by each candidate in the place of each pick, shape (picks, candidates).
@@ -189,6 +200,7 @@ class Worth:
             "repeats": self.repeats[old, rest].sum() - self.repeats[into, rest].sum(),
             "coverage": self.coverage[pattern, into] - self.coverage[pattern, old],
             "difficulty": self.costs[old] - self.costs[into],
+            "failing": self.failing[into] - self.failing[old],
             "score": self.pool.scores[pattern, into] - self.pool.scores[pattern, old],
         }
         return _reason(self.pool, pattern, old, into, max(parts, key=lambda name: float(parts[name])), rest)
@@ -212,8 +224,16 @@ def _reason(pool: Pool, pattern: int, out: int, into: int, part: str, others: Se
             return f"coverage: {new.name} also shows {', '.join(more)}"
         case "difficulty":
             return f"{old.difficulty}: what {old.name} came to leaves little to learn"
+        case "failing":
+            return f"more to learn: {_record(new)}, {_record(old)}"
         case _:
             return f"relevance: {new.name} is closer to the pattern"
+
+
+def _record(candidate: Candidate) -> str:
+    if not candidate.runs:
+        return f"nobody has run {candidate.name}"
+    return f"{candidate.name} failed in {candidate.failures} of {candidate.runs} runs"
 
 
 def measure(pool: Pool, picks: Sequence[Pick]) -> Measures:
