@@ -134,6 +134,10 @@ class PracticeSection(Section):
         le=100,
         description="times that a success is driven blinded; if it collides it gets per_violation trials",
     )
+    random_cases: int = Field(
+        0, ge=0, le=100_000, description="scenarios of each family drawn at random for every policy that drives"
+    )
+    random_blinded: int = Field(2, ge=0, le=100, description="as blinded, of scenarios drawn at random")
     interval: int = Field(4, ge=1, le=100, description="ticks between two decisions")
     learning_rate: LearningRate = 1e-3
     batch: int = Field(256, ge=1, le=65_536, description="decisions of a batch")

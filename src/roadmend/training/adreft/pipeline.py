@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
@@ -23,6 +23,7 @@ from roadmend.training.adreft.gathering import Recipe, gather_frames
 from roadmend.training.adreft.labels import make_scheme
 from roadmend.training.adreft.model_file import digest_of_cases, save_model
 from roadmend.training.adreft.practice import PracticeFigures, PracticeStage
+from roadmend.training.adreft.random_case import random_cases
 from roadmend.training.adreft.reinforcement import ReinforcementStage, RoundFigures
 from roadmend.training.adreft.supervised import EpochFigures, SupervisedStage
 from roadmend.training.adreft.trial_plan import TrialPlan
@@ -199,19 +200,22 @@ class Pipeline:
         plan = TrialPlan(
             section.per_violation, section.per_success, section.blinded, section.interval, self._seed, digest
         )  # fmt: skip
-        drivers = [subject.driver, *subject.also]
-        done, episodes, cases = 0, 0, sum(len(driver.training) for driver in drivers)
+        drawn = replace(plan, blinded=section.random_blinded)
+        jobs = [
+            (Recipe(driver.policy, driver.policy_digest, self._model.tokenizer, 1), cases, how)
+            for driver in (subject.driver, *subject.also)
+            for cases, how in ((driver.training, plan), (random_cases(driver.policy, section.random_cases), drawn))
+        ]
+        done, episodes, total = 0, 0, sum(len(cases) for _, cases, _ in jobs)
 
         def count(trials: CaseTrials) -> None:
             nonlocal done, episodes
             done, episodes = done + 1, episodes + len(trials.lengths)
-            self._report("trials", done, cases, f"{episodes} episodes")
+            self._report("trials", done, total, f"{episodes} episodes")
 
         gathered: list[CaseTrials] = []
-        for driver in drivers:
-            recipe = Recipe(driver.policy, driver.policy_digest, self._model.tokenizer, 1)
-            folder = self._work / "trials"
-            gathered += gather_trials(driver.training, recipe, plan, folder, self._mapper, count, guide)
+        for recipe, cases, how in jobs:
+            gathered += gather_trials(cases, recipe, how, self._work / "trials", self._mapper, count, guide)
         return gathered
 
     def _supervise(self, validation: FrameSet, only: Only) -> _Supervised:

@@ -1,0 +1,48 @@
+"""Scenarios drawn at random to practise on, beside those that searches have found.
+
+A search's finds are each other's relatives: forty of them show one accident forty times. Scenarios drawn apart have
+nothing in common but their family, and what blindness makes of them no search has shaped.
+"""
+
+import zlib
+from dataclasses import dataclass
+
+from roadmend.world.families import FAMILIES, sample_scenario
+from roadmend.world.scenario import Scenario
+
+FIRST_SEED = 40_000_000  # beyond those of every corpus, of the policies' training and of the scenario bank
+_BLOCK = 100_000  # seeds of a policy
+_BLOCKS = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class RandomCase:
+    """A scenario that nobody has driven yet (``training.closed_loop.EpisodeCase``)."""
+
+    family: str
+    seed: int
+
+    @property
+    def name(self) -> str:
+        """Name of the scenario."""
+        return f"{self.family}-{self.seed}"
+
+    @property
+    def digest(self) -> str:
+        """Nothing: what the policy makes of it is not known yet."""
+        return ""
+
+    @property
+    def is_violation(self) -> bool:
+        """Not known yet; few are."""
+        return False
+
+    def scenario(self) -> Scenario:
+        """The scenario itself."""
+        return sample_scenario(self.family, self.seed)
+
+
+def random_cases(policy: str, number: int) -> list[RandomCase]:
+    """So many scenarios of each family, the same ones for a policy at every call; other policies get others."""
+    first = FIRST_SEED + _BLOCK * (zlib.crc32(policy.encode()) % _BLOCKS)
+    return [RandomCase(family, first + index) for index in range(number) for family in FAMILIES]
