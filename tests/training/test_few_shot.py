@@ -50,23 +50,23 @@ def gathering(kept):
     return answer
 
 
-def repair(scenarios, out, gathering, scores, **more):
-    """A repair whose policy fares on the validation set as ``scores`` say, trial by trial: ordinary, hard."""
-    turns = iter(scores)
+def repair(scenarios, out, gathering, hard, ordinary, **more):
+    """A repair whose policy fares on the validation set as the two say, in the order in which it is driven there."""
+    turns = {True: iter(hard), False: iter(ordinary)}
 
     def driving(_model, chosen):
-        ordinary, hard = next(turns)
-        kinds = [GOOD if ordinary else BAD] * (len(chosen) - len(scenarios)) + [GOOD if hard else BAD] * len(scenarios)
-        return iter(kinds)
+        return iter([GOOD if next(turns[chosen[0] is scenarios[0]]) else BAD] * len(chosen))
 
     arguments = {"settings": SETTINGS, "seed": 1, "out": out, "gathering": gathering, "driving": driving, **more}
-    return few_shot_repair(MODEL, scenarios, **arguments)
+    found = few_shot_repair(MODEL, scenarios, **arguments)
+    assert not [*turns[True], *turns[False]]  # nothing was left undriven
+    return found
 
 
 def test_the_first_of_the_best_epochs_is_kept_and_the_header_tells_where_it_comes_from(tmp_path, scenarios, gathering):
     out = tmp_path / "new" / "tuned.safetensors"
     origin = Origin("selection-digest", "bank-digest", "command")
-    found = repair(scenarios, out, gathering, [(1, 0), (1, 0), (1, 1), (1, 1)], origin=origin)
+    found = repair(scenarios, out, gathering, [0, 0, 1, 1], [1, 1], origin=origin)
     assert found.kept.epochs == 2
     assert [trial.epochs for trial in found.trials] == [0, 1, 2, 3]
     model = load_checkpoint(out, "neural")
@@ -82,27 +82,39 @@ def test_the_first_of_the_best_epochs_is_kept_and_the_header_tells_where_it_come
 
 def test_an_epoch_that_forgets_is_not_kept_however_good_it_is_elsewhere(tmp_path, scenarios, gathering):
     out = tmp_path / "tuned.safetensors"
-    found = repair(scenarios, out, gathering, [(1, 0), (0, 1), (0, 1), (0, 1), (0, 1), (0, 1)])
+    found = repair(scenarios, out, gathering, [0, 1, 1, 1, 1, 1], [1, 0, 0, 0, 0, 0])
     assert found.kept.epochs == 0
     assert [(trial.epochs, trial.share) for trial in found.trials[-2:]] == [(1, 0.5), (1, 0.25)]
     before, after = load_checkpoint(MODEL).tensors, load_checkpoint(out).tensors
     assert all((before[name] == after[name]).all() for name in before)
 
 
+def test_the_best_epoch_that_forgets_nothing_is_kept(tmp_path, scenarios, gathering):
+    found = repair(scenarios, tmp_path / "tuned.safetensors", gathering, [0, 1, 0, 1], [1, 0, 1])
+    assert found.kept.epochs == 3
+    assert [trial.ordinary for trial in found.trials] == [100.0, 30.0, None, 100.0]
+
+
 def test_half_of_a_change_that_forgets_is_kept_where_it_forgets_nothing(tmp_path, scenarios, gathering):
     whole, half = tmp_path / "whole.safetensors", tmp_path / "half.safetensors"
     settings = SETTINGS.model_copy(update={"epochs": 1, "mixtures": (0.5,)})
-    repair(scenarios, whole, gathering, [(1, 0), (1, 1)], settings=settings)
-    found = repair(scenarios, half, gathering, [(1, 0), (0, 1), (1, 1)], settings=settings)
+    repair(scenarios, whole, gathering, [0, 1], [1, 1], settings=settings)
+    found = repair(scenarios, half, gathering, [0, 1, 1], [1, 0, 1], settings=settings)
     assert (found.kept.epochs, found.kept.share) == (1, 0.5)
     old, new, mixed = (load_checkpoint(path).tensors for path in (MODEL, whole, half))
     for name in old:
         np.testing.assert_allclose(mixed[name], (old[name] + new[name]) / 2, atol=1e-6)
 
 
+def test_ordinary_scenarios_are_not_driven_for_what_is_no_better(tmp_path, scenarios, gathering):
+    found = repair(scenarios, tmp_path / "tuned.safetensors", gathering, [0, 0, 0, 0], [1])
+    assert [trial.epochs for trial in found.trials] == [0, 1, 2, 3]
+    assert found.kept == found.trials[0]
+
+
 def test_without_the_guard_nothing_is_driven_and_the_last_epoch_is_kept(tmp_path, scenarios, gathering):
     out = tmp_path / "tuned.safetensors"
-    found = repair(scenarios, out, gathering, [], settings=SETTINGS.model_copy(update={"keep": "last"}))
+    found = repair(scenarios, out, gathering, [], [], settings=SETTINGS.model_copy(update={"keep": "last"}))
     assert found.kept == found.trials[-1]
     assert [(trial.epochs, trial.driving_score) for trial in found.trials] == [(1, None), (2, None), (3, None)]
     before, after = load_checkpoint(MODEL).tensors, load_checkpoint(out).tensors
@@ -110,16 +122,16 @@ def test_without_the_guard_nothing_is_driven_and_the_last_epoch_is_kept(tmp_path
 
 
 def test_the_same_seed_gives_the_same_file_and_another_does_not(tmp_path, scenarios, gathering):
-    scores = [(1, 0), (1, 1), (1, 1), (1, 1)]
-    first = repair(scenarios, tmp_path / "a.safetensors", gathering, scores)
-    again = repair(scenarios, tmp_path / "b.safetensors", gathering, scores)
-    other = repair(scenarios, tmp_path / "c.safetensors", gathering, scores, seed=2)
+    scores = [0, 1, 1, 1], [1, 1]
+    first = repair(scenarios, tmp_path / "a.safetensors", gathering, *scores)
+    again = repair(scenarios, tmp_path / "b.safetensors", gathering, *scores)
+    other = repair(scenarios, tmp_path / "c.safetensors", gathering, *scores, seed=2)
     assert first.digest == again.digest != other.digest
 
 
 def test_a_repaired_policy_can_be_repaired_again_and_remembers_all_its_ancestors(tmp_path, scenarios, gathering):
-    scores = [(1, 0), (1, 1), (1, 1), (1, 1)]
-    first = repair(scenarios, tmp_path / "a.safetensors", gathering, scores)
+    scores = [0, 1, 1, 1], [1, 1]
+    first = repair(scenarios, tmp_path / "a.safetensors", gathering, *scores)
     settings = SETTINGS.model_copy(update={"epochs": 1, "replay": 0})
     again = few_shot_repair(
         first.path, scenarios, settings, 0, tmp_path / "b.safetensors",

@@ -6,40 +6,47 @@ import numpy as np
 import pytest
 
 from roadmend.evaluation.driving_measures import DrivingMeasures
-from roadmend.training.repair_guard import Guard, Trial, mixture
+from roadmend.training.repair_guard import Candidate, Guard, Trial, mixture
 from roadmend.world.families import sample_scenario
 
 GOOD = DrivingMeasures("GOAL", 100.0, (), 100.0, True, None, None, False)
-WORSE = replace(GOOD, driving_score=97.0)
 BAD = replace(GOOD, outcome="COLLISION", driving_score=30.0, success=False)
 
 
 @pytest.fixture
 def guard():
     scenarios = [sample_scenario("S1", seed) for seed in range(4)]
-    return Guard(scenarios[:3], scenarios[3:], tolerance=1.0)
+    guard = Guard(scenarios[:3], scenarios[3:], tolerance=1.0)
+    assert guard.first([BAD], [GOOD, GOOD, BAD]) == Trial(0, 30.0, 100.0)
+    return guard
 
 
-def test_only_ordinary_scenarios_that_went_well_before_are_watched(guard):
-    first = guard.first([GOOD, GOOD, BAD, BAD])
-    assert first == Trial(0, 65.0, 100.0)
-    assert guard.trial(1, [GOOD, GOOD, GOOD, BAD], 0.5).ordinary == 100.0
-    assert guard.trial(1, [GOOD, BAD, GOOD, BAD], 0.5).ordinary == 65.0
+def scored(score, number=1):
+    return Candidate(Trial(number, score, None), {})
+
+
+def test_candidates_that_are_better_on_the_hard_ones_are_ranked(guard):
+    found = guard.ranked([scored(50.0, 1), scored(30.0, 2), scored(90.0, 3), scored(50.0, 4), scored(10.0, 5)])
+    assert [candidate.trial.epochs for candidate in found] == [3, 1, 4]
+    assert guard.trial(2, [GOOD, BAD], 0.5, 0.25) == Trial(2, 65.0, None, 0.5, 0.25)
 
 
 @pytest.mark.parametrize(
-    ("measures", "is_better"),
+    ("ordinary", "is_allowed"),
     [
-        ([GOOD, GOOD, BAD, GOOD], True),
-        ([GOOD, GOOD, GOOD, BAD], True),
-        ([GOOD, GOOD, BAD, BAD], False),  # no better than before
-        ([GOOD, WORSE, GOOD, GOOD], False),  # 1.5 lost on what went well
-        ([GOOD, replace(GOOD, driving_score=98.5), GOOD, GOOD], True),  # 0.75 lost
+        ([GOOD, GOOD, BAD], True),
+        ([GOOD, GOOD, GOOD], True),
+        ([GOOD, BAD, GOOD], False),  # what failed before makes up for nothing
+        ([GOOD, replace(GOOD, driving_score=97.0), BAD], False),  # 1.5 lost on what went well
+        ([GOOD, replace(GOOD, driving_score=98.5), BAD], True),  # 0.75 lost
     ],
 )
-def test_a_trial_must_be_better_as_a_whole_and_lose_nothing_of_what_went_well(guard, measures, is_better):
-    first = guard.first([GOOD, GOOD, BAD, BAD])
-    assert guard.prefers(guard.trial(1, measures, 0.5), first) is is_better
+def test_a_trial_may_lose_nothing_of_what_went_well(guard, ordinary, is_allowed):
+    assert guard.allows(guard.judged(scored(90.0), ordinary).trial) is is_allowed
+
+
+def test_a_trial_that_was_not_judged_is_not_allowed(guard):
+    assert not guard.allows(scored(90.0).trial)
 
 
 @pytest.mark.parametrize(("share", "between"), [(0.0, 1.0), (0.25, 1.5), (1.0, 3.0)])

@@ -2,9 +2,9 @@
 
 In every scenario the privileged expert drives, and the policy drives while the expert says what it would do (DAgger,
 Ross et al. 2011). What comes of it is mixed with scenes of ordinary episodes, and after every epoch the policy drives a
-validation set: the epoch is kept that scores best there without losing on the ordinary scenarios that went well before.
-Where no epoch does, weights part of the way between the old and the new ones are tried; where these do not either, the
-policy stays as it was.
+hard part of a validation set. The epochs that are better there than the policy was drive ordinary scenarios, the best
+first, and the first that loses nothing of what went well before is kept. Where none does, weights part of the way
+between the old and the new ones are tried; where these do not either, the policy stays as it was.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -24,7 +24,7 @@ from roadmend.policies.neural import NeuralPolicy, load_model
 from roadmend.training.few_shot_settings import FewShotSettings, ordinary_seeds
 from roadmend.training.imitation import NeuralNetwork, batches, learn, load_network, tensors_of
 from roadmend.training.imitation_rollout import Lesson, gather, ordinary_lesson
-from roadmend.training.repair_guard import Guard, Trial, mixture
+from roadmend.training.repair_guard import Candidate, Guard, Trial, mixture
 from roadmend.training.samples import Samples, samples_digest
 from roadmend.training.workers import Mapper, open_mapper
 from roadmend.world.families import sample_scenario
@@ -141,29 +141,37 @@ class _Work:
     ) -> tuple[list[Trial], Tensors, Trial]:  # fmt: skip
         """All trials, and the weights of the one that is kept; every model that is tried is driven from ``beside``."""
         old = dict(self.parent.tensors)
-        trials, tensors = [guard.first(self._driven(self.model, guard.scenarios))], old
-        kept = trials[0]
-        rejected: tuple[Trial, Tensors] | None = None  # the best of those that may not be kept
+
+        def tried(epochs: int, tensors: Tensors, loss: float | None, share: float = 1.0) -> Candidate:
+            save_checkpoint(beside, tensors, header)
+            return Candidate(guard.trial(epochs, self._driven(beside, guard.hard), loss, share), tensors)
+
+        def judged(candidate: Candidate) -> Candidate:
+            save_checkpoint(beside, candidate.tensors, header)
+            return guard.judged(candidate, self._driven(beside, guard.ordinary))
+
         try:
-            for number, (network, loss) in enumerate(epochs, 1):
-                save_checkpoint(beside, tensors_of(network), header)
-                trials.append(guard.trial(number, self._driven(beside, guard.scenarios), loss))
-                if guard.prefers(trials[-1], kept):
-                    kept, tensors = trials[-1], _copied(network)
-                elif rejected is None or guard.is_higher(trials[-1], rejected[0]):
-                    rejected = trials[-1], _copied(network)
-            whole, new = rejected or (kept, old)
-            for share in () if kept.epochs else self.settings.mixtures:
-                mixed = mixture(old, new, share)
-                save_checkpoint(beside, mixed, header)
-                measures = self._driven(beside, guard.scenarios)
-                trials.append(guard.trial(whole.epochs, measures, whole.action_loss, share))
-                if guard.prefers(trials[-1], kept):
-                    kept, tensors = trials[-1], mixed
+            first = guard.first(self._driven(self.model, guard.hard), self._driven(self.model, guard.ordinary))
+            kept = Candidate(first, old)
+            found = [tried(number, _copied(network), loss) for number, (network, loss) in enumerate(epochs, 1)]
+            better = guard.ranked(found)
+            for candidate in better:
+                judgement = judged(candidate)
+                found[candidate.trial.epochs - 1] = judgement
+                if guard.allows(judgement.trial):
+                    kept = judgement
+                    break
+            mixing = [] if kept.trial.epochs else [(best, one) for best in better[:1] for one in self.settings.mixtures]
+            for best, share in mixing:
+                mixed = mixture(old, best.tensors, share)
+                candidate = tried(best.trial.epochs, mixed, best.trial.action_loss, share)
+                found.append(judged(candidate) if guard.ranked([candidate]) else candidate)
+                if guard.allows(found[-1].trial):
+                    kept = found[-1]
                     break
         finally:
             beside.unlink(missing_ok=True)
-        return trials, tensors, kept
+        return [first, *(candidate.trial for candidate in found)], kept.tensors, kept.trial
 
     def _gathered(self, what: str, lessons: Sequence[Lesson]) -> Samples:
         parts = []

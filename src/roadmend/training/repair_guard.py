@@ -1,7 +1,7 @@
 """The guard against forgetting: what is asked of a fine-tuned policy before it takes the old one's place."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from statistics import fmean
 from typing import Any
 
@@ -9,58 +9,74 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.evaluation.driving_measures import DrivingMeasures
+from roadmend.learning.checkpoint import Tensors
 from roadmend.world.scenario import Scenario
 
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """The policy after some epochs on the validation set."""
+    """The policy after some epochs on the validation set; means of the Driving Score, None where it was not driven."""
 
     epochs: int  # 0: as it was
-    driving_score: float | None  # mean over the validation set; None where it was not driven
-    ordinary: float | None  # mean over its ordinary scenarios that went well before
+    driving_score: float | None  # on the hard scenarios
+    ordinary: float | None  # on the ordinary scenarios that went well before
     action_loss: float | None = None  # of the last epoch's training
     share: float = 1.0  # of the way from the old weights to those of that epoch
 
 
+@dataclass(frozen=True)
+class Candidate:
+    """A trial and the weights that were tried."""
+
+    trial: Trial
+    tensors: Tensors
+
+
 @dataclass
 class Guard:
-    """What is asked of a trial, and what the policy came to before."""
+    """Which candidates are worth a look, and which may take the old policy's place."""
 
     ordinary: Sequence[Scenario]
     hard: Sequence[Scenario]
     tolerance: float  # Driving Score that may be lost on the ordinary scenarios that went well before
-    before: float = 0.0
+    _hard_before: float = 0.0
+    _ordinary_before: float = 0.0
     _fine: list[int] = field(default_factory=list)  # ordinary scenarios that went well before
 
-    @property
-    def scenarios(self) -> list[Scenario]:
-        """The validation set, in the order in which the measures are given."""
-        return [*self.ordinary, *self.hard]
-
-    def first(self, measures: Sequence[DrivingMeasures]) -> Trial:
+    def first(self, hard: Sequence[DrivingMeasures], ordinary: Sequence[DrivingMeasures]) -> Trial:
         """What the policy comes to as it is."""
-        self._fine = [place for place in range(len(self.ordinary)) if measures[place].success]
-        trial = self.trial(0, measures, None)
-        self.before = trial.ordinary or 0.0
-        return trial
+        self._fine = [place for place, measures in enumerate(ordinary) if measures.success]
+        self._hard_before, self._ordinary_before = _mean(hard), self._mean_of_fine(ordinary)
+        return Trial(0, self._hard_before, self._ordinary_before)
 
-    def trial(self, epochs: int, measures: Sequence[DrivingMeasures], loss: float | None, share: float = 1.0) -> Trial:
-        """What the policy comes to after some epochs."""
-        ordinary = [measures[place].driving_score for place in self._fine]
-        whole = fmean(each.driving_score for each in measures)
-        return Trial(epochs, whole, fmean(ordinary) if ordinary else 0.0, loss, share)
+    def trial(self, epochs: int, hard: Sequence[DrivingMeasures], loss: float | None, share: float = 1.0) -> Trial:
+        """What the policy comes to after some epochs, as far as the hard scenarios tell."""
+        return Trial(epochs, _mean(hard), None, loss, share)
 
-    def prefers(self, trial: Trial, kept: Trial) -> bool:
-        """Whether a trial is better than the one that is kept so far, and has not lost what the policy could do."""
-        assert trial.ordinary is not None
-        return trial.ordinary >= self.before - self.tolerance and self.is_higher(trial, kept)
+    def judged(self, candidate: Candidate, ordinary: Sequence[DrivingMeasures]) -> Candidate:
+        """A candidate that has driven the ordinary scenarios, too."""
+        return replace(candidate, trial=replace(candidate.trial, ordinary=self._mean_of_fine(ordinary)))
 
-    def is_higher(self, trial: Trial, than: Trial) -> bool:
-        """Whether a trial has the greater Driving Score, whatever it has lost."""
-        assert trial.driving_score is not None
-        assert than.driving_score is not None
-        return trial.driving_score > than.driving_score
+    def ranked(self, candidates: Sequence[Candidate]) -> list[Candidate]:
+        """Those that are better on the hard scenarios than the policy was, the best first, of equals the earlier."""
+        better = [each for each in candidates if _score(each) > self._hard_before]
+        return sorted(better, key=_score, reverse=True)
+
+    def allows(self, trial: Trial) -> bool:
+        """Whether a trial has lost nothing of what the policy could do; one that has not been judged has."""
+        return trial.ordinary is not None and trial.ordinary >= self._ordinary_before - self.tolerance
+
+    def _mean_of_fine(self, ordinary: Sequence[DrivingMeasures]) -> float:
+        return _mean([ordinary[place] for place in self._fine]) if self._fine else 0.0
+
+
+def _mean(measures: Sequence[DrivingMeasures]) -> float:
+    return fmean(each.driving_score for each in measures)
+
+
+def _score(candidate: Candidate) -> float:
+    assert candidate.trial.driving_score is not None
+    return candidate.trial.driving_score
 
 
 def mixture(
