@@ -1,11 +1,14 @@
 import json
 import random
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from roadmend.cli import adreft_entrants, bench_adreft
 from roadmend.cli.main import main
 from roadmend.evaluation import case_jobs
+from roadmend.evaluation.contenders import read_plan
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.world.corpus import Case, Corpus, save_corpus
@@ -13,6 +16,7 @@ from roadmend.world.families import FAMILIES
 from roadmend.world.runner import run_episode
 from roadmend.world.space import sample
 
+CONFIG = Path(__file__).parents[2] / "config"
 SMALL = ("--policy", "modular", "--families", "S4", "--no-cost", "--workers", "1")
 
 
@@ -130,3 +134,19 @@ def test_fresh_cases_are_held_against_the_committed_table(tmp_path):
     content = {"summary": {"modular": {"rule": {"delta_e": 35.0}, "rss": {"delta_e": 1.0}}, "neural": {}}}
     assert bench_adreft._to_table(content, tmp_path / "adreft.json") == {"modular": {"rule": -5.0}, "neural": {}}
     assert bench_adreft._to_table(content, tmp_path / "none.json") == {}
+
+
+def test_a_table_needs_every_rival_and_names_what_else_was_left_out():
+    plan = read_plan(CONFIG / "benchmarks" / "adreft.yaml")
+    rivals = [name for name, method in plan.methods.items() if method.group in ("reference", "rival", "adreft")]
+    choice = adreft_entrants.Choice(
+        tuple(plan.policies), tuple(rivals), tuple(FAMILIES), None, "test", None, CONFIG, is_quick=False
+    )
+    assert bench_adreft._stem(plan, choice) == "adreft"
+    left = bench_adreft._not_asked_for(plan, choice)
+    assert {"policy": "neural", "method": "hindsight", "reason": "not asked for"} in left
+    assert len(left) == len(plan.policies) * (len(plan.methods) - len(rivals))
+    for fewer in (
+        replace(choice, methods=tuple(rivals[1:])), replace(choice, policies=("modular",)), replace(choice, cases=3)
+    ):  # fmt: skip
+        assert bench_adreft._stem(plan, fewer) == "adreft-part"

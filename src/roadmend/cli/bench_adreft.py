@@ -35,6 +35,7 @@ _COLUMNS = (
     TimeRemainingColumn(),
 )
 _SHOWN = 10  # differences that --verify prints
+_TABLE = ("reference", "rival", "adreft")  # groups of methods without which there is no table
 
 
 @dataclass(frozen=True)
@@ -101,7 +102,7 @@ def adreft(
         raise click.UsageError("--verify goes with the committed cases only")
     choice = Choice(
         _names(policies or plan.policies, plan.policies, "--policy"),
-        _list(methods, plan.quick.methods if quick else plan.methods, plan.methods, "--methods"),
+        _list(methods, _usual_methods(plan, committed, quick=quick, verify=verify), plan.methods, "--methods"),
         _list(families, FAMILIES, FAMILIES, "--families"),
         cases if cases is not None or not quick else plan.quick.cases,
         split,
@@ -133,7 +134,10 @@ def _measure(plan: BenchmarkPlan, config: Path, choice: Choice, options: _Option
     if options.out is not None:
         path = options.out / "adreft-robustness.json"
         content["robustness"] = read_json(path) if path.is_file() else None
-        write_benchmark(options.out, _stem(plan, choice), content, case_table(measured))
+        stem = _stem(plan, choice)
+        if stem == "adreft":
+            content["not_run"] += _not_asked_for(plan, choice)
+        write_benchmark(options.out, stem, content, case_table(measured))
     if options.as_json:
         click.echo(dump_json(content))
     else:
@@ -207,8 +211,25 @@ def _stem(plan: BenchmarkPlan, choice: Choice) -> str:
         return "adreft-quick"
     if choice.split != "test":
         return f"adreft-{choice.split}"
-    whole = [*choice.policies] == plan.policies and [*choice.methods] == [*plan.methods]
+    needed = {name for name, method in plan.methods.items() if method.group in _TABLE}
+    whole = [*choice.policies] == plan.policies and needed <= {*choice.methods}
     return "adreft" if whole and [*choice.families] == [*FAMILIES] and choice.cases is None else "adreft-part"
+
+
+def _not_asked_for(plan: BenchmarkPlan, choice: Choice) -> list[dict[str, str]]:
+    """The methods that --methods left out of a whole table, as its readers should know."""
+    left = [name for name in plan.methods if name not in choice.methods]
+    return [
+        {"policy": policy, "method": name, "reason": "not asked for"} for policy in choice.policies for name in left
+    ]
+
+
+def _usual_methods(plan: BenchmarkPlan, committed: Path, *, quick: bool, verify: bool) -> Sequence[str]:
+    """The methods where none are named: all of the plan, or those of the committed table where that is verified."""
+    if verify:
+        summary = read_json(committed / "adreft.json")["summary"]
+        return [name for name in plan.methods if any(name in methods for methods in summary.values())]
+    return plan.quick.methods if quick else [*plan.methods]
 
 
 def _command(choice: Choice, corpora: Path | None, *, verify: bool) -> str:
