@@ -15,6 +15,7 @@ from rich.progress import Progress
 from roadmend.cli.figures import Figures
 from roadmend.cli.options import WORKERS
 from roadmend.core.outcome import EventKind
+from roadmend.core.worker_process import begin_worker
 from roadmend.evaluation.benchmark_report import provenance
 from roadmend.evaluation.intervals import wilson
 from roadmend.policies.registry import POLICIES, make_policy
@@ -88,7 +89,10 @@ def outcomes(
     ]
     console = Console(stderr=True)
     context = multiprocessing.get_context("spawn")  # libsumo holds one simulation a process
-    with ProcessPoolExecutor(workers, mp_context=context) as pool, Progress(console=console) as progress:
+    with (
+        ProcessPoolExecutor(workers, mp_context=context, initializer=begin_worker) as pool,
+        Progress(console=console) as progress,
+    ):
         task = progress.add_task("episodes", total=len(jobs))
         reports = []
         for report in pool.map(_work, jobs, chunksize=4):

@@ -1,7 +1,6 @@
 """Evaluates batches of points: in this process, or side by side in others."""
 
 import multiprocessing
-import signal
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -10,6 +9,7 @@ from functools import partial
 from typing import Protocol, TypeVar
 
 from roadmend.core.errors import SimulationError
+from roadmend.core.worker_process import begin_worker
 from roadmend.search.evaluation import Evaluation, Subject, evaluate
 from roadmend.world.space import Parameters
 
@@ -47,14 +47,10 @@ def open_map(work: Callable[[Item], Result], workers: int) -> Iterator[Mapped[It
         yield partial(map, work)
         return
     context = multiprocessing.get_context("spawn")  # libsumo holds one simulation a process
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_ignore_interrupt)
+    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=begin_worker)
     try:
         yield partial(pool.map, work)
     except BrokenProcessPool:
         raise SimulationError("a worker process died; run the same command again to go on") from None
     finally:
         pool.shutdown(cancel_futures=True)
-
-
-def _ignore_interrupt() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent hears it and ends the pool

@@ -1,7 +1,6 @@
 """Episodes side by side: a pool of processes that gives its results in the order of the questions."""
 
 import multiprocessing
-import signal
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -9,6 +8,7 @@ from contextlib import contextmanager
 from typing import Protocol, TypeVar
 
 from roadmend.core.errors import SimulationError
+from roadmend.core.worker_process import begin_worker
 
 Question = TypeVar("Question")
 Answer = TypeVar("Answer")
@@ -32,14 +32,10 @@ def open_mapper(workers: int) -> Iterator[Mapper]:
         yield map
         return
     context = multiprocessing.get_context("spawn")  # libsumo holds one simulation a process
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_ignore_interrupt)
+    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=begin_worker)
     try:
         yield pool.map
     except BrokenProcessPool:
         raise SimulationError("a worker process died; run the same command again to go on") from None
     finally:
         pool.shutdown(cancel_futures=True)
-
-
-def _ignore_interrupt() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent hears it and ends the pool
