@@ -88,6 +88,13 @@ def test_without_the_step_reward_only_the_end_counts():
 def test_dose_has_its_price():
     rewards = [deed.reward for deed in run([0.2, 0.9], step_reward=False, dose=2.0)[0]]
     assert rewards == pytest.approx([0.0, -2.0 * 1.5 * 0.05])
+    rewards = [deed.reward for deed in run([0.2, 0.9], step_reward=False, dose=2.0, dose_exponent=3.0)[0]]
+    assert rewards == pytest.approx([0.0, -2.0 * 1.5**3 * 0.05])
+
+
+def test_time_has_its_price_for_each_decision():
+    rewards = [deed.reward for deed in run([0.2] * 6, step_reward=False, time=0.06, interval=3, gamma=1.0)[0]]
+    assert rewards == pytest.approx([-0.06, -0.06])
 
 
 def test_a_decision_holds_for_its_interval():

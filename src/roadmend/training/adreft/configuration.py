@@ -209,6 +209,10 @@ class ReinforcementSection(Section):
     dose: float = Field(
         0.0, ge=0.0, le=1000.0, description="price of a second of full command: |policy's - final action| * interval"
     )
+    dose_exponent: float = Field(
+        1.0, ge=1.0, le=4.0, description="of the strength of an intervention in its price, as in practice"
+    )
+    time: float = Field(0.0, ge=0.0, le=10.0, description="price of a decision's time, as in practice")
     validate_every: int = Field(10, ge=1, le=100_000, description="rounds between two validations in closed loop")
     validation_cases: int = Field(
         0, ge=0, le=100_000, description="validation cases driven each time, spread over the families; 0: all"

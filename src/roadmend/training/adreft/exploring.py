@@ -126,7 +126,7 @@ class ExploringRepair:
         section, deed = self.section, self.deeds[-1]
         change = abs(repair.policy_action - repair.final_action)
         reward = (1.0 - self.score) * (1.0 - 0.5 * change) if section.step_reward else 0.0
-        reward -= section.dose * change * INTERVAL
+        reward -= section.dose * change**section.dose_exponent * INTERVAL + section.time / section.interval
         self._last = deed.discount, reward
         deed.reward += deed.discount * reward
         deed.discount *= section.gamma
