@@ -176,6 +176,8 @@ class Pipeline:
         for number in range(section.rounds):
             gathered += self._try(number, result, validation)
             trials = TrialSet.join(gathered, section)
+            if number + 1 == section.rounds:
+                gathered.clear()  # gigabytes, which the joined trials hold once more
             own = section.of_round(number)
             stage = PracticeStage(
                 self._model, own, trials, seed=self._seed + number, device=self._device,
