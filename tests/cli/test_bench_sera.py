@@ -15,22 +15,23 @@ FORGOTTEN = {
     "driving_score_change": None,
     "success_rate_change": None,
 }
-SIZES = {"seeds": 2, "bank": 100, "evaluation": 40, "hard": 20}
+SIZES = {"seeds": 2, "bank": 100, "evaluation": 40, "hard": 20, "split": "test"}
 
 
-def result(gain):
+def result(gain, *, in_depth=True):
+    arms = ("base", "random", "initial", "full", "half_bank")[: 5 if in_depth else 4]
     seeds = [
         {
             "seed": seed,
             "arms": {
                 arm: {**ARM, "driving_score": 60.0 + place * gain + seed * (1 + 0.1 * place)}
-                for place, arm in enumerate(("base", "random", "initial", "full", "half_bank"))
+                for place, arm in enumerate(arms)
             },
             "forgetting": {"full": FORGOTTEN},
         }
         for seed in range(2)
     ]
-    return {"seeds": seeds, "sweep": [{"epochs": 1, "learning_rate": 1e-4, **ARM}]}
+    return {"seeds": seeds, "sweep": [{"epochs": 1, "learning_rate": 1e-4, **ARM}] if in_depth else []}
 
 
 @pytest.fixture
@@ -39,7 +40,7 @@ def command(tmp_path, monkeypatch):
 
     def run(plan, _config, models, _workshop):
         plans.append(plan)
-        return {policy: result(2.0) for policy in models}, SIZES
+        return {policy: result(2.0, in_depth=policy in plan.in_depth) for policy in models}, SIZES
 
     monkeypatch.setattr(bench_sera, "_run", run)
     (tmp_path / "retrieval.json").write_text(json.dumps({"n": 5, "p95_ms": 1.0, "recall_at_10": 0.99}))
@@ -62,6 +63,8 @@ def test_files_and_figures(command, tmp_path, capsys):
     assert set(told["summary"]) == {"neural", "ego_mlp"}
     assert told["comparisons"]["neural"]["in_order"]
     assert told["comparisons"]["neural"]["gain_percent"] == pytest.approx(100.0 * (66.65 / 60.5 - 1.0))
+    assert "half_bank" not in told["summary"]["ego_mlp"]
+    assert set(told["sweep"]) == {"neural"}
     assert told["retrieval"]["n"] == 5
     assert told["provenance"]["command"] == "./roadmend bench sera --policies neural,ego_mlp --seeds 2"
 

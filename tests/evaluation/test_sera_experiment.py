@@ -86,7 +86,8 @@ def results(plan, evaluated, bank, tmp_path_factory):
     workshop = Workshop(tmp_path_factory.mktemp("models"), hard)
     patterns = (FailurePattern("cut-in", "a car cuts in"), FailurePattern("crossing", "a pedestrian crosses"))
     experiment = Experiment(
-        Path("base.safetensors"), plan, FewShotSettings(), evaluated, bank, workshop, lambda failed: patterns * bool(failed)
+        Path("base.safetensors"), plan, FewShotSettings(), evaluated, bank, workshop, lambda failed: patterns * bool(failed),
+        in_depth=True,
     )  # fmt: skip
     return experiment.run()
 

@@ -104,10 +104,12 @@ def _run(
     with Bank(path) as bank:
         for policy, model in models.items():
             logs = _Logs(policy, workshop)
-            results[policy] = Experiment(model, plan, settings, evaluated, bank, workshop, logs.patterns).run()
+            results[policy] = Experiment(
+                model, plan, settings, evaluated, bank, workshop, logs.patterns, policy in plan.in_depth
+            ).run()
         sizes = {
             "seeds": plan.seeds, "bank": len(bank), "evaluation": len(evaluated),
-            "hard": sum(each.is_hard for each in evaluated), "plan": plan.model_dump(mode="json"),
+            "hard": sum(each.is_hard for each in evaluated), "split": plan.evaluation.split, "plan": plan.model_dump(mode="json"),
             "few_shot": settings.model_dump(mode="json"),
         }  # fmt: skip
     return results, sizes

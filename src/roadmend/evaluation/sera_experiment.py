@@ -35,15 +35,16 @@ class Experiment:
     bank: Bank
     workshop: Workshop
     patterns: Patterns
+    in_depth: bool  # with half the bank and the sweep
 
     def run(self) -> dict[str, Any]:
-        """All figures as plain values.
+        """All figures as plain values; no row of the sweep where it was not asked for.
 
         Raises:
             InputError: the policy fails nowhere in the half that is analysed.
         """
         seeds = [self._seed(seed) for seed in range(self.plan.seeds)]
-        return {"seeds": seeds, "sweep": self._sweep()}
+        return {"seeds": seeds, "sweep": self._sweep() if self.in_depth else []}
 
     def _seed(self, seed: int) -> dict[str, Any]:
         analysed, measured = halves(self.evaluated, seed)
@@ -55,7 +56,8 @@ class Experiment:
         kept: dict[str, int] = {}
         found = {}
         selections = {"random": chosen.random, "initial": chosen.initial, "full": chosen.refined}
-        selections[HALF_BANK] = self._recommended(failed, seed, self._half_of_bank(seed)).refined
+        if self.in_depth:
+            selections[HALF_BANK] = self._recommended(failed, seed, self._half_of_bank(seed)).refined
         for arm, picks in selections.items():
             tuned = self.workshop.tune(self.model, self._scenarios(picks), self.settings, seed, hard)
             kept[arm] = kept_epochs(tuned)

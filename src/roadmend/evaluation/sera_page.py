@@ -48,7 +48,7 @@ def lead(content: Content) -> str:
     sizes = content["settings"]
     return (
         f"Each of {sizes['seeds']} seeds halves an evaluation set of {sizes['evaluation']} scenarios ({sizes['hard']} "
-        f"of them violations of the neural policy's validation split, the others ordinary). What fails in one half is "
+        f"of them violations of a corpus's {sizes['split']} split, the others ordinary). What fails in one half is "
         f"analysed, and scenarios are taken from a bank of {sizes['bank']} that holds none of the set: at random, by "
         "the first recommendation, by the one after reflection. The policy learns from them and is measured on the "
         "other half, beside itself as it was. Means over the seeds with 95 % intervals by Student's t."
@@ -60,12 +60,10 @@ def build_page(content: Content) -> str:
     sections = [("Main table", table_part(main_rows(content)))]
     figures = [
         ("Driving Score by seed", "Lines join the arms of one seed; the bars are means.", score_chart(content)),
-        (
-            "Epochs and learning rate, drawn",
-            "Driving Score; the line is the base of the first seed.",
-            sweep_chart(content),
-        ),
     ]
+    if content["sweep"]:
+        caption = "Driving Score; the line is the base of the first seed."
+        figures.append(("Epochs and learning rate, drawn", caption, sweep_chart(content)))
     sections += [(title, figure_part(figure, title, caption)) for title, caption, figure in figures]
     sections += [(table.title, note_part(table) + table_part(table.rows)) for table in tables(content)]
     foot = html.escape(origin(content["provenance"]))

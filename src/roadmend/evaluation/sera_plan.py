@@ -47,6 +47,7 @@ class SeraPlan(_Part):
     """config/benchmarks/sera.yaml."""
 
     policies: list[str]
+    in_depth: list[str]  # those of them that half the bank and the sweep are tried on, too
     seeds: int = Field(ge=1)
     patterns: int = Field(ge=1)
     count: int = Field(ge=1)

@@ -37,7 +37,7 @@ def build_content(results: Mapping[str, Content], retrieval: Content | None, mad
         "intervals": {policy: _intervals(found["seeds"]) for policy, found in results.items()},
         "comparisons": {policy: _comparisons(found["seeds"]) for policy, found in results.items()},
         "forgetting": {policy: _forgetting(found["seeds"]) for policy, found in results.items()},
-        "sweep": {policy: found["sweep"] for policy, found in results.items()},
+        "sweep": {policy: found["sweep"] for policy, found in results.items() if found["sweep"]},
         "seeds": {policy: found["seeds"] for policy, found in results.items()},
         "retrieval": None if retrieval is None else {name: retrieval[name] for name in ("n", "p95_ms", "recall_at_10")},
         "paper": PAPER,
@@ -48,22 +48,26 @@ def _values(seeds: Sequence[Content], arm: str, measure: str) -> list[float]:
     return [one["arms"][arm][measure] for one in seeds if one["arms"][arm][measure] is not None]
 
 
+def _arms(seeds: Sequence[Content]) -> list[str]:
+    return [arm for arm in _ARMS if arm in seeds[0]["arms"]]
+
+
 def _summary(seeds: Sequence[Content]) -> dict[str, dict[str, float | None]]:
     return {
         arm: {
             measure: fmean(values) if (values := _values(seeds, arm, measure)) else None for measure in MEASURES
         }
-        for arm in _ARMS
+        for arm in _arms(seeds)
     }  # fmt: skip
 
 
 def _intervals(seeds: Sequence[Content]) -> dict[str, dict[str, Any]]:
-    return {arm: {name: mean_interval(_values(seeds, arm, name)) for name in MEASURES} for arm in _ARMS}
+    return {arm: {name: mean_interval(_values(seeds, arm, name)) for name in MEASURES} for arm in _arms(seeds)}
 
 
 def _comparisons(seeds: Sequence[Content]) -> dict[str, Any]:
     """Differences of the Driving Score, paired by seed: a minus b."""
-    scores = {arm: _values(seeds, arm, "driving_score") for arm in _ARMS}
+    scores = {arm: _values(seeds, arm, "driving_score") for arm in _arms(seeds)}
     pairs = [("full", "random"), ("full", "initial"), ("initial", "random"), ("random", "base"), ("full", "base"),
              ("full", HALF_BANK)]  # fmt: skip
     found = {
@@ -73,6 +77,7 @@ def _comparisons(seeds: Sequence[Content]) -> dict[str, Any]:
             "p_value": paired_p_value(scores[a], scores[b]),
         }
         for a, b in pairs
+        if a in scores and b in scores
     }
     base = fmean(scores["base"])
     gain = 100.0 * (fmean(scores["full"]) / base - 1.0) if base else None
@@ -120,7 +125,7 @@ def _comparison_table(content: Content) -> Table:
             *(f"{found[name]['difference']:+.2f}" for name in
               ("random_minus_base", "initial_minus_random", "full_minus_initial", "full_minus_random")),
             number(found["full_minus_random"]["p_value"], 3),
-            f"{found['full_minus_half_bank']['difference']:+.2f}",
+            _signed(found.get("full_minus_half_bank", {}).get("difference")),
         ))  # fmt: skip
     note = "Driving Score, paired by seed; p of the two-sided paired t-test over the seeds."
     return Table("Comparisons", note, tuple(rows))
