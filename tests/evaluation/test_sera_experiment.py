@@ -95,6 +95,8 @@ def results(plan, evaluated, bank, tmp_path_factory):
 def test_the_full_plan_asks_for_what_the_paper_shows():
     whole = read_sera_plan(CONFIG / "benchmarks" / "sera.yaml")
     assert (len(whole.policies), whole.seeds) == (3, 5)
+    assert whole.in_depth
+    assert {*whole.in_depth} <= {*whole.policies}
     assert whole.sweep.epochs == [1, 2, 5]
     assert whole.sweep.learning_rates == [1e-5, 5e-5, 1e-4]
 
@@ -136,6 +138,18 @@ def test_every_arm_is_measured_on_the_same_half_and_an_unchanged_policy_is_not_d
     assert [(row["epochs"], row["learning_rate"]) for row in results["sweep"]] == [(1, 1e-4)]
 
 
+def test_a_policy_that_is_not_looked_at_in_depth_has_neither_half_a_bank_nor_a_sweep(plan, evaluated, bank, tmp_path):
+    patterns = (FailurePattern("cut-in", "a car cuts in"),)
+    hard = {each.scenario.digest for each in evaluated if each.is_hard}
+    experiment = Experiment(
+        Path("base.safetensors"), plan, FewShotSettings(), evaluated, bank, Workshop(tmp_path, hard),
+        lambda failed: patterns * bool(failed), in_depth=False,
+    )  # fmt: skip
+    found = experiment.run()
+    assert {arm for one in found["seeds"] for arm in one["arms"]} == {"base", "random", "initial", "full"}
+    assert found["sweep"] == []
+
+
 def test_means_leave_out_what_is_not_known():
     found = means([GOOD, replace(BAD, efficiency=None, comfortness=None)])
     assert found == {"driving_score": 65.0, "success_rate": 50.0, "efficiency": 80.0, "comfortness": 90.0}
@@ -153,7 +167,8 @@ def test_forgetting_looks_at_ordinary_scenarios_alone():
 
 def test_a_policy_that_fails_nowhere_is_said_to(plan, evaluated, bank, tmp_path):
     experiment = Experiment(
-        Path("base.safetensors"), plan, FewShotSettings(), evaluated, bank, Workshop(tmp_path, set()), lambda _failed: ()
+        Path("base.safetensors"), plan, FewShotSettings(), evaluated, bank, Workshop(tmp_path, set()), lambda _failed: (),
+        in_depth=False,
     )  # fmt: skip
     with pytest.raises(InputError, match="no failure of base"):
         experiment.run()
@@ -161,7 +176,7 @@ def test_a_policy_that_fails_nowhere_is_said_to(plan, evaluated, bank, tmp_path)
 
 def test_the_figures_are_written_in_the_fields_that_others_read(results, tmp_path):
     retrieval = {"n": 1000, "p95_ms": 4.5, "recall_at_10": 0.995, "more": 1}
-    sizes = {"seeds": 2, "bank": 200, "evaluation": 40, "hard": 10}
+    sizes = {"seeds": 2, "bank": 200, "evaluation": 40, "hard": 10, "split": "test"}
     content = build_content({"neural": results}, retrieval, MADE, sizes)
     write_sera(tmp_path, "sera", content)
     read = json.loads((tmp_path / "sera.json").read_text())
