@@ -1,11 +1,15 @@
 """``roadmend bench sera``: the command around the experiment, which is tested on its own."""
 
 import json
+from pathlib import Path
 
 import pytest
 
 from roadmend.cli import bench_sera
 from roadmend.cli.main import main
+from roadmend.core.errors import InputError
+from roadmend.evaluation.sera_plan import read_sera_plan
+from roadmend.training.few_shot_settings import read_few_shot_settings
 
 ARM = {"driving_score": 60.0, "success_rate": 50.0, "efficiency": 80.0, "comfortness": None}
 FORGOTTEN = {
@@ -75,6 +79,17 @@ def test_a_quick_run_takes_less_and_writes_under_another_name(command, tmp_path,
     assert plans[0].bank.violations < 20
     assert (tmp_path / "out" / "sera-quick.json").is_file()
     assert "full, half the bank" in capsys.readouterr().out
+
+
+def test_a_plan_may_put_settings_in_the_place_of_the_shipped_ones():
+    config = Path(__file__).parents[2] / "config"
+    plan = read_sera_plan(config / "benchmarks" / "sera.yaml")
+    shipped = read_few_shot_settings(config / "training" / "few-shot.yaml")
+    assert bench_sera._few_shot(plan, config) == shipped
+    less = plan.model_copy(update={"few_shot": {"replay": 2}})
+    assert bench_sera._few_shot(less, config) == shipped.model_copy(update={"replay": 2})
+    with pytest.raises(InputError, match="few_shot: field replay"):
+        bench_sera._few_shot(plan.model_copy(update={"few_shot": {"replay": -2}}), config)
 
 
 @pytest.mark.parametrize(

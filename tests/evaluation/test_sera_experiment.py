@@ -96,6 +96,7 @@ def test_the_full_plan_asks_for_what_the_paper_shows():
     whole = read_sera_plan(CONFIG / "benchmarks" / "sera.yaml")
     assert (len(whole.policies), whole.seeds) == (3, 5)
     assert whole.in_depth
+    assert not whole.few_shot  # the figures are of the shipped settings
     assert {*whole.in_depth} <= {*whole.policies}
     assert whole.sweep.epochs == [1, 2, 5]
     assert whole.sweep.learning_rates == [1e-5, 5e-5, 1e-4]

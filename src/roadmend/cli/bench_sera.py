@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import click
-from pydantic import TypeAdapter
+from pydantic import TypeAdapter, ValidationError
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
@@ -31,10 +31,11 @@ from roadmend.sera.bank import Bank, build_bank
 from roadmend.sera.incident import Incident
 from roadmend.sera.pattern import FailurePattern
 from roadmend.training.device import choose_torch_device
-from roadmend.training.few_shot_settings import read_few_shot_settings
+from roadmend.training.few_shot_settings import FewShotSettings, read_few_shot_settings
 from roadmend.training.workers import open_mapper
 from roadmend.world.network import cache_folder
 from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_file import describe
 
 _INCIDENTS: TypeAdapter[list[Incident]] = TypeAdapter(list[Incident])
 
@@ -99,7 +100,7 @@ def _run(
     evaluated = evaluation_set(plan.evaluation, config)
     path = workshop.store.folder / "scenarios.bank"
     build_bank(path, bank_entries(plan.bank, config, known_scenarios(evaluated)))
-    settings = read_few_shot_settings(config / "training" / "few-shot.yaml")
+    settings = _few_shot(plan, config)
     results = {}
     with Bank(path) as bank:
         for policy, model in models.items():
@@ -113,6 +114,19 @@ def _run(
             "few_shot": settings.model_dump(mode="json"),
         }  # fmt: skip
     return results, sizes
+
+
+def _few_shot(plan: SeraPlan, config: Path) -> FewShotSettings:
+    """The shipped settings, with the plan's in their place where it has some.
+
+    Raises:
+        InputError: the plan names a setting that there is not, or a value out of range.
+    """
+    settings = read_few_shot_settings(config / "training" / "few-shot.yaml")
+    try:
+        return FewShotSettings.model_validate({**settings.model_dump(), **plan.few_shot})
+    except ValidationError as error:
+        raise InputError("the plan's few_shot", describe(error), "mend the plan") from None
 
 
 class _Logs:

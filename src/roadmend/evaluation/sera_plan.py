@@ -52,6 +52,7 @@ class SeraPlan(_Part):
     patterns: int = Field(ge=1)
     count: int = Field(ge=1)
     validation: int = Field(ge=0)
+    few_shot: dict[str, Any] = {}  # settings in the place of those of config/training/few-shot.yaml
     bank: SetPlan
     evaluation: SetPlan
     sweep: SweepPlan
