@@ -1,7 +1,6 @@
 """``roadmend corpus``: the scenarios that a policy is repaired, trained and measured on."""
 
 import json
-import os
 import statistics
 from collections import Counter
 from pathlib import Path
@@ -25,9 +24,6 @@ from roadmend.search.selection import spread
 from roadmend.world.corpus import SPLITS, Case, Corpus, load_corpus, save_corpus
 from roadmend.world.families import FAMILIES
 
-_WORKERS = click.option(
-    "--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256), help="Processes."
-)
 _JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 
 
@@ -95,7 +91,7 @@ def build(
     if fresh_seed is not None and (plan_file is not None or allow_partial):
         raise click.UsageError("--fresh-seed goes neither with --plan nor with --allow-partial")
     plan = read_corpus_plan(plan_file) if fresh_seed is None else fresh_plan(fresh_seed, cases)
-    with _bars() as bar:
+    with counting() as bar:
         report = _reporter(bar)
         if fresh_seed is not None:
             gathered = gather_fresh(policy, fresh_seed, cases, searches, workers, report, families=chosen)
@@ -116,10 +112,6 @@ def _finish(gathered: Gathered, out: Path, *, allow_partial: bool) -> int:
     for shortage in gathered.shortages:
         click.echo(f"roadmend: {shortage}", err=True)
     return 1 if gathered.shortages and not allow_partial else 0
-
-
-def _bars() -> Bar:
-    return counting()
 
 
 def _reporter(bar: Bar) -> Report:
@@ -157,7 +149,7 @@ def verify(policy: str, file: Path | None, count: int | None, workers: int, *, a
     every = loaded.cases
     chosen = every if count is None else spread(every, count)[:count]
     differing: list[dict[str, str]] = []
-    with _bars() as bar, Rerunner(loaded.policy, workers) as rerunner:
+    with counting() as bar, Rerunner(loaded.policy, workers) as rerunner:
         task = bar.add_task("run again", total=len(chosen))
         for case, found in zip(chosen, rerunner(chosen), strict=True):
             bar.advance(task)

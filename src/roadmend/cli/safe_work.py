@@ -1,6 +1,5 @@
 """What the commands of ``roadmend safe`` share: their options, and working through jobs so that a new call goes on."""
 
-import os
 from collections.abc import Callable, Sequence
 from functools import wraps
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import Any
 
 import click
 
+from roadmend.cli.options import WORKERS
 from roadmend.cli.progress import counting
 from roadmend.core.errors import InputError
 from roadmend.evaluation.result_store import ResultStore
@@ -30,7 +30,7 @@ def shared_options(command: Callable[..., Any]) -> Callable[..., Any]:
         click.option("--out", required=True, type=click.Path(path_type=Path, file_okay=False),
                      help="Folder for what is made; a run that was interrupted there goes on."),
         click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1)),
-        click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256)),
+        WORKERS,
         click.option("--json", "as_json", is_flag=True, help="Print JSON."),
     ]  # fmt: skip
 

@@ -66,8 +66,8 @@ class Candidate:
     words: str
     difficulty: str  # too easy, too hard, or neither
     aspects: tuple[frozenset[str], ...]  # of each pattern, those that the entry shows
-    runs: int = 0  # of it that are known of
-    failures: int = 0  # among those
+    runs: int  # of it that are known of
+    failures: int  # among those
 
     @property
     def failing(self) -> float:
