@@ -25,6 +25,7 @@ from roadmend.evaluation.benchmark_run import Measured, drive, find_jobs, read_r
 from roadmend.evaluation.benchmark_tables import headline
 from roadmend.evaluation.contenders import BenchmarkPlan, read_plan
 from roadmend.evaluation.result_store import ResultStore, default_work_folder
+from roadmend.search.corpus_plan import LAST_FRESH
 from roadmend.world.families import FAMILIES
 
 _COLUMNS = (
@@ -64,7 +65,7 @@ class _Options:
 @click.option("--quick", is_flag=True, help="The main methods on a few cases, in about three minutes.")
 @click.option(
     "--fresh-seed",
-    type=click.IntRange(0, 2**30),
+    type=click.IntRange(0, LAST_FRESH),
     help="Gather cases that nobody has seen with this seed, and hold the table against them (with --cases).",
 )
 @click.option("--robustness", is_flag=True, help="Set the testing techniques upon the policies instead (long).")

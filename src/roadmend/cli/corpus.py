@@ -16,7 +16,7 @@ from roadmend.cli.resources import config_folder
 from roadmend.cli.table import wide_console
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.policies.registry import POLICIES
-from roadmend.search.corpus_plan import fresh_plan, read_corpus_plan
+from roadmend.search.corpus_plan import LAST_FRESH, fresh_plan, read_corpus_plan
 from roadmend.search.gather import Gathered, Progress, Report, gather, gather_fresh
 from roadmend.search.policy_model import policy_model
 from roadmend.search.rerun import Rerunner
@@ -63,7 +63,7 @@ def corpus() -> None:
 )
 @click.option(
     "--fresh-seed",
-    type=click.IntRange(0),
+    type=click.IntRange(0, LAST_FRESH),
     help="Gather a test set alone, from searches with this seed that nothing else uses.",
 )
 @click.option(

@@ -15,6 +15,7 @@ from roadmend.world.corpus import METHOD
 from roadmend.world.scenario_file import describe
 
 FRESH_SEED, FRESH_STRIDE = 10_000_000, 1000  # searches of fresh test sets: FRESH_SEED + FRESH_STRIDE * seed + k
+LAST_FRESH = (2**31 - 1 - FRESH_SEED) // FRESH_STRIDE - 1  # the greatest seed of one
 _MEND = "see config/search/corpus.yaml for names and defaults"
 Technique = Literal["random", "avfuzzer", "behavexplor"]
 
@@ -118,9 +119,8 @@ def fresh_plan(seed: int, cases: int) -> CorpusPlan:
     Raises:
         InputError: the seed or the number of cases is out of range.
     """
-    last = (2**31 - 1 - FRESH_SEED) // FRESH_STRIDE - 1
-    if not 0 <= seed <= last:
-        raise InputError("fresh seed", f"{seed} is out of range", f"choose one from 0 to {last}")
+    if not 0 <= seed <= LAST_FRESH:
+        raise InputError("fresh seed", f"{seed} is out of range", f"choose one from 0 to {LAST_FRESH}")
     if not 1 <= cases <= 1000:
         raise InputError("cases", f"{cases} is out of range", "choose a number from 1 to 1000")
     default = CorpusPlan()

@@ -128,6 +128,10 @@ class PracticeSection(Section):
     )
     per_violation: int = Field(8, ge=0, le=1000, description="trials of a violation, besides the policy alone")
     per_success: int = Field(2, ge=0, le=1000, description="trials of a success, besides the policy alone")
+    gentle_per_violation: int = Field(
+        0, ge=0, le=1000, description="long and mild trials of a violation, besides those"
+    )
+    gentle_per_success: int = Field(0, ge=0, le=1000, description="long and mild trials of a success, besides those")
     blinded: int = Field(
         1,
         ge=0,
@@ -167,7 +171,7 @@ class PracticeSection(Section):
         if number == 0:
             return self
         changes = {"epochs": self.later_epochs, "learning_rate": self.later_learning_rate, "monte_carlo_epochs": 0}
-        return self.model_copy(update={**changes, "blinded": self.later_blinded})
+        return self.model_copy(update={**changes, "blinded": self.later_blinded, "random_blinded": self.later_blinded})
 
 
 class ReinforcementSection(Section):

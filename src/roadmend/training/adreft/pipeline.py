@@ -203,11 +203,18 @@ class Pipeline:
             section.per_violation, section.per_success, section.blinded, section.interval, self._seed, digest
         )  # fmt: skip
         drawn = replace(plan, blinded=section.random_blinded)
+        gentle = replace(
+            plan, per_violation=section.gentle_per_violation, per_success=section.gentle_per_success, blinded=0,
+            is_gentle=True,
+        )  # fmt: skip
+        plans = [plan, gentle] if gentle.per_violation + gentle.per_success else [plan]
         jobs = [
             (Recipe(driver.policy, driver.policy_digest, self._model.tokenizer, 1), cases, how)
             for driver in (subject.driver, *subject.also)
-            for cases, how in ((driver.training, plan), (random_cases(driver.policy, section.random_cases), drawn))
-        ]
+            for cases, how in (
+                *((driver.training, one) for one in plans), (random_cases(driver.policy, section.random_cases), drawn)
+            )
+        ]  # fmt: skip
         done, episodes, total = 0, 0, sum(len(cases) for _, cases, _ in jobs)
 
         def count(trials: CaseTrials) -> None:

@@ -12,11 +12,31 @@ from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.closed_loop import EpisodeCase
 
 _LAYOUT = 4  # of a file with trials; grows with every change
-_LATEST, _EARLIEST = 0.3, 6.0  # [s] before the collision, between which the first intervention of a trial begins
-_SHORTEST, _LONGEST = 0.2, 4.0  # [s] of an action held
-_USUAL = 0.8  # [s] mean of what is held beyond the shortest
 _PAUSE = 2.0  # [s] longest pause between two interventions of a trial
-_NUMBERS = (1, 1, 2, 3)  # of interventions in a trial, each as likely
+
+
+@dataclass(frozen=True, slots=True)
+class Manner:
+    """How the interventions of a trial are drawn."""
+
+    latest: float  # [s] before the collision, between which and ``earliest`` the first intervention begins
+    earliest: float  # [s]
+    shortest: float  # [s] of an action held
+    longest: float  # [s]
+    usual: float  # [s] mean of what is held beyond the shortest
+    numbers: tuple[int, ...]  # of interventions in a trial, each as likely
+    mildest: int  # index into ACTIONS, between which and ``strongest`` an action is drawn
+    strongest: int
+
+
+_EVERY = len(ACTIONS) - 1
+# Index 0 hardly ever intervenes: where a guide drives along, that is a choice too.
+MANNERS = {
+    "abrupt": Manner(0.3, 6.0, 0.2, 4.0, 0.8, (1, 1, 2, 3), 1, _EVERY),
+    "guided": Manner(0.3, 6.0, 0.2, 4.0, 0.8, (1, 1, 2, 3), 0, _EVERY),
+    # To be careful for a while, before anything has happened: what is short and mild changes nothing.
+    "gentle": Manner(2.0, 14.0, 2.0, 10.0, 3.0, (1, 1, 2), 2, 7),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,10 +58,15 @@ class TrialPlan:
     interval: int  # ticks between two decisions
     seed: int
     guide: str = ""  # digest of the model that drives along
+    is_gentle: bool = False  # besides other trials of the same cases, whose first episode then need not be kept again
 
     def key(self, case: EpisodeCase, recipe: Recipe) -> str:
         """Name for a case's trials: cases or plans that differ have different ones."""
-        text = json.dumps([_LAYOUT, recipe.key(case), *asdict(self).values()])
+        decided = asdict(self)
+        if not decided.pop("is_gentle"):  # keeps the names that trials had before there were others
+            text = json.dumps([_LAYOUT, recipe.key(case), *decided.values()])
+        else:
+            text = json.dumps([_LAYOUT, recipe.key(case), *decided.values(), asdict(MANNERS["gentle"])])
         return hashlib.sha256(text.encode()).hexdigest()[:32]
 
     def holds(self, name: str, number: int, end: float, *, collides: bool) -> list[Hold]:
@@ -53,16 +78,16 @@ class TrialPlan:
             end: when the policy alone collides or ends the case [s].
             collides: which of the two.
         """
-        chance = random.Random(f"{self.seed}:{self.guide}{name}:{number}")
+        manner = MANNERS["gentle" if self.is_gentle else "guided" if self.guide else "abrupt"]
+        chance = random.Random(f"{self.seed}:{self.guide}{'gentle:' if self.is_gentle else ''}{name}:{number}")
         if collides:
-            begin = max(0.0, end - chance.uniform(_LATEST, _EARLIEST))
+            begin = max(0.0, end - chance.uniform(manner.latest, manner.earliest))
         else:
             begin = chance.uniform(0.0, max(0.0, end - 1.0))
         planned = []
-        for _ in range(chance.choice(_NUMBERS)):
-            duration = min(_LONGEST, _SHORTEST + chance.expovariate(1.0 / _USUAL))
-            # Index 0 hardly ever intervenes: where a guide drives along, that is a choice too.
-            planned.append(Hold(begin, begin + duration, chance.randrange(0 if self.guide else 1, len(ACTIONS))))
+        for _ in range(chance.choice(manner.numbers)):
+            duration = min(manner.longest, manner.shortest + chance.expovariate(1.0 / manner.usual))
+            planned.append(Hold(begin, begin + duration, chance.randrange(manner.mildest, manner.strongest + 1)))
             begin += duration + chance.choice((0.0, 0.0, chance.uniform(0.0, _PAUSE)))
         return planned
 

@@ -2,8 +2,9 @@
 
 The paper explores tick by tick (ADReFT algorithm 1); a tick of braking changes nothing that could be learned from. A
 trial holds an action for a while, as an intervention does, and it begins where it may matter: in the seconds before
-the collision that the policy alone would have. Collisions of other kinds than a search finds come from successes that
-the policy drives without seeing everybody.
+the collision that the policy alone would have. Gentle trials hold a mild action for long and begin well before: where
+a car alongside may cut in, nothing shorter shows what it is worth to fall back a little. Collisions of other kinds than
+a search finds come from successes that the policy drives without seeing everybody.
 
 In later rounds a model drives along: what it does not hold at random is its own, so that the next model learns what
 comes of its own interventions, and where they are too few or too many.
@@ -163,7 +164,7 @@ def try_case(case: EpisodeCase, recipe: Recipe, plan: TrialPlan, guide: Path | N
         policy = make_policy(recipe.policy)
         driver = policy if blindness is None else BlindedPolicy(policy, blindness)
         summary = run_episode(case.scenario(), driver, trial, trial.watch)
-        if trial.time:
+        if trial.time and (holds or not plan.is_gentle):
             driven.append((trial, summary))
         return summary
 
@@ -182,6 +183,7 @@ def try_case(case: EpisodeCase, recipe: Recipe, plan: TrialPlan, guide: Path | N
                 drive(holds, blindness)
     trials = [trial for trial, _ in driven]
     tokens = [tokens for trial in trials for tokens in trial.tokens]
+    none = np.empty((0, make_tokenizer(recipe.tokenizer).attributes), dtype=np.float16)
     return CaseTrials(
         case.name,
         np.array([int(summary.outcome) for _, summary in driven], dtype=np.int8),
@@ -193,7 +195,7 @@ def try_case(case: EpisodeCase, recipe: Recipe, plan: TrialPlan, guide: Path | N
         np.array([dose for trial in trials for dose in trial.dose], dtype=np.float32),
         np.array([distance for trial in trials for distance in trial.distance], dtype=np.float32),
         np.array([len(one) for one in tokens], dtype=np.int32),
-        np.concatenate(tokens),
+        np.concatenate([none, *tokens]),
     )
 
 
