@@ -95,10 +95,11 @@ class Client(Node):
         return self.wait(self.action.send_goal_async(BuildCrashScenarios.Goal(**goal), keep))
 
     def ask(self, told=0, **goal):
-        """The result, with at least ``told`` steps: nothing keeps feedback, a topic, before a result, a service."""
+        """The result, asked for once there are ``told`` steps: rclpy drops feedback that comes with or after it."""
         steps = []
-        answer = self.wait(self.begin(steps, **goal).get_result_async())
+        handle = self.begin(steps, **goal)
         self.until(lambda: len(steps) >= told)
+        answer = self.wait(handle.get_result_async())
         return answer.status, answer.result, steps
 
 
