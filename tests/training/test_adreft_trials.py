@@ -31,25 +31,28 @@ def test_interventions_begin_in_the_seconds_before_the_collision_and_come_from_t
 
 
 def test_gentle_trials_begin_earlier_hold_longer_and_brake_little():
-    plan = TrialPlan(8, 2, 0, 4, 7, is_gentle=True)
-    drawn = [plan.holds("S1-1", number, 20.0, collides=True) for number in range(1, 200)]
+    plan = TrialPlan(0, 0, 0, 4, 7, gentle_per_violation=199, gentle_per_success=1)
+    drawn = list(plan.gentle_trials("S1-1", EventKind.COLLISION, 20.0))
+    assert len(drawn) == 199
     begins = [holds[0].begin for holds in drawn]
     assert 6.0 <= min(begins) < 7.0
     assert 17.0 < max(begins) <= 18.0
     assert {ACTIONS[hold.action] for holds in drawn for hold in holds} == {0.4, 0.2, 0.0, -0.2, -0.4, -0.6}
     assert all(2.0 <= hold.end - hold.begin <= 10.0 + 1e-9 for holds in drawn for hold in holds)
-    assert plan.key(Drawn("S5", 3), RECIPE) != TrialPlan(8, 2, 0, 4, 7).key(Drawn("S5", 3), RECIPE)
+    assert len(list(plan.gentle_trials("S1-1", EventKind.GOAL, 20.0))) == 1
+    assert not list(plan.trials("S1-1", EventKind.COLLISION, 20.0))
+    assert plan.key(Drawn("S5", 3), RECIPE) != TrialPlan(0, 0, 0, 4, 7).key(Drawn("S5", 3), RECIPE)
 
 
-def test_gentle_trials_do_not_keep_the_policy_alone_once_more():
-    trials = try_case(Drawn("S5", 3), RECIPE, TrialPlan(2, 2, 0, 4, 1, is_gentle=True))
-    assert len(trials.outcomes) == 2
-    assert all((part != PASS).any() for part in np.split(trials.choice, np.cumsum(trials.lengths)[:-1]))
-
-
-def test_a_case_without_trials_gives_none(tmp_path):
-    [trials] = gather_trials([Drawn("S5", 3)], RECIPE, TrialPlan(0, 0, 0, 4, 1, is_gentle=True), tmp_path, map)
-    assert len(trials.outcomes) == len(trials.time) == len(trials.tokens) == 0
+def test_gentle_trials_are_driven_after_the_others(gathered):
+    _, abrupt = gathered
+    trials = try_case(Drawn("S5", 3), RECIPE, TrialPlan(2, 2, 0, 4, 1, gentle_per_success=1))
+    assert len(trials.outcomes) == 4
+    assert trials.outcomes[:3].tolist() == abrupt.outcomes.tolist()
+    same = len(abrupt.time)
+    np.testing.assert_array_equal(trials.choice[:same], abrupt.choice)
+    assert set(trials.choice[same:].tolist()) <= {PASS, *range(2, 8)}
+    assert (trials.choice[same:] != PASS).sum() >= 10  # 2 s of decisions
 
 
 @pytest.fixture(scope="module")

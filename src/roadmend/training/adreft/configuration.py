@@ -122,7 +122,7 @@ class PracticeSection(Section):
     )
     later_epochs: int = Field(8, ge=1, le=10_000, description="passes over all trials so far, in later rounds")
     later_learning_rate: LearningRate = 5e-4
-    later_blinded: int = Field(0, ge=0, le=100, description="as blinded, in later rounds")
+    later_blinded: int = Field(0, ge=0, le=100, description="as blinded and random_blinded, in later rounds")
     forget: float = Field(
         0.0, ge=0.0, le=1.0, description="share of bystanders left out of each scene that is learned; rich tokens only"
     )

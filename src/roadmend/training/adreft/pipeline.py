@@ -200,21 +200,15 @@ class Pipeline:
             guide = self._work / GUIDE.format(number)
             digest = save_model(guide, before.model, before.tensors, self._calibrate(before, validation)[0])
         plan = TrialPlan(
-            section.per_violation, section.per_success, section.blinded, section.interval, self._seed, digest
+            section.per_violation, section.per_success, section.blinded, section.interval, self._seed, digest,
+            section.gentle_per_violation, section.gentle_per_success,
         )  # fmt: skip
-        drawn = replace(plan, blinded=section.random_blinded)
-        gentle = replace(
-            plan, per_violation=section.gentle_per_violation, per_success=section.gentle_per_success, blinded=0,
-            is_gentle=True,
-        )  # fmt: skip
-        plans = [plan, gentle] if gentle.per_violation + gentle.per_success else [plan]
+        drawn = replace(plan, blinded=section.random_blinded, gentle_per_violation=0, gentle_per_success=0)
         jobs = [
             (Recipe(driver.policy, driver.policy_digest, self._model.tokenizer, 1), cases, how)
             for driver in (subject.driver, *subject.also)
-            for cases, how in (
-                *((driver.training, one) for one in plans), (random_cases(driver.policy, section.random_cases), drawn)
-            )
-        ]  # fmt: skip
+            for cases, how in ((driver.training, plan), (random_cases(driver.policy, section.random_cases), drawn))
+        ]
         done, episodes, total = 0, 0, sum(len(cases) for _, cases, _ in jobs)
 
         def count(trials: CaseTrials) -> None:

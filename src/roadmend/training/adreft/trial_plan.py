@@ -29,14 +29,9 @@ class Manner:
     strongest: int
 
 
-_EVERY = len(ACTIONS) - 1
-# Index 0 hardly ever intervenes: where a guide drives along, that is a choice too.
-MANNERS = {
-    "abrupt": Manner(0.3, 6.0, 0.2, 4.0, 0.8, (1, 1, 2, 3), 1, _EVERY),
-    "guided": Manner(0.3, 6.0, 0.2, 4.0, 0.8, (1, 1, 2, 3), 0, _EVERY),
-    # To be careful for a while, before anything has happened: what is short and mild changes nothing.
-    "gentle": Manner(2.0, 14.0, 2.0, 10.0, 3.0, (1, 1, 2), 2, 7),
-}
+ABRUPT = Manner(0.3, 6.0, 0.2, 4.0, 0.8, (1, 1, 2, 3), 1, len(ACTIONS) - 1)
+# To be careful for a while, before anything has happened: what is short and mild changes nothing.
+GENTLE = Manner(2.0, 14.0, 2.0, 10.0, 3.0, (1, 1, 2), 2, 7)
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,18 +53,15 @@ class TrialPlan:
     interval: int  # ticks between two decisions
     seed: int
     guide: str = ""  # digest of the model that drives along
-    is_gentle: bool = False  # besides other trials of the same cases, whose first episode then need not be kept again
+    gentle_per_violation: int = 0  # long and mild trials besides; what is driven blinded gets none
+    gentle_per_success: int = 0
 
     def key(self, case: EpisodeCase, recipe: Recipe) -> str:
         """Name for a case's trials: cases or plans that differ have different ones."""
-        decided = asdict(self)
-        if not decided.pop("is_gentle"):  # keeps the names that trials had before there were others
-            text = json.dumps([_LAYOUT, recipe.key(case), *decided.values()])
-        else:
-            text = json.dumps([_LAYOUT, recipe.key(case), *decided.values(), asdict(MANNERS["gentle"])])
+        text = json.dumps([_LAYOUT, recipe.key(case), *asdict(self).values()])
         return hashlib.sha256(text.encode()).hexdigest()[:32]
 
-    def holds(self, name: str, number: int, end: float, *, collides: bool) -> list[Hold]:
+    def holds(self, name: str, number: int, end: float, *, collides: bool, manner: Manner = ABRUPT) -> list[Hold]:
         """The interventions of one trial, drawn from the seed, the name and the trial's number.
 
         Args:
@@ -77,9 +69,11 @@ class TrialPlan:
             number: of the trial, from 1.
             end: when the policy alone collides or ends the case [s].
             collides: which of the two.
+            manner: how they are drawn.
         """
-        manner = MANNERS["gentle" if self.is_gentle else "guided" if self.guide else "abrupt"]
-        chance = random.Random(f"{self.seed}:{self.guide}{'gentle:' if self.is_gentle else ''}{name}:{number}")
+        chance = random.Random(f"{self.seed}:{self.guide}{name}:{number}")
+        # Index 0 hardly ever intervenes: where a guide drives along, that is a choice too.
+        mildest = 0 if self.guide else manner.mildest
         if collides:
             begin = max(0.0, end - chance.uniform(manner.latest, manner.earliest))
         else:
@@ -87,12 +81,19 @@ class TrialPlan:
         planned = []
         for _ in range(chance.choice(manner.numbers)):
             duration = min(manner.longest, manner.shortest + chance.expovariate(1.0 / manner.usual))
-            planned.append(Hold(begin, begin + duration, chance.randrange(manner.mildest, manner.strongest + 1)))
+            planned.append(Hold(begin, begin + duration, chance.randrange(mildest, manner.strongest + 1)))
             begin += duration + chance.choice((0.0, 0.0, chance.uniform(0.0, _PAUSE)))
         return planned
 
     def trials(self, name: str, outcome: EventKind, end: float) -> Iterator[list[Hold]]:
-        """The interventions of every trial of what came to ``outcome`` at ``end`` [s] without holds."""
+        """The interventions of every abrupt trial of what came to ``outcome`` at ``end`` [s] without holds."""
         collides = outcome == EventKind.COLLISION
         for number in range(1, 1 + (self.per_success if outcome == EventKind.GOAL else self.per_violation)):
             yield self.holds(name, number, end, collides=collides)
+
+    def gentle_trials(self, name: str, outcome: EventKind, end: float) -> Iterator[list[Hold]]:
+        """As ``trials``, of every gentle one."""
+        collides = outcome == EventKind.COLLISION
+        count = self.gentle_per_success if outcome == EventKind.GOAL else self.gentle_per_violation
+        for number in range(1, 1 + count):
+            yield self.holds(f"gentle:{name}", number, end, collides=collides, manner=GENTLE)

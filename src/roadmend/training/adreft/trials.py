@@ -15,6 +15,7 @@ import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import Any, Self
 
@@ -164,7 +165,7 @@ def try_case(case: EpisodeCase, recipe: Recipe, plan: TrialPlan, guide: Path | N
         policy = make_policy(recipe.policy)
         driver = policy if blindness is None else BlindedPolicy(policy, blindness)
         summary = run_episode(case.scenario(), driver, trial, trial.watch)
-        if trial.time and (holds or not plan.is_gentle):
+        if trial.time:
             driven.append((trial, summary))
         return summary
 
@@ -172,7 +173,8 @@ def try_case(case: EpisodeCase, recipe: Recipe, plan: TrialPlan, guide: Path | N
     if model is None and case.digest and alone.digest != case.digest:
         mend = "verify the corpus, and build it again if the policy has changed since"
         raise InputError(f"case {case.name}", f"'{recipe.policy}' does not drive it as the corpus says", mend)
-    for holds in plan.trials(case.name, alone.outcome, alone.duration):
+    known = case.name, alone.outcome, alone.duration
+    for holds in chain(plan.trials(*known), plan.gentle_trials(*known)):
         drive(holds)
     for index in range(0 if alone.outcome == EventKind.COLLISION else plan.blinded):
         name = f"{case.name}:blinded-{index}"
@@ -183,7 +185,6 @@ def try_case(case: EpisodeCase, recipe: Recipe, plan: TrialPlan, guide: Path | N
                 drive(holds, blindness)
     trials = [trial for trial, _ in driven]
     tokens = [tokens for trial in trials for tokens in trial.tokens]
-    none = np.empty((0, make_tokenizer(recipe.tokenizer).attributes), dtype=np.float16)
     return CaseTrials(
         case.name,
         np.array([int(summary.outcome) for _, summary in driven], dtype=np.int8),
@@ -195,7 +196,7 @@ def try_case(case: EpisodeCase, recipe: Recipe, plan: TrialPlan, guide: Path | N
         np.array([dose for trial in trials for dose in trial.dose], dtype=np.float32),
         np.array([distance for trial in trials for distance in trial.distance], dtype=np.float32),
         np.array([len(one) for one in tokens], dtype=np.int32),
-        np.concatenate([none, *tokens]),
+        np.concatenate(tokens),
     )
 
 
