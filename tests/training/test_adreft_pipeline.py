@@ -40,6 +40,7 @@ PRACTISED = {
     },
     "reinforcement": {"episodes": 0},
 }  # fmt: skip
+_FORESEEING = ["--set", "model.weighing={}", "--set", "practice.method=counterfactual"]
 
 
 @pytest.fixture
@@ -74,6 +75,22 @@ def test_a_tiny_budget_saves_some_of_those_that_would_collide(train, tmp_path, c
     metrics = load_checkpoint(tmp_path / "model.safetensors").header["metrics"]
     assert metrics["validation"] == after.as_dict()
     assert metrics["monitor"]["recall"] > 0.95
+
+
+def test_foreseen_collisions_save_some_too(train, tmp_path):
+    corpus = blind_corpus(16, 8)
+    practice = {
+        "method": "counterfactual", "epochs": 12, "per_violation": 3, "per_success": 1, "gentle_per_violation": 2,
+        "blinded": 0, "batch": 64, "learning_rate": 3e-3,
+    }  # fmt: skip
+    foreseeing = {**PRACTISED, "practice": practice}
+    foreseeing["model"] = {**PRACTISED["model"], "weighing": {"strength": 0.4}}
+    assert train(corpus, foreseeing, "model.safetensors") == 0
+    assert AdreftModel.load(tmp_path / "model.safetensors").configuration.weighing is not None
+    after = evaluate_cases(
+        corpus.select(split="validation"), "blind", "adreft", {"model": str(tmp_path / "model.safetensors")}
+    )
+    assert summarise(after).delta_e > 20.0
 
 
 def test_the_stages_apart_give_the_same_bits_as_together(train, tmp_path, capsys):
@@ -172,6 +189,10 @@ def test_ablations_leave_something_out(train, tmp_path, ablation):
         (["--set", "practice=1"], "'practice=1' is no SECTION.NAME=VALUE"),
         (["--set", "practice.dose=much"], "practice.dose"),
         (["--set", "practise.dose=1"], "practise"),
+        (["--set", "practice.epochs=1", "--set", "practice.method=counterfactual"], "model.weighing: does not go with"),
+        (["--set", "model.weighing={}"], "model.weighing: does not go with practice.method"),
+        ([*_FORESEEING, "--set", "practice.epochs=1"], "reinforcement.episodes: fine-tuning takes an adapter that"),
+        (["--ablation", "wo_sr", "--set", "reinforcement.episodes=0"], "--ablation: 'wo_sr' changes fine-tuning, of"),
     ],
 )
 def test_what_cannot_be_is_said_in_one_line(train, tmp_path, capsys, options, words):

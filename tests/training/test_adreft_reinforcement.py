@@ -87,7 +87,7 @@ def toy_explore(roll):
 
 def toy_result(case, model):
     loaded = AdreftModel.load(Path(model))
-    rows = list(live(case, lambda state: int(loaded.values(state).argmax())))
+    rows = list(live(case, lambda state: int(loaded.values(state, 0.8).argmax())))
     dose = 0.05 * sum(0.8 - ACTIONS[row[1]] for row in rows)
     outcome = "COLLISION" if rows[-1][3] else "GOAL"
     return CaseResult(case.name, case.family, case.is_violation, outcome, len(rows), len(rows), 1.0, dose, math.inf, "")

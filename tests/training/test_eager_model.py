@@ -22,5 +22,5 @@ def test_agrees_with_the_compiled_model(tokens):
     ours, theirs = compiled.encode(values), eager.encode(values)
     np.testing.assert_allclose(ours, theirs[0].numpy(), rtol=0, atol=2e-5)
     assert compiled.score(ours, -0.3) == pytest.approx(eager.score(theirs, -0.3), abs=2e-5)
-    np.testing.assert_allclose(compiled.values(ours), eager.values(theirs), rtol=0, atol=2e-5)
+    np.testing.assert_allclose(compiled.values(ours, 0.4), eager.values(theirs, 0.4), rtol=0, atol=2e-5)
     assert eager.attention.shape == (25,)

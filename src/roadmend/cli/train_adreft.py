@@ -97,6 +97,11 @@ def adreft(
     if ablation is not None:
         only, changes = _ABLATIONS[ablation][0] or only, _ABLATIONS[ablation][1]
         configuration = _changed(configuration, changes)
+        if "reinforcement" in changes and not configuration.reinforcement.episodes:
+            mend = "set reinforcement.episodes, or give --config config/training/adreft-paper.yaml"
+            raise InputError(
+                "--ablation", f"'{ablation}' changes fine-tuning, of which this configuration has none", mend
+            )
     if also and not configuration.practice.epochs:
         raise InputError("--also", "nothing is practised by this configuration", "leave it out, or set practice.epochs")
     if policy in also:

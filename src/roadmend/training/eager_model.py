@@ -47,7 +47,6 @@ class EagerAdreftModel(AdreftModel):
         return float(torch.sigmoid(logit)[0])
 
     @torch.inference_mode()
-    def values(self, state: Any) -> NDArray[np.float32]:
+    def values(self, state: Any, action: float) -> NDArray[np.float32]:
         """Q of every action, shape (actions,)."""
-        result: NDArray[np.float32] = self._network.adapter(state)[0].numpy()
-        return result
+        return self._valued(self._network.adapter(state)[0].numpy(), action)

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from roadmend.core.errors import InputError
 from roadmend.learning.shape import EncoderShape, HeadShape
 from roadmend.repair.actions import ACTIONS
+from roadmend.repair.adreft.weighing import OUTPUTS, Weighing
 
 Width = Annotated[int, Field(ge=1, le=4096)]
 
@@ -40,6 +41,10 @@ class ModelConfiguration(BaseModel):
         0.0, ge=0.0, le=2.0, description="how long the score must be low before release [s]; the paper's is 0"
     )
 
+    weighing: Weighing | None = Field(
+        None, description="prices, where the adapter foresees collisions; without, it gives the values, as the paper's"
+    )
+
     @property
     def monitor_shape(self) -> HeadShape:
         """The state monitor looks at the scene's state and the policy's action (ADReFT section 3.1.2)."""
@@ -47,8 +52,9 @@ class ModelConfiguration(BaseModel):
 
     @property
     def adapter_shape(self) -> HeadShape:
-        """The decision adapter gives one value for each action (ADReFT section 3.1.3)."""
-        return HeadShape(inputs=self.encoder.hidden, hidden=self.adapter, outputs=len(ACTIONS))
+        """The decision adapter gives one value for each action (ADReFT section 3.1.3), or what a value is made of."""
+        outputs = len(ACTIONS) if self.weighing is None else OUTPUTS
+        return HeadShape(inputs=self.encoder.hidden, hidden=self.adapter, outputs=outputs)
 
 
 def read_configuration(where: str, header: Mapping[str, Any]) -> ModelConfiguration:

@@ -67,7 +67,7 @@ class AdreftRepair:
         tokens = self._tokenizer.tokens(scene, decision)
         state = self.model.encode(tokens.values)
         score = self.model.score(state, decision.command.action)
-        values = self.model.values(state)
+        values = self.model.values(state, decision.command.action)
         if not np.isfinite(values).all():
             raise FloatingPointError("the decision adapter's values are not finite")
         if self._held == 0:

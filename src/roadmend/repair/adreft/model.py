@@ -14,6 +14,7 @@ from roadmend.learning.compiled_encoder import CompiledEncoder, CompiledHead, si
 from roadmend.repair.adreft.configuration import ModelConfiguration, read_configuration
 from roadmend.repair.adreft.registry import make_tokenizer
 from roadmend.repair.adreft.tokenizer import Tokenizer
+from roadmend.repair.adreft.weighing import weigh
 
 Floats = NDArray[np.float32]
 Tensors = Mapping[str, NDArray[Any]]
@@ -94,6 +95,11 @@ class AdreftModel:
         self._seen[-1] = action
         return sigmoid(float(self._monitor.apply(self._seen)[0]))
 
-    def values(self, state: Floats) -> Floats:
-        """Q of every action of the repair action space, shape (actions,)."""
-        return self._adapter.apply(state)
+    def values(self, state: Floats, action: float) -> Floats:
+        """Q of every action of the repair action space, shape (actions,), where the policy asks for ``action``."""
+        return self._valued(self._adapter.apply(state), action)
+
+    def _valued(self, given: Floats, action: float) -> Floats:
+        """Values from what the adapter gives."""
+        prices = self.configuration.weighing
+        return given if prices is None else weigh(given, action, prices)

@@ -14,6 +14,7 @@ from roadmend.core.errors import InputError
 from roadmend.learning.shape import EncoderShape
 from roadmend.repair.adreft.configuration import ModelConfiguration, Width
 from roadmend.repair.adreft.registry import make_tokenizer
+from roadmend.repair.adreft.weighing import Weighing
 from roadmend.world.scenario_file import describe
 
 LearningRate = Annotated[float, Field(gt=0.0, le=1.0, description="learning rate")]
@@ -53,6 +54,8 @@ class ModelSection(Section):
         0.0, ge=0.0, le=2.0, description="how long the score must be low before release [s]; the paper's is 0"
     )
 
+    weighing: Weighing | None = Field(None, description="prices, for practice by counterfactuals")
+
     @field_validator("monitor", "adapter", mode="before")
     @classmethod
     def _from_list(cls, value: Any) -> Any:
@@ -75,7 +78,7 @@ class ModelSection(Section):
         return ModelConfiguration(
             tokenizer=tokenizer.name, tokenizer_version=tokenizer.version, encoder=encoder, monitor=self.monitor,
             adapter=self.adapter, choice=self.choice, interval=self.interval, margin=self.margin, hold=self.hold,
-            clear=self.clear,
+            clear=self.clear, weighing=self.weighing,
         )  # fmt: skip
 
 
@@ -117,6 +120,9 @@ class PracticeSection(Section):
     """Practice on trials, ours: values of random interventions instead of labels (see ``practice``)."""
 
     epochs: int = Field(0, ge=0, le=10_000, description="passes over the trials; 0 leaves the stage out")
+    method: Literal["fitted_q", "counterfactual"] = Field(
+        "fitted_q", description="learn values, or collisions with and without an intervention (model.weighing: prices)"
+    )
     rounds: int = Field(
         1, ge=1, le=100, description="times that trials are driven; from the second on the model so far drives along"
     )
@@ -147,6 +153,12 @@ class PracticeSection(Section):
     batch: int = Field(256, ge=1, le=65_536, description="decisions of a batch")
     decisions_per_epoch: int = Field(
         0, ge=0, le=100_000_000, description="decisions drawn for an epoch; 0: all, once each"
+    )
+    tried_per_epoch: int = Field(
+        0, ge=0, le=100_000_000, description="counterfactual: decisions of interventions drawn besides; 0: all"
+    )
+    lasting: float = Field(
+        1.0, gt=0.0, le=10.0, description="counterfactual: how long an intervention's decisions tell of its begin [s]"
     )
     monte_carlo_epochs: int = Field(
         2, ge=0, le=10_000, description="epochs that learn what the episodes came to; later ones ask the network"

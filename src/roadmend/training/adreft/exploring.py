@@ -111,7 +111,7 @@ class ExploringRepair:
         is_asked = self.section.decisions == "all" or self.score > self.model.threshold
         self.has_decided = is_asked and self._held >= self.section.interval
         if self.has_decided:
-            self._action = int(self.model.values(state).argmax())
+            self._action = int(self.model.values(state, decision.command.action).argmax())
             if self.generator.random() < self.epsilon:
                 self._action = int(self.generator.integers(len(ACTIONS)))
             self.deeds.append(_Deed(state, self._action))

@@ -18,6 +18,8 @@ from roadmend.repair.adreft.model import KIND, AdreftModel
 from roadmend.training.adreft.calibration import MonitorQuality, calibrate, monitor_quality
 from roadmend.training.adreft.case_frames import CaseFrames
 from roadmend.training.adreft.configuration import TrainingConfiguration
+from roadmend.training.adreft.counterfactual import Counterfactuals
+from roadmend.training.adreft.counterfactual_stage import CounterfactualStage
 from roadmend.training.adreft.frames import FrameSet
 from roadmend.training.adreft.gathering import Recipe, gather_frames
 from roadmend.training.adreft.labels import make_scheme
@@ -112,6 +114,7 @@ class Pipeline:
         for name, cases in (("training", subject.driver.training), ("validation", subject.validation)):
             if not any(case.is_violation for case in cases):
                 raise InputError(f"{name} split", "holds no violation", "give a corpus that has some")
+        _check_adapter(configuration)
         self._configuration, self._subject = configuration, subject
         self._seed, self._device, self._mapper, self._work, self._report = seed, device, mapper, work, report
         self._model = configuration.model.configuration()
@@ -176,14 +179,20 @@ class Pipeline:
         for number in range(section.rounds):
             gathered += self._try(number, result, validation)
             trials = TrialSet.join(gathered, section)
+            own = section.of_round(number)
+            labels = Counterfactuals.join(gathered, own) if own.method == "counterfactual" else None
             if number + 1 == section.rounds:
                 gathered.clear()  # gigabytes, which the joined trials hold once more
-            own = section.of_round(number)
-            stage = PracticeStage(
-                self._model, own, trials, seed=self._seed + number, device=self._device,
-                state=self._work / PRACTICE_STATE.format(number), log=self._work / "tensorboard" / f"practice-{number}",
-                start=None if result is None else result.tensors,
-            )  # fmt: skip
+            how: dict[str, Any] = {
+                "seed": self._seed + number, "device": self._device,
+                "state": self._work / PRACTICE_STATE.format(number),
+                "log": self._work / "tensorboard" / f"practice-{number}",
+                "start": None if result is None else result.tensors,
+            }  # fmt: skip
+            if labels is None:
+                stage = PracticeStage(self._model, own, trials, **how)
+            else:
+                stage = CounterfactualStage(self._model, own, trials, labels, **how)
 
             def report(figures: PracticeFigures, size: int = len(trials), of: int = own.epochs) -> None:
                 self._report("practice", figures.epoch, of, f"{size} decisions, loss {figures.value_loss:.4f}")
@@ -244,8 +253,8 @@ class Pipeline:
         AdreftModel.of(checkpoint, str(start))  # whatever does not fit is said here
         kept = read_configuration(str(start), checkpoint.header)
         wanted = self._model
-        if (kept.tokenizer, kept.encoder, kept.monitor, kept.adapter) != (
-            wanted.tokenizer, wanted.encoder, wanted.monitor, wanted.adapter
+        if (kept.tokenizer, kept.encoder, kept.monitor_shape, kept.adapter_shape) != (
+            wanted.tokenizer, wanted.encoder, wanted.monitor_shape, wanted.adapter_shape
         ):  # fmt: skip
             mend = "give a model of the same configuration, or leave out --start"
             raise InputError(str(start), "has other networks than the configuration asks for", mend)
@@ -332,6 +341,22 @@ class Pipeline:
                 },
             },
         }  # fmt: skip
+
+
+def _check_adapter(configuration: TrainingConfiguration) -> None:
+    """Whether all stages speak of the same kind of adapter.
+
+    Raises:
+        InputError: they do not.
+    """
+    practice = configuration.practice
+    foresees = configuration.model.weighing is not None
+    if foresees != (practice.epochs > 0 and practice.method == "counterfactual"):
+        mend = "set both, or neither: prices are what practice by counterfactuals is weighed with"
+        raise InputError("model.weighing", "does not go with practice.method", mend)
+    if foresees and configuration.reinforcement.episodes:
+        mend = "set it to 0, or practice.method to fitted_q"
+        raise InputError("reinforcement.episodes", "fine-tuning takes an adapter that gives values", mend)
 
 
 def _score(

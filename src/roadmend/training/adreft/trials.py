@@ -141,7 +141,7 @@ class _Trial:
         state = self._guide.encode(tokens.values)
         if self._guide.score(state, asked) <= self._guide.threshold:
             return PASS
-        return int(self._guide.values(state).argmax())
+        return int(self._guide.values(state, asked).argmax())
 
     def watch(self, tick: Tick, _decision: Decision, repair: Repair) -> None:
         """Credit the tick that was just answered to the last decision."""

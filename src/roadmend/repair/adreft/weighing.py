@@ -1,0 +1,58 @@
+"""From what an adapter foresees to what every action is worth.
+
+The paper's adapter gives the values themselves (ADReFT section 3.1.3). A value is made of two things: how likely a
+collision is with and without the action, which must be learned, and what the action costs, which is known. Learned as
+one number, the difference that a second of careful braking makes drowns in the error of the estimate; learned apart, a
+cost has no error, and the prices can change without a new training.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field
+
+from roadmend.repair.actions import ACTIONS
+
+Floats = NDArray[np.float32]
+
+OUTPUTS = 1 + 2 * len(ACTIONS)
+DANGER = 0  # logit: the policy alone collides, discounted by the time until then
+AVERTED = slice(1, 1 + len(ACTIONS))  # logits: of a collision to come, the action averts it
+CAUSED = slice(1 + len(ACTIONS), OUTPUTS)  # logits: where there would be no collision, the action leads to one
+
+_ACTIONS = np.array(ACTIONS)
+
+
+class Weighing(BaseModel):
+    """The prices; saved in a model's header."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    collision: float = Field(10.0, gt=0.0, le=1000.0, description="price of a collision")
+    strength: float = Field(0.4, ge=0.0, le=1000.0, description="price of an intervention of strength 1")
+    exponent: float = Field(2.0, ge=1.0, le=4.0, description="of its strength; above 1 gentle is cheap")
+    any: float = Field(0.1, ge=0.0, le=1000.0, description="price of an intervention, however gentle")
+
+
+def weigh(foreseen: Floats, asked: float, prices: Weighing) -> Floats:
+    """Value of every action where the policy asks for ``asked``, shape (actions,).
+
+    Actions that do not brake harder than the policy change nothing: they are worth what the policy alone is worth.
+
+    Args:
+        foreseen: what the adapter gives, logits of shape (OUTPUTS,).
+        asked: the policy's throttle - brake.
+        prices: of collisions and interventions.
+    """
+    chances = 1.0 / (1.0 + np.exp(-np.clip(foreseen.astype(np.float64), -60.0, 60.0)))
+    if not math.isfinite(float(foreseen.sum())):
+        chances[:] = np.nan
+    danger = chances[DANGER]
+    strength = np.maximum(asked - _ACTIONS, 0.0)
+    with_it = danger * (1.0 - chances[AVERTED]) + (1.0 - danger) * chances[CAUSED]
+    cost = prices.strength * strength**prices.exponent + prices.any
+    values: NDArray[np.float64] = np.where(
+        strength > 0.0, -prices.collision * with_it - cost, -prices.collision * danger
+    )
+    return values.astype(np.float32)
