@@ -191,6 +191,10 @@ def test_ablations_leave_something_out(train, tmp_path, ablation):
         (["--set", "practise.dose=1"], "practise"),
         (["--set", "practice.epochs=1", "--set", "practice.method=counterfactual"], "model.weighing: does not go with"),
         (["--set", "model.weighing={}"], "model.weighing: does not go with practice.method"),
+        (
+            [*_FORESEEING, "--set", "practice.epochs=1", "--set", "practice.rounds=2"],
+            "practice.rounds: counterfactuals",
+        ),
         ([*_FORESEEING, "--set", "practice.epochs=1"], "reinforcement.episodes: fine-tuning takes an adapter that"),
         (["--ablation", "wo_sr", "--set", "reinforcement.episodes=0"], "--ablation: 'wo_sr' changes fine-tuning, of"),
     ],

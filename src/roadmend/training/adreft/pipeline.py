@@ -354,6 +354,9 @@ def _check_adapter(configuration: TrainingConfiguration) -> None:
     if foresees != (practice.epochs > 0 and practice.method == "counterfactual"):
         mend = "set both, or neither: prices are what practice by counterfactuals is weighed with"
         raise InputError("model.weighing", "does not go with practice.method", mend)
+    if foresees and practice.rounds > 1:
+        mend = "set it to 1, or practice.method to fitted_q"
+        raise InputError("practice.rounds", "counterfactuals are of the policy alone, with no model along", mend)
     if foresees and configuration.reinforcement.episodes:
         mend = "set it to 0, or practice.method to fitted_q"
         raise InputError("reinforcement.episodes", "fine-tuning takes an adapter that gives values", mend)
