@@ -84,7 +84,9 @@ def worlds():
 
 
 def stage_of(tmp_path, epochs=30, state="state.safetensors"):
-    section = PracticeSection(epochs=epochs, method="counterfactual", gamma=1.0, batch=32, learning_rate=1e-2)
+    section = PracticeSection(
+        epochs=epochs, method="counterfactual", gamma=1.0, batch=32, learning_rate=1e-2, dropout=0.1
+    )
     trials = worlds()
     labels = Counterfactuals.join(trials, section)
     return CounterfactualStage(

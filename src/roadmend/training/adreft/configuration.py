@@ -149,6 +149,8 @@ class PracticeSection(Section):
     )
     random_blinded: int = Field(2, ge=0, le=100, description="as blinded, of scenarios drawn at random")
     interval: int = Field(4, ge=1, le=100, description="ticks between two decisions")
+    dropout: float = Field(0.0, ge=0.0, lt=1.0, description="share of a state's entries that the heads do not see")
+    weight_decay: float = Field(1e-4, ge=0.0, le=10.0, description="of AdamW")
     learning_rate: LearningRate = 1e-3
     batch: int = Field(256, ge=1, le=65_536, description="decisions of a batch")
     decisions_per_epoch: int = Field(

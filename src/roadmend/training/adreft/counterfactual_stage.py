@@ -64,7 +64,7 @@ class CounterfactualStage(PracticeStage):
                 group["lr"] = self._rate(self.epoch + count / steps)
             batch = trials.batch(chosen)
             mask = batch.mask if not section.forget else forget(batch.tokens, batch.mask, section.forget, generator)
-            logits, foreseen = self.network(self._to(batch.tokens), self._to(mask), self._to(batch.action))
+            logits, foreseen = self._judge(batch, mask, generator)
             says = judged[chosen].to(self._device)
             monitor = _cross_entropy(logits, critical[chosen].to(self._device), says)
             tried = self._to(labels.tried[chosen])[:, None]

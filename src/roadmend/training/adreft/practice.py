@@ -25,7 +25,7 @@ from roadmend.training.adreft.configuration import PracticeSection
 from roadmend.training.adreft.forgetting import forget
 from roadmend.training.adreft.network import AdreftNetwork, load_tensors, tensors_of
 from roadmend.training.adreft.supervised import check_identity
-from roadmend.training.adreft.trial_set import TrialSet
+from roadmend.training.adreft.trial_set import TrialBatch, TrialSet
 from roadmend.training.optimizer_state import load_optimizer, optimizer_tensors
 
 KIND = "adreft-practice-state"
@@ -72,7 +72,9 @@ class PracticeStage:
         self.network = AdreftNetwork(model).to(device)
         if start is not None:
             load_tensors(self.network, start)
-        self._optimizer = torch.optim.AdamW(self.network.parameters(), lr=section.learning_rate, weight_decay=1e-4)
+        self._optimizer = torch.optim.AdamW(
+            self.network.parameters(), lr=section.learning_rate, weight_decay=section.weight_decay
+        )
         self._identity = {
             "model": model.model_dump(mode="json"), "practice": section.model_dump(mode="json"), "seed": seed,
             "trials": trials.digest,
@@ -140,7 +142,7 @@ class PracticeStage:
                 group["lr"] = self._rate(self.epoch + count / steps)
             batch = trials.batch(chosen)
             mask = batch.mask if not forgotten else forget(batch.tokens, batch.mask, forgotten, generator)
-            logits, values = self.network(self._to(batch.tokens), self._to(mask), self._to(batch.action))
+            logits, values = self._judge(batch, mask, generator)
             counted = alike[chosen].to(self._device, torch.float32)
             wanted = targets[chosen].to(self._device)[:, None].expand_as(values)
             apart = functional.smooth_l1_loss(values, wanted, reduction="none") * counted
@@ -159,6 +161,22 @@ class PracticeStage:
         if not math.isfinite(value_total + monitor_total):
             raise RoadmendError("the loss is no longer finite; try a lower learning rate")
         return PracticeFigures(self.epoch + 1, value_total / count, monitor_total / count)
+
+    def _judge(
+        self, batch: TrialBatch, mask: NDArray[np.bool_], generator: np.random.Generator
+    ) -> tuple[Tensor, Tensor]:
+        """What monitor and adapter say of states with some of their entries left out; ``mask`` tells who is seen."""
+        state = self.network.encoder(self._to(batch.tokens), self._to(mask))
+        logits = self.network.judge(self._thin(state, generator), self._to(batch.action))
+        return logits, self.network.adapter(self._thin(state, generator))
+
+    def _thin(self, state: Tensor, generator: np.random.Generator) -> Tensor:
+        """Dropout (Srivastava et al. 2014) whose chance comes from the epoch's generator, so that resuming repeats it."""
+        share = self._section.dropout
+        if not share:
+            return state
+        kept = (generator.random(tuple(state.shape)) >= share).astype(np.float32) / (1.0 - share)
+        return state * self._to(kept)
 
     def _rate(self, done: float) -> float:
         """Learning rate after ``done`` epochs: a short rise, then half a cosine."""
