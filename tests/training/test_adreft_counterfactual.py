@@ -83,14 +83,14 @@ def worlds():
     return cases
 
 
-def stage_of(tmp_path, epochs=30, state="state.safetensors"):
+def stage_of(tmp_path, epochs=30, state="state.safetensors", model=MODEL):
     section = PracticeSection(
         epochs=epochs, method="counterfactual", gamma=1.0, batch=32, learning_rate=1e-2, dropout=0.1
     )
     trials = worlds()
     labels = Counterfactuals.join(trials, section)
     return CounterfactualStage(
-        MODEL, section, TrialSet.join(trials, section), labels, seed=3, device="cpu", state=tmp_path / state
+        model, section, TrialSet.join(trials, section), labels, seed=3, device="cpu", state=tmp_path / state
     )
 
 
@@ -120,6 +120,14 @@ def test_an_interruption_changes_no_bit(tmp_path):
         stage_of(tmp_path, epochs=4, state="parts.safetensors").run(stop)
     parts = stage_of(tmp_path, epochs=4, state="parts.safetensors").run()
     assert all(np.array_equal(whole[name], parts[name]) for name in whole)
+
+
+def test_other_prices_go_with_the_same_networks(tmp_path):
+    stage_of(tmp_path, epochs=2).run()
+    priced = MODEL.model_copy(update={"weighing": Weighing(strength=1.0)})
+    assert stage_of(tmp_path, epochs=2, model=priced).epoch == 2
+    with pytest.raises(InputError, match="begun with another 'model'"):
+        stage_of(tmp_path, epochs=2, model=priced.model_copy(update={"interval": 7}))
 
 
 def test_trials_that_tell_nothing_are_refused(tmp_path):

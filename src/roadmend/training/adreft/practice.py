@@ -76,8 +76,9 @@ class PracticeStage:
             self.network.parameters(), lr=section.learning_rate, weight_decay=section.weight_decay
         )
         self._identity = {
-            "model": model.model_dump(mode="json"), "practice": section.model_dump(mode="json"), "seed": seed,
-            "trials": trials.digest,
+            # Prices are added when the model drives: others go with the same networks.
+            "model": model.model_dump(mode="json", exclude={"weighing"}),
+            "practice": section.model_dump(mode="json"), "seed": seed, "trials": trials.digest,
         }  # fmt: skip
         self.history: list[PracticeFigures] = []
         if state.exists():
