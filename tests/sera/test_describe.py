@@ -85,9 +85,9 @@ def test_of_a_network_of_the_users_own_it_tells_what_can_be_told():
 
 def test_words_say_what_the_structure_says():
     text = words_of(describe(load_scenario(CONFIG / "scenarios" / "demo-merge.yaml")))
-    for words in ("on-ramp", "3 lanes, 120 km/h", "the ego merges", "dense traffic", "overcast sky at night"):
+    for words in ("on-ramp", "2 lanes, 80 km/h", "the ego merges", "dense traffic", "rain by day"):
         assert words in text
-    assert "7 x car from the left cuts in" in text or "car from the left cuts in" in text
+    assert "2 x motorcycle from the left cuts in, truck from behind cuts in" in text
 
 
 def test_a_case_brings_its_outcome_along():
