@@ -45,6 +45,8 @@ class PracticeFigures:
 class PracticeStage:
     """One run of the stage. ``state`` is the file from which it goes on after an interruption."""
 
+    _stream = 5  # of random numbers, so that stages of one seed share none
+
     def __init__(
         self, model: ModelConfiguration, section: PracticeSection, trials: TrialSet,
         *, seed: int, device: str, state: Path, log: Path | None = None, start: Mapping[str, NDArray[Any]] | None = None,
@@ -80,6 +82,7 @@ class PracticeStage:
             "model": model.model_dump(mode="json", exclude={"weighing"}),
             "practice": section.model_dump(mode="json"), "seed": seed, "trials": trials.digest,
         }  # fmt: skip
+        self._wanted = torch.zeros(0)  # value of every decision, from the epoch's begin
         self.history: list[PracticeFigures] = []
         if state.exists():
             self._load()
@@ -129,11 +132,9 @@ class PracticeStage:
 
     def _learn(self) -> PracticeFigures:
         """One epoch; its chance comes from the seed and its number alone."""
-        trials, generator = self._trials, np.random.default_rng([self._seed, 5, self.epoch])
-        drawn = trials.draw(self._section.decisions_per_epoch, generator)
-        targets = self._targets(drawn)
-        alike, critical = torch.from_numpy(trials.alike), torch.from_numpy(trials.critical)
-        judged = torch.from_numpy(trials.judged)
+        trials, generator = self._trials, np.random.default_rng([self._seed, self._stream, self.epoch])
+        drawn = self._draw(generator)
+        critical, judged = torch.from_numpy(trials.critical), torch.from_numpy(trials.judged)
         size, forgotten = self._section.batch, self._section.forget
         steps = math.ceil(len(drawn) / size)
         value_total, monitor_total, count = 0.0, 0.0, 0
@@ -143,16 +144,9 @@ class PracticeStage:
                 group["lr"] = self._rate(self.epoch + count / steps)
             batch = trials.batch(chosen)
             mask = batch.mask if not forgotten else forget(batch.tokens, batch.mask, forgotten, generator)
-            logits, values = self._judge(batch, mask, generator)
-            counted = alike[chosen].to(self._device, torch.float32)
-            wanted = targets[chosen].to(self._device)[:, None].expand_as(values)
-            apart = functional.smooth_l1_loss(values, wanted, reduction="none") * counted
-            value = (apart.sum(dim=1) / counted.sum(dim=1).clamp(min=1.0)).mean()
-            says = judged[chosen].to(self._device)
-            wrong = functional.binary_cross_entropy_with_logits(
-                logits, critical[chosen].to(self._device), weight=says, reduction="sum"
-            )
-            monitor = wrong / says.sum().clamp(min=1.0)
+            logits, outputs = self._judge(batch, mask, generator)
+            value = self._loss(outputs, chosen)
+            monitor = cross_entropy(logits, critical[chosen].to(self._device), judged[chosen].to(self._device))
             self._optimizer.zero_grad(set_to_none=True)
             (value + monitor).backward()  # type: ignore[no-untyped-call]
             torch.nn.utils.clip_grad_norm_(self.network.parameters(), _CLIP)
@@ -162,6 +156,19 @@ class PracticeStage:
         if not math.isfinite(value_total + monitor_total):
             raise RoadmendError("the loss is no longer finite; try a lower learning rate")
         return PracticeFigures(self.epoch + 1, value_total / count, monitor_total / count)
+
+    def _draw(self, generator: np.random.Generator) -> NDArray[np.int64]:
+        """Indices of an epoch's decisions; what they should be worth is settled here."""
+        drawn = self._trials.draw(self._section.decisions_per_epoch, generator)
+        self._wanted = self._targets(drawn)
+        return drawn
+
+    def _loss(self, outputs: Tensor, chosen: NDArray[np.int64]) -> Tensor:
+        """How far the adapter's outputs, shape (B, actions), are from what the chosen decisions should be worth."""
+        counted = torch.from_numpy(self._trials.alike)[chosen].to(self._device, torch.float32)
+        wanted = self._wanted[chosen].to(self._device)[:, None].expand_as(outputs)
+        apart = functional.smooth_l1_loss(outputs, wanted, reduction="none") * counted
+        return (apart.sum(dim=1) / counted.sum(dim=1).clamp(min=1.0)).mean()
 
     def _judge(
         self, batch: TrialBatch, mask: NDArray[np.bool_], generator: np.random.Generator
@@ -203,3 +210,9 @@ class PracticeStage:
         load_tensors(self.network, checkpoint.tensors, "now.")
         load_optimizer(self._optimizer, checkpoint.tensors, "optimizer.")
         self.history = [PracticeFigures(**entry) for entry in checkpoint.header["metrics"]["history"]]
+
+
+def cross_entropy(logits: Tensor, labels: Tensor, weight: Tensor) -> Tensor:
+    """Mean over a batch, by weight; all of shape (B,)."""
+    wrong = functional.binary_cross_entropy_with_logits(logits, labels, weight=weight, reduction="sum")
+    return wrong / weight.sum().clamp(min=1.0)
