@@ -96,7 +96,9 @@ def test_the_latch_of_a_model_holds_an_intervention(tmp_path):
 def test_a_choice_holds_for_the_interval(tmp_path, monkeypatch):
     held = made(save_tiny_model(tmp_path / "held.safetensors", interval=3))
     calls = iter(range(100))
-    monkeypatch.setattr(AdreftModel, "values", lambda _self, _state: np.eye(10, dtype=np.float32)[next(calls) % 10])
+    monkeypatch.setattr(
+        AdreftModel, "values", lambda _self, _state, _action: np.eye(10, dtype=np.float32)[next(calls) % 10]
+    )
     scenes = [scene_of([Box(1, 30.0, 0.0)], 0.05 * tick) for tick in range(9)]
     found = [held.propose(scene, keep_on(scene)).action for scene in scenes]
     assert found == [ACTIONS[tick - tick % 3] for tick in range(9)]
@@ -108,7 +110,7 @@ def test_a_choice_holds_for_the_interval(tmp_path, monkeypatch):
 def test_an_action_must_be_worth_the_margin_more_than_the_policys_own(tmp_path, monkeypatch):
     method = made(save_tiny_model(tmp_path / "model.safetensors", margin=0.5))
     values = np.array([0.0, 0.1, 0.2, 0.3, 0.0, 0.0, 0.65, 0.0, 0.0, 0.0], dtype=np.float32)
-    monkeypatch.setattr(AdreftModel, "values", lambda _self, _state: values)
+    monkeypatch.setattr(AdreftModel, "values", lambda _self, _state, _action: values)
     scene = crowd(1, 2)
 
     def chosen(asked):

@@ -85,7 +85,7 @@ def test_the_sample_of_a_collision_is_read_as_it_was():
 
 def test_the_sample_of_a_repair_shows_the_intervention_that_was_needed():
     needed = [one for one in read_incidents(SAMPLES / "repaired").incidents if one.repair.verdict == "needed"]
-    assert [(one.kind, one.time, one.other.kind) for one in needed] == [("intervention", 14.0, "truck")]
+    assert [(one.kind, one.time, one.other.kind) for one in needed] == [("intervention", 14.55, "truck")]
     assert needed[0].repair.frames > 20
 
 

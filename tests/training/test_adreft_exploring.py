@@ -37,7 +37,7 @@ class Scripted:
 
     @property
     def values(self):
-        return lambda _state: np.eye(len(ACTIONS), dtype=np.float32)[self._best]
+        return lambda _state, _action: np.eye(len(ACTIONS), dtype=np.float32)[self._best]
 
     def encode(self, _tokens):
         self.tick += 1
