@@ -14,14 +14,11 @@ from roadmend.repair.adreft.weighing import OUTPUTS, Weighing
 Width = Annotated[int, Field(ge=1, le=4096)]
 
 
-class ModelConfiguration(BaseModel):
-    """Saved in every model's header."""
+class Deciding(BaseModel):
+    """How monitor and adapter are built, and how a choice comes of what they say."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
-    tokenizer: str = Field(description="name of the tokenizer")
-    tokenizer_version: int = Field(ge=1, description="version of the tokenizer that the model was trained with")
-    encoder: EncoderShape = Field(description="shape of the state encoder")
     monitor: tuple[Width, ...] = Field((64,), description="hidden widths of the state monitor")
     adapter: tuple[Width, ...] = Field((64,), description="hidden widths of the decision adapter")
     choice: Literal["greedy", "random"] = Field(
@@ -40,10 +37,17 @@ class ModelConfiguration(BaseModel):
     clear: float = Field(
         0.0, ge=0.0, le=2.0, description="how long the score must be low before release [s]; the paper's is 0"
     )
-
     weighing: Weighing | None = Field(
         None, description="prices, where the adapter foresees collisions; without, it gives the values, as the paper's"
     )
+
+
+class ModelConfiguration(Deciding):
+    """Saved in every model's header."""
+
+    tokenizer: str = Field(description="name of the tokenizer")
+    tokenizer_version: int = Field(ge=1, description="version of the tokenizer that the model was trained with")
+    encoder: EncoderShape = Field(description="shape of the state encoder")
 
     @property
     def monitor_shape(self) -> HeadShape:

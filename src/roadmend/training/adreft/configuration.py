@@ -12,9 +12,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 
 from roadmend.core.errors import InputError
 from roadmend.learning.shape import EncoderShape
-from roadmend.repair.adreft.configuration import ModelConfiguration, Width
+from roadmend.repair.adreft.configuration import Deciding, ModelConfiguration
 from roadmend.repair.adreft.registry import make_tokenizer
-from roadmend.repair.adreft.weighing import Weighing
 from roadmend.world.scenario_file import describe
 
 LearningRate = Annotated[float, Field(gt=0.0, le=1.0, description="learning rate")]
@@ -26,7 +25,7 @@ class Section(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
 
-class ModelSection(Section):
+class ModelSection(Section, Deciding):
     """The networks (ADReFT section 3.1)."""
 
     tokenizer: str = Field("paper", description="name of the tokenizer")
@@ -35,26 +34,6 @@ class ModelSection(Section):
     heads: int = Field(4, ge=1, le=64, description="attention heads of a layer")
     feed_forward: int = Field(128, ge=4, le=4096, description="width of a layer's feed-forward part")
     activation: Literal["relu", "gelu"] = Field("relu", description="of the feed-forward part")
-    monitor: tuple[Width, ...] = Field((64,), description="hidden widths of the state monitor")
-    adapter: tuple[Width, ...] = Field((64,), description="hidden widths of the decision adapter")
-    choice: Literal["greedy", "random"] = Field(
-        "greedy", description="the action of greatest value, or a uniformly random one (the ablation Rand-R)"
-    )
-    interval: int = Field(
-        1, ge=1, le=100, description="ticks for which a choice of the adapter holds; the paper's is 1"
-    )
-    margin: float = Field(
-        0.0,
-        ge=0.0,
-        le=100.0,
-        description="how much more than the policy's own action a choice must be worth; the paper's is 0",
-    )
-    hold: float = Field(0.0, ge=0.0, le=2.0, description="least duration of an intervention [s]; the paper's is 0")
-    clear: float = Field(
-        0.0, ge=0.0, le=2.0, description="how long the score must be low before release [s]; the paper's is 0"
-    )
-
-    weighing: Weighing | None = Field(None, description="prices, for practice by counterfactuals")
 
     @field_validator("monitor", "adapter", mode="before")
     @classmethod
@@ -76,9 +55,8 @@ class ModelSection(Section):
         except ValidationError as error:
             raise InputError("model", describe(error), "choose a width that the heads divide") from None
         return ModelConfiguration(
-            tokenizer=tokenizer.name, tokenizer_version=tokenizer.version, encoder=encoder, monitor=self.monitor,
-            adapter=self.adapter, choice=self.choice, interval=self.interval, margin=self.margin, hold=self.hold,
-            clear=self.clear, weighing=self.weighing,
+            tokenizer=tokenizer.name, tokenizer_version=tokenizer.version, encoder=encoder,
+            **{name: getattr(self, name) for name in Deciding.model_fields},
         )  # fmt: skip
 
 
