@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import signal
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -19,6 +18,7 @@ from roadmend.core.interfaces import Repairer
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
+from roadmend.core.worker_process import begin_worker
 from roadmend.evaluation.case_result import CaseWatcher
 from roadmend.evaluation.contenders import Contender
 from roadmend.evaluation.monitor_metrics import Confusion
@@ -148,7 +148,7 @@ def run_jobs(jobs: Sequence[Job], workers: int) -> Iterator[Outcome]:
     if workers == 1:
         yield from map(run_job, jobs)
         return
-    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_ignore_interrupt)
+    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=begin_worker)
     waiting = iter(jobs)
     running: set[Future[Outcome]] = set()
     try:
@@ -164,7 +164,3 @@ def run_jobs(jobs: Sequence[Job], workers: int) -> Iterator[Outcome]:
         raise SimulationError("a worker process died; run the same command again to go on") from None
     finally:
         pool.shutdown(cancel_futures=True)
-
-
-def _ignore_interrupt() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent hears it and ends the pool
