@@ -5,8 +5,8 @@ collision is with and without the action, which must be learned, and what the ac
 one number, the difference that a second of careful braking makes drowns in the error of the estimate; learned apart, a
 cost has no error, and the prices can change without a new training.
 
-A collision that nothing averts is milder at less speed. Where that is worth something, the adapter brakes to the last
-instead of leaving a policy to accelerate into what it believes lost.
+A collision that nothing averts is milder at less speed. Where that has a price (``mitigation``), the adapter brakes to
+the last; without one it may leave a policy to accelerate, which now and then is the way out.
 """
 
 import math
