@@ -12,6 +12,7 @@ from roadmend.evaluation.result_store import ResultStore
 from roadmend.evaluation.source_digest import source_digest
 from roadmend.learning.checkpoint import load_checkpoint
 from roadmend.policies.neural import load_model
+from roadmend.repair.adreft.model import KIND
 from roadmend.training.few_shot import drive_once, few_shot_repair
 from roadmend.training.few_shot_settings import FewShotSettings
 from roadmend.training.imitation_rollout import Lesson, gather
@@ -59,6 +60,8 @@ class Workshop:
                 lesson.noise,
                 lesson.every,
             ]
+            if lesson.repair is not None:
+                made_by.append(load_checkpoint(lesson.repair, KIND).digest)
             key = _key("gather", *made_by)
             places[key] = folder / f"{key[:32]}.npz", lesson
         missing = {key: lesson for key, (path, lesson) in places.items() if not path.exists()}

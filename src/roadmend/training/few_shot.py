@@ -1,7 +1,7 @@
 """Few-shot repair: a neural policy is fine-tuned on a few scenarios, without losing what it could do before.
 
 In every scenario the privileged expert drives, and the policy drives while the expert says what it would do (DAgger,
-Ross et al. 2011). What comes of it is mixed with scenes of ordinary episodes, and after every epoch the policy drives a
+Ross et al. 2011). The expert fails in most of what searches find, so ADReFT may repair its advice. What comes of it is mixed with scenes of ordinary episodes, and after every epoch the policy drives a
 hard part of a validation set. The epochs that are better there than the policy was drive ordinary scenarios, the best
 first, and the first that loses nothing of what went well before is kept. Where none does, weights part of the way
 between the old and the new ones are tried; where these do not either, the policy stays as it was.
@@ -19,8 +19,10 @@ from numpy.typing import NDArray
 from roadmend.core.errors import InputError
 from roadmend.evaluation.driving_measures import DrivingMeasures
 from roadmend.evaluation.measured_run import measured_run
-from roadmend.learning.checkpoint import Checkpoint, Tensors, save_checkpoint
+from roadmend.learning.checkpoint import Checkpoint, Tensors, load_checkpoint, save_checkpoint
+from roadmend.learning.shipped import find_model
 from roadmend.policies.neural import NeuralPolicy, load_model
+from roadmend.repair.adreft.model import KIND
 from roadmend.training.few_shot_settings import FewShotSettings, ordinary_seeds
 from roadmend.training.imitation import NeuralNetwork, batches, learn, load_network, tensors_of
 from roadmend.training.imitation_rollout import Lesson, gather, ordinary_lesson
@@ -93,13 +95,23 @@ def few_shot_repair(
 
 def lessons_of(scenario: Scenario, model: Path, settings: FewShotSettings) -> list[Lesson]:
     """The episodes in which a scenario is demonstrated; the same for every seed, so that they can be kept."""
+    repair = repair_model(settings)
     return [
         Lesson(
-            scenario, f"{scenario.digest}/{number}", driver, settings.expert_share, settings.noise, settings.every
+            scenario, f"{scenario.digest}/{number}", driver, settings.expert_share, settings.noise, settings.every, repair
         )
         for driver, count in ((None, settings.expert_drives), (model, settings.policy_drives))
         for number in range(count)
     ]  # fmt: skip
+
+
+def repair_model(settings: FewShotSettings) -> Path | None:
+    """Model of ADReFT that repairs the demonstrations; None where the expert is left alone.
+
+    Raises:
+        InputError: there is no such model.
+    """
+    return find_model(settings.repair, "adreft-") if settings.repair else None
 
 
 @dataclass
@@ -209,7 +221,7 @@ class _Work:
             yield network, learned.action
 
     def _header(self, origin: Origin, shown: Samples, scenarios: Sequence[Scenario]) -> dict[str, Any]:
-        before = self.parent.header
+        before, repair = self.parent.header, repair_model(self.settings)
         return {
             "kind": before["kind"],
             "configuration": {
@@ -217,6 +229,7 @@ class _Work:
                 "few_shot": {
                     "settings": self.settings.model_dump(mode="json"), "seed": self.seed,
                     "scenarios": [scenario.digest for scenario in scenarios], **asdict(origin),
+                    "repair": "" if repair is None else load_checkpoint(repair, KIND).digest,
                 },
             },
             "data_digest": samples_digest(shown),

@@ -20,6 +20,9 @@ class FewShotSettings(Section):
     noise: float = Field(0.5, ge=0.0, le=2.0, description="standard deviation of the expert's disturbances")
     expert_drives: int = Field(1, ge=0, le=100, description="episodes a scenario that the expert drives")
     policy_drives: int = Field(1, ge=0, le=100, description="episodes a scenario that the policy drives, advised")
+    repair: str = Field(
+        "", description="ADReFT's model, by name or path, that repairs what the expert demonstrates; empty: none does"
+    )
     expert_share: float = Field(0.2, ge=0.0, le=1.0, description="share of the time of those that the expert drives")
     replay: int = Field(60, ge=0, le=900, description="ordinary episodes of each family that old skill is kept with")
     replay_seed: int = Field(330_000, ge=50_000, le=900_000, description="of the first of these")

@@ -31,10 +31,14 @@ class Lesson:
     expert_share: float  # of the time during which the expert drives although there is a learner
     noise: float  # standard deviation of the disturbances of the expert's action
     every: int  # ticks between two samples
+    repair: Path | None = None  # model of ADReFT that repairs what the expert advises; None: the expert as it is
 
 
 class Tutor:
-    """A policy for gathering: the expert advises at every tick; it, the learner, or it with disturbances drives."""
+    """A policy for gathering: the expert advises at every tick; it, the learner, or it with disturbances drives.
+
+    Where a scenario is hard, the expert may fail in it as well. Then what ADReFT makes of its advice is advised.
+    """
 
     name = "tutor"
 
@@ -43,6 +47,7 @@ class Tutor:
         self._random = random.Random(f"roadmend/lesson/{lesson.draw}/{lesson.model is not None}")
         self._expert = Expert()
         self._expert.privilege(lesson.scenario.environment.effective_friction)
+        self._repairer = None if lesson.repair is None else make_repairer("adreft", {"model": str(lesson.repair)})
         self._learner = NeuralPolicy(lesson.model) if lesson.model is not None else None
         self._observer = self._learner.observer if self._learner is not None else Observer()
         self._tick = 0
@@ -57,13 +62,15 @@ class Tutor:
         """Begin an episode on ``route``."""
         self._expert.reset(route)
         self._observer.reset(route)
+        if self._repairer is not None:
+            self._repairer.reset(route)
 
     def step(self, scene: Scene) -> Decision:
         """Note the scene with the expert's advice, and drive."""
         advice = self._expert.step(scene)
         tokens = self._observer.observe(scene)
         asked = tokens is not None and self._observer.may_change
-        command = advice.command
+        command = advice.command if self._repairer is None else self._repairer.step(scene, advice).command
         if tokens is not None and (self._tick % self._lesson.every == 0 or (asked and command.change_lane)):
             self.tokens.append(tokens.astype(np.float16))
             self.actions.append(command.action)
