@@ -17,6 +17,7 @@ from roadmend.training.few_shot import Origin, few_shot_repair, lessons_of
 from roadmend.training.few_shot_settings import FewShotSettings, read_few_shot_settings
 from roadmend.training.imitation_rollout import gather
 from roadmend.training.samples import Samples
+from roadmend.world.corpus import load_corpus
 from roadmend.world.families import sample_scenario
 
 torch.set_num_threads(1)
@@ -42,7 +43,7 @@ def kept(scenarios) -> dict[str, Samples]:
 def gathering(kept):
     def answer(lessons) -> Iterator[Samples]:
         for lesson in lessons:
-            key = f"{lesson.draw}/{lesson.model}"
+            key = f"{lesson.draw}/{lesson.model}/{lesson.repair}"
             if key not in kept:
                 kept[key] = gather(lesson)
             yield kept[key]
@@ -145,6 +146,30 @@ def test_demonstrations_are_driven_by_the_expert_and_by_the_policy(scenarios):
     lessons = lessons_of(scenarios[0], MODEL, settings)
     assert [lesson.model for lesson in lessons] == [None, None, MODEL]
     assert len({(lesson.draw, lesson.model) for lesson in lessons}) == 3
+
+
+def test_adreft_brings_demonstrations_to_their_goal_that_the_expert_does_not():
+    cases = load_corpus(CONFIG / "corpora" / "modular.jsonl").select("S1", "training", violation=True)[::40]
+    scenarios = [case.scenario() for case in cases]
+    arrived = {}
+    for repair in ("", "modular"):
+        settings = SETTINGS.model_copy(update={"policy_drives": 0, "repair": repair})
+        lessons = [lesson for scenario in scenarios for lesson in lessons_of(scenario, MODEL, settings)]
+        assert {lesson.repair is None for lesson in lessons} == {not repair}
+        arrived[repair] = [outcome for lesson in lessons for outcome in gather(lesson).outcomes].count("GOAL")
+    assert arrived["modular"] > arrived[""]
+
+
+def test_the_header_names_the_model_that_repaired_the_demonstrations(tmp_path, scenarios, gathering):
+    settings = SETTINGS.model_copy(update={"keep": "last", "epochs": 1, "repair": "modular"})
+    found = repair(scenarios, tmp_path / "tuned.safetensors", gathering, [], [], settings=settings)
+    told = load_checkpoint(found.path, "neural").header["configuration"]["few_shot"]
+    assert told["repair"] == load_checkpoint(find_model("modular", "adreft-")).digest
+
+
+def test_a_model_of_adreft_that_there_is_not_is_named(scenarios):
+    with pytest.raises(InputError, match="ships no adreft-nobody"):
+        lessons_of(scenarios[0], MODEL, SETTINGS.model_copy(update={"repair": "nobody"}))
 
 
 def test_nothing_to_learn_from_and_models_of_other_kinds_are_refused(tmp_path, scenarios):
