@@ -132,8 +132,9 @@ class Pipeline:
             InputError: a case, a file or a setting is unusable.
             SimulationError: SUMO failed, or a worker process died.
         """
+        begun = None if start is None else self._from_model(start)  # before anything is driven: it may be unusable
         validation = self._frames(self._subject.validation, "validation")
-        before = self._from_model(start) if start is not None else self._prepare(validation, only)
+        before = begun or self._prepare(validation, only)
         threshold, quality = self._calibrate(before, validation)
         tensors = before.tensors
         history: list[RoundFigures] = []
