@@ -47,6 +47,18 @@ def test_a_selection_becomes_a_model_that_tells_where_it_comes_from(folder, bank
     assert model.header["ancestry"][0] == load_checkpoint(find_model(policy)).digest
     assert len(model.header["configuration"]["few_shot"]["bank"]) == 64
     assert make_policy(policy, {"model": str(out)}).model_digest == model.digest
+    assert main(command) == 0
+    arrived = told["outcomes"].count("GOAL")
+    assert f"{arrived} of {len(told['outcomes'])} demonstrations reached" in capsys.readouterr().out
+
+
+def test_a_teachers_repair_that_there_is_not_is_one_line(folder, bank, selection, capsys):
+    settings, out = folder / "nobody.yaml", folder / "nobody.safetensors"
+    settings.write_text("repair: nobody")
+    command = ["sera", "tune", "--bank", str(bank), "--selection", str(selection), "--config", str(settings)]
+    assert main([*command, "--out", str(out)]) == 2
+    assert "ships no adreft-nobody" in capsys.readouterr().err
+    assert not out.exists()
 
 
 @pytest.mark.parametrize(

@@ -34,19 +34,6 @@ def test_where_nothing_threatens_the_policy_is_left_alone():
     assert int(weigh(foreseen(0.001, 0.9, 0.001), 0.5, PRICES).argmax()) == 0
 
 
-def test_a_collision_that_nothing_averts_is_braked_into_where_that_is_worth_something():
-    lost = foreseen(0.999, 1e-6, 0.5)
-    assert int(weigh(lost, 0.5, PRICES).argmax()) == 0
-    braked = weigh(lost, 0.5, PRICES.model_copy(update={"mitigation": 0.3}))
-    assert ACTIONS[int(braked.argmax())] == -1.0
-    assert braked[9] == pytest.approx(-9.99 * (1.0 - 0.3 * 1.5) - 0.4 * 1.5**2 - 0.1, abs=0.02)
-
-
-def test_mitigation_does_not_touch_a_policy_that_nothing_threatens():
-    prices = PRICES.model_copy(update={"mitigation": 0.5})
-    assert int(weigh(foreseen(0.001, 0.9, 0.001), 0.5, prices).argmax()) == 0
-
-
 def test_what_is_not_finite_stays_so():
     outputs = foreseen(0.5, 0.5, 0.5)
     outputs[3] = np.nan

@@ -13,6 +13,7 @@ from roadmend.cli.resources import config_folder
 from roadmend.cli.sera_options import BANK, JSON
 from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError
+from roadmend.core.outcome import EventKind
 from roadmend.learning.shipped import find_model
 from roadmend.sera.bank import Bank
 from roadmend.sera.evaluation_set import corpus_set, disjoint, known_in
@@ -89,7 +90,9 @@ def _show(repaired: Repair, count: int) -> None:
         scores = ("-" if each is None else f"{each:.1f}" for each in (trial.driving_score, trial.ordinary))
         rows.append([str(trial.epochs), f"{100 * trial.share:.0f} %" if trial.epochs else "-", *scores, mark])
     show_rows(rows)
-    click.echo(f"{repaired.path}: {repaired.scenes} scenes of {count} scenarios")
+    arrived = sum(outcome == EventKind.GOAL.name for outcome in repaired.outcomes)
+    shown = f"{arrived} of {len(repaired.outcomes)} demonstrations reached their goal"
+    click.echo(f"{repaired.path}: {repaired.scenes} scenes of {count} scenarios; {shown}")
     if not repaired.kept.epochs:
         click.echo("no epoch was better than the policy as it was: the weights have not changed")
 

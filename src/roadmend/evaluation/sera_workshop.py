@@ -49,8 +49,14 @@ class Workshop:
         folder = self.store.folder / "lessons"
         folder.mkdir(exist_ok=True)
         places = {}
+        digests = {path: load_model(path).digest for path in {lesson.model for lesson in lessons} if path is not None}
+        repairs = {
+            path: load_checkpoint(path, KIND).digest
+            for path in {lesson.repair for lesson in lessons}
+            if path is not None
+        }
         for lesson in lessons:
-            driver = "" if lesson.model is None else load_model(lesson.model).digest
+            driver = "" if lesson.model is None else digests[lesson.model]
             made_by = [
                 code,
                 lesson.scenario.digest,
@@ -61,7 +67,7 @@ class Workshop:
                 lesson.every,
             ]
             if lesson.repair is not None:
-                made_by.append(load_checkpoint(lesson.repair, KIND).digest)
+                made_by.append(repairs[lesson.repair])
             key = _key("gather", *made_by)
             places[key] = folder / f"{key[:32]}.npz", lesson
         missing = {key: lesson for key, (path, lesson) in places.items() if not path.exists()}

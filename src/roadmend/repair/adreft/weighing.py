@@ -4,9 +4,6 @@ The paper's adapter gives the values themselves (ADReFT section 3.1.3). A value 
 collision is with and without the action, which must be learned, and what the action costs, which is known. Learned as
 one number, the difference that a second of careful braking makes drowns in the error of the estimate; learned apart, a
 cost has no error, and the prices can change without a new training.
-
-A collision that nothing averts is milder at less speed. Where that has a price (``mitigation``), the adapter brakes to
-the last; without one it may leave a policy to accelerate, which now and then is the way out.
 """
 
 import math
@@ -36,9 +33,6 @@ class Weighing(BaseModel):
     strength: float = Field(0.4, ge=0.0, le=1000.0, description="price of an intervention of strength 1")
     exponent: float = Field(2.0, ge=1.0, le=4.0, description="of its strength; above 1 gentle is cheap")
     any: float = Field(0.1, ge=0.0, le=1000.0, description="price of an intervention, however gentle")
-    mitigation: float = Field(
-        0.0, ge=0.0, le=0.5, description="share of a collision's price that an intervention of strength 1 saves anyhow"
-    )
 
 
 def weigh(foreseen: Floats, asked: float, prices: Weighing) -> Floats:
@@ -56,8 +50,7 @@ def weigh(foreseen: Floats, asked: float, prices: Weighing) -> Floats:
         chances[:] = np.nan
     danger = chances[DANGER]
     strength = np.maximum(asked - _ACTIONS, 0.0)
-    impact = 1.0 - prices.mitigation * strength
-    with_it = danger * (1.0 - chances[AVERTED]) * impact + (1.0 - danger) * chances[CAUSED]
+    with_it = danger * (1.0 - chances[AVERTED]) + (1.0 - danger) * chances[CAUSED]
     cost = prices.strength * strength**prices.exponent + prices.any
     values: NDArray[np.float64] = np.where(
         strength > 0.0, -prices.collision * with_it - cost, -prices.collision * danger

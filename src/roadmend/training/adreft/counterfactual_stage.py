@@ -17,7 +17,7 @@ from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.repair.adreft.weighing import AVERTED, CAUSED, DANGER
 from roadmend.training.adreft.configuration import PracticeSection
 from roadmend.training.adreft.counterfactual import Counterfactuals
-from roadmend.training.adreft.practice import PracticeStage, cross_entropy
+from roadmend.training.adreft.practice import Loss, PracticeStage, cross_entropy
 from roadmend.training.adreft.trial_set import TrialSet
 
 # Weights of the losses beside the monitor's; decisions that tell of the last two are far fewer.
@@ -43,16 +43,16 @@ class CounterfactualStage(PracticeStage):
             raise InputError("training split", "has no trial that tells of an intervention", "allow more trials a case")
         self._labels = labels
 
-    def _draw(self, generator: np.random.Generator) -> NDArray[np.int64]:
-        """Indices of an epoch's decisions: those of the policy alone, and those that tell of an intervention."""
+    def _draw(self, generator: np.random.Generator) -> tuple[NDArray[np.int64], Loss]:
+        """Decisions of the policy alone and those that tell of an intervention, and the loss of what is foreseen."""
         labels, section = self._labels, self._section
         drawn = np.concatenate([
             _some(labels.alone, section.decisions_per_epoch, generator),
             _some(labels.interfered, section.tried_per_epoch, generator),
         ])  # fmt: skip
-        return generator.permutation(np.unique(drawn))
+        return generator.permutation(np.unique(drawn)), self._foresight_loss
 
-    def _loss(self, outputs: Tensor, chosen: NDArray[np.int64]) -> Tensor:
+    def _foresight_loss(self, outputs: Tensor, chosen: NDArray[np.int64]) -> Tensor:
         """Cross-entropy of what the adapter foresees, logits of shape (B, OUTPUTS)."""
         labels = self._labels
         tried = self._to(labels.tried[chosen])[:, None]

@@ -8,6 +8,7 @@ best action some decisions later. It stands in the place of the paper's cross-en
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,9 @@ from roadmend.training.adreft.trial_set import TrialBatch, TrialSet
 from roadmend.training.optimizer_state import load_optimizer, optimizer_tensors
 
 KIND = "adreft-practice-state"
+Loss = Callable[
+    [Tensor, NDArray[np.int64]], Tensor
+]  # of the adapter's outputs for a batch of decisions, by their indices
 _JUDGED = 1024  # decisions of a batch that is only judged
 _CLIP = 1.0  # largest norm of the gradient
 
@@ -82,7 +86,6 @@ class PracticeStage:
             "model": model.model_dump(mode="json", exclude={"weighing"}),
             "practice": section.model_dump(mode="json"), "seed": seed, "trials": trials.digest,
         }  # fmt: skip
-        self._wanted = torch.zeros(0)  # value of every decision, from the epoch's begin
         self.history: list[PracticeFigures] = []
         if state.exists():
             self._load()
@@ -133,7 +136,7 @@ class PracticeStage:
     def _learn(self) -> PracticeFigures:
         """One epoch; its chance comes from the seed and its number alone."""
         trials, generator = self._trials, np.random.default_rng([self._seed, self._stream, self.epoch])
-        drawn = self._draw(generator)
+        drawn, loss = self._draw(generator)
         critical, judged = torch.from_numpy(trials.critical), torch.from_numpy(trials.judged)
         size, forgotten = self._section.batch, self._section.forget
         steps = math.ceil(len(drawn) / size)
@@ -145,7 +148,7 @@ class PracticeStage:
             batch = trials.batch(chosen)
             mask = batch.mask if not forgotten else forget(batch.tokens, batch.mask, forgotten, generator)
             logits, outputs = self._judge(batch, mask, generator)
-            value = self._loss(outputs, chosen)
+            value = loss(outputs, chosen)
             monitor = cross_entropy(logits, critical[chosen].to(self._device), judged[chosen].to(self._device))
             self._optimizer.zero_grad(set_to_none=True)
             (value + monitor).backward()  # type: ignore[no-untyped-call]
@@ -157,16 +160,15 @@ class PracticeStage:
             raise RoadmendError("the loss is no longer finite; try a lower learning rate")
         return PracticeFigures(self.epoch + 1, value_total / count, monitor_total / count)
 
-    def _draw(self, generator: np.random.Generator) -> NDArray[np.int64]:
-        """Indices of an epoch's decisions; what they should be worth is settled here."""
+    def _draw(self, generator: np.random.Generator) -> tuple[NDArray[np.int64], Loss]:
+        """Indices of an epoch's decisions, and the loss of what the adapter says of them."""
         drawn = self._trials.draw(self._section.decisions_per_epoch, generator)
-        self._wanted = self._targets(drawn)
-        return drawn
+        return drawn, partial(self._loss, self._targets(drawn))
 
-    def _loss(self, outputs: Tensor, chosen: NDArray[np.int64]) -> Tensor:
+    def _loss(self, targets: Tensor, outputs: Tensor, chosen: NDArray[np.int64]) -> Tensor:
         """How far the adapter's outputs, shape (B, actions), are from what the chosen decisions should be worth."""
         counted = torch.from_numpy(self._trials.alike)[chosen].to(self._device, torch.float32)
-        wanted = self._wanted[chosen].to(self._device)[:, None].expand_as(outputs)
+        wanted = targets[chosen].to(self._device)[:, None].expand_as(outputs)
         apart = functional.smooth_l1_loss(outputs, wanted, reduction="none") * counted
         return (apart.sum(dim=1) / counted.sum(dim=1).clamp(min=1.0)).mean()
 
