@@ -1,10 +1,11 @@
+import shutil
 from pathlib import Path
 
 import pytest
 import yaml
 
 from roadmend.core.errors import InputError
-from roadmend.evaluation.contenders import read_plan, resolve
+from roadmend.evaluation.contenders import read_plan, resolve, resolve_monitors
 
 CONFIG = Path(__file__).parents[2] / "config"
 PLAN = CONFIG / "benchmarks" / "adreft.yaml"
@@ -54,6 +55,18 @@ def test_what_cannot_run_is_listed_with_its_reason(tmp_path):
     assert [each.reason for each in absent] == ["there is no policy 'imaginary' in this version"] * 2
 
 
+def test_a_monitor_can_be_another_method_than_its_name_says(tmp_path):
+    plan, folder = read_plan(PLAN), folder_with(tmp_path)
+    (folder / "models" / "ablations").mkdir(parents=True)
+    for name in ("adreft-modular", "ablations/wo_precaution-modular", "self_oracle-modular"):
+        shutil.copyfile(CONFIG / "models" / f"{name}.safetensors", folder / "models" / f"{name}.safetensors")
+    watched = resolve_monitors(plan, folder, "modular", plan.monitors)
+    assert [each.name for each in watched] == ["adreft", "adreft_precaution", "rule", "model", "rss", "predictive"]
+    assert [each.title for each in watched[:3]] == ["ADReFT, state monitor", "ADReFT, precaution too", "RuleRepair"]
+    assert [each.model.stem for each in watched[:2]] == ["wo_precaution-modular", "adreft-modular"]
+    assert watched[1].key == resolve(plan, folder, "modular", ["adreft"])[0][0].key
+
+
 def test_unusable_parameters_and_plans_are_refused(tmp_path):
     tuned = {"rule": {"parameters": {"time_to_collision": -1.0}}}
     with pytest.raises(InputError, match=r"rule\.time_to_collision"):
@@ -61,6 +74,7 @@ def test_unusable_parameters_and_plans_are_refused(tmp_path):
     content = yaml.safe_load(PLAN.read_text())
     for change, expected in (
         ({"monitors": ["nobody"]}, "there is no 'nobody'"),
+        ({"watched": {"adreft": {"method": "nobody", "title": "x"}}}, "there is no 'nobody'"),
         ({"methods": {"none": {"title": "x"}}}, "methods.none.method"),
         ({"surprise": 1}, "surprise"),
     ):

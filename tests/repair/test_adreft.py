@@ -14,6 +14,7 @@ from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.method import AdreftRepair
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.adreft.registry import TOKENIZERS
+from roadmend.repair.adreft.weighing import Weighing, gain_of
 from roadmend.repair.parameters import AdreftParameters
 from roadmend.repair.registry import make_repairer
 
@@ -50,6 +51,34 @@ def test_the_proposal_is_what_the_networks_say(model, count):
     assert proposal.score == sigmoid(monitor.apply(seen)[0])
     assert proposal.threshold == 0.5
     assert proposal.action == ACTIONS[int(np.argmax(adapter.apply(state)))]
+
+
+def test_what_pays_is_due_before_the_monitor_alarms(tmp_path):
+    scene = crowd(3, 4)
+
+    def proposed(gain, threshold=0.999999, **parameters):
+        weighing = Weighing(strength=0.0, any=0.0, gain=gain)
+        path = save_tiny_model(tmp_path / f"{gain}.safetensors", threshold=threshold, weighing=weighing)
+        method = made(path, **parameters)
+        return method, method.propose(scene, keep_on(scene, action=0.9))
+
+    method, alone = proposed(0.0)
+    tokens = method.model.tokenizer().tokens(scene, keep_on(scene, action=0.9)).values
+    worth = gain_of(method.model.values(method.model.encode(tokens), 0.9), 0.9)
+    assert worth > 0.0
+    assert alone.score == method.model.score(method.model.encode(tokens), 0.9) < alone.threshold
+    assert (alone.triggers, alone.reason) == ((), "")
+    _, due = proposed(0.9 * worth)
+    assert due.score == 1.0 > due.threshold
+    assert due.action == alone.action
+    assert due.triggers
+    assert due.reason == "precaution: worth 1.000 above 1.000"
+    _, half = proposed(2.0 * worth)
+    assert half.score == pytest.approx(0.999999 / 2.0)
+    assert not half.triggers
+    _, alarmed = proposed(0.9 * worth, threshold=0.0)
+    assert alarmed.reason.startswith("criticality")
+    assert proposed(0.9 * worth, threshold=0.5)[1].score == pytest.approx(0.5 / 0.9)
 
 
 def test_the_policys_action_matters_to_the_monitor(model):

@@ -6,7 +6,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from roadmend.repair.actions import ACTIONS
-from roadmend.repair.adreft.weighing import AVERTED, CAUSED, DANGER, OUTPUTS, Weighing, weigh
+from roadmend.repair.adreft.weighing import (
+    AVERTED,
+    CAUSED,
+    DANGER,
+    MILDEST,
+    OUTPUTS,
+    Weighing,
+    gain_of,
+    weigh,
+)
 
 PRICES = Weighing(collision=10.0, strength=0.4, exponent=2.0, any=0.1)
 
@@ -34,6 +43,21 @@ def test_where_nothing_threatens_the_policy_is_left_alone():
     assert int(weigh(foreseen(0.001, 0.9, 0.001), 0.5, PRICES).argmax()) == 0
 
 
+def test_what_no_trial_has_held_is_never_chosen_for_its_promises():
+    outputs = foreseen(0.5, 0.1, 0.1)
+    outputs[AVERTED.start] = logit(0.99)  # 0.8 where the policy asks for 1: nothing has taught the adapter of it
+    values = weigh(outputs, 1.0, PRICES)
+    assert values[0] == pytest.approx(-5.0, abs=1e-5)
+    assert MILDEST == 1
+
+
+def test_gain_by_hand():
+    # 0.2 costs 0.4 * 0.2**2 + 0.1 and leaves a collision in 0.5 * 0.25 + 0.5 * 0.1 of all cases, the policy in half.
+    assert gain_of(weigh(foreseen(0.5, 0.75, 0.1), 0.4, PRICES), 0.4) == pytest.approx(5.0 - 1.75 - 0.116, abs=1e-5)
+    assert gain_of(weigh(foreseen(0.5, 0.75, 0.1), 1.0, PRICES), 1.0) == pytest.approx(5.0 - 1.75 - 0.164, abs=1e-5)
+    assert gain_of(weigh(foreseen(0.001, 0.75, 0.001), 0.4, PRICES), 0.4) == 0.0
+
+
 def test_what_is_not_finite_stays_so():
     outputs = foreseen(0.5, 0.5, 0.5)
     outputs[3] = np.nan
@@ -49,4 +73,6 @@ def test_values_are_finite_prices_and_idle_actions_are_worth_the_same(outputs, a
     assert values.dtype == np.float32
     assert np.isfinite(values).all()
     assert (values <= 0.0).all()
-    assert len({float(value) for value, action in zip(values, ACTIONS, strict=True) if action >= asked}) <= 1
+    idle = {float(values[place]) for place, action in enumerate(ACTIONS) if action >= asked or place < MILDEST}
+    assert len(idle) == 1
+    assert gain_of(values, asked) == pytest.approx(float(values.max()) - idle.pop(), rel=1e-5)

@@ -11,6 +11,7 @@ from roadmend.cli.main import main
 from roadmend.learning.checkpoint import load_checkpoint
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.adreft.model import AdreftModel
+from roadmend.repair.adreft.weighing import Weighing
 from roadmend.training.adreft.configuration import PracticeSection
 from roadmend.training.closed_loop import evaluate_cases, summarise
 from roadmend.world.corpus import save_corpus
@@ -159,6 +160,22 @@ def test_the_trials_of_another_policy_can_be_practised_on_too(train, tmp_path, m
     assert alone["data"]["training"] == both["data"]["training"]
     count = len(list((tmp_path / "both.training" / "trials").iterdir()))
     assert count == len(corpus.select(split="training")) + len(other.select(split="training"))
+
+
+def test_without_precaution_only_the_monitor_decides(train, tmp_path, capsys):
+    corpus = blind_corpus(1, 1)
+    practice = {**PRACTISED["practice"], "rounds": 1, "method": "counterfactual"}
+    prices = {"strength": 0.3, "gain": 0.2}
+    foreseeing = {**PRACTISED, "practice": practice, "model": {**PRACTISED["model"], "weighing": prices}}
+    assert train(corpus, foreseeing, "with.safetensors") == 0
+    options = ("--start", str(tmp_path / "with.safetensors"), "--ablation", "wo_precaution")
+    assert train(corpus, foreseeing, "without.safetensors", *options) == 0
+    both, alone = (AdreftModel.load(tmp_path / f"{name}.safetensors") for name in ("with", "without"))
+    assert both.configuration.weighing.model_dump() == Weighing(**prices).model_dump()
+    assert alone.configuration.weighing == both.configuration.weighing.model_copy(update={"gain": 0.0})
+    assert alone.threshold == both.threshold
+    assert train(corpus, QUICK, "none.safetensors", "--ablation", "wo_precaution") == 2
+    assert "has no precaution to leave out" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("ablation", ["rand_r", "only_rl", "wo_sr", "wo_regulation"])

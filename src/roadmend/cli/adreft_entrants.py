@@ -12,7 +12,7 @@ from rich.progress import Progress
 from roadmend.cli.corpus_choice import corpus_of
 from roadmend.core.errors import InputError
 from roadmend.evaluation.benchmark_run import HINDSIGHT, Entrants, Player
-from roadmend.evaluation.contenders import Absence, BenchmarkPlan, resolve
+from roadmend.evaluation.contenders import Absence, BenchmarkPlan, resolve, resolve_monitors
 from roadmend.evaluation.source_digest import source_digest
 from roadmend.search.gather import Progress as Stage
 from roadmend.search.gather import gather_fresh
@@ -83,7 +83,8 @@ def _entrants(
         raise InputError(
             f"corpus of {policy}", f"holds no {choice.split} cases of what was asked for", "ask for other families"
         )
-    monitors, _ = resolve(plan, config, policy, plan.quick.monitors if choice.is_quick else plan.monitors)
+    names = plan.quick.monitors if choice.is_quick else plan.monitors
+    monitors = resolve_monitors(plan, config, policy, names)
     players: dict[str, dict[str, Player]] = {}
     if any(contender.group == "bound" for contender in contenders):
         code = next(contender.code for contender in contenders if contender.group == "bound")

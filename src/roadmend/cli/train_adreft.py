@@ -35,6 +35,7 @@ _ABLATIONS: dict[str, tuple[Only, dict[str, dict[str, Any]]]] = {  # which stage
     "only_rl": (None, {"reinforcement": {"start": "scratch"}}),
     "wo_sr": (None, {"reinforcement": {"step_reward": False}}),
     "wo_regulation": (None, {"frames": {"labels": "weak_without_regulation"}, "practice": {"near": 0.0}}),
+    "wo_precaution": (None, {"model": {"weighing": {"gain": 0.0}}}),
 }
 
 
@@ -68,7 +69,7 @@ _ABLATIONS: dict[str, tuple[Only, dict[str, dict[str, Any]]]] = {  # which stage
 @click.option(
     "--ablation", type=click.Choice([*_ABLATIONS]),
     help="Leave something out: the adapter (rand_r), a stage (only_sl, only_rl), the step reward (wo_sr), "
-    "nearness in the labels (wo_regulation).",
+    "nearness in the labels (wo_regulation), stepping in before the monitor alarms (wo_precaution).",
 )  # fmt: skip
 @click.option(
     "--work", type=click.Path(path_type=Path, file_okay=False),
@@ -96,6 +97,9 @@ def adreft(
     )
     if ablation is not None:
         only, changes = _ABLATIONS[ablation][0] or only, _ABLATIONS[ablation][1]
+        if ablation == "wo_precaution" and configuration.model.weighing is None:
+            mend = "leave it out, or give a configuration with model.weighing"
+            raise InputError("--ablation", "this configuration has no precaution to leave out", mend)
         configuration = _changed(configuration, changes)
         if "reinforcement" in changes and not configuration.reinforcement.episodes:
             mend = "set reinforcement.episodes, or give --config config/training/adreft-paper.yaml"
@@ -151,10 +155,14 @@ def _driver(corpus: Corpus) -> Driver:
 
 
 def _changed(configuration: TrainingConfiguration, changes: dict[str, dict[str, Any]]) -> TrainingConfiguration:
-    content = configuration.model_dump()
-    for section, values in changes.items():
-        content[section].update(values)
-    return TrainingConfiguration.model_validate(content)
+    return TrainingConfiguration.model_validate(_merged(configuration.model_dump(), changes))
+
+
+def _merged(content: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
+    """Some content with other values at the places that the changes name."""
+    return content | {
+        name: _merged(content[name], value) if isinstance(value, dict) else value for name, value in changes.items()
+    }
 
 
 def _open_work(work: Path, *, resume: bool | None, keep_supervised: bool) -> None:

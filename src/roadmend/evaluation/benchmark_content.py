@@ -34,6 +34,7 @@ def build_content(measured: Sequence[Measured], made: Mapping[str, Any], setting
         "policies": policies,
         "corpora": {each.entrants.policy: _corpus(each) for each in measured},
         "titles": {c.name: {"title": c.title, "group": c.group} for m in measured for c in m.entrants.contenders},
+        "monitor_titles": {monitor.name: monitor.title for m in measured for monitor in m.entrants.monitors},
         "contenders": {
             each.entrants.policy: {contender.name: contender.describe() for contender in each.entrants.contenders}
             for each in measured

@@ -75,7 +75,8 @@ def title_of(content: Content, method: str) -> str:
 
 def monitor_title(content: Content, method: str) -> str:
     """What a method is called as a monitor; the paper has names of its own."""
-    return {"rule": "RuleBase", "model": "SelfOracle"}.get(method) or title_of(content, method)
+    named = {"rule": "RuleBase", "model": "SelfOracle"}.get(method) or content.get("monitor_titles", {}).get(method)
+    return str(named or title_of(content, method))
 
 
 def _each(content: Content) -> list[tuple[str, str, Mapping[str, Any]]]:

@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -50,6 +50,13 @@ class QuickEntry(_Part):
     monitors: list[str]
 
 
+class WatchedEntry(_Part):
+    """A monitor that is another method than its name says, or has another title."""
+
+    method: str  # a key of the plan's methods
+    title: str
+
+
 class BenchmarkPlan(_Part):
     """config/benchmarks/adreft.yaml."""
 
@@ -57,6 +64,7 @@ class BenchmarkPlan(_Part):
     tuned: str
     methods: dict[str, MethodEntry]
     monitors: list[str]
+    watched: dict[str, WatchedEntry] = Field(default_factory=dict)  # by monitor
     robustness: RobustnessEntry
     quick: QuickEntry
 
@@ -118,7 +126,8 @@ def read_plan(path: Path) -> BenchmarkPlan:
         first = error.errors()[0]
         where = ".".join(map(str, first["loc"]))
         raise InputError(f"{path}: {where}", first["msg"], "mend the file") from None
-    for name in [*plan.monitors, *plan.robustness.methods, *plan.quick.methods, *plan.quick.monitors]:
+    monitors = [_watched(plan, name) for name in (*plan.monitors, *plan.quick.monitors)]
+    for name in [*monitors, *plan.robustness.methods, *plan.quick.methods]:
         if name not in plan.methods:
             raise InputError(f"{path}: methods", f"there is no {name!r}", "add it or take it out of the lists")
     return plan
@@ -171,6 +180,31 @@ def resolve(plan: BenchmarkPlan, config: Path, policy: str, names: list[str]) ->
                 )
             )
     return found, absent
+
+
+def resolve_monitors(plan: BenchmarkPlan, config: Path, policy: str, names: list[str]) -> list[Contender]:
+    """The methods that can be watched as monitors under a policy, by the monitors' names and titles.
+
+    Args:
+        plan: the benchmark's plan.
+        config: the folder config/.
+        policy: name of the policy.
+        names: of ``plan.monitors``.
+
+    Raises:
+        InputError: a parameter is unusable.
+    """
+    monitors = []
+    for name in names:
+        found, _ = resolve(plan, config, policy, [_watched(plan, name)])
+        title = plan.watched[name].title if name in plan.watched else None
+        monitors += [replace(contender, name=name, title=title or contender.title) for contender in found]
+    return monitors
+
+
+def _watched(plan: BenchmarkPlan, name: str) -> str:
+    """The method that a monitor is."""
+    return plan.watched[name].method if name in plan.watched else name
 
 
 def _tuned(path: Path) -> Mapping[str, dict[str, Any]]:

@@ -22,8 +22,9 @@ _TRIGGERS = 3  # participants named at most
 class AdreftRepair:
     """Proposes the action of greatest value; steps in where the monitor's score is above the threshold.
 
-    Score: y_safe; threshold: lambda_safe of the model, or what was given instead. A trigger's weight is the share of
-    attention that the participant's tokens drew in the encoder's last layer.
+    Score: y_safe, or how due an intervention is by its worth where that is more; threshold: lambda_safe of the model,
+    or what was given instead. A trigger's weight is the share of attention that the participant's tokens drew in the
+    encoder's last layer.
     """
 
     name = "adreft"
@@ -70,6 +71,8 @@ class AdreftRepair:
         values = self.model.values(state, decision.command.action)
         if not np.isfinite(values).all():
             raise FloatingPointError("the decision adapter's values are not finite")
+        alarmed = score > self.threshold
+        score = max(score, self.model.due(values, decision.command.action))
         if self._held == 0:
             self._action = ACTIONS[self._choose(values, decision.command.action)]
         self._held = (self._held + 1) % self.model.configuration.interval
@@ -77,7 +80,8 @@ class AdreftRepair:
         reason = ""
         if score > self.threshold:
             triggers = attended(self.model, tokens, scene)
-            reason = f"criticality {score:.3f} above {self.threshold:.3f}"
+            what = "criticality" if alarmed else "precaution: worth"
+            reason = f"{what} {score:.3f} above {self.threshold:.3f}"
         return self._latch.settle(scene.time, Proposal(score, self.threshold, self._action, triggers, reason))
 
     def _choose(self, values: NDArray[np.float32], asked: float) -> int:

@@ -14,7 +14,7 @@ from roadmend.learning.compiled_encoder import CompiledEncoder, CompiledHead, si
 from roadmend.repair.adreft.configuration import ModelConfiguration, read_configuration
 from roadmend.repair.adreft.registry import make_tokenizer
 from roadmend.repair.adreft.tokenizer import Tokenizer
-from roadmend.repair.adreft.weighing import weigh
+from roadmend.repair.adreft.weighing import gain_of, weigh
 
 Floats = NDArray[np.float32]
 Tensors = Mapping[str, NDArray[Any]]
@@ -98,6 +98,21 @@ class AdreftModel:
     def values(self, state: Floats, action: float) -> Floats:
         """Q of every action of the repair action space, shape (actions,), where the policy asks for ``action``."""
         return self._valued(self._adapter.apply(state), action)
+
+    def due(self, values: Floats, action: float) -> float:
+        """How due an intervention is by what it is worth: 0 not at all, the threshold at ``weighing.gain``, at most 1.
+
+        The monitor is taught the last seconds before a collision; what pays can be due long before. It is the larger of
+        its score and this that is compared with the threshold.
+
+        Args:
+            values: of every action, shape (actions,).
+            action: the policy's throttle - brake.
+        """
+        prices = self.configuration.weighing
+        if prices is None or not prices.gain:
+            return 0.0
+        return min(1.0, self.threshold * max(0.0, gain_of(values, action)) / prices.gain)
 
     def _valued(self, given: Floats, action: float) -> Floats:
         """Values from what the adapter gives."""

@@ -22,6 +22,7 @@ AVERTED = slice(1, 1 + len(ACTIONS))  # logits: of a collision to come, the acti
 CAUSED = slice(1 + len(ACTIONS), OUTPUTS)  # logits: where there would be no collision, the action leads to one
 
 _ACTIONS = np.array(ACTIONS)
+MILDEST = 1  # index of the first action that trials hold: the one before hardly ever intervenes; nothing is known of it
 
 
 class Weighing(BaseModel):
@@ -33,12 +34,19 @@ class Weighing(BaseModel):
     strength: float = Field(0.4, ge=0.0, le=1000.0, description="price of an intervention of strength 1")
     exponent: float = Field(2.0, ge=1.0, le=4.0, description="of its strength; above 1 gentle is cheap")
     any: float = Field(0.1, ge=0.0, le=1000.0, description="price of an intervention, however gentle")
+    gain: float = Field(
+        0.0,
+        ge=0.0,
+        le=1000.0,
+        description="an intervention that is worth more than this is due, whatever the monitor says; 0: never",
+    )
 
 
 def weigh(foreseen: Floats, asked: float, prices: Weighing) -> Floats:
     """Value of every action where the policy asks for ``asked``, shape (actions,).
 
-    Actions that do not brake harder than the policy change nothing: they are worth what the policy alone is worth.
+    Actions that do not brake harder than the policy change nothing: they are worth what the policy alone is worth, and
+    so is the one that no trial has held.
 
     Args:
         foreseen: what the adapter gives, logits of shape (OUTPUTS,).
@@ -50,9 +58,22 @@ def weigh(foreseen: Floats, asked: float, prices: Weighing) -> Floats:
         chances[:] = np.nan
     danger = chances[DANGER]
     strength = np.maximum(asked - _ACTIONS, 0.0)
+    strength[:MILDEST] = 0.0
     with_it = danger * (1.0 - chances[AVERTED]) + (1.0 - danger) * chances[CAUSED]
     cost = prices.strength * strength**prices.exponent + prices.any
     values: NDArray[np.float64] = np.where(
         strength > 0.0, -prices.collision * with_it - cost, -prices.collision * danger
     )
     return values.astype(np.float32)
+
+
+def gain_of(values: Floats, asked: float) -> float:
+    """How much more the best action is worth than leaving the policy alone.
+
+    Args:
+        values: of every action, as ``weigh`` gives them.
+        asked: the policy's throttle - brake.
+    """
+    idle = np.maximum(asked - _ACTIONS, 0.0) == 0.0
+    idle[:MILDEST] = True
+    return float(values.max() - values[idle].max())

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 
 from roadmend.core.outcome import EventKind
 from roadmend.repair.actions import ACTIONS
+from roadmend.repair.adreft.weighing import MILDEST
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.closed_loop import EpisodeCase
 
@@ -29,7 +30,7 @@ class Manner:
     strongest: int
 
 
-ABRUPT = Manner(0.3, 6.0, 0.2, 4.0, 0.8, (1, 1, 2, 3), 1, len(ACTIONS) - 1)
+ABRUPT = Manner(0.3, 6.0, 0.2, 4.0, 0.8, (1, 1, 2, 3), MILDEST, len(ACTIONS) - 1)
 # To be careful for a while, before anything has happened: what is short and mild changes nothing.
 GENTLE = Manner(2.0, 14.0, 2.0, 10.0, 3.0, (1, 1, 2), 2, 7)
 
