@@ -1,6 +1,8 @@
 """Nothing is driven, gathered or tuned twice, and what is decided by something else is done anew."""
 
+import shutil
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -92,6 +94,18 @@ def test_a_tuned_model_is_kept_by_scenarios_settings_and_seed(tmp_path, done):
     assert paths[0] == paths[4]
     assert sum(each.startswith("tune") for each in done) == 4
     assert kept_epochs(paths[0]) == 3
+
+
+def test_a_model_tuned_with_another_repair_of_the_same_name_is_another_one(tmp_path, done):
+    repair = tmp_path / "repair.safetensors"
+    paths = []
+    for policy in ("modular", "neural", "modular"):
+        shutil.copyfile(find_model(policy, "adreft-"), repair)
+        settings = FewShotSettings(repair=str(repair))
+        tune = partial(Workshop.tune, model=MODEL, scenarios=SCENARIOS[:1], settings=settings, seed=0)
+        paths.append(work(tmp_path / "work", partial(tune, validation=SCENARIOS[2:])))
+    assert paths[0] == paths[2] != paths[1]
+    assert sum(each.startswith("tune") for each in done) == 2
 
 
 def test_what_is_remembered_is_made_once(tmp_path):

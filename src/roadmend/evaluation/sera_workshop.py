@@ -13,7 +13,7 @@ from roadmend.evaluation.source_digest import source_digest
 from roadmend.learning.checkpoint import load_checkpoint
 from roadmend.policies.neural import load_model
 from roadmend.repair.adreft.model import KIND
-from roadmend.training.few_shot import drive_once, few_shot_repair
+from roadmend.training.few_shot import drive_once, few_shot_repair, repair_model
 from roadmend.training.few_shot_settings import FewShotSettings
 from roadmend.training.imitation_rollout import Lesson, gather
 from roadmend.training.samples import Samples, load_samples, save_samples
@@ -82,9 +82,11 @@ class Workshop:
     ) -> Path:  # fmt: skip
         """The model that few-shot repair makes; its trials are in its header."""
         code = source_digest([*_CODE, "roadmend.training.few_shot"])
+        repair = repair_model(settings)
         key = _key(
             "tune", code, load_model(model).digest, settings.model_dump(mode="json"), seed,
             [scenario.digest for scenario in scenarios], [scenario.digest for scenario in validation],
+            None if repair is None else load_checkpoint(repair, KIND).digest,
         )  # fmt: skip
         path = self.store.folder / "models" / f"{key[:32]}.safetensors"
         if not path.exists():
