@@ -20,7 +20,7 @@ _TRIGGERS = 3  # participants named at most
 
 
 class AdreftRepair:
-    """Proposes the action of greatest value; steps in where the monitor's score is above the threshold.
+    """Proposes the action of greatest value; steps in where the score is above the threshold.
 
     Score: y_safe, or how due an intervention is by its worth where that is more; threshold: lambda_safe of the model,
     or what was given instead. A trigger's weight is the share of attention that the participant's tokens drew in the
