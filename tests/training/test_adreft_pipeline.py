@@ -175,7 +175,7 @@ def test_without_precaution_only_the_monitor_decides(train, tmp_path, capsys):
     assert alone.configuration.weighing == both.configuration.weighing.model_copy(update={"gain": 0.0})
     assert alone.threshold == both.threshold
     assert train(corpus, QUICK, "none.safetensors", "--ablation", "wo_precaution") == 2
-    assert "has no precaution to leave out" in capsys.readouterr().err
+    assert "changes prices, of which this configuration has none" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("ablation", ["rand_r", "only_rl", "wo_sr", "wo_regulation"])

@@ -97,9 +97,9 @@ def adreft(
     )
     if ablation is not None:
         only, changes = _ABLATIONS[ablation][0] or only, _ABLATIONS[ablation][1]
-        if ablation == "wo_precaution" and configuration.model.weighing is None:
+        if "weighing" in changes.get("model", {}) and configuration.model.weighing is None:
             mend = "leave it out, or give a configuration with model.weighing"
-            raise InputError("--ablation", "this configuration has no precaution to leave out", mend)
+            raise InputError("--ablation", f"'{ablation}' changes prices, of which this configuration has none", mend)
         configuration = _changed(configuration, changes)
         if "reinforcement" in changes and not configuration.reinforcement.episodes:
             mend = "set reinforcement.episodes, or give --config config/training/adreft-paper.yaml"

@@ -50,11 +50,7 @@ class Workshop:
         folder.mkdir(exist_ok=True)
         places = {}
         digests = {path: load_model(path).digest for path in {lesson.model for lesson in lessons} if path is not None}
-        repairs = {
-            path: load_checkpoint(path, KIND).digest
-            for path in {lesson.repair for lesson in lessons}
-            if path is not None
-        }
+        repairs = {path: _repair_digest(path) for path in {lesson.repair for lesson in lessons} if path is not None}
         for lesson in lessons:
             driver = "" if lesson.model is None else digests[lesson.model]
             made_by = [
@@ -86,7 +82,7 @@ class Workshop:
         key = _key(
             "tune", code, load_model(model).digest, settings.model_dump(mode="json"), seed,
             [scenario.digest for scenario in scenarios], [scenario.digest for scenario in validation],
-            None if repair is None else load_checkpoint(repair, KIND).digest,
+            None if repair is None else _repair_digest(repair),
         )  # fmt: skip
         path = self.store.folder / "models" / f"{key[:32]}.safetensors"
         if not path.exists():
@@ -116,6 +112,11 @@ class Workshop:
 def kept_epochs(model: Path) -> int:
     """How many epochs the guard kept of a tuned model."""
     return int(load_checkpoint(model).header["metrics"]["kept"]["epochs"])
+
+
+def _repair_digest(path: Path) -> str:
+    """Of ADReFT's model: its name alone does not tell one training from the next."""
+    return load_checkpoint(path, KIND).digest
 
 
 def _key(*content: Any) -> str:

@@ -57,8 +57,7 @@ def weigh(foreseen: Floats, asked: float, prices: Weighing) -> Floats:
     if not math.isfinite(float(foreseen.sum())):
         chances[:] = np.nan
     danger = chances[DANGER]
-    strength = np.maximum(asked - _ACTIONS, 0.0)
-    strength[:MILDEST] = 0.0
+    strength = _strengths(asked)
     with_it = danger * (1.0 - chances[AVERTED]) + (1.0 - danger) * chances[CAUSED]
     cost = prices.strength * strength**prices.exponent + prices.any
     values: NDArray[np.float64] = np.where(
@@ -74,6 +73,12 @@ def gain_of(values: Floats, asked: float) -> float:
         values: of every action, as ``weigh`` gives them.
         asked: the policy's throttle - brake.
     """
-    idle = np.maximum(asked - _ACTIONS, 0.0) == 0.0
-    idle[:MILDEST] = True
+    idle = _strengths(asked) == 0.0
     return float(values.max() - values[idle].max())
+
+
+def _strengths(asked: float) -> NDArray[np.float64]:
+    """How much harder than ``asked`` every action brakes, shape (actions,); 0 where it stays with the policy."""
+    strength = np.maximum(asked - _ACTIONS, 0.0)
+    strength[:MILDEST] = 0.0
+    return strength

@@ -30,9 +30,8 @@ from roadmend.training.adreft.trial_set import TrialBatch, TrialSet
 from roadmend.training.optimizer_state import load_optimizer, optimizer_tensors
 
 KIND = "adreft-practice-state"
-Loss = Callable[
-    [Tensor, NDArray[np.int64]], Tensor
-]  # of the adapter's outputs for a batch of decisions, by their indices
+# Of the adapter's outputs for a batch of decisions, by their indices.
+Loss = Callable[[Tensor, NDArray[np.int64]], Tensor]
 _JUDGED = 1024  # decisions of a batch that is only judged
 _CLIP = 1.0  # largest norm of the gradient
 
