@@ -81,6 +81,19 @@ def test_what_pays_is_due_before_the_monitor_alarms(tmp_path):
     assert proposed(0.9 * worth, threshold=0.5)[1].score == pytest.approx(0.5 / 0.9)
 
 
+def test_no_precaution_in_front_of_who_closes_in(tmp_path):
+    weighing = Weighing(strength=0.0, any=0.0, gain=1e-6, rear=3.0)
+    path = save_tiny_model(tmp_path / "rear.safetensors", threshold=0.999999, weighing=weighing)
+    far, near = scene_of([Box(1, -60.0, 0.0, speed=12.0)]), scene_of([Box(1, -15.0, 0.0, speed=15.0)])
+    method = made(path)
+    assert method.propose(far, keep_on(far, action=0.9)).reason.startswith("precaution")
+    proposal = method.propose(near, keep_on(near, action=0.9))
+    assert proposal.score < proposal.threshold
+    assert (proposal.triggers, proposal.reason) == ((), "")
+    alarmed = made(path, threshold=0.0)
+    assert alarmed.propose(near, keep_on(near, action=0.9)).reason.startswith("criticality")
+
+
 def test_the_policys_action_matters_to_the_monitor(model):
     scene = crowd(3, 4)
     scores = {made(model).propose(scene, keep_on(scene, action=action)).score for action in (-1.0, 0.0, 1.0)}

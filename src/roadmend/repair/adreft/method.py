@@ -72,7 +72,7 @@ class AdreftRepair:
         if not np.isfinite(values).all():
             raise FloatingPointError("the decision adapter's values are not finite")
         alarmed = score > self.threshold
-        score = max(score, self.model.due(values, decision.command.action))
+        score = max(score, self.model.due(values, decision.command.action, scene))
         if self._held == 0:
             self._action = ACTIONS[self._choose(values, decision.command.action)]
         self._held = (self._held + 1) % self.model.configuration.interval

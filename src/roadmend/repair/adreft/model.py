@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.errors import InputError
+from roadmend.core.scene import Scene
 from roadmend.learning.checkpoint import Checkpoint, load_checkpoint
 from roadmend.learning.compiled_encoder import CompiledEncoder, CompiledHead, sigmoid
 from roadmend.repair.adreft.configuration import ModelConfiguration, read_configuration
+from roadmend.repair.adreft.rear import time_to_rear
 from roadmend.repair.adreft.registry import make_tokenizer
 from roadmend.repair.adreft.tokenizer import Tokenizer
 from roadmend.repair.adreft.weighing import gain_of, weigh
@@ -99,18 +101,20 @@ class AdreftModel:
         """Q of every action of the repair action space, shape (actions,), where the policy asks for ``action``."""
         return self._valued(self._adapter.apply(state), action)
 
-    def due(self, values: Floats, action: float) -> float:
+    def due(self, values: Floats, action: float, scene: Scene) -> float:
         """How due an intervention is by what it is worth: 0 not at all, the threshold at ``weighing.gain``, at most 1.
 
         The monitor is taught the last seconds before a collision; what pays can be due long before. It is the larger of
-        its score and this that is compared with the threshold.
+        its score and this that is compared with the threshold. Somebody who closes in from behind has no such time:
+        what a trial taught of braking, it mostly taught where nobody did.
 
         Args:
             values: of every action, shape (actions,).
             action: the policy's throttle - brake.
+            scene: what there is around the ego.
         """
         prices = self.configuration.weighing
-        if prices is None or not prices.gain:
+        if prices is None or not prices.gain or (prices.rear and time_to_rear(scene) < prices.rear):
             return 0.0
         return min(1.0, self.threshold * max(0.0, gain_of(values, action)) / prices.gain)
 

@@ -40,6 +40,12 @@ class Weighing(BaseModel):
         le=1000.0,
         description="an intervention that is worth more than this is due, whatever the monitor says; 0: never",
     )
+    rear: float = Field(
+        0.0,
+        ge=0.0,
+        le=60.0,
+        description="but not while somebody would be at the ego's rear within this time [s]; 0: whoever is there",
+    )
 
 
 def weigh(foreseen: Floats, asked: float, prices: Weighing) -> Floats:
