@@ -13,7 +13,7 @@ from roadmend.sera.pattern import FailurePattern
 from roadmend.sera.reflection import EmbeddedReflector, Measures, Pick, Reflector, Swap, candidates_of, measure
 from roadmend.sera.words import described
 
-_POOL = 10  # candidates for each place of a selection
+_POOL = 50  # candidates for each place of a selection; hard scenarios are rare in a bank, and reflection must see some
 
 
 @dataclass(frozen=True, slots=True)

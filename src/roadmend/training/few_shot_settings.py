@@ -19,14 +19,14 @@ class FewShotSettings(Section):
     every: int = Field(2, ge=1, le=100, description="ticks between two samples")
     noise: float = Field(0.5, ge=0.0, le=2.0, description="standard deviation of the expert's disturbances")
     expert_drives: int = Field(1, ge=0, le=100, description="episodes a scenario that the expert drives")
-    policy_drives: int = Field(1, ge=0, le=100, description="episodes a scenario that the policy drives, advised")
+    policy_drives: int = Field(3, ge=0, le=100, description="episodes a scenario that the policy drives, advised")
     repair: str = Field(
-        "", description="ADReFT's model, by name or path, that repairs what the expert demonstrates; empty: none does"
+        "modular", description="ADReFT's model, by name or path, that repairs what the expert demonstrates; empty: none does"
     )
     expert_share: float = Field(0.2, ge=0.0, le=1.0, description="share of the time of those that the expert drives")
     replay: int = Field(60, ge=0, le=900, description="ordinary episodes of each family that old skill is kept with")
     replay_seed: int = Field(330_000, ge=50_000, le=900_000, description="of the first of these")
-    replay_share: float = Field(0.75, ge=0.0, lt=1.0, description="share of the scenes of an epoch that are theirs")
+    replay_share: float = Field(0.5, ge=0.0, lt=1.0, description="share of the scenes of an epoch that are theirs")
     validation: int = Field(10, ge=1, le=900, description="ordinary episodes of each family that forgetting shows in")
     validation_seed: int = Field(340_000, ge=50_000, le=900_000, description="of the first of these")
     keep: Literal["best", "last"] = Field("best", description="epoch: the guard's choice, or the last without a guard")
