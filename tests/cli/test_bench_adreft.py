@@ -59,7 +59,9 @@ def test_figures_files_resuming_and_verifying(bench, tmp_path, monkeypatch):
     assert [*content["summary"]["modular"]] == ["none", "rule"]
     assert content["corpora"]["modular"]["not_reproduced"] == []
     assert [absence["method"] for absence in content["not_run"]] == ["wo_sr"]
-    assert content["provenance"]["command"].startswith("./roadmend bench adreft --policy modular --methods none,rule")
+    command = content["provenance"]["command"]
+    assert command.startswith("./roadmend bench adreft --policy modular --methods none,rule")
+    assert command.endswith(" --no-cost")
     assert {path.name for path in out.iterdir()} == {
         f"adreft-part{end}" for end in (".json", "-cases.json", ".md", "-tables.md", ".html")
     }

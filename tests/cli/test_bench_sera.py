@@ -81,6 +81,18 @@ def test_a_quick_run_takes_less_and_writes_under_another_name(command, tmp_path,
     assert "full, half the bank" in capsys.readouterr().out
 
 
+def test_half_the_bank_and_the_sweep_can_be_left_out(command, tmp_path, capsys):
+    base, _ = command
+    plan = tmp_path / "plan.yaml"
+    plan.write_text((Path(__file__).parents[2] / "config" / "benchmarks" / "sera.yaml").read_text())
+    assert main([*base, "--policies", "neural", "--plan", str(plan), "--no-in-depth", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["sweep"] == {}
+    assert "half_bank" not in told["summary"]["neural"]
+    expected = f"./roadmend bench sera --policies neural --plan {plan} --no-in-depth"
+    assert told["provenance"]["command"] == expected
+
+
 def test_a_plan_may_put_settings_in_the_place_of_the_shipped_ones():
     config = Path(__file__).parents[2] / "config"
     plan = read_sera_plan(config / "benchmarks" / "sera.yaml")

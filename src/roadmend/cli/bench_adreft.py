@@ -248,6 +248,7 @@ def _command(choice: Choice, corpora: Path | None, *, verify: bool) -> str:
     parts += ["--quick"] * choice.is_quick
     parts += [f"--fresh-seed {choice.fresh_seed}"] * (choice.fresh_seed is not None)
     parts += [f"--corpora {corpora}"] * (corpora is not None)
+    parts += ["--no-cost"] * ("cost" in given and not context.params["cost"])
     return " ".join(parts + ["--verify"] * verify)
 
 

@@ -47,6 +47,12 @@ _INCIDENTS: TypeAdapter[list[Incident]] = TypeAdapter(list[Incident])
 @click.option(
     "--plan", "file", type=click.Path(path_type=Path, dir_okay=False), help="Instead of config/benchmarks/sera.yaml."
 )
+@click.option(
+    "--in-depth/--no-in-depth",
+    default=True,
+    show_default=True,
+    help="Half the bank and the sweep, too, as the plan says.",
+)
 @COMMITTED
 @CACHED_WORK
 @click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Folder for sera.json, .md and .html.")
@@ -54,7 +60,7 @@ _INCIDENTS: TypeAdapter[list[Incident]] = TypeAdapter(list[Incident])
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def sera(
     policies: str | None, seeds: int | None, file: Path | None, committed: Path, work: Path | None, out: Path | None,
-    workers: int, *, quick: bool, as_json: bool,
+    workers: int, *, quick: bool, in_depth: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Tune policies on random, recommended and reflected selections, and measure what that gains and what it loses.
 
@@ -62,7 +68,9 @@ def sera(
     """
     config = config_folder()
     plan = read_sera_plan(file or config / "benchmarks" / "sera.yaml", quick=quick)
-    plan = plan.model_copy(update={} if seeds is None else {"seeds": seeds})
+    plan = plan.model_copy(
+        update=({} if seeds is None else {"seeds": seeds}) | ({} if in_depth else {"in_depth": []})
+    )  # fmt: skip
     chosen = plan.policies if policies is None else [part.strip() for part in policies.split(",")]
     models = {policy: find_model(policy) for policy in chosen}
     choose_torch_device("cpu", 1)
@@ -82,7 +90,8 @@ def sera(
         results, sizes = _run(plan, config, models, Workshop(store, mapper, report))
     path = committed / "retrieval.json"
     command = "./roadmend bench sera" + " --quick" * quick + (f" --policies {policies}" if policies else "")
-    command += f" --seeds {seeds}" if seeds is not None else ""
+    command += (f" --seeds {seeds}" if seeds is not None else "") + (f" --plan {file}" if file is not None else "")
+    command += "" if in_depth else " --no-in-depth"
     content = build_content(results, read_json(path) if path.is_file() else None, provenance(command), sizes)
     if out is not None:
         write_sera(out, "sera-quick" if quick else "sera", content)
