@@ -17,7 +17,7 @@ BAD = replace(GOOD, outcome="COLLISION", driving_score=30.0, success=False)
 def guard():
     scenarios = [sample_scenario("S1", seed) for seed in range(4)]
     guard = Guard(scenarios[:3], scenarios[3:], tolerance=1.0)
-    assert guard.first([BAD], [GOOD, GOOD, BAD]) == Trial(0, 30.0, 100.0)
+    assert guard.first([BAD], [GOOD, GOOD, BAD]) == Trial(0, 30.0, pytest.approx(230.0 / 3.0))
     return guard
 
 
@@ -36,12 +36,13 @@ def test_candidates_that_are_better_on_the_hard_ones_are_ranked(guard):
     [
         ([GOOD, GOOD, BAD], True),
         ([GOOD, GOOD, GOOD], True),
-        ([GOOD, BAD, GOOD], False),  # what failed before makes up for nothing
-        ([GOOD, replace(GOOD, driving_score=97.0), BAD], False),  # 1.5 lost on what went well
-        ([GOOD, replace(GOOD, driving_score=98.5), BAD], True),  # 0.75 lost
+        ([GOOD, BAD, GOOD], True),  # it fails in another one
+        ([GOOD, BAD, BAD], False),
+        ([GOOD, replace(GOOD, driving_score=96.0), BAD], False),  # 1.3 lost
+        ([GOOD, replace(GOOD, driving_score=98.5), BAD], True),  # 0.5 lost
     ],
 )
-def test_a_trial_may_lose_nothing_of_what_went_well(guard, ordinary, is_allowed):
+def test_a_trial_may_lose_nothing_on_ordinary_scenarios(guard, ordinary, is_allowed):
     assert guard.allows(guard.judged(scored(90.0), ordinary).trial) is is_allowed
 
 

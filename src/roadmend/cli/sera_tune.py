@@ -84,7 +84,7 @@ def tune(
 
 
 def _show(repaired: Repair, count: int) -> None:
-    rows = [["epochs", "of their change", "Driving Score", "of ordinary ones that went well", "kept"]]
+    rows = [["epochs", "of their change", "Driving Score", "of ordinary scenarios", "kept"]]
     for trial in repaired.trials:
         mark = "kept" if trial == repaired.kept else ""
         scores = ("-" if each is None else f"{each:.1f}" for each in (trial.driving_score, trial.ordinary))

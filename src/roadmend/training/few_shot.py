@@ -4,7 +4,7 @@ In every scenario the privileged expert drives, and the policy drives while the 
 Ross et al. 2011). The expert fails in most of what searches find, so ADReFT may repair its advice. What comes of it is
 mixed with scenes of ordinary episodes, and after every epoch the policy drives a hard part of a validation set. The
 epochs that are better there than the policy was drive ordinary scenarios, the best first, and the first that loses
-nothing of what went well before is kept. Where none does, weights part of the way between the old and the new ones are
+nothing on these is kept. Where none does, weights part of the way between the old and the new ones are
 tried; where these do not either, the policy stays as it was.
 """
 

@@ -31,9 +31,7 @@ class FewShotSettings(Section):
     validation: int = Field(10, ge=1, le=900, description="ordinary episodes of each family that forgetting shows in")
     validation_seed: int = Field(340_000, ge=50_000, le=900_000, description="of the first of these")
     keep: Literal["best", "last"] = Field("best", description="epoch: the guard's choice, or the last without a guard")
-    tolerance: float = Field(
-        2.0, ge=0.0, le=100.0, description="Driving Score that may be lost on those that went well"
-    )
+    tolerance: float = Field(2.0, ge=0.0, le=100.0, description="Driving Score that may be lost on these")
 
     mixtures: tuple[Annotated[float, Field(gt=0.0, lt=1.0)], ...] = Field(
         (0.5, 0.25), description="shares of the way to the new weights that are tried where no epoch is kept"

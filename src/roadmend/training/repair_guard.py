@@ -1,7 +1,7 @@
 """The guard against forgetting: what is asked of a fine-tuned policy before it takes the old one's place."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from statistics import fmean
 from typing import Any
 
@@ -19,7 +19,7 @@ class Trial:
 
     epochs: int  # 0: as it was
     driving_score: float | None  # on the hard scenarios
-    ordinary: float | None  # on the ordinary scenarios that went well before
+    ordinary: float | None  # on the ordinary scenarios
     action_loss: float | None = None  # of the last epoch's training
     share: float = 1.0  # of the way from the old weights to those of that epoch
 
@@ -34,19 +34,21 @@ class Candidate:
 
 @dataclass
 class Guard:
-    """Which candidates are worth a look, and which may take the old policy's place."""
+    """Which candidates are worth a look, and which may take the old policy's place.
+
+    All ordinary scenarios count, those that failed before too: where only those count that went well, luck that the old
+    policy had is asked of the new one, and even weights that hardly differ lose by that.
+    """
 
     ordinary: Sequence[Scenario]
     hard: Sequence[Scenario]
-    tolerance: float  # Driving Score that may be lost on the ordinary scenarios that went well before
+    tolerance: float  # Driving Score that may be lost on the ordinary scenarios
     _hard_before: float = 0.0
     _ordinary_before: float = 0.0
-    _fine: list[int] = field(default_factory=list)  # ordinary scenarios that went well before
 
     def first(self, hard: Sequence[DrivingMeasures], ordinary: Sequence[DrivingMeasures]) -> Trial:
         """What the policy comes to as it is."""
-        self._fine = [place for place, measures in enumerate(ordinary) if measures.success]
-        self._hard_before, self._ordinary_before = _mean(hard), self._mean_of_fine(ordinary)
+        self._hard_before, self._ordinary_before = _mean(hard), _mean(ordinary)
         return Trial(0, self._hard_before, self._ordinary_before)
 
     def trial(self, epochs: int, hard: Sequence[DrivingMeasures], loss: float | None, share: float = 1.0) -> Trial:
@@ -55,7 +57,7 @@ class Guard:
 
     def judged(self, candidate: Candidate, ordinary: Sequence[DrivingMeasures]) -> Candidate:
         """A candidate that has driven the ordinary scenarios, too."""
-        return replace(candidate, trial=replace(candidate.trial, ordinary=self._mean_of_fine(ordinary)))
+        return replace(candidate, trial=replace(candidate.trial, ordinary=_mean(ordinary)))
 
     def ranked(self, candidates: Sequence[Candidate]) -> list[Candidate]:
         """Those that are better on the hard scenarios than the policy was, the best first, of equals the earlier."""
@@ -65,9 +67,6 @@ class Guard:
     def allows(self, trial: Trial) -> bool:
         """Whether a trial has lost nothing of what the policy could do; one that has not been judged has."""
         return trial.ordinary is not None and trial.ordinary >= self._ordinary_before - self.tolerance
-
-    def _mean_of_fine(self, ordinary: Sequence[DrivingMeasures]) -> float:
-        return _mean([ordinary[place] for place in self._fine]) if self._fine else 0.0
 
 
 def _mean(measures: Sequence[DrivingMeasures]) -> float:
