@@ -74,15 +74,15 @@ def test_a_drive_is_kept_by_model_and_scenario(tmp_path, done):
 
 
 def test_a_lesson_is_kept_by_all_that_decides_it(tmp_path, done):
-    settings = FewShotSettings()
+    settings = FewShotSettings(policy_drives=1)
     lessons = [lesson for scenario in SCENARIOS[:2] for lesson in lessons_of(scenario, MODEL, settings)]
     first = work(tmp_path, lambda shop: list(shop.gather(lessons)))
     assert len(done) == 4
     again = work(tmp_path, lambda shop: list(shop.gather(lessons[::-1])))
     assert len(done) == 4
     assert all((a.tokens == b.tokens).all() for a, b in zip(first, again[::-1], strict=True))
-    work(tmp_path, lambda shop: list(shop.gather([replace(lessons[0], every=3)])))
-    assert len(done) == 5
+    work(tmp_path, lambda shop: list(shop.gather([replace(lessons[0], every=3), replace(lessons[0], repair=None)])))
+    assert len(done) == 6
 
 
 def test_a_tuned_model_is_kept_by_scenarios_settings_and_seed(tmp_path, done):
