@@ -84,9 +84,12 @@ def test_what_pays_is_due_before_the_monitor_alarms(tmp_path):
 def test_no_precaution_in_front_of_who_closes_in(tmp_path):
     weighing = Weighing(strength=0.0, any=0.0, gain=1e-6, rear=3.0)
     path = save_tiny_model(tmp_path / "rear.safetensors", threshold=0.999999, weighing=weighing)
+    careless = weighing.model_copy(update={"rear": 0.0})
+    other = made(save_tiny_model(tmp_path / "careless.safetensors", threshold=0.999999, weighing=careless))
     far, near = scene_of([Box(1, -60.0, 0.0, speed=12.0)]), scene_of([Box(1, -15.0, 0.0, speed=15.0)])
     method = made(path)
     assert method.propose(far, keep_on(far, action=0.9)).reason.startswith("precaution")
+    assert other.propose(near, keep_on(near, action=0.9)).reason.startswith("precaution")
     proposal = method.propose(near, keep_on(near, action=0.9))
     assert proposal.score < proposal.threshold
     assert (proposal.triggers, proposal.reason) == ((), "")

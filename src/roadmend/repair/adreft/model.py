@@ -114,9 +114,12 @@ class AdreftModel:
             scene: what there is around the ego.
         """
         prices = self.configuration.weighing
-        if prices is None or not prices.gain or (prices.rear and time_to_rear(scene) < prices.rear):
+        if prices is None or not prices.gain:
             return 0.0
-        return min(1.0, self.threshold * max(0.0, gain_of(values, action)) / prices.gain)
+        worth = max(0.0, gain_of(values, action))
+        if worth > prices.gain and prices.rear and time_to_rear(scene) < prices.rear:
+            return 0.0
+        return min(1.0, self.threshold * worth / prices.gain)
 
     def _valued(self, given: Floats, action: float) -> Floats:
         """Values from what the adapter gives."""
