@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -40,20 +41,21 @@ def result(gain, *, in_depth=True):
 
 @pytest.fixture
 def command(tmp_path, monkeypatch):
-    plans = []
+    plans, evaluated = [], []
 
-    def run(plan, _config, models, _workshop):
+    def run(plan, _config, models, corpora, _workshop):
         plans.append(plan)
+        evaluated.append(corpora)
         return {policy: result(2.0, in_depth=policy in plan.in_depth) for policy in models}, SIZES
 
     monkeypatch.setattr(bench_sera, "_run", run)
     (tmp_path / "retrieval.json").write_text(json.dumps({"n": 5, "p95_ms": 1.0, "recall_at_10": 0.99}))
     base = ["bench", "sera", "--workers", "1", "--work", str(tmp_path / "work"), "--committed", str(tmp_path)]
-    return base, plans
+    return base, plans, evaluated
 
 
 def test_files_and_figures(command, tmp_path, capsys):
-    base, plans = command
+    base, plans, _ = command
     assert main([*base, "--policies", "neural,ego_mlp", "--seeds", "2", "--out", str(tmp_path / "out"), "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert plans[0].seeds == 2
@@ -74,7 +76,7 @@ def test_files_and_figures(command, tmp_path, capsys):
 
 
 def test_a_quick_run_takes_less_and_writes_under_another_name(command, tmp_path, capsys):
-    base, plans = command
+    base, plans, _ = command
     assert main([*base, "--quick", "--out", str(tmp_path / "out")]) == 0
     assert plans[0].bank.violations < 20
     assert (tmp_path / "out" / "sera-quick.json").is_file()
@@ -82,7 +84,7 @@ def test_a_quick_run_takes_less_and_writes_under_another_name(command, tmp_path,
 
 
 def test_half_the_bank_and_the_sweep_can_be_left_out(command, tmp_path, capsys):
-    base, _ = command
+    base, *_ = command
     plan = tmp_path / "plan.yaml"
     plan.write_text((Path(__file__).parents[2] / "config" / "benchmarks" / "sera.yaml").read_text())
     assert main([*base, "--policies", "neural", "--plan", str(plan), "--no-in-depth", "--json"]) == 0
@@ -91,6 +93,29 @@ def test_half_the_bank_and_the_sweep_can_be_left_out(command, tmp_path, capsys):
     assert "half_bank" not in told["summary"]["neural"]
     expected = f"./roadmend bench sera --policies neural --plan {plan} --no-in-depth"
     assert told["provenance"]["command"] == expected
+
+
+def test_fresh_cases_take_the_place_of_the_corpus(command, tmp_path, monkeypatch, capsys):
+    base, plans, evaluated = command
+    asked = []
+
+    def gathered(policy, seed, cases, folder, workers, _report):
+        asked.append((policy, seed, cases, folder, workers))
+        return SimpleNamespace(corpus="fresh", shortages=["S1: one is missing"])
+
+    monkeypatch.setattr(bench_sera, "gather_fresh", gathered)
+    arguments = ["--policies", "neural", "--fresh-seed", "7", "--cases", "3", "--no-in-depth", "--json"]
+    assert main([*base, *arguments, "--out", str(tmp_path / "out")]) == 0
+    said = capsys.readouterr()
+    assert asked == [("modular", 7, 3, tmp_path / "work" / "fresh", 1)]
+    assert "S1: one is missing" in said.err
+    assert evaluated == [["fresh"]]
+    assert (plans[0].evaluation.split, plans[0].evaluation.violations) == ("test", 3)
+    told = json.loads((tmp_path / "out" / "sera-fresh-7.json").read_text())
+    assert told["provenance"]["command"] == (
+        "./roadmend bench sera --policies neural --fresh-seed 7 --cases 3 --no-in-depth"
+    )
+    assert "violations from searches with seed 7" in (tmp_path / "out" / "sera-fresh-7.md").read_text()
 
 
 def test_a_plan_may_put_settings_in_the_place_of_the_shipped_ones():
@@ -105,7 +130,13 @@ def test_a_plan_may_put_settings_in_the_place_of_the_shipped_ones():
 
 
 @pytest.mark.parametrize(
-    ("more", "message"), [(["--policies", "nobody"], "ships no nobody"), (["--plan", "gone.yaml"], "cannot be read")]
+    ("more", "message"),
+    [
+        (["--policies", "nobody"], "ships no nobody"),
+        (["--plan", "gone.yaml"], "cannot be read"),
+        (["--fresh-seed", "7"], "--fresh-seed and --cases go together"),
+        (["--cases", "7"], "--fresh-seed and --cases go together"),
+    ],
 )
 def test_mistakes_are_one_line(command, more, message, capsys):
     assert main([*command[0], *more]) == 2

@@ -17,6 +17,7 @@ from roadmend.evaluation.sera_plan import (
     evaluation_set,
     halves,
     known_scenarios,
+    load_corpora,
     read_sera_plan,
 )
 from roadmend.evaluation.sera_summary import build_content, main_rows, tables
@@ -69,7 +70,7 @@ def plan():
 
 @pytest.fixture(scope="module")
 def evaluated(plan):
-    return evaluation_set(plan.evaluation, CONFIG)
+    return evaluation_set(plan.evaluation, load_corpora(plan.evaluation, CONFIG))
 
 
 @pytest.fixture(scope="module")

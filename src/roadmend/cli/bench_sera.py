@@ -20,11 +20,21 @@ from roadmend.evaluation.benchmark_report import provenance
 from roadmend.evaluation.result_store import ResultStore
 from roadmend.evaluation.sera_experiment import Experiment
 from roadmend.evaluation.sera_page import write_sera
-from roadmend.evaluation.sera_plan import SeraPlan, bank_entries, evaluation_set, known_scenarios, read_sera_plan
+from roadmend.evaluation.sera_plan import (
+    SeraPlan,
+    bank_entries,
+    evaluation_set,
+    known_scenarios,
+    load_corpora,
+    read_sera_plan,
+)
 from roadmend.evaluation.sera_summary import build_content, main_rows, tables
 from roadmend.evaluation.sera_workshop import Workshop
 from roadmend.learning.shipped import find_model
 from roadmend.nodes.evaluation_episode import EvaluatedEpisode, EvaluationJob, evaluate, identity_of
+from roadmend.search.corpus_plan import LAST_FRESH
+from roadmend.search.gather import Progress as Stage
+from roadmend.search.gather import gather_fresh
 from roadmend.sera.analyser import EmbeddedAnalyser
 from roadmend.sera.analysis import read_incidents
 from roadmend.sera.bank import Bank, build_bank
@@ -33,6 +43,7 @@ from roadmend.sera.pattern import FailurePattern
 from roadmend.training.device import choose_torch_device
 from roadmend.training.few_shot_settings import FewShotSettings, read_few_shot_settings
 from roadmend.training.workers import open_mapper
+from roadmend.world.corpus import Corpus
 from roadmend.world.network import cache_folder
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import describe
@@ -53,19 +64,27 @@ _INCIDENTS: TypeAdapter[list[Incident]] = TypeAdapter(list[Incident])
     show_default=True,
     help="Half the bank and the sweep, too, as the plan says.",
 )
+@click.option(
+    "--fresh-seed",
+    type=click.IntRange(0, LAST_FRESH),
+    help="Evaluate on violations that nobody has seen, from searches with this seed (with --cases).",
+)
+@click.option("--cases", type=click.IntRange(1, 1000), help="With --fresh-seed: violations of each family.")
 @COMMITTED
 @CACHED_WORK
 @click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Folder for sera.json, .md and .html.")
 @WORKERS
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def sera(
-    policies: str | None, seeds: int | None, file: Path | None, committed: Path, work: Path | None, out: Path | None,
-    workers: int, *, quick: bool, in_depth: bool, as_json: bool,
+    policies: str | None, seeds: int | None, file: Path | None, fresh_seed: int | None, cases: int | None,
+    committed: Path, work: Path | None, out: Path | None, workers: int, *, quick: bool, in_depth: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Tune policies on random, recommended and reflected selections, and measure what that gains and what it loses.
 
     Everything that was driven or tuned is kept, by all that decides it, and not done again.
     """
+    if (fresh_seed is None) != (cases is None):
+        raise click.UsageError("--fresh-seed and --cases go together")
     config = config_folder()
     plan = read_sera_plan(file or config / "benchmarks" / "sera.yaml", quick=quick)
     plan = plan.model_copy(
@@ -73,6 +92,7 @@ def sera(
     )  # fmt: skip
     chosen = plan.policies if policies is None else [part.strip() for part in policies.split(",")]
     models = {policy: find_model(policy) for policy in chosen}
+    corpora = load_corpora(plan.evaluation, config)
     choose_torch_device("cpu", 1)
     folder = work or cache_folder() / "benchmarks" / "sera"
     columns = SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn()
@@ -87,14 +107,20 @@ def sera(
             counts[what] = counts.get(what, 0) + 1
             progress.update(task, description=", ".join(f"{count} {name}" for name, count in counts.items()))
 
-        results, sizes = _run(plan, config, models, Workshop(store, mapper, report))
+        if fresh_seed is not None and cases is not None:
+            plan = _of_fresh_cases(plan, cases)
+            corpora = [_fresh(corpus.policy, fresh_seed, cases, folder, workers, progress) for corpus in corpora]
+        results, sizes = _run(plan, config, models, corpora, Workshop(store, mapper, report))
     path = committed / "retrieval.json"
     command = "./roadmend bench sera" + " --quick" * quick + (f" --policies {policies}" if policies else "")
     command += (f" --seeds {seeds}" if seeds is not None else "") + (f" --plan {file}" if file is not None else "")
+    command += f" --fresh-seed {fresh_seed} --cases {cases}" * (fresh_seed is not None)
     command += "" if in_depth else " --no-in-depth"
+    sizes["fresh_seed"] = fresh_seed
     content = build_content(results, read_json(path) if path.is_file() else None, provenance(command), sizes)
     if out is not None:
-        write_sera(out, "sera-quick" if quick else "sera", content)
+        stem = "sera-quick" if quick else "sera"
+        write_sera(out, stem if fresh_seed is None else f"{stem}-fresh-{fresh_seed}", content)
     if as_json:
         click.echo(json.dumps(content, indent=2))
         return
@@ -102,11 +128,30 @@ def sera(
         show_rows(rows)
 
 
+def _of_fresh_cases(plan: SeraPlan, cases: int) -> SeraPlan:
+    """The plan with all violations of a set that was gathered for it."""
+    evaluation = plan.evaluation.model_copy(update={"split": "test", "violations": cases})
+    return plan.model_copy(update={"evaluation": evaluation})
+
+
+def _fresh(policy: str, seed: int, cases: int, folder: Path, workers: int, progress: Progress) -> Corpus:
+    """Cases of a policy from searches that nothing else uses; searches that are there already are read."""
+    task = progress.add_task(f"{policy}: fresh cases")
+
+    def report(stage: Stage) -> None:
+        progress.update(task, description=f"{policy}: {stage.accepted} of {stage.wanted} fresh cases, {stage.stage}")
+
+    gathered = gather_fresh(policy, seed, cases, folder / "fresh", workers, report)
+    for shortage in gathered.shortages:
+        progress.console.print(f"{policy}: {shortage}")
+    return gathered.corpus
+
+
 def _run(
-    plan: SeraPlan, config: Path, models: Mapping[str, Path], workshop: Workshop
+    plan: SeraPlan, config: Path, models: Mapping[str, Path], corpora: Sequence[Corpus], workshop: Workshop
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What each policy's experiment came to, and the sizes of all."""
-    evaluated = evaluation_set(plan.evaluation, config)
+    """What each policy's experiment came to, and the sizes of all; ``corpora`` are of the evaluation set."""
+    evaluated = evaluation_set(plan.evaluation, corpora)
     path = workshop.store.folder / "scenarios.bank"
     build_bank(path, bank_entries(plan.bank, config, known_scenarios(evaluated)))
     settings = _few_shot(plan, config)

@@ -46,9 +46,11 @@ def write_sera(folder: Path, stem: str, content: Content) -> None:
 def lead(content: Content) -> str:
     """What was measured, in words."""
     sizes = content["settings"]
+    seed = sizes.get("fresh_seed")
+    source = f"of a corpus's {sizes['split']} split" if seed is None else f"from searches with seed {seed}"
     return (
         f"Each of {sizes['seeds']} seeds halves an evaluation set of {sizes['evaluation']} scenarios ({sizes['hard']} "
-        f"of them violations of a corpus's {sizes['split']} split, the others ordinary). What fails in one half is "
+        f"of them violations {source}, the others ordinary). What fails in one half is "
         f"analysed, and scenarios are taken from a bank of {sizes['bank']} that holds none of the set: at random, by "
         "the first recommendation, by the one after reflection. The policy learns from them and is measured on the "
         "other half, beside itself as it was. Means over the seeds with 95 % intervals by Student's t."

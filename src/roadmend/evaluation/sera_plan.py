@@ -13,7 +13,7 @@ from roadmend.core.errors import InputError
 from roadmend.sera.describe import entry_of, entry_of_case
 from roadmend.sera.descriptor import Entry
 from roadmend.sera.evaluation_set import Known, content_digest
-from roadmend.world.corpus import load_corpus
+from roadmend.world.corpus import Corpus, load_corpus
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import describe
@@ -84,16 +84,20 @@ def read_sera_plan(path: Path, *, quick: bool = False) -> SeraPlan:
         raise InputError(str(path), "holds no plan", "mend the file") from None
 
 
-def evaluation_set(plan: SetPlan, config: Path) -> list[Evaluated]:
-    """The scenarios of the evaluation set.
+def load_corpora(plan: SetPlan, config: Path) -> list[Corpus]:
+    """The corpora that a set takes cases from.
 
     Raises:
-        InputError: a corpus is missing or damaged.
+        InputError: one is missing or damaged.
     """
+    return [load_corpus(config / name) for name in plan.corpora]
+
+
+def evaluation_set(plan: SetPlan, corpora: Sequence[Corpus]) -> list[Evaluated]:
+    """The scenarios of the evaluation set: cases of the corpora, and random ones."""
     found = [
         Evaluated(case.scenario(), case.is_violation)
-        for name in plan.corpora
-        for corpus in [load_corpus(config / name)]
+        for corpus in corpora
         for family in FAMILIES
         for is_hard, count in ((True, plan.violations), (False, plan.successes))
         for case in corpus.select(family, plan.split, violation=is_hard)[:count]
@@ -107,8 +111,7 @@ def bank_entries(plan: SetPlan, config: Path, known: Known) -> Iterator[Entry]:
     Raises:
         InputError: a corpus is missing or damaged.
     """
-    for name in plan.corpora:
-        corpus = load_corpus(config / name)
+    for corpus in load_corpora(plan, config):
         for family in FAMILIES:
             for is_hard, count in ((True, plan.violations), (False, plan.successes)):
                 for case in corpus.select(family, plan.split, violation=is_hard)[:count]:
