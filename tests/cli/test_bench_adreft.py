@@ -50,7 +50,22 @@ def bench(corpora, tmp_path, capfd):
     return run
 
 
-def test_figures_files_resuming_and_verifying(bench, tmp_path, monkeypatch):
+@pytest.fixture
+def without_a_model(monkeypatch):
+    """The plan, with a model that nobody has trained for one of its methods."""
+
+    def plan(path):
+        whole = read_plan(path)
+        missing = whole.methods["wo_sr"].model_copy(update={"model": "models/none-{policy}.safetensors"})
+        return whole.model_copy(update={"methods": {**whole.methods, "wo_sr": missing}})
+
+    with monkeypatch.context() as patch:
+        patch.setattr(bench_adreft, "read_plan", plan)
+        yield
+
+
+@pytest.mark.usefixtures("without_a_model")
+def test_figures_files_resuming_and_verifying(bench, tmp_path):
     out = tmp_path / "out"
     arguments = ("--methods", "none,rule,wo_sr", "--out", out)
     code, first, complaints = bench(*arguments, "--json")
@@ -67,9 +82,9 @@ def test_figures_files_resuming_and_verifying(bench, tmp_path, monkeypatch):
     }
 
     # A second call drives nothing, and says the same.
-    monkeypatch.setattr(case_jobs, "run_job", lambda _job: pytest.fail("was driven again"))
-    assert json.loads(bench(*arguments, "--json")[1])["summary"] == content["summary"]
-    monkeypatch.undo()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(case_jobs, "run_job", lambda _job: pytest.fail("was driven again"))
+        assert json.loads(bench(*arguments, "--json")[1])["summary"] == content["summary"]
 
     # Driven anew it is the same to the bit; a table that says otherwise is found out.
     for name in ("adreft.json", "adreft-cases.json"):
