@@ -2,7 +2,6 @@
 
 import json
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
@@ -95,20 +94,18 @@ def test_half_the_bank_and_the_sweep_can_be_left_out(command, tmp_path, capsys):
     assert told["provenance"]["command"] == expected
 
 
-def test_fresh_cases_take_the_place_of_the_corpus(command, tmp_path, monkeypatch, capsys):
+def test_fresh_cases_take_the_place_of_the_corpus(command, tmp_path, monkeypatch):
     base, plans, evaluated = command
     asked = []
 
-    def gathered(policy, seed, cases, folder, workers, _report):
-        asked.append((policy, seed, cases, folder, workers))
-        return SimpleNamespace(corpus="fresh", shortages=["S1: one is missing"])
+    def gathered(policy, seed, cases, work, workers, _progress):
+        asked.append((policy, seed, cases, work, workers))
+        return "fresh"
 
-    monkeypatch.setattr(bench_sera, "gather_fresh", gathered)
+    monkeypatch.setattr(bench_sera, "fresh_cases", gathered)
     arguments = ["--policies", "neural", "--fresh-seed", "7", "--cases", "3", "--no-in-depth", "--json"]
     assert main([*base, *arguments, "--out", str(tmp_path / "out")]) == 0
-    said = capsys.readouterr()
-    assert asked == [("modular", 7, 3, tmp_path / "work" / "fresh", 1)]
-    assert "S1: one is missing" in said.err
+    assert asked == [("modular", 7, 3, tmp_path / "work", 1)]
     assert evaluated == [["fresh"]]
     assert (plans[0].evaluation.split, plans[0].evaluation.violations) == ("test", 3)
     told = json.loads((tmp_path / "out" / "sera-fresh-7.json").read_text())

@@ -10,12 +10,11 @@ from typing import Any
 from rich.progress import Progress
 
 from roadmend.cli.corpus_choice import corpus_of
+from roadmend.cli.fresh_cases import fresh_cases
 from roadmend.core.errors import InputError
 from roadmend.evaluation.benchmark_run import HINDSIGHT, Entrants, Player
 from roadmend.evaluation.contenders import Absence, BenchmarkPlan, resolve, resolve_monitors
 from roadmend.evaluation.source_digest import source_digest
-from roadmend.search.gather import Progress as Stage
-from roadmend.search.gather import gather_fresh
 from roadmend.search.policy_model import policy_model
 from roadmend.training.hindsight import Bound
 from roadmend.training.hindsight_file import hindsight_bound
@@ -73,7 +72,8 @@ def _entrants(
             return Entrants(policy, "", "", (), (), (), tuple(Absence(name, policy, reason) for name in choice.methods))
         corpus = corpus_of(policy, path)
     else:
-        corpus = _fresh(choice, policy, work, workers, progress)
+        assert choice.cases is not None
+        corpus = fresh_cases(policy, choice.fresh_seed, choice.cases, work, workers, progress, choice.families)
     model = policy_model(policy)
     if corpus.model != model:
         what = "was gathered with another model of the policy"
@@ -116,23 +116,6 @@ def select(corpus: Corpus, families: Sequence[str], most: int | None, split: str
         for violation in (True, False)
         for case in corpus.select(family, split, violation=violation)[:most]
     ]
-
-
-def _fresh(choice: Choice, policy: str, work: Path, workers: int, progress: Progress) -> Corpus:
-    assert choice.fresh_seed is not None
-    assert choice.cases is not None
-    task = progress.add_task(f"{policy}: fresh cases", total=None)
-
-    def report(stage: Stage) -> None:
-        text = f"{policy}: {stage.stage} {stage.done}/{stage.total}"
-        progress.update(task, description=text, completed=stage.accepted, total=stage.wanted)
-
-    gathered = gather_fresh(
-        policy, choice.fresh_seed, choice.cases, work / "fresh", workers, report, families=choice.families
-    )
-    for shortage in gathered.shortages:
-        progress.console.print(f"{policy}: {shortage}")
-    return gathered.corpus
 
 
 def _bounds(

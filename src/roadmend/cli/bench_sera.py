@@ -11,6 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
+from roadmend.cli.fresh_cases import fresh_cases
 from roadmend.cli.options import CACHED_WORK, COMMITTED, WORKERS
 from roadmend.cli.resources import config_folder
 from roadmend.cli.table import show_rows
@@ -33,8 +34,6 @@ from roadmend.evaluation.sera_workshop import Workshop
 from roadmend.learning.shipped import find_model
 from roadmend.nodes.evaluation_episode import EvaluatedEpisode, EvaluationJob, evaluate, identity_of
 from roadmend.search.corpus_plan import LAST_FRESH
-from roadmend.search.gather import Progress as Stage
-from roadmend.search.gather import gather_fresh
 from roadmend.sera.analyser import EmbeddedAnalyser
 from roadmend.sera.analysis import read_incidents
 from roadmend.sera.bank import Bank, build_bank
@@ -109,7 +108,7 @@ def sera(
 
         if fresh_seed is not None and cases is not None:
             plan = _of_fresh_cases(plan, cases)
-            corpora = [_fresh(corpus.policy, fresh_seed, cases, folder, workers, progress) for corpus in corpora]
+            corpora = [fresh_cases(corpus.policy, fresh_seed, cases, folder, workers, progress) for corpus in corpora]
         results, sizes = _run(plan, config, models, corpora, Workshop(store, mapper, report))
     path = committed / "retrieval.json"
     command = "./roadmend bench sera" + " --quick" * quick + (f" --policies {policies}" if policies else "")
@@ -132,19 +131,6 @@ def _of_fresh_cases(plan: SeraPlan, cases: int) -> SeraPlan:
     """The plan with all violations of a set that was gathered for it."""
     evaluation = plan.evaluation.model_copy(update={"split": "test", "violations": cases})
     return plan.model_copy(update={"evaluation": evaluation})
-
-
-def _fresh(policy: str, seed: int, cases: int, folder: Path, workers: int, progress: Progress) -> Corpus:
-    """Cases of a policy from searches that nothing else uses; searches that are there already are read."""
-    task = progress.add_task(f"{policy}: fresh cases")
-
-    def report(stage: Stage) -> None:
-        progress.update(task, description=f"{policy}: {stage.accepted} of {stage.wanted} fresh cases, {stage.stage}")
-
-    gathered = gather_fresh(policy, seed, cases, folder / "fresh", workers, report)
-    for shortage in gathered.shortages:
-        progress.console.print(f"{policy}: {shortage}")
-    return gathered.corpus
 
 
 def _run(
