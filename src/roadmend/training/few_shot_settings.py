@@ -14,6 +14,9 @@ class FewShotSettings(Section):
 
     epochs: int = Field(4, ge=1, le=100, description="passes through the demonstrations")
     learning_rate: float = Field(3e-4, gt=0.0, le=0.1, description="at the beginning; falls to 2 % along a cosine")
+    orders: int = Field(
+        2, ge=1, le=20, description="in which the scenes are shown, each to a policy of its own; their mean counts"
+    )
     batch: int = Field(128, ge=1, le=65_536, description="scenes a step")
     weight_decay: float = Field(1e-4, ge=0.0, le=1.0, description="of AdamW")
     every: int = Field(2, ge=1, le=100, description="ticks between two samples")
