@@ -31,10 +31,10 @@ class FewShotSettings(Section):
     replay: int = Field(60, ge=0, le=900, description="ordinary episodes of each family that old skill is kept with")
     replay_seed: int = Field(330_000, ge=50_000, le=900_000, description="of the first of these")
     replay_share: float = Field(0.5, ge=0.0, lt=1.0, description="share of the scenes of an epoch that are theirs")
-    validation: int = Field(10, ge=1, le=900, description="ordinary episodes of each family that forgetting shows in")
+    validation: int = Field(20, ge=1, le=900, description="ordinary episodes of each family that forgetting shows in")
     validation_seed: int = Field(340_000, ge=50_000, le=900_000, description="of the first of these")
     keep: Literal["best", "last"] = Field("best", description="epoch: the guard's choice, or the last without a guard")
-    tolerance: float = Field(2.0, ge=0.0, le=100.0, description="Driving Score that may be lost on these")
+    tolerance: float = Field(1.0, ge=0.0, le=100.0, description="Driving Score that may be lost on these")
 
     mixtures: tuple[Annotated[float, Field(gt=0.0, lt=1.0)], ...] = Field(
         (0.5, 0.25), description="shares of the way to the new weights that are tried where no epoch is kept"
