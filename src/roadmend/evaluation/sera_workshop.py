@@ -14,7 +14,6 @@ from roadmend.learning.checkpoint import load_checkpoint
 from roadmend.policies.neural import load_model
 from roadmend.repair.adreft.model import KIND
 from roadmend.training.few_shot import drive_once, few_shot_repair, repair_model
-from roadmend.training.few_shot_order import tune
 from roadmend.training.few_shot_settings import FewShotSettings
 from roadmend.training.imitation_rollout import Lesson, gather
 from roadmend.training.samples import Samples, load_samples, save_samples
@@ -90,7 +89,6 @@ class Workshop:
             few_shot_repair(
                 model, scenarios, settings, seed, path, validation=validation, gathering=self.gather,
                 driving=lambda tuned, chosen: iter(self.drive(tuned, chosen)),
-                tuning=lambda orders: self.mapper(tune, orders),
             )  # fmt: skip
             self.report("tuned")
         return path

@@ -2,17 +2,20 @@
 
 In every scenario the privileged expert drives, and the policy drives while the expert says what it would do (DAgger,
 Ross et al. 2011). The expert fails in most of what searches find, so ADReFT may repair its advice. What comes of it is
-mixed with scenes of ordinary episodes and shown in several orders; the mean of the weights is what counts. After every
-epoch it drives a hard part of a validation set. The
+mixed with scenes of ordinary episodes, and after every epoch the policy drives a hard part of a validation set. The
 epochs that are better there than the policy was drive ordinary scenarios, the best first, and the first that loses
 nothing on these is kept. Where none does, weights part of the way between the old and the new ones are
 tried; where these do not either, the policy stays as it was.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
 
 from roadmend.core.errors import InputError
 from roadmend.evaluation.driving_measures import DrivingMeasures
@@ -21,8 +24,8 @@ from roadmend.learning.checkpoint import Checkpoint, Tensors, load_checkpoint, s
 from roadmend.learning.shipped import find_model
 from roadmend.policies.neural import NeuralPolicy, load_model
 from roadmend.repair.adreft.model import KIND
-from roadmend.training.few_shot_order import Epoch, Order, mean_of, tune
 from roadmend.training.few_shot_settings import FewShotSettings, ordinary_seeds
+from roadmend.training.imitation import NeuralNetwork, batches, learn, load_network, tensors_of
 from roadmend.training.imitation_rollout import Lesson, gather, ordinary_lesson
 from roadmend.training.repair_guard import Candidate, Guard, Trial, mixture
 from roadmend.training.samples import Samples, samples_digest
@@ -33,7 +36,7 @@ from roadmend.world.scenario import Scenario
 Report = Callable[[str, int, int], None]  # what is being done, how much of it is done, how much there is
 Gather = Callable[[Sequence[Lesson]], Iterator[Samples]]
 Drive = Callable[[Path, Sequence[Scenario]], Iterator[DrivingMeasures]]
-Tune = Callable[[Sequence[Order]], Iterator[list[Epoch]]]
+Epochs = Iterator[tuple[NeuralNetwork, float]]  # the network after every epoch, and the loss of the action in it
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +64,6 @@ def few_shot_repair(
     model: Path, scenarios: Sequence[Scenario], settings: FewShotSettings, seed: int, out: Path, *,
     validation: Sequence[Scenario] = (), origin: Origin | None = None, workers: int = 1,
     report: Report = lambda _what, _done, _total: None, gathering: Gather | None = None, driving: Drive | None = None,
-    tuning: Tune | None = None,
 ) -> Repair:  # fmt: skip
     """Fine-tune a neural policy on scenarios; the same arguments give the same model file.
 
@@ -77,7 +79,6 @@ def few_shot_repair(
         report: hears what is being done.
         gathering: drives lessons instead of this function's own processes, for instance from a store.
         driving: drives the validation set, likewise.
-        tuning: tunes in one order each, likewise.
 
     Raises:
         InputError: there is no scenario, the model is no neural policy's, or ``out`` cannot be written.
@@ -88,8 +89,7 @@ def few_shot_repair(
     parent = load_model(model)
     with open_mapper(workers) as mapper:
         work = _Work(
-            model, parent, settings, seed, gathering or _gathering(mapper), driving or _driving(mapper),
-            tuning or _tuning(mapper), report,
+            model, parent, settings, seed, gathering or _gathering(mapper), driving or _driving(mapper), report
         )  # fmt: skip
         return work.repair(scenarios, validation or scenarios, out, origin or Origin())
 
@@ -123,7 +123,6 @@ class _Work:
     seed: int
     gathering: Gather
     driving: Drive
-    tuning: Tune
     report: Report
 
     def repair(self, scenarios: Sequence[Scenario], hard: Sequence[Scenario], out: Path, origin: Origin) -> Repair:
@@ -151,7 +150,7 @@ class _Work:
         return Repair(out, digest, kept, tuple(trials), len(shown), shown.outcomes)
 
     def _guarded(
-        self, epochs: Iterable[Epoch], guard: Guard, beside: Path, header: dict[str, Any]
+        self, epochs: Epochs, guard: Guard, beside: Path, header: dict[str, Any]
     ) -> tuple[list[Trial], Tensors, Trial]:  # fmt: skip
         """All trials, and the weights of the one that is kept; every model that is tried is driven from ``beside``."""
         old = dict(self.parent.tensors)
@@ -167,7 +166,7 @@ class _Work:
         try:
             first = guard.first(self._driven(self.model, guard.hard), self._driven(self.model, guard.ordinary))
             kept = Candidate(first, old)
-            found = [tried(number, epoch.tensors, epoch.loss) for number, epoch in enumerate(epochs, 1)]
+            found = [tried(number, _copied(network), loss) for number, (network, loss) in enumerate(epochs, 1)]
             better = guard.ranked(found)
             for candidate in better:
                 judgement = judged(candidate)
@@ -201,14 +200,26 @@ class _Work:
             self.report("validation", len(found), len(scenarios))
         return found
 
-    def _epochs(self, shown: Samples, old: Samples | None) -> Iterator[Epoch]:
+    def _epochs(self, shown: Samples, old: Samples | None) -> Epochs:
         settings = self.settings
-        orders = [Order(self.model, settings, shown, old, self.seed, number) for number in range(settings.orders)]
-        tuned = []
-        for epochs in self.tuning(orders):
-            tuned.append(epochs)
-            self.report("learning", len(tuned), len(orders))
-        return mean_of(tuned)
+        torch.manual_seed(self.seed)
+        generator = np.random.default_rng(self.seed)
+        network = load_network(self.parent, self.model)
+        samples = shown if old is None else Samples.join([shown, old])
+        share = settings.replay_share if old is not None else 0.0
+        replayed = round(len(shown) * share / (1.0 - share))
+        optimizer = torch.optim.AdamW(
+            network.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay
+        )
+        steps = settings.epochs * -(-(len(shown) + replayed) // settings.batch)
+        schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, steps, 0.02 * settings.learning_rate)
+        change_weight = float(self.parent.header["configuration"]["training"]["change_weight"])
+        for number in range(settings.epochs):
+            rows = _rows(len(shown), len(samples), replayed, generator)
+            chosen = batches(samples, rows, settings.batch, generator, torch.device("cpu"))
+            learned = learn(network, optimizer, schedule, chosen, change_weight)
+            self.report("learning", number + 1, settings.epochs)
+            yield network, learned.action
 
     def _header(self, origin: Origin, shown: Samples, scenarios: Sequence[Scenario]) -> dict[str, Any]:
         before, repair = self.parent.header, repair_model(self.settings)
@@ -228,17 +239,29 @@ class _Work:
         }  # fmt: skip
 
 
-def _run_through(epochs: Iterable[Epoch]) -> tuple[list[Trial], Tensors]:
-    run = [*epochs]
-    return [Trial(number, None, None, epoch.loss) for number, epoch in enumerate(run, 1)], run[-1].tensors
+def _run_through(epochs: Epochs) -> tuple[list[Trial], Tensors]:
+    trials, tensors = list[Trial](), dict[str, NDArray[np.float32]]()
+    for number, (network, loss) in enumerate(epochs, 1):
+        trials, tensors = [*trials, Trial(number, None, None, loss)], _copied(network)
+    return trials, tensors
+
+
+def _copied(network: NeuralNetwork) -> dict[str, NDArray[np.float32]]:
+    """The weights as they are now, whatever training goes on to do to them."""
+    return {name: array.copy() for name, array in tensors_of(network).items()}
+
+
+def _rows(shown: int, total: int, replayed: int, generator: np.random.Generator) -> NDArray[np.int64]:
+    """All that was demonstrated, and as much of the old as is wanted: each once before any twice."""
+    count = total - shown
+    if not count or not replayed:
+        return np.arange(shown)
+    turns = [generator.permutation(count) for _ in range(-(-replayed // count))]
+    return np.concatenate([np.arange(shown), shown + np.concatenate(turns)[:replayed]])
 
 
 def _gathering(mapper: Mapper) -> Gather:
     return lambda lessons: mapper(gather, lessons)
-
-
-def _tuning(mapper: Mapper) -> Tune:
-    return lambda orders: mapper(tune, orders)
 
 
 def _driving(mapper: Mapper) -> Drive:

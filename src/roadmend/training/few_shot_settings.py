@@ -14,9 +14,6 @@ class FewShotSettings(Section):
 
     epochs: int = Field(4, ge=1, le=100, description="passes through the demonstrations")
     learning_rate: float = Field(3e-4, gt=0.0, le=0.1, description="at the beginning; falls to 2 % along a cosine")
-    orders: int = Field(
-        2, ge=1, le=20, description="in which the scenes are shown, each to a policy of its own; their mean counts"
-    )
     batch: int = Field(128, ge=1, le=65_536, description="scenes a step")
     weight_decay: float = Field(1e-4, ge=0.0, le=1.0, description="of AdamW")
     every: int = Field(2, ge=1, le=100, description="ticks between two samples")
@@ -31,10 +28,10 @@ class FewShotSettings(Section):
     replay: int = Field(60, ge=0, le=900, description="ordinary episodes of each family that old skill is kept with")
     replay_seed: int = Field(330_000, ge=50_000, le=900_000, description="of the first of these")
     replay_share: float = Field(0.5, ge=0.0, lt=1.0, description="share of the scenes of an epoch that are theirs")
-    validation: int = Field(20, ge=1, le=900, description="ordinary episodes of each family that forgetting shows in")
+    validation: int = Field(10, ge=1, le=900, description="ordinary episodes of each family that forgetting shows in")
     validation_seed: int = Field(340_000, ge=50_000, le=900_000, description="of the first of these")
     keep: Literal["best", "last"] = Field("best", description="epoch: the guard's choice, or the last without a guard")
-    tolerance: float = Field(1.0, ge=0.0, le=100.0, description="Driving Score that may be lost on these")
+    tolerance: float = Field(2.0, ge=0.0, le=100.0, description="Driving Score that may be lost on these")
 
     mixtures: tuple[Annotated[float, Field(gt=0.0, lt=1.0)], ...] = Field(
         (0.5, 0.25), description="shares of the way to the new weights that are tried where no epoch is kept"
