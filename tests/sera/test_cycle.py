@@ -71,7 +71,7 @@ def cycle(bank, tmp_path):
     def run(stage=None, backend=None, of=bank, **options):
         stage = stage or Stage(tmp_path / "bags")
         backend = backend or Backend.open("embedded")
-        given = CycleOptions(**{"generations": 2, "count": 2} | options)
+        given = CycleOptions(**{"generations": 2, "scenarios": 2} | options)
         return [*Cycle(of, backend, stage, ["evaluated"], tmp_path / "cycle", given).run("neural.safetensors")], stage
 
     return run
@@ -104,7 +104,7 @@ def test_it_goes_on_where_it_stopped_and_does_again_what_was_decided_otherwise(c
     (tmp_path / "cycle" / "generation-0" / "analysis.json").write_text('{"key": ')
     assert cycle()[1].asked == ["evaluate", "read", "evaluate", "evaluate"]
     assert cycle(settings="other")[1].asked == ["evaluate", "read", "tune"] * 2 + ["evaluate"]
-    assert "tune" in cycle(settings="other", count=1)[1].asked
+    assert "tune" in cycle(settings="other", scenarios=1)[1].asked
 
 
 def test_given_bags_are_learned_from_first(cycle, tmp_path):

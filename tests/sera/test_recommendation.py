@@ -8,8 +8,8 @@ from roadmend.core.errors import InputError
 from roadmend.sera.bank import Bank, build_bank
 from roadmend.sera.facets import Filters
 from roadmend.sera.generated import generate
-from roadmend.sera.pattern import FailurePattern
-from roadmend.sera.recommendation import recommend
+from roadmend.sera.pattern import Evidence, FailurePattern
+from roadmend.sera.recommendation import recommend, shares
 from roadmend.sera.reflection import difficulty_of
 
 from .banks import PLAIN, cut_in, entry, ran
@@ -37,6 +37,32 @@ def test_all_three_selections_have_one_size_and_repeat_nothing(generated):
     assert found.missing == 0
     scores = [pick.score for pick in found.initial[:6]]
     assert scores == sorted(scores, reverse=True)
+
+
+def shown(count):
+    return FailurePattern("some", evidence=tuple(Evidence(f"{number}.mcap") for number in range(count)))
+
+
+@pytest.mark.parametrize(
+    ("evidence", "total", "expected"),
+    [
+        ([6, 3, 1], 10, [6, 3, 1]),
+        ([6, 3, 1], 5, [3, 1, 1]),
+        ([6, 3, 1], 2, [1, 1, 0]),
+        ([2, 2], 3, [2, 1]),
+        ([0, 0], 4, [2, 2]),  # written by hand
+        ([], 4, []),
+    ],
+)
+def test_places_go_to_patterns_by_their_evidence_and_one_to_each(evidence, total, expected):
+    assert shares([shown(count) for count in evidence], total) == expected
+
+
+def test_every_pattern_gets_its_own_number(generated):
+    found = recommend(generated, [CUT_IN, WALKER], [1, 3])
+    for picks in (found.initial, found.refined):
+        assert [pick.pattern for pick in picks] == [0, 1, 1, 1]
+    assert len(found.random) == 4
 
 
 def test_what_fits_covers_the_patterns_better_than_chance_and_reflection_does_not_lose(generated):

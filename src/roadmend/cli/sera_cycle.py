@@ -56,11 +56,8 @@ Told = Callable[[str, int, int], None]  # what is being done, how much of it is 
 )  # fmt: skip
 @EMBEDDER
 @click.option(
-    "-k", "count", default=4, show_default=True, type=click.IntRange(1, 1000), help="Scenarios a failure pattern."
-)
-@click.option(
-    "--patterns", default=6, show_default=True, type=click.IntRange(1, 1000),
-    help="Learned from in a generation, at most.",
+    "-k", "count", default=24, show_default=True, type=click.IntRange(1, 1000),
+    help="Scenarios to learn from in a generation, shared among the failure patterns by how many episodes show them.",
 )  # fmt: skip
 @click.option(
     "--config", "file", type=click.Path(path_type=Path, dir_okay=False),
@@ -75,7 +72,7 @@ Told = Callable[[str, int, int], None]  # what is being done, how much of it is 
 def cycle(
     policy: str, bags: tuple[Path, ...], generations: int, scenarios: int | None, first_seed: int | None,
     corpus: Path | None, split: str | None, bank_file: Path | None, bank_scenarios: int, embedder: str | None,
-    count: int, patterns: int, file: Path | None, epochs: int | None, backend: str, settings: Path | None,
+    count: int, file: Path | None, epochs: int | None, backend: str, settings: Path | None,
     recording: Path | None, attempts: int, seed: int, workers: int, out: Path, *, as_json: bool,
 ) -> int:  # fmt: skip
     """Drive, analyse the failures, recommend scenarios, tune, and drive again, for several generations.
@@ -102,9 +99,7 @@ def cycle(
         bank_path = bank_file or _built_bank(out, bank_scenarios, told)
         evaluated = disjoint(whole_set, known_in([bank_path]))
         steps = _Steps(evaluated, few_shot, seed, out, workers, told)
-        options = CycleOptions(
-            generations, count, patterns, seed, first, json.dumps([few_shot.model_dump(mode="json"), backend])
-        )
+        options = CycleOptions(generations, count, seed, first, json.dumps([few_shot.model_dump(mode="json"), backend]))
         found = []
         with Bank(bank_path, embedder) as bank:
             digests = [scenario.digest for scenario in evaluated]

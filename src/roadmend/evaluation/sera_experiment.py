@@ -14,7 +14,7 @@ from roadmend.evaluation.sera_plan import Evaluated, SeraPlan, halves
 from roadmend.evaluation.sera_workshop import Workshop, kept_epochs
 from roadmend.sera.bank import Bank
 from roadmend.sera.pattern import FailurePattern
-from roadmend.sera.recommendation import Recommendation, recommend
+from roadmend.sera.recommendation import Recommendation, recommend, shares
 from roadmend.sera.reflection import Pick
 from roadmend.training.few_shot_settings import FewShotSettings
 from roadmend.world.scenario import Scenario
@@ -77,10 +77,10 @@ class Experiment:
         return failed
 
     def _recommended(self, failed: Sequence[Scenario], seed: int, without: Sequence[str] = ()) -> Recommendation:
-        patterns = self.patterns(failed)[: self.plan.patterns]
+        patterns = self.patterns(failed)[: self.plan.scenarios]
         if not patterns:
             raise InputError("the evaluation set", f"shows no failure of {self.model.stem}", "take more scenarios")
-        return recommend(self.bank, patterns, self.plan.count, exclude=without, seed=seed)
+        return recommend(self.bank, patterns, shares(patterns, self.plan.scenarios), exclude=without, seed=seed)
 
     def _half_of_bank(self, seed: int) -> list[str]:
         """Digests of the half of the bank that is taken away."""

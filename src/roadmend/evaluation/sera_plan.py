@@ -49,8 +49,7 @@ class SeraPlan(_Part):
     policies: list[str]
     in_depth: list[str]  # those of them that half the bank and the sweep are tried on, too
     seeds: int = Field(ge=1)
-    patterns: int = Field(ge=1)
-    count: int = Field(ge=1)
+    scenarios: int = Field(ge=1)
     validation: int = Field(ge=0)
     few_shot: dict[str, Any] = {}  # settings in the place of those of config/training/few-shot.yaml
     bank: SetPlan

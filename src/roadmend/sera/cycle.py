@@ -22,7 +22,7 @@ from roadmend.sera.backends import Backend
 from roadmend.sera.bank import Bank
 from roadmend.sera.pattern import FailurePattern
 from roadmend.sera.pattern_file import PATTERNS, parse_patterns
-from roadmend.sera.recommendation import content_of, recommend
+from roadmend.sera.recommendation import content_of, recommend, shares
 from roadmend.world.scenario import Scenario
 
 
@@ -66,8 +66,7 @@ class CycleOptions:
     """How a cycle goes."""
 
     generations: int = 2  # times that the policy is tuned
-    count: int = 4  # scenarios a pattern
-    patterns: int = 6  # that are learned from in a generation, those with most evidence
+    scenarios: int = 24  # that are learned from in a generation, shared among the patterns by their evidence
     seed: int = 0
     first_bags: tuple[Path, ...] = ()  # that are learned from in the first generation instead of the evaluation's
     settings: str = ""  # of the tuning and of the backend, as text: what they decide is done again when they change
@@ -169,12 +168,12 @@ class Cycle:
         if not known:
             return generation
         self._report(f"generation {generation.number}: recommending")
-        chosen = known[: self._options.patterns]
+        chosen = known[: self._options.scenarios]
         exclude = [*self._excluded, *self._selected_before(generation.number)]
         path = folder / "recommendation.json"
         content = self._step(
             path,
-            [self._options.settings, self._bank.digest, PATTERNS.dump_python(chosen, mode="json"), self._options.count,
+            [self._options.settings, self._bank.digest, PATTERNS.dump_python(chosen, mode="json"), self._options.scenarios,
              self._options.seed, exclude],
             lambda: self._recommend(chosen, exclude),
         )  # fmt: skip
@@ -219,7 +218,12 @@ class Cycle:
     def _recommend(self, patterns: Sequence[FailurePattern], exclude: Sequence[str]) -> dict[str, Any]:
         options = self._options
         found = recommend(
-            self._bank, patterns, options.count, exclude=exclude, seed=options.seed, reflector=self._backend.reflector
+            self._bank,
+            patterns,
+            shares(patterns, options.scenarios),
+            exclude=exclude,
+            seed=options.seed,
+            reflector=self._backend.reflector,
         )
         return content_of(found, patterns, self._bank)
 

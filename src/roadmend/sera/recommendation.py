@@ -29,15 +29,15 @@ class Recommendation:
 
 
 def recommend(
-    bank: Bank, patterns: Sequence[FailurePattern], count: int, filters: Filters | None = None,
+    bank: Bank, patterns: Sequence[FailurePattern], count: int | Sequence[int], filters: Filters | None = None,
     exclude: Collection[str] = (), seed: int = 0, reflector: Reflector | None = None,
 ) -> Recommendation:  # fmt: skip
-    """Select ``count`` scenarios for each pattern, none twice; the same bank and arguments give the same.
+    """Select scenarios for each pattern, none twice; the same bank and arguments give the same.
 
     Args:
         bank: to choose from.
         patterns: what the policy fails at, at least one; earlier ones choose first.
-        count: scenarios for each pattern.
+        count: scenarios for each pattern: one number for all, or one for each (see ``shares``).
         filters: what every scenario must be.
         exclude: digests of scenarios that must not come, those of the evaluation set.
         seed: of the random selection.
@@ -49,8 +49,11 @@ def recommend(
     """
     if not patterns:
         raise InputError("patterns", "there is none", "give at least one")
-    found = [bank.search(pattern, count * _POOL, filters, exclude) for pattern in patterns]
-    initial = _first_choice(found, count)
+    counts = [count] * len(patterns) if isinstance(count, int) else [*count]
+    found = [
+        bank.search(pattern, wanted * _POOL, filters, exclude) for pattern, wanted in zip(patterns, counts, strict=True)
+    ]
+    initial = _first_choice(found, counts)
     refined, swaps = (reflector or EmbeddedReflector()).reflect(candidates_of(bank, patterns, found), initial)
     drawn = _draw(bank, patterns, len(initial), filters, exclude, seed)
     everything = candidates_of(bank, patterns, [*found, [Hit(number, 0.0) for number, _ in drawn]])
@@ -59,14 +62,29 @@ def recommend(
     return Recommendation(
         tuple(initial), tuple(refined), tuple(random), tuple(swaps),
         {name: measure(everything, picks) for name, picks in selections.items()},
-        count * len(patterns) - len(initial),
+        sum(counts) - len(initial),
     )  # fmt: skip
 
 
-def _first_choice(found: Sequence[Sequence[Hit]], count: int) -> list[Pick]:
+def shares(patterns: Sequence[FailurePattern], total: int) -> list[int]:
+    """How many of ``total`` scenarios each pattern gets: one, and more the more episodes show it.
+
+    By the rule of highest averages (D'Hondt), of equals the earlier. Patterns that nothing is left for get none, the
+    last ones first.
+    """
+    counts = [int(place < total) for place in range(len(patterns))]
+    for _ in range(total - sum(counts) if patterns else 0):
+        averages = [
+            max(1, len(pattern.evidence)) / (count + 1) for pattern, count in zip(patterns, counts, strict=True)
+        ]
+        counts[int(np.argmax(averages))] += 1
+    return counts
+
+
+def _first_choice(found: Sequence[Sequence[Hit]], counts: Sequence[int]) -> list[Pick]:
     taken: set[int] = set()
     picks: list[Pick] = []
-    for place, hits in enumerate(found):
+    for place, (hits, count) in enumerate(zip(found, counts, strict=True)):
         fresh = [hit for hit in hits if hit.number not in taken][:count]
         taken.update(hit.number for hit in fresh)
         picks += [Pick(hit.number, place, hit.score) for hit in fresh]
