@@ -77,7 +77,7 @@ def messages_in_cut(path):
 
 def stop(process, number=signal.SIGINT):
     process.send_signal(number)
-    _, errors = process.communicate(timeout=20)
+    _, errors = process.communicate(timeout=60)
     return process.returncode, errors
 
 
