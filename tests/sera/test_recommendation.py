@@ -63,6 +63,7 @@ def test_every_pattern_gets_its_own_number(generated):
     for picks in (found.initial, found.refined):
         assert [pick.pattern for pick in picks] == [0, 1, 1, 1]
     assert len(found.random) == 4
+    assert [pick.pattern for pick in recommend(generated, [CUT_IN, WALKER], [2, 0]).initial] == [0, 0]
 
 
 def test_what_fits_covers_the_patterns_better_than_chance_and_reflection_does_not_lose(generated):

@@ -89,7 +89,7 @@ def adreft(
     fine-tuning in closed loop.
 
     The same settings give the same model, whatever the number of workers and interruptions, as far as SUMO repeats
-    itself: it does not in one episode of a thousand, after which fine-tuning goes on otherwise. The test split is never
+    itself: in rare episodes it does not, and fine-tuning goes on otherwise from there. The test split is never
     looked at; what is said at the end was measured on the validation split.
     """
     begin = time.perf_counter()

@@ -77,7 +77,7 @@ class Experiment:
         return failed
 
     def _recommended(self, failed: Sequence[Scenario], seed: int, without: Sequence[str] = ()) -> Recommendation:
-        patterns = self.patterns(failed)[: self.plan.scenarios]
+        patterns = self.patterns(failed)
         if not patterns:
             raise InputError("the evaluation set", f"shows no failure of {self.model.stem}", "take more scenarios")
         return recommend(self.bank, patterns, shares(patterns, self.plan.scenarios), exclude=without, seed=seed)

@@ -168,14 +168,13 @@ class Cycle:
         if not known:
             return generation
         self._report(f"generation {generation.number}: recommending")
-        chosen = known[: self._options.scenarios]
         exclude = [*self._excluded, *self._selected_before(generation.number)]
         path = folder / "recommendation.json"
         content = self._step(
             path,
-            [self._options.settings, self._bank.digest, PATTERNS.dump_python(chosen, mode="json"), self._options.scenarios,
+            [self._options.settings, self._bank.digest, PATTERNS.dump_python(known, mode="json"), self._options.scenarios,
              self._options.seed, exclude],
-            lambda: self._recommend(chosen, exclude),
+            lambda: self._recommend(known, exclude),
         )  # fmt: skip
         entries = [self._bank.find(each["digest"]) for each in content["refined"]]
         usable = [entry.scenario for entry in entries if entry is not None and entry.scenario is not None]

@@ -51,7 +51,8 @@ def recommend(
         raise InputError("patterns", "there is none", "give at least one")
     counts = [count] * len(patterns) if isinstance(count, int) else [*count]
     found = [
-        bank.search(pattern, wanted * _POOL, filters, exclude) for pattern, wanted in zip(patterns, counts, strict=True)
+        bank.search(pattern, wanted * _POOL, filters, exclude) if wanted else []
+        for pattern, wanted in zip(patterns, counts, strict=True)
     ]
     initial = _first_choice(found, counts)
     refined, swaps = (reflector or EmbeddedReflector()).reflect(candidates_of(bank, patterns, found), initial)
