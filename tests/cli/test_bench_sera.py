@@ -18,6 +18,8 @@ FORGOTTEN = {
     "ordinary_change": 0.0,
     "driving_score_change": None,
     "success_rate_change": None,
+    "redrawn_before": None,
+    "redrawn_change": None,
 }
 SIZES = {"seeds": 2, "bank": 100, "evaluation": 40, "hard": 20, "split": "test"}
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from roadmend.core.errors import InputError
 from roadmend.evaluation.driving_measures import DrivingMeasures
+from roadmend.evaluation.forgetting import forgotten, forgotten_anew, redrawn
 from roadmend.evaluation.measures_summary import MEASURES
 from roadmend.evaluation.sera_plan import Evaluated, SeraPlan, halves
 from roadmend.evaluation.sera_workshop import Workshop, kept_epochs
@@ -54,19 +55,24 @@ class Experiment:
         chosen = self._recommended(failed, seed)
         arms: dict[str, Any] = {"base": means(base)}
         kept: dict[str, int] = {}
-        found = {}
+        found, models = {}, {}
         selections = {"random": chosen.random, "initial": chosen.initial, "full": chosen.refined}
         if self.in_depth:
             selections[HALF_BANK] = self._recommended(failed, seed, self._half_of_bank(seed)).refined
         for arm, picks in selections.items():
             tuned = self.workshop.tune(self.model, self._scenarios(picks), self.settings, seed, hard)
             kept[arm] = kept_epochs(tuned)
-            found[arm] = self._measures(tuned, measured) if kept[arm] else base  # the weights are the same
+            models[arm] = tuned if kept[arm] else self.model  # the weights are the same
+            found[arm] = self._measures(models[arm], measured)
             arms[arm] = means(found[arm])
+        anew = redrawn(measured, base)
+        again = forgotten_anew(self.workshop.drive(self.model, anew), self.workshop.drive(models["full"], anew))
         return {
             "seed": seed, "measured": len(measured), "scenarios": len(chosen.refined), "swaps": len(chosen.swaps),
             "arms": arms, "kept_epochs": kept,
-            "forgetting": {arm: forgotten(measured, base, after) for arm, after in found.items()},
+            "forgetting": {
+                arm: forgotten(measured, base, after) | (again if arm == "full" else {}) for arm, after in found.items()
+            },
         }  # fmt: skip
 
     def _failed(self, analysed: Sequence[Evaluated]) -> list[Scenario]:
@@ -116,20 +122,3 @@ def means(measures: Sequence[DrivingMeasures]) -> dict[str, float | None]:
         "comfortness": [one.comfortness for one in measures if one.comfortness is not None],
     }
     return {name: fmean(values[name]) if values[name] else None for name in MEASURES}
-
-
-def forgotten(
-    evaluated: Sequence[Evaluated], before: Sequence[DrivingMeasures], after: Sequence[DrivingMeasures]
-) -> dict[str, float | int | None]:
-    """What became of the ordinary scenarios, and of those among them that went well before; differences in points."""
-    ordinary = [place for place, each in enumerate(evaluated) if not each.is_hard]
-    well = [place for place in ordinary if before[place].success]
-
-    def change(places: Sequence[int]) -> float | None:
-        return fmean(after[one].driving_score - before[one].driving_score for one in places) if places else None
-
-    return {
-        "ordinary": len(ordinary), "went_well": len(well), "ordinary_change": change(ordinary),
-        "driving_score_change": change(well),
-        "success_rate_change": 100.0 * fmean(after[one].success for one in well) - 100.0 if well else None,
-    }  # fmt: skip
