@@ -64,6 +64,22 @@ def test_a_known_quantity_draws_the_like_of_it_near(generated):
     assert np.mean(limits(33.33)) > np.mean(limits(22.22)) + 0.5
 
 
+@pytest.mark.parametrize(
+    "failure",
+    [FailurePattern("x", what="COLLISION", where=Where(road="highway_exit")), FailurePattern("x", "crash at exit")],
+)
+def test_of_like_scenarios_those_that_are_known_to_fail_come_first_and_those_that_are_mastered_last(tmp_path, failure):
+    others = [entry(f"other {number}", participants={"car": number}) for number in range(1, 9)]
+    build_bank(tmp_path / "b", [
+        entry("mastered", outcomes=ran("GOAL", 12.0), ego_speed=21.0), entry("unknown", ego_speed=22.0),
+        entry("failed", outcomes=ran("COLLISION")), *others,
+    ])  # fmt: skip
+    with Bank(tmp_path / "b") as bank:
+        names = [bank.entry(hit.number).name for hit in bank.search(failure, 11)]
+    assert names[0] == "failed"
+    assert names.index("unknown") < names.index("mastered")
+
+
 def test_filters_let_nothing_else_through(generated):
     filters = Filters(family=("S4", "S5"), weather=("snowy",), outcome=("COLLISION",), hazard=("cut_in",))
     hits = generated.search(FailurePattern("x", "rain"), 50, filters)
@@ -207,4 +223,6 @@ def test_quantities_that_are_unknown_agree_with_all_alike():
     assert [each["ego_speed"] for each in quantities] == [30.0, 5.0]
     assert "ego_speed" not in features(FailurePattern("x", "exit")).quantities
     assert "difficulty" not in quantities[0]
+    assert "difficulty" not in features(FailurePattern("x", what="GOAL")).quantities
+    assert features(FailurePattern("x", what="TIMEOUT")).quantities["difficulty"] == 1.0
     assert features(dataclasses.replace(fast, outcomes=ran("COLLISION"))).quantities["difficulty"] == 1.0

@@ -20,7 +20,7 @@ Density = Literal["light", "medium", "dense"]
 OutcomeName = Literal["GOAL", "COLLISION", "TIMEOUT", "OFF_ROUTE", "ABORTED"]
 
 PARTICIPANTS: tuple[ParticipantKind, ...] = (*get_args(VehicleKind), "pedestrian")
-_SUCCESS: OutcomeName = "GOAL"
+SUCCESS: OutcomeName = "GOAL"
 _STRICT = ConfigDict(extra="forbid")
 _MEDIUM_FROM, _DENSE_FROM = 6, 13  # participants
 
@@ -83,7 +83,7 @@ class OutcomeStatistics:
     @property
     def failures(self) -> int:
         """Runs that did not reach the goal."""
-        return self.runs - self.outcomes.get(_SUCCESS, 0)
+        return self.runs - self.outcomes.get(SUCCESS, 0)
 
     def merged(self, other: Self) -> Self:
         """Both counts together; the two are of the same policy and method."""

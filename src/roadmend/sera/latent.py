@@ -23,10 +23,10 @@ from roadmend.sera.terms import RANGES, Features, features
 _DIRECTIONS = 112  # of the latent space; with two a quantity, 128 dimensions
 _TERMS_MOST = 4096  # of the vocabulary
 _SHARE_OF_TERMS = 0.75  # of an inner product; the quantities have the rest
-# How much a group of terms counts: place, hazard and conditions more than who else was there. Others count 1.
+# How much a group of terms counts: place, hazard, conditions and the outcome more than who else was there. Others count 1.
 _FACTORS = {
-    "road": 1.5, "hazard": 1.5, "weather": 1.5, "light": 2.0, "hazard+participant": 0.7, "hazard+side": 0.7, "participant": 0.3,
-    "driver": 0.3,
+    "outcome": 1.5, "road": 1.5, "hazard": 1.5, "weather": 1.5, "light": 2.0,
+    "hazard+participant": 0.7, "hazard+side": 0.7, "participant": 0.3, "driver": 0.3,
 }  # fmt: skip
 _CHUNK = 2048  # descriptions at a time
 _PLACES = {name: place for place, name in enumerate(RANGES)}

@@ -7,8 +7,9 @@ truck that cuts in is told from a truck beside a car that does. Words that no le
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import get_args
 
-from roadmend.sera.descriptor import Descriptor, HazardKind, ParticipantKind, Side
+from roadmend.sera.descriptor import SUCCESS, Descriptor, HazardKind, OutcomeName, ParticipantKind, Side
 from roadmend.sera.lexicon import IMPLIED, terms_of_text
 from roadmend.sera.pattern import FailurePattern
 
@@ -23,6 +24,7 @@ RANGES: dict[str, tuple[float, float]] = {
     "hazard_distance": (0.0, 40.0),  # [m] the nearest
     "difficulty": (0.0, 1.0),
 }
+_FAILED = frozenset(f"outcome:{name}" for name in get_args(OutcomeName)) - {f"outcome:{SUCCESS}"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +91,13 @@ def _of_pattern(pattern: FailurePattern) -> Features:
     if why.hazard is not None:
         terms.update(_hazard_terms(why.hazard, who.participant, who.side))
     terms.update(_together(terms))
-    quantities = {"speed_limit": where.speed_limit, "lanes": where.lanes, "ego_speed": why.ego_speed}
+    quantities = {
+        "speed_limit": where.speed_limit,
+        "lanes": where.lanes,
+        "ego_speed": why.ego_speed,
+        # Of what fails, scenarios that are known to fail are more like it than those that are known not to.
+        "difficulty": 1.0 if terms & _FAILED else None,
+    }
     return Features(
         dict.fromkeys(sorted(terms), 1),
         {name: float(value) for name, value in quantities.items() if value is not None},
