@@ -76,6 +76,15 @@ def test_files_and_figures(command, tmp_path, capsys):
     assert told["provenance"]["command"] == "./roadmend bench sera --policies neural,ego_mlp --seeds 2"
 
 
+def test_a_repaired_replay_is_asked_for_in_the_plan_and_written_under_a_name_of_its_own(command, tmp_path, capsys):
+    base, plans, _ = command
+    assert main([*base, "--repaired-replay", "--no-in-depth", "--out", str(tmp_path / "out"), "--json"]) == 0
+    assert plans[0].few_shot == {"replay_repair": True}
+    assert (tmp_path / "out" / "sera-repaired-replay.md").exists()
+    made = json.loads(capsys.readouterr().out)["provenance"]["command"]
+    assert made == "./roadmend bench sera --no-in-depth --repaired-replay"
+
+
 def test_a_quick_run_takes_less_and_writes_under_another_name(command, tmp_path, capsys):
     base, plans, _ = command
     assert main([*base, "--quick", "--out", str(tmp_path / "out")]) == 0

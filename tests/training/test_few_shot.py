@@ -13,7 +13,7 @@ from roadmend.evaluation.driving_measures import DrivingMeasures
 from roadmend.learning.checkpoint import load_checkpoint, save_checkpoint
 from roadmend.learning.shipped import find_model
 from roadmend.policies.neural import NeuralPolicy
-from roadmend.training.few_shot import Origin, few_shot_repair, lessons_of
+from roadmend.training.few_shot import Origin, few_shot_repair, lessons_of, replay_lessons
 from roadmend.training.few_shot_settings import FewShotSettings, read_few_shot_settings
 from roadmend.training.imitation_rollout import gather
 from roadmend.training.samples import Samples
@@ -167,6 +167,15 @@ def test_the_header_names_the_model_that_repaired_the_demonstrations(tmp_path, s
     assert told["repair"] == load_checkpoint(find_model("modular", "adreft-")).digest
 
 
+def test_the_replay_is_advised_by_the_expert_alone_unless_its_repair_is_asked_for():
+    lessons = replay_lessons(MODEL, SETTINGS)
+    assert len(lessons) == 5
+    assert {lesson.repair for lesson in lessons} == {None}
+    repaired = replay_lessons(MODEL, SETTINGS.model_copy(update={"replay_repair": True}))
+    assert {lesson.repair for lesson in repaired} == {find_model("modular", "adreft-")}
+    assert [lesson.draw for lesson in repaired] == [lesson.draw for lesson in lessons]
+
+
 def test_a_model_of_adreft_that_there_is_not_is_named(scenarios):
     with pytest.raises(InputError, match="ships no adreft-nobody"):
         lessons_of(scenarios[0], MODEL, SETTINGS.model_copy(update={"repair": "nobody"}))
@@ -186,7 +195,8 @@ def test_the_shipped_settings_are_the_defaults_and_mistakes_in_a_file_are_named(
     assert read_few_shot_settings(CONFIG / "training" / "few-shot.yaml") == FewShotSettings()
     path = tmp_path / "few.yaml"
     for text, named in (("epoch: 3", "epoch"), ("replay_share: 1.0", "replay_share"),
-                        ("{expert_drives: 0, policy_drives: 0}", "no demonstration"), ("[", "broken YAML")):  # fmt: skip
+                        ("{expert_drives: 0, policy_drives: 0}", "no demonstration"), ("[", "broken YAML"),
+                        ('{replay_repair: true, repair: ""}', "replay_repair needs a model")):  # fmt: skip
         path.write_text(text)
         with pytest.raises(InputError, match=named):
             read_few_shot_settings(path)

@@ -64,6 +64,11 @@ _INCIDENTS: TypeAdapter[list[Incident]] = TypeAdapter(list[Incident])
     help="Half the bank and the sweep, too, as the plan says.",
 )
 @click.option(
+    "--repaired-replay",
+    is_flag=True,
+    help="Tune with replay_repair (config/training/few-shot.yaml); the files are named for it.",
+)
+@click.option(
     "--fresh-seed",
     type=click.IntRange(0, LAST_FRESH),
     help="Evaluate on violations that nobody has seen, from searches with this seed (with --cases).",
@@ -76,7 +81,7 @@ _INCIDENTS: TypeAdapter[list[Incident]] = TypeAdapter(list[Incident])
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def sera(
     policies: str | None, seeds: int | None, file: Path | None, fresh_seed: int | None, cases: int | None,
-    committed: Path, work: Path | None, out: Path | None, workers: int, *, quick: bool, in_depth: bool, as_json: bool,
+    committed: Path, work: Path | None, out: Path | None, workers: int, *, quick: bool, in_depth: bool, repaired_replay: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Tune policies on random, recommended and reflected selections, and measure what that gains and what it loses.
 
@@ -89,6 +94,8 @@ def sera(
     plan = plan.model_copy(
         update=({} if seeds is None else {"seeds": seeds}) | ({} if in_depth else {"in_depth": []})
     )  # fmt: skip
+    if repaired_replay:
+        plan = plan.model_copy(update={"few_shot": {**plan.few_shot, "replay_repair": True}})
     chosen = plan.policies if policies is None else [part.strip() for part in policies.split(",")]
     models = {policy: find_model(policy) for policy in chosen}
     corpora = load_corpora(plan.evaluation, config)
@@ -115,10 +122,11 @@ def sera(
     command += (f" --seeds {seeds}" if seeds is not None else "") + (f" --plan {file}" if file is not None else "")
     command += f" --fresh-seed {fresh_seed} --cases {cases}" * (fresh_seed is not None)
     command += "" if in_depth else " --no-in-depth"
+    command += " --repaired-replay" * repaired_replay
     sizes["fresh_seed"] = fresh_seed
     content = build_content(results, read_json(path) if path.is_file() else None, provenance(command), sizes)
     if out is not None:
-        stem = "sera-quick" if quick else "sera"
+        stem = "sera" + "-quick" * quick + "-repaired-replay" * repaired_replay
         write_sera(out, stem if fresh_seed is None else f"{stem}-fresh-{fresh_seed}", content)
     if as_json:
         click.echo(json.dumps(content, indent=2))

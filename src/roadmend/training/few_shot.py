@@ -9,7 +9,7 @@ tried; where these do not either, the policy stays as it was.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -106,6 +106,20 @@ def lessons_of(scenario: Scenario, model: Path, settings: FewShotSettings) -> li
     ]  # fmt: skip
 
 
+def replay_lessons(model: Path, settings: FewShotSettings) -> list[Lesson]:
+    """The ordinary episodes that old skill is kept with.
+
+    Advice that nobody repairs there contradicts what the selection teaches of caution, and holds it back; repaired advice
+    teaches caution by itself, whatever was selected.
+    """
+    lessons = [
+        ordinary_lesson(family, seed, model, settings.expert_share, settings.noise, settings.every)
+        for family, seed in ordinary_seeds(settings.replay_seed, settings.replay)
+    ]  # fmt: skip
+    repair = repair_model(settings) if settings.replay_repair else None
+    return [replace(lesson, repair=repair) for lesson in lessons]
+
+
 def repair_model(settings: FewShotSettings) -> Path | None:
     """Model of ADReFT that repairs the demonstrations; None where the expert is left alone.
 
@@ -129,10 +143,7 @@ class _Work:
         settings = self.settings
         lessons = [lesson for one in scenarios for lesson in lessons_of(one, self.model, settings)]
         shown = self._gathered("demonstrations", lessons)
-        replay = [
-            ordinary_lesson(family, seed, self.model, settings.expert_share, settings.noise, settings.every)
-            for family, seed in ordinary_seeds(settings.replay_seed, settings.replay)
-        ]  # fmt: skip
+        replay = replay_lessons(self.model, settings)
         old = self._gathered("replay", replay) if replay else None
         header = self._header(origin, shown, scenarios)
         epochs = self._epochs(shown, old)

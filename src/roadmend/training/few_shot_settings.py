@@ -28,6 +28,11 @@ class FewShotSettings(Section):
     replay: int = Field(60, ge=0, le=900, description="ordinary episodes of each family that old skill is kept with")
     replay_seed: int = Field(330_000, ge=50_000, le=900_000, description="of the first of these")
     replay_share: float = Field(0.5, ge=0.0, lt=1.0, description="share of the scenes of an epoch that are theirs")
+    replay_repair: bool = Field(
+        default=False,
+        description="whether the advice in these is repaired, too: then they teach what the repair model knows, whatever "
+        "the selection",
+    )
     validation: int = Field(10, ge=1, le=900, description="ordinary episodes of each family that forgetting shows in")
     validation_seed: int = Field(340_000, ge=50_000, le=900_000, description="of the first of these")
     keep: Literal["best", "last"] = Field("best", description="epoch: the guard's choice, or the last without a guard")
@@ -41,6 +46,8 @@ class FewShotSettings(Section):
     def _shows_something(self) -> Self:
         if not self.expert_drives + self.policy_drives:
             raise ValueError("expert_drives and policy_drives are both 0, which leaves no demonstration")
+        if self.replay_repair and not self.repair:
+            raise ValueError("replay_repair needs a model in repair")
         return self
 
 
