@@ -1,8 +1,9 @@
 """What a policy loses by learning: what becomes of ordinary scenarios, and of those that went well before.
 
 Those that went well were chosen by what the old policy made of them, luck included, so that whoever drives them again can
-only lose. They are driven twice more by both policies with other random numbers for SUMO's drivers: what the old policy
-loses by that is luck, and what the new one comes to beside it there is unbiased.
+only lose. They are driven twice more by both policies with other random numbers for SUMO's drivers. These change how much
+the others dawdle and nothing else, so this takes out the luck of that, and not all luck: the ordinary scenarios as a whole,
+which nobody chose, are the unbiased measure.
 """
 
 from collections.abc import Sequence

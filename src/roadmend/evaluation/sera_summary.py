@@ -142,8 +142,9 @@ def _forgetting_table(content: Content) -> Table:
         ))  # fmt: skip
     note = (
         "Driving Score of the full selection less that of the base on ordinary scenarios, in points, over all seeds. "
-        "Those that went well before can only lose, so they are driven again by both, twice, with other random numbers "
-        "for SUMO's drivers (drawn anew): what the base misses of 100 there is the luck it had."
+        "Those that went well before can only lose, so both drive them again, twice, with other random numbers for SUMO's "
+        "drivers (drawn anew: the Driving Score of the base there, and the change); these alter how much the others dawdle, "
+        "and nothing else."
     )
     return Table("Forgetting", note, tuple(rows))
 
