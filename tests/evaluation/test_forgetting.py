@@ -43,7 +43,7 @@ def test_what_went_well_is_drawn_anew_with_seeds_of_its_own_and_nothing_else_cha
     assert redrawn([ordinary, hard], [BAD, GOOD]) == []
 
 
-def test_luck_of_the_old_policy_is_told_apart_from_what_the_new_one_loses():
+def test_what_was_drawn_anew_tells_the_old_policy_and_the_difference_to_the_new_one():
     assert forgotten_anew([GOOD, BAD], [BAD, BAD]) == {"redrawn_before": 65.0, "redrawn_change": -35.0}
     assert forgotten_anew([BAD], [BAD])["redrawn_change"] == 0.0
     assert forgotten_anew([], []) == {"redrawn_before": None, "redrawn_change": None}

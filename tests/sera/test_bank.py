@@ -66,13 +66,18 @@ def test_a_known_quantity_draws_the_like_of_it_near(generated):
 
 @pytest.mark.parametrize(
     "failure",
-    [FailurePattern("x", what="COLLISION", where=Where(road="highway_exit")), FailurePattern("x", "crash at exit")],
+    [
+        FailurePattern("x", what="COLLISION", where=Where(road="highway_exit", weather="clear", light="daytime")),
+        FailurePattern("x", "crash at an exit in clear weather by day"),
+    ],
 )
-def test_of_like_scenarios_those_that_are_known_to_fail_come_first_and_those_that_are_mastered_last(tmp_path, failure):
+def test_what_is_known_to_fail_comes_first_even_in_other_weather_and_what_is_mastered_after_what_is_unknown(
+    tmp_path, failure
+):
     others = [entry(f"other {number}", participants={"car": number}) for number in range(1, 9)]
     build_bank(tmp_path / "b", [
         entry("mastered", outcomes=ran("GOAL", 12.0), ego_speed=21.0), entry("unknown", ego_speed=22.0),
-        entry("failed", outcomes=ran("COLLISION")), *others,
+        entry("failed", outcomes=ran("COLLISION"), weather="rainy"), *others,
     ])  # fmt: skip
     with Bank(tmp_path / "b") as bank:
         names = [bank.entry(hit.number).name for hit in bank.search(failure, 11)]

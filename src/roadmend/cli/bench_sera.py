@@ -81,7 +81,8 @@ _INCIDENTS: TypeAdapter[list[Incident]] = TypeAdapter(list[Incident])
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def sera(
     policies: str | None, seeds: int | None, file: Path | None, fresh_seed: int | None, cases: int | None,
-    committed: Path, work: Path | None, out: Path | None, workers: int, *, quick: bool, in_depth: bool, repaired_replay: bool, as_json: bool,
+    committed: Path, work: Path | None, out: Path | None, workers: int, *, quick: bool, in_depth: bool,
+    repaired_replay: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Tune policies on random, recommended and reflected selections, and measure what that gains and what it loses.
 
@@ -92,10 +93,10 @@ def sera(
     config = config_folder()
     plan = read_sera_plan(file or config / "benchmarks" / "sera.yaml", quick=quick)
     plan = plan.model_copy(
-        update=({} if seeds is None else {"seeds": seeds}) | ({} if in_depth else {"in_depth": []})
-    )  # fmt: skip
-    if repaired_replay:
-        plan = plan.model_copy(update={"few_shot": {**plan.few_shot, "replay_repair": True}})
+        update=({} if seeds is None else {"seeds": seeds})
+        | ({} if in_depth else {"in_depth": []})
+        | ({"few_shot": {**plan.few_shot, "replay_repair": True}} if repaired_replay else {})
+    )
     chosen = plan.policies if policies is None else [part.strip() for part in policies.split(",")]
     models = {policy: find_model(policy) for policy in chosen}
     corpora = load_corpora(plan.evaluation, config)

@@ -47,9 +47,7 @@ def forgotten(
 
 def forgotten_anew(before: Sequence[DrivingMeasures], after: Sequence[DrivingMeasures]) -> dict[str, float | None]:
     """The same of what went well and was drawn anew: what the old policy scores there, and what the new one has more."""
-    return {
-        "redrawn_before": fmean(one.driving_score for one in before) if before else None,
-        "redrawn_change": fmean(new.driving_score - old.driving_score for old, new in zip(before, after, strict=True))
-        if before
-        else None,
-    }
+    if not before:
+        return {"redrawn_before": None, "redrawn_change": None}
+    old, new = (fmean(one.driving_score for one in measures) for measures in (before, after))
+    return {"redrawn_before": old, "redrawn_change": new - old}

@@ -66,13 +66,13 @@ class Experiment:
             found[arm] = self._measures(models[arm], measured)
             arms[arm] = means(found[arm])
         anew = redrawn(measured, base)
-        again = forgotten_anew(self.workshop.drive(self.model, anew), self.workshop.drive(models["full"], anew))
+        forgetting = {arm: forgotten(measured, base, after) for arm, after in found.items()}
+        forgetting["full"] |= forgotten_anew(
+            self.workshop.drive(self.model, anew), self.workshop.drive(models["full"], anew)
+        )
         return {
             "seed": seed, "measured": len(measured), "scenarios": len(chosen.refined), "swaps": len(chosen.swaps),
-            "arms": arms, "kept_epochs": kept,
-            "forgetting": {
-                arm: forgotten(measured, base, after) | (again if arm == "full" else {}) for arm, after in found.items()
-            },
+            "arms": arms, "kept_epochs": kept, "forgetting": forgetting,
         }  # fmt: skip
 
     def _failed(self, analysed: Sequence[Evaluated]) -> list[Scenario]:

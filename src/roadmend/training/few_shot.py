@@ -9,7 +9,7 @@ tried; where these do not either, the policy stays as it was.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -109,15 +109,13 @@ def lessons_of(scenario: Scenario, model: Path, settings: FewShotSettings) -> li
 def replay_lessons(model: Path, settings: FewShotSettings) -> list[Lesson]:
     """The ordinary episodes that old skill is kept with.
 
-    Advice that nobody repairs there contradicts what the selection teaches of caution, and holds it back; repaired advice
-    teaches caution by itself, whatever was selected.
+    Unless ``replay_repair`` says otherwise, the expert alone advises in them, as it did when the policy was first taught.
     """
-    lessons = [
-        ordinary_lesson(family, seed, model, settings.expert_share, settings.noise, settings.every)
-        for family, seed in ordinary_seeds(settings.replay_seed, settings.replay)
-    ]  # fmt: skip
     repair = repair_model(settings) if settings.replay_repair else None
-    return [replace(lesson, repair=repair) for lesson in lessons]
+    return [
+        ordinary_lesson(family, seed, model, settings.expert_share, settings.noise, settings.every, repair)
+        for family, seed in ordinary_seeds(settings.replay_seed, settings.replay)
+    ]
 
 
 def repair_model(settings: FewShotSettings) -> Path | None:

@@ -105,10 +105,11 @@ class Tutor:
 
 
 def ordinary_lesson(
-    family: str, seed: int, model: Path | None, expert_share: float, noise: float, every: int
-) -> Lesson:
+    family: str, seed: int, model: Path | None, expert_share: float, noise: float, every: int,
+    repair: Path | None = None,
+) -> Lesson:  # fmt: skip
     """A lesson in a random scenario of a family."""
-    return Lesson(sample_scenario(family, seed), f"{family}/{seed}", model, expert_share, noise, every)
+    return Lesson(sample_scenario(family, seed), f"{family}/{seed}", model, expert_share, noise, every, repair)
 
 
 def gather(lesson: Lesson) -> Samples:
