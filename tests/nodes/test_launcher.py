@@ -132,11 +132,11 @@ def test_the_recorder_is_waited_for_and_without_observers_nobody_is(run, tmp_pat
 
     assert waited_for(run) == 'wait_for:=["policy_node", "repair_node", "recorder_node", "viz_node"]'
     live = _Run(
-        GraphOptions(Path("s.yaml"), record=False, viz=False, foxglove=9000), tmp_path, tmp_path, 7, lambda *_: None
+        GraphOptions(Path("s.yaml"), record=False, viz=False, foxglove=9000), None, tmp_path, 7, lambda *_: None
     )
     assert waited_for(live) == 'wait_for:=["policy_node", "repair_node", "foxglove_node"]'
     assert "port:=9000" in live._observers[0].arguments
-    bare = _Run(GraphOptions(Path("s.yaml"), record=False, viz=False), tmp_path, tmp_path, 7, lambda *_: None)
+    bare = _Run(GraphOptions(Path("s.yaml"), record=False, viz=False), None, tmp_path, 7, lambda *_: None)
     assert waited_for(bare) == 'wait_for:=["policy_node", "repair_node"]'
     assert bare._observers == []
 
@@ -146,3 +146,56 @@ def test_a_bag_that_is_there_already_is_refused_before_anything_starts(tmp_path,
     (tmp_path / "bag").mkdir()
     with pytest.raises(InputError, match="exists already; choose another --name"):
         run_graph(GraphOptions(Path("s.yaml"), bags=tmp_path, name="bag"))
+
+
+def refused(*_):
+    raise InputError("seed", "is no number", "give one")
+
+
+def tree(folder):
+    return {str(path.relative_to(folder)): path.is_file() and path.read_bytes() for path in folder.rglob("*")}
+
+
+@pytest.mark.parametrize("record", [True, False])
+@pytest.mark.parametrize("name", ["kept", ".", "..", "a/b", "../kept", "", "new"])
+def test_a_run_that_is_refused_removes_nothing_but_its_own(tmp_path, monkeypatch, name, record):
+    monkeypatch.setattr("roadmend.nodes.launcher._Run.supervise", refused)
+    out = tmp_path / "out"
+    (out / "kept").mkdir(parents=True)
+    (out / "kept" / "precious.mcap").write_bytes(b"precious")
+    before = tree(tmp_path)
+    with pytest.raises(InputError):
+        run_graph(GraphOptions(Path("s.yaml"), bags=out, name=name, record=record))
+    assert tree(tmp_path) == before
+
+
+def test_of_runs_begun_in_the_same_second_each_has_a_bag_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.setattr("roadmend.nodes.launcher.time.strftime", lambda *_: "20260101-000000")
+    begun = []
+
+    def drive(run, _stopped):
+        (run._bag / "bag.mcap").write_bytes(b"driven")
+        begun.append(run._bag.name)
+
+    monkeypatch.setattr("roadmend.nodes.launcher._Run.supervise", drive)
+    options = GraphOptions(Path("s.yaml"), bags=tmp_path)
+    run_graph(options)
+    with monkeypatch.context() as failing:
+        failing.setattr("roadmend.nodes.launcher._Run.supervise", refused)
+        with pytest.raises(InputError):
+            run_graph(options)
+    run_graph(options)
+    stem = "s-modular-rss-20260101-000000"
+    assert begun == [stem, f"{stem}-2"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == begun
+    assert all((tmp_path / name / "bag.mcap").read_bytes() == b"driven" for name in begun)
+
+
+def test_a_run_that_recorded_nothing_leaves_no_empty_folder(tmp_path, monkeypatch):
+    def die(*_):
+        raise RoadmendError("sim_node ended")
+
+    monkeypatch.setattr("roadmend.nodes.launcher._Run.supervise", die)
+    with pytest.raises(RoadmendError):
+        run_graph(GraphOptions(Path("s.yaml"), bags=tmp_path / "bags", name="bag"))
+    assert not (tmp_path / "bags" / "bag").exists()

@@ -194,3 +194,12 @@ def test_sigkill_loses_less_than_a_second(tmp_path):
     assert killed - times[-1] < 1e9
     assert times[0] - started < 1e9
     assert max(after - before for before, after in itertools.pairwise(times)) < 0.5e9
+
+
+def test_a_claimed_folder_must_be_there_and_empty(tmp_path):
+    with pytest.raises(InputError, match="cannot be written"):
+        BagWriter(tmp_path / "missing", claimed=True)
+    (tmp_path / "claimed").mkdir()
+    BagWriter(tmp_path / "claimed", claimed=True).close()
+    with pytest.raises(InputError, match="exists already"):
+        BagWriter(tmp_path / "claimed", claimed=True)

@@ -13,6 +13,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
+from roadmend.core.claim import check_name, claim_folder, claim_numbered
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.nodes.children import Child, stop
 from roadmend.nodes.domain import own_domain
@@ -88,21 +89,48 @@ def run_graph(options: GraphOptions, report: Callable[[str, float], None] = lamb
         report: called with a word on the state and the wall time [s] since the start, several times a second.
 
     Raises:
-        InputError: a node refuses its parameters, or the bag's place is taken.
+        InputError: a node refuses its parameters, or the bag's name is no name or taken.
         RoadmendError: a node failed beyond repair.
         InterruptedRunError: SIGINT or SIGTERM arrived.
     """
-    name = options.name or f"{options.scenario.stem}-{options.policy}-{options.method}-{time.strftime('%Y%m%d-%H%M%S')}"
-    bag = options.bags / name
-    if options.record and bag.exists():
-        raise InputError(str(bag), "exists already", "choose another --name or remove it")
-    with own_domain() as domain, tempfile.TemporaryDirectory(prefix="roadmend-run-") as folder, _signals() as stopped:
+    with (
+        _claimed_bag(options) as bag,
+        own_domain() as domain,
+        tempfile.TemporaryDirectory(prefix="roadmend-run-") as folder,
+        _signals() as stopped,
+    ):
         return _Run(options, bag, Path(folder), domain, report).supervise(stopped)
+
+
+@contextlib.contextmanager
+def _claimed_bag(options: GraphOptions) -> Iterator[Path | None]:
+    """The bag's folder, made by and for this run before anything starts; None where nothing is recorded.
+
+    It goes again where the input is bad, since nothing was driven then, and where nothing was written into it.
+    """
+    if options.name:
+        check_name("--name", options.name)
+    if not options.record:
+        yield None
+        return
+    if options.name:
+        bag = claim_folder(options.bags, options.name)
+    else:
+        stamp = time.strftime("%Y%m%d-%H%M%S")
+        bag = claim_numbered(options.bags, f"{options.scenario.stem}-{options.policy}-{options.method}-{stamp}")
+    try:
+        yield bag
+    except InputError:
+        shutil.rmtree(bag, ignore_errors=True)
+        raise
+    finally:
+        with contextlib.suppress(OSError):
+            bag.rmdir()  # succeeds only where it is empty
 
 
 class _Run:
     def __init__(
-        self, options: GraphOptions, bag: Path, folder: Path, domain: int, report: Callable[[str, float], None]
+        self, options: GraphOptions, bag: Path | None, folder: Path, domain: int, report: Callable[[str, float], None]
     ) -> None:
         self._options = options
         reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
@@ -112,7 +140,7 @@ class _Run:
         self._report = report
         self._begun = time.monotonic()
         wanted = {
-            "recorder_node": options.record,
+            "recorder_node": bag is not None,
             "viz_node": options.viz,
             "foxglove_node": options.foxglove is not None,
         }
@@ -123,14 +151,14 @@ class _Run:
         )  # fmt: skip
         self._observers: list[Child] = []
         self._gone: set[str] = set()
-        if options.record:
+        if bag is not None:
             told = provenance(
                 options.scenario, options.policy, options.method, options.clock, options.seed, options.ros_arguments
             )
             (folder / "run.json").write_text(json.dumps(told), encoding="utf-8")
             self._observers.append(
                 self._child(
-                    "recorder", may_restart=False, output=str(options.bags), name=bag.name,
+                    "recorder", may_restart=False, output=str(bag.parent), name=bag.name, claimed=True,
                     metadata=str(folder / "run.json"), attachments=[str(options.scenario)], drain_limit=DRAIN_S,
                 )
             )  # fmt: skip
@@ -179,7 +207,6 @@ class _Run:
             return self._result()
         except InputError:
             stop(everyone, time.monotonic() + STOP_S)
-            shutil.rmtree(self._bag, ignore_errors=True)  # of this run, and nothing was driven
             raise
         finally:
             stop(everyone, time.monotonic() + 0.5)
@@ -240,7 +267,7 @@ class _Run:
             intensity=repair.get("intensity", 0.0), dose=repair.get("dose", 0.0), watchdog_ticks=sim["watchdog_ticks"],
             restarts=sum(child.restarts for child in [*self._observers, *self._drivers]),
             real_time_factor=sim["real_time_factor"], digest=sim["digest"],
-            bag=str(self._bag) if options.record else "", recording_error=self._recording_error(),
+            bag=str(self._bag or ""), recording_error=self._recording_error(),
         )  # fmt: skip
 
     def _recording_error(self) -> str:

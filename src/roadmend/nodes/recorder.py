@@ -18,6 +18,7 @@ from rclpy.serialization import deserialize_message
 from rclpy.time import Time
 from roadmend_msgs.msg import ScenarioEvent
 
+from roadmend.core.claim import check_name
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
 from roadmend.nodes import qos
@@ -46,6 +47,8 @@ class RecorderParameters:
 
     output: str = field(default="bags", metadata={"text": "folder in which the bag's folder is made"})
     name: str = field(default="recording", metadata={"text": "name of the bag and of its folder"})
+    claimed: bool = field(default=False, metadata={
+        "text": "the bag's folder is there, empty, made for this bag by who starts the node"})  # fmt: skip
     include: str = field(default="", metadata={"text": "regular expression found in each topic to record"})
     exclude: str = field(default="^/parameter_events$", metadata={
         "text": "regular expression found in each topic not to record; empty for none"})  # fmt: skip
@@ -104,7 +107,8 @@ class RecorderNode(Node):
             compression, settings.chunk_size, settings.flush_interval, settings.max_bagfile_size,
             settings.max_bagfile_duration,
         )  # fmt: skip
-        self._writer = BagWriter(Path(settings.output, settings.name), options)
+        check_name("parameter name", settings.name)
+        self._writer = BagWriter(Path(settings.output, settings.name), options, claimed=settings.claimed)
         self._writer.add_metadata(METADATA_RECORD, self._metadata)
         for attachment in attachments:
             self._writer.add_attachment(attachment.name, attachment.media_type, attachment.data)

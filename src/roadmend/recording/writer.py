@@ -57,12 +57,13 @@ class BagWriter:
     Args:
         folder: the bag's folder, which must not exist yet; its name is the bag's name.
         options: how to write.
+        claimed: the folder was made for this bag by the caller, and is empty.
 
     Raises:
-        InputError: the folder exists already or cannot be made.
+        InputError: the folder exists already, or cannot be made; or it is claimed, and missing or not empty.
     """
 
-    def __init__(self, folder: Path, options: BagOptions = BagOptions()) -> None:
+    def __init__(self, folder: Path, options: BagOptions = BagOptions(), *, claimed: bool = False) -> None:
         self.folder = folder
         self.bytes = 0  # of message data, before compression
         self.count = 0  # messages, without those that a further file repeats
@@ -73,7 +74,7 @@ class BagWriter:
         self._finished: list[FileSummary] = []
         self._max_ns = options.max_bagfile_duration * _SECOND
         try:
-            folder.mkdir(parents=True)
+            _take(folder, claimed=claimed)
             self._file = self._next_file()
         except FileExistsError as error:
             raise InputError(str(folder), "exists already", "choose another name or remove it") from error
@@ -301,3 +302,10 @@ class BagWriter:
     def _failure(self, error: OSError) -> RecordingError:
         self.abandon()
         return RecordingError(str(error.filename or self.file), f"cannot be written ({error.strerror})")
+
+
+def _take(folder: Path, *, claimed: bool) -> None:
+    if not claimed:
+        folder.mkdir(parents=True)
+    elif any(folder.iterdir()):
+        raise FileExistsError
