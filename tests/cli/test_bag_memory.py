@@ -34,7 +34,7 @@ def memory(folder, *arguments):
     """Peak of a command's resident memory [KB]; the command must succeed."""
     done = subprocess.run(
         [sys.executable, "-c", COMMAND, "bag", *arguments], cwd=folder, capture_output=True, text=True, check=True
-    )  # fmt: skip
+    )
     code, peak = done.stderr.split()[-2:]
     assert code == "0", done.stderr
     return int(peak)

@@ -76,8 +76,18 @@ def test_the_same_method_repeats_the_run_bit_for_bit(recorded, resimulate):
 def test_the_new_bag_is_laid_out_as_one_of_the_graph(recorded, resimulate):
     _, out = resimulate("--repair", "predictive")
     then, now = BagReader(recorded[0]), BagReader(out)
-    for name in ("/clock", "/ego", "/objects", "/route", "/map", "/events", "/policy/command", "/policy/trajectory",
-                 "/repair/command", "/repair/state"):  # fmt: skip
+    for name in (
+        "/clock",
+        "/ego",
+        "/objects",
+        "/route",
+        "/map",
+        "/events",
+        "/policy/command",
+        "/policy/trajectory",
+        "/repair/command",
+        "/repair/state",
+    ):
         recorded_topic, topic = then.topics[name], now.topics[name]
         assert (topic.type_name, topic.type_hash) == (recorded_topic.type_name, recorded_topic.type_hash)
         known, offered = recorded_topic.offers[0], topic.offers[0]

@@ -164,6 +164,8 @@ def test_a_table_needs_every_rival_and_names_what_else_was_left_out():
     assert {"policy": "neural", "method": "hindsight", "reason": "not asked for"} in left
     assert len(left) == len(plan.policies) * (len(plan.methods) - len(rivals))
     for fewer in (
-        replace(choice, methods=tuple(rivals[1:])), replace(choice, policies=("modular",)), replace(choice, cases=3)
-    ):  # fmt: skip
+        replace(choice, methods=tuple(rivals[1:])),
+        replace(choice, policies=("modular",)),
+        replace(choice, cases=3),
+    ):
         assert bench_adreft._stem(plan, fewer) == "adreft-part"

@@ -20,9 +20,24 @@ def toy(subject, parameters, repair=None):
 
 def test_curves_are_written_and_a_second_call_searches_nothing(tmp_path, monkeypatch, capfd):
     arguments = [
-        "bench", "adreft", "--robustness", "--budget", "12", "--policy", "modular", "--families", "S4,S5",
-        "--methods", "none", "--work", str(tmp_path / "work"), "--out", str(tmp_path / "out"), "--workers", "1",
-    ]  # fmt: skip
+        "bench",
+        "adreft",
+        "--robustness",
+        "--budget",
+        "12",
+        "--policy",
+        "modular",
+        "--families",
+        "S4,S5",
+        "--methods",
+        "none",
+        "--work",
+        str(tmp_path / "work"),
+        "--out",
+        str(tmp_path / "out"),
+        "--workers",
+        "1",
+    ]
     monkeypatch.setattr(bench_robustness, "evaluate", toy)
     assert main(arguments) == 0
     content = json.loads((tmp_path / "out" / "adreft-robustness.json").read_text())

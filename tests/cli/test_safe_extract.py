@@ -120,8 +120,11 @@ class TestUsage:
             settings = tmp_path / "openai.yaml"
             settings.write_text("input_price: 2.0\noutput_price: 10.0\n" if prices else "attempts: 1\n")
             meta = {
-                "analysis": "", "road_type": "Curve", "number_of_vehicles": 1, "driving_directions": ["W2E"],
-            }  # fmt: skip
+                "analysis": "",
+                "road_type": "Curve",
+                "number_of_vehicles": 1,
+                "driving_directions": ["W2E"],
+            }
             answers = {"meta_message": meta, "validation": refused}
             with serving(
                 lambda body: completion(json.dumps(answers[body["response_format"]["json_schema"]["name"]]))

@@ -9,14 +9,21 @@ from roadmend.cli.main import main
 from roadmend.world.scenario_file import load_scenario
 
 HEAD_ON = {
-    "road_type": "Straight", "num_lanes": 2, "stem_direction": None,
+    "road_type": "Straight",
+    "num_lanes": 2,
+    "stem_direction": None,
     "vehicles": [
         {"model": "Sedan", "initial_position": "W2E", "action": "Move Forward", "speed_limit_mph": 35},
-        {"model": "SUV", "initial_position": "E2W", "action": "Move Forward", "speed_limit_mph": 35,
-         "manoeuvre": "Enter the Wrong Way"},
+        {
+            "model": "SUV",
+            "initial_position": "E2W",
+            "action": "Move Forward",
+            "speed_limit_mph": 35,
+            "manoeuvre": "Enter the Wrong Way",
+        },
     ],
     "env": {"time": "Daytime", "weather": None},
-}  # fmt: skip
+}
 SUMMARY = (
     "Vehicle one, a 2001 Ford Taurus four-door sedan, was traveling east on a two-lane, two-way road. Vehicle two, a "
     "2003 Dodge Ram pickup truck, was traveling west on the same road. It was daylight and the weather was clear. The "
@@ -100,9 +107,23 @@ def test_export_writes_both_formats(crash, tmp_path, capsys):
 def test_bench_writes_the_figures_with_the_papers_beside(report, tmp_path, capsys):
     (report / "head-on" / "oracle.json").write_text(json.dumps(HEAD_ON), encoding="utf-8")
     code, _, _ = run(
-        capsys, "bench", "safe", report, "--policy", "modular", "--samples", 1, "--budget", 12, "--workers", 1,
-        "--work", tmp_path / "work", "--out", tmp_path / "bench",
-    )  # fmt: skip
+        capsys,
+        "bench",
+        "safe",
+        report,
+        "--policy",
+        "modular",
+        "--samples",
+        1,
+        "--budget",
+        12,
+        "--workers",
+        1,
+        "--work",
+        tmp_path / "work",
+        "--out",
+        tmp_path / "bench",
+    )
     assert code == 0
     content = json.loads((tmp_path / "bench" / "safe.json").read_text(encoding="utf-8"))
     assert {*content["extraction"]} >= {"road", "actors", "env", "overall"}

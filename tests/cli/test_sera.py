@@ -57,14 +57,17 @@ def test_an_export_comes_back_as_the_same_bank(bank, tmp_path, capsys):
     ("change", "message"),
     [
         (lambda lines: [], "is no export of a bank"),
-        (lambda lines: ['{"format": "roadmend-bank-export/9", "entries": 1}'], "has the format 'roadmend-bank-export/9'"),
+        (
+            lambda lines: ['{"format": "roadmend-bank-export/9", "entries": 1}'],
+            "has the format 'roadmend-bank-export/9'",
+        ),
         (lambda lines: lines[:-1], "holds 30 of 31 entries"),
         (lambda lines: [*lines[:2], "{", *lines[3:]], "line 3: is no JSON"),
         (lambda lines: [lines[0], '{"digest": "x"}'], "line 2: has other fields than"),
         (lambda lines: [lines[0], lines[1].replace('"weather":"', '"weather":"x')], "line 2: field weather"),
         (lambda lines: [lines[0], lines[1].replace('"seed":', '"seed":1')], "line 2: has another digest"),
     ],
-)  # fmt: skip
+)
 def test_a_bad_export_is_refused_and_leaves_nothing(bank, tmp_path, capsys, change, message):
     lines = tmp_path / "all.jsonl"
     assert main(["sera", "bank", "export", "--bank", str(bank), "--out", str(lines)]) == 0

@@ -58,8 +58,11 @@ def test_the_cycle_end_to_end_from_the_sample_bags_and_once_more(tmp_path, capsy
     assert first["patterns"] == ["collision in the exit lane: the ego drives on, a truck cuts in"]
     assert len(first["selected"]) == 2
     assert first["tuned"] == {
-        "model": "generation-0/model.safetensors", "epochs": 0, "driving_score": 60.0, "before": 60.0,
-    }  # fmt: skip
+        "model": "generation-0/model.safetensors",
+        "epochs": 0,
+        "driving_score": 60.0,
+        "before": 60.0,
+    }
     assert first["summary"]["episodes"] == 5
     assert last["summary"] == first["summary"]
     assert last["tuned"] is None

@@ -27,10 +27,14 @@ def endpoint(monkeypatch):
 def analysis(body):
     (one,) = json.loads(texts(body)[2])["incidents"]
     pattern = {
-        "name": "exit", "words": "A truck cuts in at the exit.", "what": "COLLISION",
+        "name": "exit",
+        "words": "A truck cuts in at the exit.",
+        "what": "COLLISION",
         "where": dict.fromkeys(one["where"]) | {"road": one["where"]["road"]},
-        "who": one["who"], "why": one["why"], "evidence": [1],
-    }  # fmt: skip
+        "who": one["who"],
+        "why": one["why"],
+        "evidence": [1],
+    }
     return as_completion({"analysis": "...", "patterns": [pattern]})
 
 

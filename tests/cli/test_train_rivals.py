@@ -21,10 +21,20 @@ def case_of(number, split, outcome):
     scenario = family.build(parameters, f"case-{number}", number)
     summary = run_episode(scenario, make_policy("modular"), make_repairer("none"))
     return Case(
-        name=scenario.name, family="S4", split=split, seed=number, parameters=parameters, outcome=outcome,
-        digest=summary.digest, technique="random", search_seed=0, index=number, text=summary.text, min_distance=1.0,
+        name=scenario.name,
+        family="S4",
+        split=split,
+        seed=number,
+        parameters=parameters,
+        outcome=outcome,
+        digest=summary.digest,
+        technique="random",
+        search_seed=0,
+        index=number,
+        text=summary.text,
+        min_distance=1.0,
         duration=summary.duration,
-    )  # fmt: skip
+    )
 
 
 @pytest.fixture(scope="module")

@@ -20,9 +20,15 @@ def case(name, violation, family="S1"):
 
 
 CASES = [
-    case("a", True), case("b", True), case("c", True, "S2"), case("d", True, "S2"),
-    case("e", False), case("f", False), case("g", False, "S2"), case("h", False, "S2"),
-]  # fmt: skip
+    case("a", True),
+    case("b", True),
+    case("c", True, "S2"),
+    case("d", True, "S2"),
+    case("e", False),
+    case("f", False),
+    case("g", False, "S2"),
+    case("h", False, "S2"),
+]
 FAMILY = {each.name: each.family for each in CASES}
 
 
@@ -41,22 +47,29 @@ def contender(name, title, group, policy="modular"):
 
 def measured(policy="modular"):
     contenders = (
-        contender("none", "no repair", "reference", policy), contender("rule", "RuleRepair", "rival", policy),
-        contender("adreft", "ADReFT", "adreft", policy), contender("hindsight", "hindsight bound", "bound", policy),
-    )  # fmt: skip
+        contender("none", "no repair", "reference", policy),
+        contender("rule", "RuleRepair", "rival", policy),
+        contender("adreft", "ADReFT", "adreft", policy),
+        contender("hindsight", "hindsight bound", "bound", policy),
+    )
     absences = (Absence("wo_sr", policy, "there is no model <wo_sr>"),)
     entrants = Entrants(policy, "", "d" * 64, tuple(CASES), contenders, contenders[1:3], absences)
     results = {
-        "none": run("CCCCGGGG"), "rule": run("GTCCGGGC", 20, 24.0), "adreft": run("GGGTGGGG", 10, 6.0),
+        "none": run("CCCCGGGG"),
+        "rule": run("GTCCGGGC", 20, 24.0),
+        "adreft": run("GGGTGGGG", 10, 6.0),
         "hindsight": run("GGGCGGGG", 5, 4.0),
-    }  # fmt: skip
+    }
     confusions = {
-        "rule": (Confusion(1, 1, 9, 89),) * len(CASES), "adreft": (Confusion(8, 4, 2, 86),) * len(CASES),
-    }  # fmt: skip
+        "rule": (Confusion(1, 1, 9, 89),) * len(CASES),
+        "adreft": (Confusion(8, 4, 2, 86),) * len(CASES),
+    }
     return Measured(entrants, results, confusions)
 
 
 MADE = {
-    "command": "./roadmend bench adreft", "commit": "0123456789abcdef", "dirty": False,
+    "command": "./roadmend bench adreft",
+    "commit": "0123456789abcdef",
+    "dirty": False,
     "machine": {"processor": "a <processor>", "cores": 2, "system": "Linux 6", "python": "3.11.7"},
-}  # fmt: skip
+}

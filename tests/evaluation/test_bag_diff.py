@@ -28,12 +28,13 @@ def odometry(x, y=0.0):
     pose = types["geometry_msgs/msg/Pose"](position=place, orientation=turn)
     header = types["std_msgs/msg/Header"](stamp=types["builtin_interfaces/msg/Time"](sec=0, nanosec=0), frame_id="map")
     return types[ODOMETRY](
-        header=header, child_frame_id="base_link",
+        header=header,
+        child_frame_id="base_link",
         pose=types["geometry_msgs/msg/PoseWithCovariance"](pose=pose, covariance=np.zeros(36)),
         twist=types["geometry_msgs/msg/TwistWithCovariance"](
             twist=types["geometry_msgs/msg/Twist"](linear=none, angular=none), covariance=np.zeros(36)
         ),
-    )  # fmt: skip
+    )
 
 
 def cdr(value):
@@ -82,8 +83,12 @@ def test_the_first_tick_that_differs_and_how_far(bag):
     assert ego.largest == {"pose.pose.position.x": 1.5}
     path = diff.trajectories["/ego"]
     assert (path.ticks, path.mean, path.largest, path.largest_at, path.last) == (
-        10, pytest.approx(0.3), 1.5, pytest.approx(0.45), 1.5
-    )  # fmt: skip
+        10,
+        pytest.approx(0.3),
+        1.5,
+        pytest.approx(0.45),
+        1.5,
+    )
     assert diff.topics["/note"].differing == 0
 
 
@@ -144,9 +149,11 @@ def test_the_command_and_its_exit_codes(bag, tmp_path, capsys):
     assert main(["bag", "diff", str(one), str(other)]) == 1
     printed = capsys.readouterr().out
     for words in (
-        "different: 1 of 10 ticks, first at 0.450 s", "distance of /ego: at most 1 m (at 0.450 s), mean 0.1 m",
-        "metadata method: rss and none", "pose.pose.position.x 1",
-    ):  # fmt: skip
+        "different: 1 of 10 ticks, first at 0.450 s",
+        "distance of /ego: at most 1 m (at 0.450 s), mean 0.1 m",
+        "metadata method: rss and none",
+        "pose.pose.position.x 1",
+    ):
         assert words in printed
     assert main(["bag", "diff", "--json", str(one), str(other)]) == 1
     assert json.loads(capsys.readouterr().out)["first_difference"] == pytest.approx(0.45)

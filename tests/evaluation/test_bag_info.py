@@ -105,8 +105,9 @@ def test_a_cut_bag_tells_what_it_still_can(episode):
     info = bag_info(episode)
     assert not info.complete
     assert info.missing[:2] == [
-        "metadata.yaml: is missing", "the file has no end: its writer was stopped, or the file was cut"
-    ]  # fmt: skip
+        "metadata.yaml: is missing",
+        "the file has no end: its writer was stopped, or the file was cut",
+    ]
     assert 0 < info.messages < 192
     assert (info.outcome, info.outcome_text) == ("UNFINISHED", "no final event was recorded")
     assert info.interventions.interventions >= 5
@@ -119,8 +120,11 @@ def test_the_command_prints_it_for_people_and_for_programs(episode):
     read = json.loads(CliRunner().invoke(command, ["info", "--json", str(episode)], catch_exceptions=False).stdout)
     assert read["topics"][0]["name"] == "/clock"
     assert read["interventions"] == {
-        "ticks": 100, "interventions": 6, "spells": 2, "states": {"PASS": 94, "REPAIRED": 6}
-    }  # fmt: skip
+        "ticks": 100,
+        "interventions": 6,
+        "spells": 2,
+        "states": {"PASS": 94, "REPAIRED": 6},
+    }
 
 
 def test_the_command_that_recovers(episode, tmp_path, monkeypatch):

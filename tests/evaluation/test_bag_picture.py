@@ -66,26 +66,82 @@ class Scribe:
 def record(folder, *, prefix="", intervene=range(40, 60), outcome=2, with_state=True, scenario="car ahead"):
     with BagWriter(folder) as bag:
         scribe = Scribe(bag, prefix)
-        scribe.write("route", 0, scenario=scenario, ego_length=4.0, ego_width=1.7, goal=90.0, time_limit=60.0,
-                     stage_begin=[0], x=[0.0, 50.0, 100.0], y=[0.0] * 3, speed_limit=[13.9] * 3, zone_stage=[0],
-                     zone_begin=[60.0], zone_end=[70.0], zone_rule=[2], zone_signal=[-1])  # fmt: skip
-        scribe.write("map", 0, lane_begin=[0, 2], lane_kind=[0, 0], lane_width=[3.2, 3.2],
-                     x=[-20.0, 100.0, -20.0, 100.0], y=[0.0, 0.0, 3.2, 3.2])  # fmt: skip
+        scribe.write(
+            "route",
+            0,
+            scenario=scenario,
+            ego_length=4.0,
+            ego_width=1.7,
+            goal=90.0,
+            time_limit=60.0,
+            stage_begin=[0],
+            x=[0.0, 50.0, 100.0],
+            y=[0.0] * 3,
+            speed_limit=[13.9] * 3,
+            zone_stage=[0],
+            zone_begin=[60.0],
+            zone_end=[70.0],
+            zone_rule=[2],
+            zone_signal=[-1],
+        )
+        scribe.write(
+            "map",
+            0,
+            lane_begin=[0, 2],
+            lane_kind=[0, 0],
+            lane_width=[3.2, 3.2],
+            x=[-20.0, 100.0, -20.0, 100.0],
+            y=[0.0, 0.0, 3.2, 3.2],
+        )
         scribe.write("events", 0, kind=0, text="started")
         for tick in range(TICKS):
             time_ns, x = tick * 50_000_000, 0.4 * tick
-            scribe.write("ego", time_ns, pose={"pose": {"position": {"x": x}, "orientation": {"w": 1.0}}},
-                         twist={"twist": {"linear": {"x": 8.0}}})  # fmt: skip
-            scribe.write("objects", time_ns, id=[9], kind=[1], x=[50.0], y=[0.0], yaw=[0.0], speed=[0.0],
-                         acceleration=[0.0], yaw_rate=[0.0], length=[4.0], width=[1.8])  # fmt: skip
-            scribe.write("policy/trajectory", time_ns, interval=0.5, x=[x + 4, x + 8], y=[0.0] * 2, yaw=[0.0] * 2,
-                         speed=[8.0] * 2, behaviour="follow")  # fmt: skip
+            scribe.write(
+                "ego",
+                time_ns,
+                pose={"pose": {"position": {"x": x}, "orientation": {"w": 1.0}}},
+                twist={"twist": {"linear": {"x": 8.0}}},
+            )
+            scribe.write(
+                "objects",
+                time_ns,
+                id=[9],
+                kind=[1],
+                x=[50.0],
+                y=[0.0],
+                yaw=[0.0],
+                speed=[0.0],
+                acceleration=[0.0],
+                yaw_rate=[0.0],
+                length=[4.0],
+                width=[1.8],
+            )
+            scribe.write(
+                "policy/trajectory",
+                time_ns,
+                interval=0.5,
+                x=[x + 4, x + 8],
+                y=[0.0] * 2,
+                yaw=[0.0] * 2,
+                speed=[8.0] * 2,
+                behaviour="follow",
+            )
             if with_state:
                 acts = tick in intervene
-                scribe.write("repair/state", time_ns, state=int(acts), score=0.9 if acts else 0.1, threshold=0.5,
-                             policy_action=0.4, repair_action=-0.8, final_action=-0.8 if acts else 0.4,
-                             intervened=acts, trigger_id=[9] if acts else [], trigger_weight=[1.0] if acts else [],
-                             reason="car 9 ahead" if acts else "")  # fmt: skip
+                scribe.write(
+                    "repair/state",
+                    time_ns,
+                    state=int(acts),
+                    score=0.9 if acts else 0.1,
+                    threshold=0.5,
+                    policy_action=0.4,
+                    repair_action=-0.8,
+                    final_action=-0.8 if acts else 0.4,
+                    intervened=acts,
+                    trigger_id=[9] if acts else [],
+                    trigger_weight=[1.0] if acts else [],
+                    reason="car 9 ahead" if acts else "",
+                )
         scribe.write("events", TICKS * 50_000_000, kind=outcome, text="the end")
     return folder
 

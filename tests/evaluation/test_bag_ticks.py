@@ -34,18 +34,29 @@ def objects(count, ids=None):
 def route(begin=0):
     lists = {"change_begin", "change_end", "zone_stage", "zone_begin", "zone_end", "zone_rule", "zone_signal"}
     return SimpleNamespace(
-        scenario="straight", ego_length=4.0, ego_width=1.7, goal=90.0, time_limit=9.0, stage_begin=[begin],
-        x=[0.0, 100.0], y=[0.0, 0.0], speed_limit=[9.0, 9.0], **dict.fromkeys(lists, ()),
-    )  # fmt: skip
+        scenario="straight",
+        ego_length=4.0,
+        ego_width=1.7,
+        goal=90.0,
+        time_limit=9.0,
+        stage_begin=[begin],
+        x=[0.0, 100.0],
+        y=[0.0, 0.0],
+        speed_limit=[9.0, 9.0],
+        **dict.fromkeys(lists, ()),
+    )
 
 
 COMMAND = SimpleNamespace(throttle=0.5, brake=0.0, change_lane=True)
 PLAN = SimpleNamespace(interval=0.5, x=[1.0], y=[0.0], yaw=[0.0], speed=[8.0], behaviour="follow")
 TYPES = {
-    "ego": "nav_msgs/msg/Odometry", "objects": "roadmend_msgs/msg/ObjectList", "route": "roadmend_msgs/msg/Route",
-    "policy/command": "roadmend_msgs/msg/Command", "policy/trajectory": "roadmend_msgs/msg/Trajectory",
+    "ego": "nav_msgs/msg/Odometry",
+    "objects": "roadmend_msgs/msg/ObjectList",
+    "route": "roadmend_msgs/msg/Route",
+    "policy/command": "roadmend_msgs/msg/Command",
+    "policy/trajectory": "roadmend_msgs/msg/Trajectory",
     "events": "roadmend_msgs/msg/ScenarioEvent",
-}  # fmt: skip
+}
 
 
 @pytest.fixture
@@ -67,10 +78,18 @@ def bag(tmp_path):
 
 
 def test_what_belongs_to_one_stamp_is_one_tick_even_if_it_came_late(bag):
-    ticks = list(bag(
-        ("route", 0, route()), ("ego", 0, EGO), ("objects", 0, objects(2)), ("policy/command", 0, COMMAND, 3),
-        ("ego", 1, EGO), ("objects", 1, objects(1)), ("policy/trajectory", 0, PLAN, 3), ("ego", 4, EGO),
-    ))  # fmt: skip
+    ticks = list(
+        bag(
+            ("route", 0, route()),
+            ("ego", 0, EGO),
+            ("objects", 0, objects(2)),
+            ("policy/command", 0, COMMAND, 3),
+            ("ego", 1, EGO),
+            ("objects", 1, objects(1)),
+            ("policy/trajectory", 0, PLAN, 3),
+            ("ego", 4, EGO),
+        )
+    )
     assert [tick.stamp for tick in ticks] == [0, TICK_NS, 4 * TICK_NS]
     first, second, third = ticks
     scene, decision = first.scene(first.route), first.decision
@@ -103,8 +122,10 @@ def test_unusable_objects_are_none_but_an_unusable_route_ends_it(bag):
 
 
 def test_a_route_whose_rule_is_unknown_is_refused(bag):
-    wrong = SimpleNamespace(**vars(route()) | {
-        "zone_stage": [0], "zone_begin": [1.0], "zone_end": [2.0], "zone_rule": [99], "zone_signal": [-1]})  # fmt: skip
+    wrong = SimpleNamespace(
+        **vars(route())
+        | {"zone_stage": [0], "zone_begin": [1.0], "zone_end": [2.0], "zone_rule": [99], "zone_signal": [-1]}
+    )
     with pytest.raises(InputError, match=r"/route at 0\.00 s: 99 is not a valid RightOfWay"):
         list(bag(("route", 0, wrong), ("ego", 0, EGO), ("objects", 0, objects(1))))
 

@@ -116,9 +116,13 @@ def test_page_and_markdown_say_what_the_json_says(written):
         figures = content["summary"]["modular"][method]
         low, high = figures["intervals"]["delta_e"]
         expected = [
-            title, f"{figures['fix']:.1f}", f"{figures['deg']:.1f}", f"{figures['delta_e']:.1f} ({low:.1f} .. {high:.1f})",
-            f"{figures['intensity']:.2f}", f"{figures['dose']:.2f}",
-        ]  # fmt: skip
+            title,
+            f"{figures['fix']:.1f}",
+            f"{figures['deg']:.1f}",
+            f"{figures['delta_e']:.1f} ({low:.1f} .. {high:.1f})",
+            f"{figures['intensity']:.2f}",
+            f"{figures['dose']:.2f}",
+        ]
         assert by_title[title] == expected
         assert "| " + " | ".join(expected) + " |" in main
     assert head == ["method", "modular: %Fix", "%Deg", "ΔE", "intensity", "dose [s]"]

@@ -13,8 +13,21 @@ PLAN = CONFIG / "benchmarks" / "adreft.yaml"
 
 def test_the_plan_names_all_methods_of_the_paper_and_the_rivals():
     plan = read_plan(PLAN)
-    assert {"none", "random", "rule", "model", "rss", "predictive", "adreft", "rand_r", "only_sl", "only_rl", "wo_sr",
-            "wo_regulation", "hindsight"} <= {*plan.methods}  # fmt: skip
+    assert {
+        "none",
+        "random",
+        "rule",
+        "model",
+        "rss",
+        "predictive",
+        "adreft",
+        "rand_r",
+        "only_sl",
+        "only_rl",
+        "wo_sr",
+        "wo_regulation",
+        "hindsight",
+    } <= {*plan.methods}
     assert plan.policies == ["modular", "neural"]
 
 

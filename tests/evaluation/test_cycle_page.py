@@ -12,13 +12,21 @@ MEAN = {"mean": 50.0, "interval": [40.0, 60.0]}
 
 def generation(number, score, **changes):
     summary = {
-        "episodes": 10, "driving_score": {"mean": score, "interval": [score - 5.0, score + 5.0]}, "success_rate": MEAN,
-        "efficiency": {"mean": None, "interval": None}, "comfortness": {"mean": 80.0, "interval": None},
-    }  # fmt: skip
+        "episodes": 10,
+        "driving_score": {"mean": score, "interval": [score - 5.0, score + 5.0]},
+        "success_rate": MEAN,
+        "efficiency": {"mean": None, "interval": None},
+        "comfortness": {"mean": 80.0, "interval": None},
+    }
     return {
-        "number": number, "policy": f"model-{number}", "summary": summary, "patterns": ["a <b>truck</b> cuts in"],
-        "selected": ["S4-1"], "notes": [], "faults": [],
-    } | changes  # fmt: skip
+        "number": number,
+        "policy": f"model-{number}",
+        "summary": summary,
+        "patterns": ["a <b>truck</b> cuts in"],
+        "selected": ["S4-1"],
+        "notes": [],
+        "faults": [],
+    } | changes
 
 
 TWO = [generation(0, 40.0), generation(1, 55.0, notes=["no failure & nothing more"])]

@@ -26,8 +26,12 @@ def hard():
 def test_ordinary_scenarios_alone_are_looked_at(ordinary, hard):
     found = forgotten([ordinary, ordinary, hard], [GOOD, BAD, GOOD], [BAD, GOOD, BAD])
     assert found == {
-        "ordinary": 2, "went_well": 1, "ordinary_change": 0.0, "driving_score_change": -70.0, "success_rate_change": -100.0,
-    }  # fmt: skip
+        "ordinary": 2,
+        "went_well": 1,
+        "ordinary_change": 0.0,
+        "driving_score_change": -70.0,
+        "success_rate_change": -100.0,
+    }
     assert forgotten([hard], [GOOD], [BAD])["driving_score_change"] is None
 
 

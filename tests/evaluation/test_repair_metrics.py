@@ -8,14 +8,24 @@ from .results import result, run
 
 def test_figures_by_hand():
     results = [
-        result("a", True, "GOAL", 10, 8.0), result("b", True, "TIMEOUT", 30, 12.0), result("c", True, "COLLISION"),
-        result("d", True, "OFF_ROUTE", 10, 20.0, deceleration=6.0), result("e", False, "GOAL"),
-        result("f", False, "COLLISION", 5, 5.0), result("g", False, "TIMEOUT", 5, 5.0), result("h", False, "GOAL"),
-    ]  # fmt: skip
+        result("a", True, "GOAL", 10, 8.0),
+        result("b", True, "TIMEOUT", 30, 12.0),
+        result("c", True, "COLLISION"),
+        result("d", True, "OFF_ROUTE", 10, 20.0, deceleration=6.0),
+        result("e", False, "GOAL"),
+        result("f", False, "COLLISION", 5, 5.0),
+        result("g", False, "TIMEOUT", 5, 5.0),
+        result("h", False, "GOAL"),
+    ]
     figures = summarise(results)
     assert {name: figures[name] for name in ("violations", "successes", "fix", "fix_loose", "deg", "delta_e")} == {
-        "violations": 4, "successes": 4, "fix": 25.0, "fix_loose": 75.0, "deg": 25.0, "delta_e": 0.0,
-    }  # fmt: skip
+        "violations": 4,
+        "successes": 4,
+        "fix": 25.0,
+        "fix_loose": 75.0,
+        "deg": 25.0,
+        "delta_e": 0.0,
+    }
     assert figures["delta_e_loose"] == 50.0
     assert (figures["stopped"], figures["goal_lost"], figures["untouched"]) == (25.0, 50.0, 50.0)
     assert figures["intensity"] == pytest.approx(50.0 / 60.0)  # over frames, not over cases

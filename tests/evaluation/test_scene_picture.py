@@ -31,24 +31,40 @@ def timeline(count: int = 200) -> Timeline:
     flag = ((time > 2.0) & (time < 3.0)) | (time > 9.0)
     action = np.sin(time)
     return Timeline(
-        time, 5.0 + np.cos(time), 10.0 - time, np.where(flag, 0.9, 0.1), np.full(count, 0.5), action,
-        np.where(flag, -0.8, action), flag, flag.astype(np.int64),
-    )  # fmt: skip
+        time,
+        5.0 + np.cos(time),
+        10.0 - time,
+        np.where(flag, 0.9, 0.1),
+        np.full(count, 0.5),
+        action,
+        np.where(flag, -0.8, action),
+        flag,
+        flag.astype(np.int64),
+    )
 
 
 def view() -> SceneView:
     """The ego on a road with a car ahead and a pedestrian beside it."""
     lanes = LaneMap(
-        np.array([0, 2, 4, 6]), np.array([ROAD, ROAD, JUNCTION, WALK], dtype=np.uint8), np.array([3.2, 3.2, 3.2, 2.0]),
+        np.array([0, 2, 4, 6]),
+        np.array([ROAD, ROAD, JUNCTION, WALK], dtype=np.uint8),
+        np.array([3.2, 3.2, 3.2, 2.0]),
         np.array([-50.0, 20.0, -50.0, 20.0, 20.0, 50.0, -50.0, 50.0]),
         np.array([0.0, 0.0, 3.2, 3.2, 0.0, 0.0, -3.0, -3.0]),
-    )  # fmt: skip
+    )
     stage = Stage(np.array([-50.0, 50.0]), np.zeros(2), np.full(2, 13.9))
     objects = ObjectList(
-        np.array([4, 5], dtype=np.uint32), np.array([ObjectKind.CAR, ObjectKind.PEDESTRIAN], dtype=np.uint8),
-        np.array([15.0, 5.0]), np.array([0.0, -3.0]), np.array([0.0, 1.0]), np.zeros(2), np.zeros(2), np.zeros(2),
-        np.array([4.5, 0.5]), np.array([1.8, 0.6]),
-    )  # fmt: skip
+        np.array([4, 5], dtype=np.uint32),
+        np.array([ObjectKind.CAR, ObjectKind.PEDESTRIAN], dtype=np.uint8),
+        np.array([15.0, 5.0]),
+        np.array([0.0, -3.0]),
+        np.array([0.0, 1.0]),
+        np.zeros(2),
+        np.zeros(2),
+        np.zeros(2),
+        np.array([4.5, 0.5]),
+        np.array([1.8, 0.6]),
+    )
     repair = Repair(
         Command(0.0, 0.8), RepairStatus.REPAIRED, 0.9, 0.5, 0.4, -0.8, True, 0, (Trigger(4, 1.0),), "car 4 ahead"
     )
@@ -174,9 +190,11 @@ def test_states_are_bands_in_their_colour_and_events_are_named() -> None:
     events = (Event(0.0, EventKind.STARTED, "go"), Event(5.0, EventKind.WATCHDOG, ""), Event(9.95, EventKind.GOAL, ""))
     course = dataclasses.replace(timeline(), status=status.astype(np.int64), events=events)
     assert course.bands() == [
-        Band(0.0, pytest.approx(1.0), RepairStatus.STARTING), Band(pytest.approx(1.0), pytest.approx(5.0), 0),
-        Band(pytest.approx(5.0), pytest.approx(7.0), SILENT), Band(pytest.approx(7.0), pytest.approx(9.95), 0),
-    ]  # fmt: skip
+        Band(0.0, pytest.approx(1.0), RepairStatus.STARTING),
+        Band(pytest.approx(1.0), pytest.approx(5.0), 0),
+        Band(pytest.approx(5.0), pytest.approx(7.0), SILENT),
+        Band(pytest.approx(7.0), pytest.approx(9.95), 0),
+    ]
     figure = Figure(figsize=(10, 5))
     drawn = draw_timeline(figure, course)[-1]
     named = {text.get_text() for text in drawn.texts}

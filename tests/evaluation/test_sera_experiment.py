@@ -85,9 +85,15 @@ def results(plan, evaluated, bank, tmp_path_factory):
     workshop = Workshop(tmp_path_factory.mktemp("models"), hard)
     patterns = (FailurePattern("cut-in", "a car cuts in"), FailurePattern("crossing", "a pedestrian crosses"))
     experiment = Experiment(
-        Path("base.safetensors"), plan, FewShotSettings(), evaluated, bank, workshop, lambda failed: patterns * bool(failed),
+        Path("base.safetensors"),
+        plan,
+        FewShotSettings(),
+        evaluated,
+        bank,
+        workshop,
+        lambda failed: patterns * bool(failed),
         in_depth=True,
-    )  # fmt: skip
+    )
     return experiment.run()
 
 
@@ -142,9 +148,15 @@ def test_a_policy_that_is_not_looked_at_in_depth_has_neither_half_a_bank_nor_a_s
     patterns = (FailurePattern("cut-in", "a car cuts in"),)
     hard = {each.scenario.digest for each in evaluated if each.is_hard}
     experiment = Experiment(
-        Path("base.safetensors"), plan, FewShotSettings(), evaluated, bank, Workshop(tmp_path, hard),
-        lambda failed: patterns * bool(failed), in_depth=False,
-    )  # fmt: skip
+        Path("base.safetensors"),
+        plan,
+        FewShotSettings(),
+        evaluated,
+        bank,
+        Workshop(tmp_path, hard),
+        lambda failed: patterns * bool(failed),
+        in_depth=False,
+    )
     found = experiment.run()
     assert {arm for one in found["seeds"] for arm in one["arms"]} == {"base", "random", "initial", "full"}
     assert found["sweep"] == []
@@ -158,9 +170,15 @@ def test_means_leave_out_what_is_not_known():
 
 def test_a_policy_that_fails_nowhere_is_said_to(plan, evaluated, bank, tmp_path):
     experiment = Experiment(
-        Path("base.safetensors"), plan, FewShotSettings(), evaluated, bank, Workshop(tmp_path, set()), lambda _failed: (),
+        Path("base.safetensors"),
+        plan,
+        FewShotSettings(),
+        evaluated,
+        bank,
+        Workshop(tmp_path, set()),
+        lambda _failed: (),
         in_depth=False,
-    )  # fmt: skip
+    )
     with pytest.raises(InputError, match="no failure of base"):
         experiment.run()
 

@@ -89,8 +89,16 @@ def drive(golden: Golden) -> dict[str, object]:
 
     def watch(tick, decision, repair) -> None:
         scene, objects = tick.scene, tick.scene.objects
-        columns = (objects.x, objects.y, objects.yaw, objects.speed, objects.acceleration, objects.yaw_rate,
-                   objects.length, objects.width)  # fmt: skip
+        columns = (
+            objects.x,
+            objects.y,
+            objects.yaw,
+            objects.speed,
+            objects.acceleration,
+            objects.yaw_rate,
+            objects.length,
+            objects.width,
+        )
         scenes.update(struct.pack("<3d", scene.time, tick.min_distance, scene.ego.yaw_rate))
         scenes.update(bytes(map(int, objects.kind)) + bytes(map(int, scene.signals)))
         for column in columns:

@@ -29,7 +29,9 @@ def test_nothing_has_moved(name):
 
 
 @pytest.mark.graph
-@pytest.mark.parametrize("name", ["S2-violation-modular-rss", "S4-violation-neural-adreft", "crash-report-neural-adreft"])
+@pytest.mark.parametrize(
+    "name", ["S2-violation-modular-rss", "S4-violation-neural-adreft", "crash-report-neural-adreft"]
+)
 def test_the_graph_drives_them_alike(name, tmp_path):
     golden = EPISODES[name]
     save_scenario(golden.scenario, tmp_path / "s.yaml")

@@ -202,8 +202,11 @@ class TestRefusals:
         network = pair[0]
         tensors = {name: value.numpy() for name, value in network.state_dict().items()}
         with pytest.raises(ValueError, match=r"cls: shape \(32,\) wanted, got \(64,\)"):
-            CompiledEncoder(EncoderShape(attributes=6, hidden=32), {**tensors, "embed.weight": np.zeros((32, 6)),
-                                                                      "embed.bias": np.zeros(32)}, "")  # fmt: skip
+            CompiledEncoder(
+                EncoderShape(attributes=6, hidden=32),
+                {**tensors, "embed.weight": np.zeros((32, 6)), "embed.bias": np.zeros(32)},
+                "",
+            )
         del tensors["layers.1.norm2.bias"]
         with pytest.raises(ValueError, match=r"layers\.1\.norm2\.bias is missing"):
             CompiledEncoder(network.shape, tensors, "")

@@ -60,10 +60,14 @@ def test_a_layer_computes_what_torchs_own_does(tokens):
     ours = EncoderLayer(shape).eval()
     theirs = torch.nn.TransformerEncoderLayer(6, 2, 7, dropout=0.0, batch_first=True).eval()
     names = {
-        "attention_in.weight": "self_attn.in_proj_weight", "attention_in.bias": "self_attn.in_proj_bias",
-        "attention_out": "self_attn.out_proj", "feed_in": "linear1", "feed_out": "linear2",
-        "norm1": "norm1", "norm2": "norm2",
-    }  # fmt: skip
+        "attention_in.weight": "self_attn.in_proj_weight",
+        "attention_in.bias": "self_attn.in_proj_bias",
+        "attention_out": "self_attn.out_proj",
+        "feed_in": "linear1",
+        "feed_out": "linear2",
+        "norm1": "norm1",
+        "norm2": "norm2",
+    }
     for parameter in ours.parameters():
         torch.nn.init.normal_(parameter)
     weights = {}

@@ -32,9 +32,10 @@ def header():
 
 def objects_of_random(count):
     return ObjectList(
-        np.arange(1, count + 1, dtype=np.uint32), (np.arange(count) % 7).astype(np.uint8),
+        np.arange(1, count + 1, dtype=np.uint32),
+        (np.arange(count) % 7).astype(np.uint8),
         *NUMBERS.normal(size=(len(COLUMNS), count)),
-    )  # fmt: skip
+    )
 
 
 def route():

@@ -157,14 +157,19 @@ def test_topics_messages_and_parameters_reach_a_client_and_a_new_threshold_reach
         "status", **{name: lambda heard, name=name: heard["id"] == name and heard["level"] == 1 for name in wrong}
     )
     for name, reason in {
-        THRESHOLD: "out of range", "/repair_node.method": "read-only", "/repair_node.adreft.nothing": "no such parameter",
-        "/sim_node.rate": "there are /repair_node, /viz_node", "/viz_node.text_radius": "'far' is no double",
-    }.items():  # fmt: skip
+        THRESHOLD: "out of range",
+        "/repair_node.method": "read-only",
+        "/repair_node.adreft.nothing": "no such parameter",
+        "/sim_node.rate": "there are /repair_node, /viz_node",
+        "/viz_node.text_radius": "'far' is no double",
+    }.items():
         assert reason in said[name]["message"]
     after = client.wait("parameters", lambda heard: heard.get("id") == "set")["parameters"]
     assert {one["name"]: one["value"] for one in after} == {
-        THRESHOLD: 1, "/repair_node.method": "adreft", "/viz_node.text_radius": 40,
-    }  # fmt: skip
+        THRESHOLD: 1,
+        "/repair_node.method": "adreft",
+        "/viz_node.text_radius": 40,
+    }
     client.ask(set={THRESHOLD: 0.5})
     assert client.wait("removeStatus")["statusIds"] == [THRESHOLD]
 

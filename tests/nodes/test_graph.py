@@ -189,9 +189,11 @@ def test_a_killed_repair_node_means_the_watchdog_brakes_until_it_is_back(scenari
     speeds = [
         message.twist.twist.linear.x
         for _, message in messages(tmp_path / "bag", "/ego")
-        if 0.3 < (message.header.stamp.sec + message.header.stamp.nanosec * 1e-9)
-        - (bitten.header.stamp.sec + bitten.header.stamp.nanosec * 1e-9) < 1.0
-    ]  # fmt: skip
+        if 0.3
+        < (message.header.stamp.sec + message.header.stamp.nanosec * 1e-9)
+        - (bitten.header.stamp.sec + bitten.header.stamp.nanosec * 1e-9)
+        < 1.0
+    ]
     assert all(after <= before for before, after in itertools.pairwise(speeds))
 
 

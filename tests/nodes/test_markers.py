@@ -36,10 +36,15 @@ def objects_at(*rows: tuple[int, ObjectKind, float, float, float]) -> ObjectList
     """Objects given by id, kind, x, y and yaw; 4 m by 2 m at 5 m/s."""
     count = len(rows)
     return ObjectList(
-        np.array([row[0] for row in rows], dtype=np.uint32), np.array([row[1] for row in rows], dtype=np.uint8),
+        np.array([row[0] for row in rows], dtype=np.uint32),
+        np.array([row[1] for row in rows], dtype=np.uint8),
         *(np.array([row[column] for row in rows], dtype=np.float64) for column in (2, 3, 4)),
-        np.full(count, 5.0), np.zeros(count), np.zeros(count), np.full(count, 4.0), np.full(count, 2.0),
-    )  # fmt: skip
+        np.full(count, 5.0),
+        np.zeros(count),
+        np.zeros(count),
+        np.full(count, 4.0),
+        np.full(count, 2.0),
+    )
 
 
 def route() -> Route:
@@ -70,10 +75,18 @@ def lane_map(count: int = 4) -> msg.Map:
 def state(**changes: object) -> msg.RepairState:
     """A repair with a reason."""
     known = {
-        "header": HEADER, "state": int(RepairStatus.REPAIRED), "method": "rule", "score": 0.9, "threshold": 0.5,
-        "policy_action": 0.4, "repair_action": -0.8, "final_action": -0.8, "intervened": True,
-        "trigger_id": array("I", [2]), "reason": "car 2 ahead",
-    }  # fmt: skip
+        "header": HEADER,
+        "state": int(RepairStatus.REPAIRED),
+        "method": "rule",
+        "score": 0.9,
+        "threshold": 0.5,
+        "policy_action": 0.4,
+        "repair_action": -0.8,
+        "final_action": -0.8,
+        "intervened": True,
+        "trigger_id": array("I", [2]),
+        "reason": "car 2 ahead",
+    }
     return msg.RepairState(**(known | changes))
 
 
@@ -200,8 +213,9 @@ def test_ego_text_without_score_and_without_command() -> None:
     )
     assert caption_of(EGO, stale).splitlines() == ["STALE_COMMAND  8.0 m/s", "action none -> -0.80"]
     assert caption_of(EGO, state(state=0, intervened=False, score=0.2)).splitlines() == [
-        "PASS  8.0 m/s", "score 0.20 <= 0.50",
-    ]  # fmt: skip
+        "PASS  8.0 m/s",
+        "score 0.20 <= 0.50",
+    ]
     assert caption_of(EGO, state(state=250)).startswith("MODEL_FAULT")
 
 
@@ -221,8 +235,10 @@ def test_path_has_frame_and_time_on_every_pose() -> None:
     assert path.header == HEADER
     assert [pose.header.frame_id for pose in path.poses] == ["map"] * 3
     assert [(pose.header.stamp.sec, pose.header.stamp.nanosec) for pose in path.poses] == [
-        (12, 850_000_000), (13, 350_000_000), (13, 850_000_000),
-    ]  # fmt: skip
+        (12, 850_000_000),
+        (13, 350_000_000),
+        (13, 850_000_000),
+    ]
 
 
 def test_transform_is_the_pose_of_the_ego() -> None:
@@ -244,8 +260,16 @@ def test_map_has_surfaces_edges_and_the_whole_route() -> None:
     markers = map_markers(lane_map(), route(), HEADER)
     counts = {ns: len(in_namespace(markers, ns)) for ns in {marker.ns for marker in markers.markers[1:]}}
     assert counts == {
-        "road": 1, "junction": 1, "walk": 1, "edges": 1, "route": 2, "windows": 1, "zones": 1, "stop_lines": 1, "goal": 2,
-    }  # fmt: skip
+        "road": 1,
+        "junction": 1,
+        "walk": 1,
+        "edges": 1,
+        "route": 2,
+        "windows": 1,
+        "zones": 1,
+        "stop_lines": 1,
+        "goal": 2,
+    }
     (road,), (edges,) = in_namespace(markers, "road"), in_namespace(markers, "edges")
     assert len(road.points) == 2 * 2 * 6  # lanes 0 and 3, two segments each, two triangles each
     assert len(edges.points) == 2 * 2 * 4

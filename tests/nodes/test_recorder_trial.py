@@ -43,9 +43,7 @@ def test_a_load_that_nobody_records_is_an_error(tmp_path):
 def test_the_command_writes_its_figures(tmp_path, monkeypatch, capsys):
     rates = iter([40.0, 60.0, 42.0, 80.0])
     monkeypatch.setattr(bench_recorder, "_bare", lambda *_: 100.0)
-    monkeypatch.setattr(
-        bench_recorder, "record", lambda *_: Recorded(100, 99, 2000.0, 1.0, round(next(rates) * 1e6))
-    )  # fmt: skip
+    monkeypatch.setattr(bench_recorder, "record", lambda *_: Recorded(100, 99, 2000.0, 1.0, round(next(rates) * 1e6)))
     monkeypatch.setattr(bench_recorder, "kill", lambda *_: Killed(10, 1, 0.25))
     assert main(["bench", "recorder", "--repeats", "2", "--kills", "3", "--out", str(tmp_path)]) == 0
     assert "0.70 x" in capsys.readouterr().out

@@ -107,9 +107,17 @@ def objects_message(rows):
     columns = np.array(rows, dtype=np.float64).reshape(-1, 5).T
     zero = np.zeros(columns.shape[1])
     objects = ObjectList(
-        columns[0].astype(np.uint32), np.ones(columns.shape[1], dtype=np.uint8), columns[1], columns[2], zero, columns[3],
-        zero, zero, columns[4], zero + 1.8,
-    )  # fmt: skip
+        columns[0].astype(np.uint32),
+        np.ones(columns.shape[1], dtype=np.uint8),
+        columns[1],
+        columns[2],
+        zero,
+        columns[3],
+        zero,
+        zero,
+        columns[4],
+        zero + 1.8,
+    )
     return convert.object_message_of(objects, np.empty(0, dtype=np.uint8), convert.header_of(0.0))
 
 
@@ -255,10 +263,14 @@ def test_a_parameter_of_the_method_can_be_changed_at_run_time(bench):
 @pytest.mark.parametrize(
     ("parameter", "value", "reason"),
     [
-        ("rss.rho", -1.0, "out of range"), ("rss.rho", 3.1, "out of range"), ("rss.rho", math.nan, ""),
-        ("rss.rho", "fast", "type"), ("method", "none", "read-only"), ("clock", "realtime", "read-only"),
+        ("rss.rho", -1.0, "out of range"),
+        ("rss.rho", 3.1, "out of range"),
+        ("rss.rho", math.nan, ""),
+        ("rss.rho", "fast", "type"),
+        ("method", "none", "read-only"),
+        ("clock", "realtime", "read-only"),
     ],
-)  # fmt: skip
+)
 def test_a_bad_value_at_run_time_is_refused_with_a_reason_and_changes_nothing(bench, parameter, value, reason):
     there = bench()
     there.start()
@@ -402,10 +414,17 @@ def test_a_stop_never_brakes_less_than_the_policy_asked(bench):
 @pytest.mark.parametrize(
     "command",
     [
-        Command(math.nan, 0.0), Command(0.0, math.nan), Command(math.inf, 0.0), Command(0.0, math.inf), Command(0.5, 0.5),
-        Command(1.01, 0.0), Command(-0.01, 0.0), Command(0.0, 1.01), Command(0.0, -0.01),
+        Command(math.nan, 0.0),
+        Command(0.0, math.nan),
+        Command(math.inf, 0.0),
+        Command(0.0, math.inf),
+        Command(0.5, 0.5),
+        Command(1.01, 0.0),
+        Command(-0.01, 0.0),
+        Command(0.0, 1.01),
+        Command(0.0, -0.01),
     ],
-)  # fmt: skip
+)
 def test_an_invalid_command_is_sanitised_and_never_reaches_the_vehicle(bench, command):
     there = bench()
     there.start()
@@ -423,9 +442,12 @@ def test_bad_objects_are_dropped_and_counted_and_the_rest_is_used(bench):
     there = bench()
     there.start()
     rows = [
-        (1, math.nan, 0.0, 0.0, 4.0), (7, 62.0, 0.0, 0.0, 4.0), (7, 90.0, 0.0, 0.0, 4.0), (3, 80.0, 0.0, 0.0, -4.0),
+        (1, math.nan, 0.0, 0.0, 4.0),
+        (7, 62.0, 0.0, 0.0, 4.0),
+        (7, 90.0, 0.0, 0.0, 4.0),
+        (3, 80.0, 0.0, 0.0, -4.0),
         (4, 90.0, 3.0, math.inf, 4.0),
-    ]  # fmt: skip
+    ]
     (state,) = there.tick(2, objects=rows)
     assert (state.state, state.dropped_objects) == (RepairStatus.INVALID_OBJECTS, 4)
     assert list(state.trigger_id) == [7]

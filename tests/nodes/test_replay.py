@@ -384,10 +384,13 @@ def beside(domain, tmp_path):
 
     def start(node, **parameters):
         child = Child(
-            f"{node}_node", f"roadmend.nodes.{node}", ["--ros-args", *words(**parameters)],
+            f"{node}_node",
+            f"roadmend.nodes.{node}",
+            ["--ros-args", *words(**parameters)],
             {key: os.environ[key] for key in ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE")},
-            tmp_path / f"{node}.log", may_restart=False,
-        )  # fmt: skip
+            tmp_path / f"{node}.log",
+            may_restart=False,
+        )
         child.start()
         children.append(child)
         return child

@@ -37,19 +37,24 @@ SUMMARY = (
     "daylight. V2, a Jeep Wrangler, was stopped ahead of it. The front of V1 struck the rear of V2."
 )
 TRUTH = {
-    "road_type": "Straight", "num_lanes": 2, "stem_direction": None,
+    "road_type": "Straight",
+    "num_lanes": 2,
+    "stem_direction": None,
     "vehicles": [
         {"model": "Sedan", "initial_position": "S2N", "action": "Move Forward", "speed_limit_mph": 35},
         {"model": "SUV", "initial_position": "S2N", "action": "Move Forward", "speed_limit_mph": 35},
     ],
     "env": {"time": "Daytime", "weather": "Rainy"},
-}  # fmt: skip
+}
 ANSWERS = {
     "meta_message": {
-        "analysis": "", "road_type": "Straight", "number_of_vehicles": 2, "driving_directions": ["S2N", "S2N"],
+        "analysis": "",
+        "road_type": "Straight",
+        "number_of_vehicles": 2,
+        "driving_directions": ["S2N", "S2N"],
     },
     "scenario": {"analysis": "", "scenario": TRUTH},
-}  # fmt: skip
+}
 
 
 def recorded():
@@ -115,8 +120,9 @@ def graph(folder):
     recording.write_text(dump_exchanges(recorded()))
     with own_domain() as domain:
         environment = {name: value for name, value in os.environ.items() if not name.startswith("OPENAI")} | {
-            "ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-        }  # fmt: skip
+            "ROS_DOMAIN_ID": str(domain),
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        }
         given = ["-p", f"output:={folder / 'out'}", "-p", f"recording:={recording}"]
         command = [sys.executable, "-m", "roadmend.nodes.safe", "--ros-args", *given]
         child = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
@@ -163,9 +169,13 @@ class TestGoals:
         _, result, steps = client.ask(told=6, summary=SUMMARY, name="told", backend="replay")
         assert result.error == ""
         assert steps == [
-            ("meta_message", 1, 3), ("validation", 1, 3), ("meta_message", 2, 3), ("validation", 2, 3),
-            ("scenario", 1, 3), ("validation", 1, 3),
-        ]  # fmt: skip
+            ("meta_message", 1, 3),
+            ("validation", 1, 3),
+            ("meta_message", 2, 3),
+            ("validation", 2, 3),
+            ("scenario", 1, 3),
+            ("validation", 1, 3),
+        ]
         assert yaml.safe_load(result.crash) == TRUTH
 
     @pytest.mark.parametrize(

@@ -26,11 +26,14 @@ from ..sera.speaking import KEY, as_completion  # noqa: TID252 - likewise
 
 SAMPLES = Path(__file__).parents[2] / "bags" / "samples"
 FULL = FailurePattern(
-    "cut-in", "a truck cuts in", "COLLISION",
+    "cut-in",
+    "a truck cuts in",
+    "COLLISION",
     Where("S4", "highway_exit", "priority", 2, 27.78, "dense", "rainy", "nighttime"),
-    Who("truck", "left", "reckless"), Why("exit", "cut_in", 0.0),
+    Who("truck", "left", "reckless"),
+    Why("exit", "cut_in", 0.0),
     (Evidence("a", "5" * 64, 1.5, "late"), Evidence("b")),
-)  # fmt: skip
+)
 
 
 @pytest.fixture(scope="module")

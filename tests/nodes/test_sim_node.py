@@ -105,8 +105,10 @@ def test_it_waits_until_the_nodes_have_joined_and_says_for_whom(bench):
     try:
         for node in (policy, repair):
             for kind, topic, profile in (
-                (Odometry, qos.EGO, qos.STREAM), (msg.ObjectList, qos.OBJECTS, qos.STREAM), (msg.Route, qos.ROUTE, qos.LATCHED),
-            ):  # fmt: skip
+                (Odometry, qos.EGO, qos.STREAM),
+                (msg.ObjectList, qos.OBJECTS, qos.STREAM),
+                (msg.Route, qos.ROUTE, qos.LATCHED),
+            ):
                 node.create_subscription(kind, topic, lambda _: None, profile)
         repair.create_subscription(msg.Command, qos.POLICY_COMMAND, lambda _: None, qos.COMMAND)
         repair.create_subscription(msg.Trajectory, qos.POLICY_TRAJECTORY, lambda _: None, qos.STREAM)
@@ -275,11 +277,13 @@ def test_an_episode_that_is_stopped_is_recorded_as_aborted(bench, tmp_path):
 @pytest.mark.parametrize(
     ("parameters", "words"),
     [
-        ({"scenario": "/nowhere/s.yaml"}, "/nowhere/s.yaml: no such file"), ({"clock": "sundial"}, "parameter clock"),
-        ({"rate": 0.0}, "parameter rate"), ({"command_timeout": "long"}, "parameter command_timeout"),
+        ({"scenario": "/nowhere/s.yaml"}, "/nowhere/s.yaml: no such file"),
+        ({"clock": "sundial"}, "parameter clock"),
+        ({"rate": 0.0}, "parameter rate"),
+        ({"command_timeout": "long"}, "parameter command_timeout"),
         ({"scenario": ""}, "cannot be read"),
     ],
-)  # fmt: skip
+)
 def test_bad_parameters_are_refused_by_name(bench, parameters, words):
     with pytest.raises(InputError, match=words):
         bench(**parameters)

@@ -88,9 +88,17 @@ class Theatre:
         if objects:
             one, zero = np.ones(1), np.zeros(1)
             cars = ObjectList(
-                np.array([7], dtype=np.uint32), np.array([ObjectKind.CAR], dtype=np.uint8),
-                np.array([number + 14.0]), zero, zero, one, zero, zero, 4.0 * one, 2.0 * one,
-            )  # fmt: skip
+                np.array([7], dtype=np.uint32),
+                np.array([ObjectKind.CAR], dtype=np.uint8),
+                np.array([number + 14.0]),
+                zero,
+                zero,
+                one,
+                zero,
+                zero,
+                4.0 * one,
+                2.0 * one,
+            )
             self.to[qos.OBJECTS].publish(object_message_of(cars, np.empty(0, dtype=np.uint8), header))
         points = np.array([1.0, 2.0])
         plan = Trajectory(0.5, points, 0.0 * points, 0.0 * points, points)
@@ -177,8 +185,14 @@ def test_a_new_episode_is_drawn_from_its_first_tick(stage):
 def test_map_is_drawn_once_and_again_when_it_changes(stage):
     x, limit = np.array([0.0, 50.0]), np.full(2, 13.9)
     route = Route("straight on", 4.0, 2.0, 40.0, 60.0, (Stage(x, np.zeros(2), limit),), (), ())
-    lanes = msg.Map(header=header_of(0.0), lane_begin=array("I", [0]), lane_kind=array("B", [0]),
-                    lane_width=array("f", [3.2]), x=array("d", [0.0, 50.0]), y=array("d", [0.0, 0.0]))  # fmt: skip
+    lanes = msg.Map(
+        header=header_of(0.0),
+        lane_begin=array("I", [0]),
+        lane_kind=array("B", [0]),
+        lane_width=array("f", [3.2]),
+        x=array("d", [0.0, 50.0]),
+        y=array("d", [0.0, 0.0]),
+    )
     stage.to[qos.ROUTE].publish(route_message_of(route, header_of(0.0)))
     stage.to[qos.MAP].publish(lanes)
     stage.settle(0.1)

@@ -48,9 +48,15 @@ def object_list(bodies: Sequence[Body]) -> ObjectList:
     return ObjectList(
         np.array([body.id for body in bodies], dtype=np.uint32),
         np.array([int(body.kind) for body in bodies], dtype=np.uint8),
-        column("x"), column("y"), column("yaw"), column("speed"), column("acceleration"), np.zeros(len(bodies)),
-        column("length"), column("width"),
-    )  # fmt: skip
+        column("x"),
+        column("y"),
+        column("yaw"),
+        column("speed"),
+        column("acceleration"),
+        np.zeros(len(bodies)),
+        column("length"),
+        column("width"),
+    )
 
 
 def scene_at(
@@ -97,9 +103,15 @@ class Run:
 
 
 def drive(
-    policy: Policy, route: Route, seconds: float, x: float, speed: float, bodies: Sequence[Body] = (),
-    signals: Callable[[float], Sequence[int]] = lambda _: (), change_seconds: float = 3.0,
-) -> Run:  # fmt: skip
+    policy: Policy,
+    route: Route,
+    seconds: float,
+    x: float,
+    speed: float,
+    bodies: Sequence[Body] = (),
+    signals: Callable[[float], Sequence[int]] = lambda _: (),
+    change_seconds: float = 3.0,
+) -> Run:
     """Let a policy drive along the x axis on an ideal vehicle; lane changes go to y = 3.2 in a straight slope."""
     run = Run(bodies=list(bodies))
     policy.reset(route)

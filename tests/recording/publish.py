@@ -22,9 +22,13 @@ STREAM = QoSProfile(depth=5000)  # keeps what the recorder has not acknowledged 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 EVENT = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 STREAMS = {
-    "/clock": Clock, "ego": Odometry, "objects": ObjectList, "policy/command": Command, "text": String,
+    "/clock": Clock,
+    "ego": Odometry,
+    "objects": ObjectList,
+    "policy/command": Command,
+    "text": String,
     "image": UInt8MultiArray,
-}  # fmt: skip
+}
 
 
 def stamp(tick):

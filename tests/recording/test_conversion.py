@@ -29,9 +29,7 @@ def contents(path):
 def test_there_and_back(corpus, tmp_path):
     folder, written = corpus
     there = convert(folder, tmp_path / "sql", "sqlite3")
-    assert (there.messages, there.left_out) == (
-        len(written), ["attachment scenario.yaml: sqlite3 has no place for it"]
-    )  # fmt: skip
+    assert (there.messages, there.left_out) == (len(written), ["attachment scenario.yaml: sqlite3 has no place for it"])
     assert storage_of(tmp_path / "sql") == "sqlite3"
     assert sorted(path.name for path in (tmp_path / "sql").iterdir()) == ["metadata.yaml", "sql.db3"]
     messages, topics = contents(tmp_path / "sql")
@@ -58,9 +56,16 @@ def test_a_database_of_another_writer(tmp_path):
     text = store.types["std_msgs/msg/String"]
     endless = QosTime(9223372036, 854775807)
     offer = RosbagsQos(
-        QosHistory.KEEP_LAST, 7, QosReliability.BEST_EFFORT, QosDurability.TRANSIENT_LOCAL, endless, endless,
-        QosLiveliness.AUTOMATIC, endless, False,
-    )  # fmt: skip
+        QosHistory.KEEP_LAST,
+        7,
+        QosReliability.BEST_EFFORT,
+        QosDurability.TRANSIENT_LOCAL,
+        endless,
+        endless,
+        QosLiveliness.AUTOMATIC,
+        endless,
+        False,
+    )
     with Writer(tmp_path / "theirs", version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
         connection = writer.add_connection(
             "/text", "std_msgs/msg/String", typestore=store, offered_qos_profiles=[offer]

@@ -5,9 +5,14 @@ from roadmend.recording import definitions
 from roadmend.recording.definitions import Definition, computed_hash, find
 
 TYPES = [
-    "std_msgs/msg/String", "nav_msgs/msg/Odometry", "visualization_msgs/msg/MarkerArray", "rcl_interfaces/msg/Log",
-    "tf2_msgs/msg/TFMessage", "roadmend_msgs/msg/ObjectList", "roadmend_msgs/msg/ScenarioEvent",
-]  # fmt: skip
+    "std_msgs/msg/String",
+    "nav_msgs/msg/Odometry",
+    "visualization_msgs/msg/MarkerArray",
+    "rcl_interfaces/msg/Log",
+    "tf2_msgs/msg/TFMessage",
+    "roadmend_msgs/msg/ObjectList",
+    "roadmend_msgs/msg/ScenarioEvent",
+]
 
 
 @pytest.fixture

@@ -29,9 +29,19 @@ def test_metadata_field_by_field(corpus):
     assert list(document) == ["rosbag2_bagfile_information"]
     information = document["rosbag2_bagfile_information"]
     assert list(information) == [
-        "version", "storage_identifier", "duration", "starting_time", "message_count", "topics_with_message_count",
-        "compression_format", "compression_mode", "relative_file_paths", "files", "custom_data", "ros_distro",
-    ]  # fmt: skip
+        "version",
+        "storage_identifier",
+        "duration",
+        "starting_time",
+        "message_count",
+        "topics_with_message_count",
+        "compression_format",
+        "compression_mode",
+        "relative_file_paths",
+        "files",
+        "custom_data",
+        "ros_distro",
+    ]
     start, end = min(time for _, time, _ in written), max(time for _, time, _ in written)
     span = {
         "duration": {"nanoseconds": end - start},

@@ -33,8 +33,13 @@ def start(domain, tmp_path):
     def run(*arguments, **options):
         process = subprocess.Popen(
             [sys.executable, *map(str, arguments)],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path, **options,
-        )  # fmt: skip
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            cwd=tmp_path,
+            **options,
+        )
         running.append(process)
         return process
 
@@ -106,9 +111,14 @@ def test_nothing_is_missing_at_full_speed(record, publish, tmp_path, number):
     assert wall.time_ns <= COUNT * TICK_NS  # its own stamp is of the wall clock
     account = bag.metadata["roadmend"]
     assert account == {
-        "seed": "7", "method": "rss", "messages": f"{bag.count}", "lost_messages": "0", "outcome": "COLLISION",
-        "outcome_text": "hit bus_1", "outcome_time": f"{COUNT * TICK_NS / 1e9:g}",
-    }  # fmt: skip
+        "seed": "7",
+        "method": "rss",
+        "messages": f"{bag.count}",
+        "lost_messages": "0",
+        "outcome": "COLLISION",
+        "outcome_text": "hit bus_1",
+        "outcome_time": f"{COUNT * TICK_NS / 1e9:g}",
+    }
     assert bag.attachments["scenario.yaml"].data == b"name: merge\n"
     assert [offer.durability for offer in bag.topics["/route"].offers] == ["transient_local"]
     with AnyReader([tmp_path / "bag"]) as reader:

@@ -91,8 +91,12 @@ def test_a_type_that_is_missing_or_defined_otherwise_is_refused(tmp_path, make):
     absent = Definition("absent_msgs/msg/None", "int32 data\n", "")
     with BagWriter(tmp_path / "bag") as writer:
         writer.add_topic("/same", "std_msgs/msg/String")
-        writer.add_topic("/unhashed", "std_msgs/msg/Float64", (), Definition(
-            "std_msgs/msg/Float64", find("std_msgs/msg/Float64").text, ""))  # fmt: skip
+        writer.add_topic(
+            "/unhashed",
+            "std_msgs/msg/Float64",
+            (),
+            Definition("std_msgs/msg/Float64", find("std_msgs/msg/Float64").text, ""),
+        )
         writer.add_topic("/other", "std_msgs/msg/Bool", (), Definition("std_msgs/msg/Bool", other, ""))
         writer.add_topic("/absent", absent.type_name, (), absent)
         for topic in ("/same", "/unhashed", "/other", "/absent"):

@@ -66,8 +66,10 @@ def test_all_are_of_one_scenario():
     accounts = {name: account(name) for name in NAMES}
     assert len({scenario for _, scenario in accounts.values()}) == 1
     assert {name: told["method"] for name, (told, _) in accounts.items()} == {
-        "collision": "none", "repaired": "adreft", "faults": "adreft",
-    }  # fmt: skip
+        "collision": "none",
+        "repaired": "adreft",
+        "faults": "adreft",
+    }
     for told, _ in accounts.values():
         assert told["lost_messages"] == "0"
         assert told["outcome"] != "UNFINISHED"

@@ -40,9 +40,7 @@ def texts(reader, topic):
 
 
 def test_a_file_for_each_duration(split):
-    assert sorted(path.name for path in split.iterdir()) == [
-        "bag_0.mcap", "bag_1.mcap", "bag_2.mcap", "metadata.yaml"
-    ]  # fmt: skip
+    assert sorted(path.name for path in split.iterdir()) == ["bag_0.mcap", "bag_1.mcap", "bag_2.mcap", "metadata.yaml"]
     information = yaml.safe_load((split / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
     assert information["version"] == 9
     assert information["relative_file_paths"] == ["bag_0.mcap", "bag_1.mcap", "bag_2.mcap"]

@@ -47,10 +47,17 @@ def object_list(boxes: Sequence[Box]) -> ObjectList:
         return np.array([getattr(box, name) for box in boxes], dtype=np.float64)
 
     return ObjectList(
-        np.array([box.id for box in boxes], dtype=np.uint32), np.ones(len(boxes), dtype=np.uint8),
-        column("x"), column("y"), column("yaw"), column("speed"), column("acceleration"), column("yaw_rate"),
-        column("length"), column("width"),
-    )  # fmt: skip
+        np.array([box.id for box in boxes], dtype=np.uint32),
+        np.ones(len(boxes), dtype=np.uint8),
+        column("x"),
+        column("y"),
+        column("yaw"),
+        column("speed"),
+        column("acceleration"),
+        column("yaw_rate"),
+        column("length"),
+        column("width"),
+    )
 
 
 def ego_at(x: float = 0.0, y: float = 0.0, yaw: float = 0.0, speed: float = 10.0) -> EgoState:
@@ -97,9 +104,12 @@ def keep_on(scene: Scene, action: float = 0.2, speed: float | None = None, point
     times = np.arange(1, points + 1) * 0.1
     way = pace * times
     plan = Trajectory(
-        0.1, ego.x + way * math.cos(ego.yaw), ego.y + way * math.sin(ego.yaw), np.full(points, ego.yaw),
+        0.1,
+        ego.x + way * math.cos(ego.yaw),
+        ego.y + way * math.sin(ego.yaw),
+        np.full(points, ego.yaw),
         np.full(points, pace),
-    )  # fmt: skip
+    )
     return Decision(Command.from_action(action), plan)
 
 
@@ -130,9 +140,17 @@ Mover = Callable[[float, Box], Box]
 
 
 def drive(
-    repairer: Repairer, boxes: Sequence[Box], seconds: float, *, start: float = 0.0, speed: float = 10.0,
-    wish: float = 10.0, route: Route | None = None, move: Mover | None = None, stop: float | None = None,
-) -> Drive:  # fmt: skip
+    repairer: Repairer,
+    boxes: Sequence[Box],
+    seconds: float,
+    *,
+    start: float = 0.0,
+    speed: float = 10.0,
+    wish: float = 10.0,
+    route: Route | None = None,
+    move: Mover | None = None,
+    stop: float | None = None,
+) -> Drive:
     """Let the policy accelerate to ``wish`` [m/s] without looking, except that it stops at x = ``stop``."""
     from roadmend.core.geometry import outline_distances
 

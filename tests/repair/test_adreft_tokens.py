@@ -22,11 +22,18 @@ from .playground import Box, ego_at, keep_on, scene_of, straight_route
 def draw_boxes(numbers, count):
     return [
         Box(
-            index + 1, numbers.uniform(-60, 90), numbers.uniform(-30, 30), numbers.uniform(-3, 3), numbers.uniform(0, 15),
-            numbers.uniform(-4, 2), numbers.uniform(-0.4, 0.4), numbers.uniform(1, 12), numbers.uniform(0.5, 2.5),
+            index + 1,
+            numbers.uniform(-60, 90),
+            numbers.uniform(-30, 30),
+            numbers.uniform(-3, 3),
+            numbers.uniform(0, 15),
+            numbers.uniform(-4, 2),
+            numbers.uniform(-0.4, 0.4),
+            numbers.uniform(1, 12),
+            numbers.uniform(0.5, 2.5),
         )
         for index in range(count)
-    ]  # fmt: skip
+    ]
 
 
 def moved(x, y, yaw, by):

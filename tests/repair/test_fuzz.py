@@ -34,17 +34,25 @@ def test_a_valid_command_leaves(name, odd):
 
         boxes = [
             Box(
-                numbers.randrange(40), draw(-80.0, 80.0), draw(-20.0, 20.0), draw(-4.0, 4.0), draw(-1.0, 20.0),
-                draw(-8.0, 3.0), draw(-0.6, 0.6), draw(0.3, 18.0), draw(0.3, 2.6),
+                numbers.randrange(40),
+                draw(-80.0, 80.0),
+                draw(-20.0, 20.0),
+                draw(-4.0, 4.0),
+                draw(-1.0, 20.0),
+                draw(-8.0, 3.0),
+                draw(-0.6, 0.6),
+                draw(0.3, 18.0),
+                draw(0.3, 2.6),
             )
             for _ in range(numbers.randrange(12))
-        ]  # fmt: skip
+        ]
         ego = replace(ego_at(), x=draw(-90.0, 120.0), y=draw(-6.0, 6.0), yaw=draw(-3.1, 3.1), speed=draw(-0.5, 20.0))
         size = numbers.choice([0, 1, 2, 30])
         plan = Trajectory(
-            draw(0.05, 0.5), *(np.array([draw(-50.0, 90.0) for _ in range(size)]) for _ in range(3)),
+            draw(0.05, 0.5),
+            *(np.array([draw(-50.0, 90.0) for _ in range(size)]) for _ in range(3)),
             np.array([draw(0.0, 20.0) for _ in range(size)]),
-        )  # fmt: skip
+        )
         throttle = draw(0.0, 1.0) if numbers.random() < 0.5 else 0.0
         command = Command(throttle, draw(0.0, 1.0) if throttle == 0.0 else 0.0)
         repair = repairer.step(scene_of(boxes, 0.05 * tick, ego), Decision(command, plan))

@@ -189,9 +189,16 @@ def test_the_tick_of_a_reset_is_still_repaired():
 
 @pytest.mark.parametrize(
     "answer",
-    [fail, Proposal(math.nan, 0.5, -1.0), Proposal(0.9, math.nan, -1.0), Proposal(0.9, 0.5, math.nan),
-     Proposal(0.9, 0.5, -1.5), Proposal(0.1, 0.5, 1.5), lambda: None],
-)  # fmt: skip
+    [
+        fail,
+        Proposal(math.nan, 0.5, -1.0),
+        Proposal(0.9, math.nan, -1.0),
+        Proposal(0.9, 0.5, math.nan),
+        Proposal(0.9, 0.5, -1.5),
+        Proposal(0.1, 0.5, 1.5),
+        lambda: None,
+    ],
+)
 def test_rss_decides_where_the_method_fails(answer):
     repair = step(guarded(Scripted(answer)), [Box(1, 8.0, 0.0)])
     assert repair.status == RepairStatus.MODEL_FAULT

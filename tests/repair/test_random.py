@@ -48,8 +48,18 @@ def test_actions_are_uniform_over_the_action_space():
 
 @pytest.mark.parametrize(
     ("needed", "action"),
-    [(-3.0, 0.0), (0.0, 0.0), (0.01, -0.2), (1.6, -0.2), (1.61, -0.4), (4.8, -0.6), (7.9, -1.0), (8.0, -1.0),
-     (99.0, -1.0), (float("inf"), -1.0)],
-)  # fmt: skip
+    [
+        (-3.0, 0.0),
+        (0.0, 0.0),
+        (0.01, -0.2),
+        (1.6, -0.2),
+        (1.61, -0.4),
+        (4.8, -0.6),
+        (7.9, -1.0),
+        (8.0, -1.0),
+        (99.0, -1.0),
+        (float("inf"), -1.0),
+    ],
+)
 def test_the_mildest_bin_that_suffices(needed, action):
     assert braking_action(needed, 8.0) == action

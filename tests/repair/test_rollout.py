@@ -86,9 +86,15 @@ def test_merit_is_the_least_gap_or_the_speed_of_the_impact():
 
 @pytest.mark.parametrize(
     ("box", "follows"),
-    [(Box(1, -8.0, 0.0), True), (Box(1, -8.0, 1.5, 0.3), True), (Box(1, -8.0, 3.2), False),
-     (Box(1, -3.0, 0.0), False), (Box(1, 8.0, 0.0), False), (Box(1, -8.0, 0.0, 1.5), False)],
-)  # fmt: skip
+    [
+        (Box(1, -8.0, 0.0), True),
+        (Box(1, -8.0, 1.5, 0.3), True),
+        (Box(1, -8.0, 3.2), False),
+        (Box(1, -3.0, 0.0), False),
+        (Box(1, 8.0, 0.0), False),
+        (Box(1, -8.0, 0.0, 1.5), False),
+    ],
+)
 def test_followers_are_those_behind_on_the_same_lane(box, follows):
     plan, _, _, _ = world(box)
     assert is_follower(plan[0], plan[1], 4.5, 1.8, box.x, box.y, box.yaw, box.length, box.width) == follows

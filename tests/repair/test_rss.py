@@ -116,10 +116,17 @@ def test_too_late_to_stop_and_second_it_brakes_as_hard_as_it_can():
 
 @pytest.mark.parametrize(
     ("rule", "signals", "trusts"),
-    [(RightOfWay.PRIORITY, (), True), (RightOfWay.YIELD, (), False), (RightOfWay.STOP, (), False),
-     (RightOfWay.SIGNAL, (Signal.GREEN,), True), (RightOfWay.SIGNAL, (Signal.RED,), False),
-     (RightOfWay.SIGNAL, (Signal.YELLOW,), False), (RightOfWay.SIGNAL, (), False), (None, (), False)],
-)  # fmt: skip
+    [
+        (RightOfWay.PRIORITY, (), True),
+        (RightOfWay.YIELD, (), False),
+        (RightOfWay.STOP, (), False),
+        (RightOfWay.SIGNAL, (Signal.GREEN,), True),
+        (RightOfWay.SIGNAL, (Signal.RED,), False),
+        (RightOfWay.SIGNAL, (Signal.YELLOW,), False),
+        (RightOfWay.SIGNAL, (), False),
+        (None, (), False),
+    ],
+)
 def test_right_of_way_is_trusted_only_where_the_route_gives_it(rule, signals, trusts):
     route = straight_route(rule, signal=0)
     ego = ego_at(32.0)

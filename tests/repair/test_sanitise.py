@@ -79,9 +79,20 @@ def test_odometry_must_make_sense(field, bad):
 def usable(objects) -> tuple[int, list[bool]]:
     keep = np.zeros(max(64, len(objects)), dtype=np.bool_)
     dropped = mark_usable(
-        keep, objects.id, objects.x, objects.y, objects.yaw, objects.speed, objects.acceleration, objects.yaw_rate,
-        objects.length, objects.width, 60.0, 10.0, 150.0,
-    )  # fmt: skip
+        keep,
+        objects.id,
+        objects.x,
+        objects.y,
+        objects.yaw,
+        objects.speed,
+        objects.acceleration,
+        objects.yaw_rate,
+        objects.length,
+        objects.width,
+        60.0,
+        10.0,
+        150.0,
+    )
     return dropped, keep[: len(objects)].tolist()
 
 
@@ -94,9 +105,18 @@ def test_an_object_with_a_field_that_is_not_finite_is_dropped_alone(field, bad):
 
 @pytest.mark.parametrize(
     ("field", "bad"),
-    [("length", 0.0), ("length", -4.0), ("length", 60.1), ("width", 0.0), ("width", -1.0), ("width", 10.1),
-     ("speed", 151.0), ("speed", -151.0), ("x", 1e9)],
-)  # fmt: skip
+    [
+        ("length", 0.0),
+        ("length", -4.0),
+        ("length", 60.1),
+        ("width", 0.0),
+        ("width", -1.0),
+        ("width", 10.1),
+        ("speed", 151.0),
+        ("speed", -151.0),
+        ("x", 1e9),
+    ],
+)
 def test_an_object_out_of_all_reason_is_dropped_alone(field, bad):
     boxes = [Box(1, 0.0, 0.0), replace(Box(2, 5.0, 0.0), **{field: bad})]
     assert usable(object_list(boxes)) == (1, [True, False])

@@ -48,14 +48,19 @@ ALL = {
     "intersection": CROSSING,
     "tee": crash("T-intersection", vehicle("E2W", "Turn Left"), vehicle("S2N"), lanes=3, stem="East"),
     "merging": crash("Merging", vehicle("Main road", limit=65), vehicle("On-ramp", manoeuvre="Merge"), lanes=4),
-    "rear end": crash("Straight", vehicle("W2E"), vehicle("W2E", model="Pickup"), lanes=4, collisions=[Collision(1, 2)]),
+    "rear end": crash(
+        "Straight", vehicle("W2E"), vehicle("W2E", model="Pickup"), lanes=4, collisions=[Collision(1, 2)]
+    ),
     "lane change": crash("Straight", vehicle("W2E"), vehicle("W2E", manoeuvre="Changing Lane"), lanes=4),
     "parked": crash("Straight", vehicle("W2E"), vehicle("W2E", manoeuvre="Stop"), lanes=2),
     "driveway": crash("Straight", vehicle("W2E"), vehicle("N2S", "Turn Left"), lanes=2),
     "alone": crash("Curve", vehicle("W2E")),
     "open": crash(
-        None, vehicle(None, None, model=None, limit=None), vehicle(None, None, model=None, limit=None), lanes=None,
+        None,
+        vehicle(None, None, model=None, limit=None),
+        vehicle(None, None, model=None, limit=None),
+        lanes=None,
         environment=Environment(None, None),
     ),
     "pile-up": crash("Straight", vehicle(), vehicle(model="Semi Truck"), vehicle(), vehicle(), lanes=2),
-}  # fmt: skip
+}

@@ -47,12 +47,18 @@ def test_a_curve_bends_and_one_that_joins_two_compass_directions_bends_by_their_
 
 
 def test_an_intersection_has_four_arms_and_the_larger_road_has_the_lanes():
-    layout = layout_of(crash("Intersection", vehicle("W2E"), vehicle("S2N", "Turn Left"), lanes=4),
-                       control="first_major", crossing_road="two_lanes")  # fmt: skip
+    layout = layout_of(
+        crash("Intersection", vehicle("W2E"), vehicle("S2N", "Turn Left"), lanes=4),
+        control="first_major",
+        crossing_road="two_lanes",
+    )
     lanes = lanes_of(layout)
     assert {name: lanes[name] for name in ("west_in", "east_out", "south_in", "north_out")} == {
-        "west_in": 2, "east_out": 2, "south_in": 1, "north_out": 1,
-    }  # fmt: skip
+        "west_in": 2,
+        "east_out": 2,
+        "south_in": 1,
+        "north_out": 1,
+    }
     assert [way.route for way in layout.ways] == [("west_in", "east_out"), ("south_in", "west_out")]
     assert [arm.major for arm in layout.network.arms if arm.name in ("east", "north")] == [True, False]
 

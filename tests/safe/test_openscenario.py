@@ -59,8 +59,11 @@ def test_both_files_are_valid_and_netconvert_reads_the_roads(scenario, tmp_path,
     for file, grammar in ((story, story_schema), (roads, road_schema)):
         assert grammar.validate(etree.parse(file)), grammar.error_log
     back = tmp_path / "back.net.xml"
-    subprocess.run([find_binary("netconvert"), "--opendrive-files", roads, "--output-file", back, "--no-warnings"],
-                   check=True, capture_output=True)  # fmt: skip
+    subprocess.run(
+        [find_binary("netconvert"), "--opendrive-files", roads, "--output-file", back, "--no-warnings"],
+        check=True,
+        capture_output=True,
+    )
     assert etree.parse(back).findall("edge")
     assert sorted(path.name for path in tmp_path.glob("*")) == sorted([story.name, roads.name, back.name])
 

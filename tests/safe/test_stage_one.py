@@ -185,9 +185,20 @@ def test_a_wrong_meta_message_is_asked_for_again():
         (scenario(env={"time": "Daytime"}), "field env.weather"),
         (scenario(road_type="Straight"), "field stem_direction"),
     ],
-    ids=["broken JSON", "a list", "half", "hallucinated field", "a word for a number", "unknown word", "nobody",
-         "hallucinated field of a vehicle", "unknown model", "missing field", "contradiction"],
-)  # fmt: skip
+    ids=[
+        "broken JSON",
+        "a list",
+        "half",
+        "hallucinated field",
+        "a word for a number",
+        "unknown word",
+        "nobody",
+        "hallucinated field of a vehicle",
+        "unknown model",
+        "missing field",
+        "contradiction",
+    ],
+)
 def test_answers_that_cannot_be_encoded_are_asked_for_again_within_the_bound(answer, complaint):
     brain = Brain(answers=[answer])
     with pytest.raises(ExtractionError, match=rf"2 answers for the scenario were rejected.*{complaint}") as caught:

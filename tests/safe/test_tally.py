@@ -11,16 +11,28 @@ CASES = [Case("a", CROSSING), Case("b", CROSSING), Case("c", ALL["alone"]), Case
 
 def result(report, outcome="GOAL", *, fault=False, reproduced=None, vehicle=1):
     return Result(
-        report, vehicle, "modular", outcome=outcome, collision=outcome == "COLLISION", at_fault=fault,
-        reproduced=reproduced, episodes=3, seconds=0.5,
-    )  # fmt: skip
+        report,
+        vehicle,
+        "modular",
+        outcome=outcome,
+        collision=outcome == "COLLISION",
+        at_fault=fault,
+        reproduced=reproduced,
+        episodes=3,
+        seconds=0.5,
+    )
 
 
 def test_tests_are_counted_in_the_order_of_the_reports():
     results = [
-        result("a"), result("a", "COLLISION", fault=True), result("b", "TIMEOUT"), result("b", "COLLISION"),
-        result("b", ""), result("c", "COLLISION"), result("c", "COLLISION"),
-    ]  # fmt: skip
+        result("a"),
+        result("a", "COLLISION", fault=True),
+        result("b", "TIMEOUT"),
+        result("b", "COLLISION"),
+        result("b", ""),
+        result("c", "COLLISION"),
+        result("c", "COLLISION"),
+    ]
     found = tally_tests(CASES, results)
     assert (found.reports, found.built, found.scenarios, found.collisions, found.at_fault) == (4, 2, 6, 4, 1)
     assert found.top == (2, 4, 5)
@@ -37,9 +49,11 @@ def test_nothing_at_all_is_no_division_by_zero():
 
 def test_a_crash_counts_once_whoever_was_the_ego():
     results = [
-        result("a", "COLLISION", reproduced=True), result("a", "COLLISION", reproduced=True, vehicle=2),
-        result("b", "", reproduced=False), result("c", "", reproduced=False),
-    ]  # fmt: skip
+        result("a", "COLLISION", reproduced=True),
+        result("a", "COLLISION", reproduced=True, vehicle=2),
+        result("b", "", reproduced=False),
+        result("c", "", reproduced=False),
+    ]
     found = tally_reproductions(CASES, results)
     assert (found.reports, found.possible, found.reproduced, found.names, found.episodes) == (4, 2, 1, ("a",), 12)
     assert found.cells() == ("4", "1", "25.0 %", "1 of 2 (50.0 %)", "12")

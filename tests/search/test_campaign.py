@@ -176,9 +176,17 @@ def ego(speed):
 def scene(ego_speed, other_x, other_speed):
     one = np.array
     other = ObjectList(
-        one([1], np.uint32), one([1], np.uint8), one([other_x]), one([0.0]), one([0.0]), one([other_speed]),
-        one([0.0]), one([0.0]), one([4.0]), one([2.0]),
-    )  # fmt: skip
+        one([1], np.uint32),
+        one([1], np.uint8),
+        one([other_x]),
+        one([0.0]),
+        one([0.0]),
+        one([other_speed]),
+        one([0.0]),
+        one([0.0]),
+        one([4.0]),
+        one([2.0]),
+    )
     return Scene(0.0, ego(ego_speed), other, np.empty(0, np.uint8))
 
 

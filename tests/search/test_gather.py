@@ -247,12 +247,18 @@ def test_seeds_of_the_splits_never_meet():
 
 @pytest.mark.parametrize(
     "text",
-    ["[]", "a: [", "tests: {}", "most_campaigns: 0", "test: {budget: 3}",
-     "test: {violations: 1, successes: 1, first_seed: 1, techniques: [magic], budget: 1, least_distance: 0.1}",
-     "test: {violations: 1, successes: 1, first_seed: 1, techniques: [], budget: 1, least_distance: 0.1}",
-     "test: {violations: 1, successes: 1, first_seed: 1, techniques: [random], budget: 1, least_distance: 2.0}",
-     "most_campaigns: 3\ntest: {parameters: {random: {bacth: 1}}}"],
-)  # fmt: skip
+    [
+        "[]",
+        "a: [",
+        "tests: {}",
+        "most_campaigns: 0",
+        "test: {budget: 3}",
+        "test: {violations: 1, successes: 1, first_seed: 1, techniques: [magic], budget: 1, least_distance: 0.1}",
+        "test: {violations: 1, successes: 1, first_seed: 1, techniques: [], budget: 1, least_distance: 0.1}",
+        "test: {violations: 1, successes: 1, first_seed: 1, techniques: [random], budget: 1, least_distance: 2.0}",
+        "most_campaigns: 3\ntest: {parameters: {random: {bacth: 1}}}",
+    ],
+)
 def test_a_bad_plan_is_refused_in_one_line(tmp_path, text):
     (tmp_path / "plan.yaml").write_text(text)
     with pytest.raises(InputError) as caught:

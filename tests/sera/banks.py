@@ -5,9 +5,18 @@ import dataclasses
 from roadmend.sera.descriptor import Descriptor, Entry, Hazard, OutcomeStatistics, Road
 
 PLAIN = Descriptor(
-    road=Road("highway_exit", 2, 27.78), manoeuvre="exit", participants={"car": 3}, drivers={"normal": 3}, hazards=(),
-    weather="clear", light="daytime", friction=0.9, sensing_range=150.0, ego_speed=20.0, family="S4",
-)  # fmt: skip
+    road=Road("highway_exit", 2, 27.78),
+    manoeuvre="exit",
+    participants={"car": 3},
+    drivers={"normal": 3},
+    hazards=(),
+    weather="clear",
+    light="daytime",
+    friction=0.9,
+    sensing_range=150.0,
+    ego_speed=20.0,
+    family="S4",
+)
 
 
 def entry(name, **changes):

@@ -97,12 +97,21 @@ def straight_plan(speed, x=0.0, seconds=4.0):
 
 def incident(**chosen):
     given = {
-        "kind": "collision", "bag": "a", "time": 5.0, "where": Where(family="S3", road="intersection", weather="rainy"),
-        "place": Place("in_junction", 0, "yield", -3.0), "ego": Ego("crossing_straight", 8.0, "straight"),
-        "other": Other(7, "car", "crossing_from_left", "left", 9.0, 0.0, None, "v7", "normal"), "repair": NO_METHOD,
-        "manner": "hit in the side", "at_fault": False, "avoidable": 1.2, "scenario": "5" * 64, "policy": "modular",
+        "kind": "collision",
+        "bag": "a",
+        "time": 5.0,
+        "where": Where(family="S3", road="intersection", weather="rainy"),
+        "place": Place("in_junction", 0, "yield", -3.0),
+        "ego": Ego("crossing_straight", 8.0, "straight"),
+        "other": Other(7, "car", "crossing_from_left", "left", 9.0, 0.0, None, "v7", "normal"),
+        "repair": NO_METHOD,
+        "manner": "hit in the side",
+        "at_fault": False,
+        "avoidable": 1.2,
+        "scenario": "5" * 64,
+        "policy": "modular",
         "text": "bang",
-    }  # fmt: skip
+    }
     return Incident(**(given | chosen))
 
 

@@ -37,10 +37,13 @@ def terms_found(bank, pattern, count=10, **options):
         ("cut-in at an exit in rain", ["hazard:cut_in", "road:highway_exit", "weather:rainy"]),
         ("snow at an on-ramp at night", ["weather:snowy", "road:on_ramp", "light:nighttime"]),
         ("a truck cuts in on the motorway exit", ["hazard+participant:cut_in+truck", "road:highway_exit"]),
-        ("cyclist ignores the right of way, ego turns left", ["hazard+participant:run_right_of_way+bicycle", "manoeuvre:left_turn"]),
+        (
+            "cyclist ignores the right of way, ego turns left",
+            ["hazard+participant:run_right_of_way+bicycle", "manoeuvre:left_turn"],
+        ),
         ("pedestrian crossing the road while turning right", ["hazard:pedestrian_crossing", "manoeuvre:right_turn"]),
     ],
-)  # fmt: skip
+)
 def test_what_is_asked_for_comes_first(generated, words, terms):
     found = terms_found(generated, FailurePattern("x", words))
     assert len(found) == 10
@@ -51,8 +54,12 @@ def test_what_is_asked_for_comes_first(generated, words, terms):
 def test_structure_finds_what_words_find(generated):
     words = FailurePattern("x", "collision: a truck cuts in at a highway exit in fog")
     structure = FailurePattern(
-        "y", what="COLLISION", where=Where(road="highway_exit", weather="foggy"), who=Who("truck"), why=Why(hazard="cut_in")
-    )  # fmt: skip
+        "y",
+        what="COLLISION",
+        where=Where(road="highway_exit", weather="foggy"),
+        who=Who("truck"),
+        why=Why(hazard="cut_in"),
+    )
     assert generated.search(words, 10) == generated.search(structure, 10)
 
 
@@ -75,10 +82,15 @@ def test_what_is_known_to_fail_comes_first_even_in_other_weather_and_what_is_mas
     tmp_path, failure
 ):
     others = [entry(f"other {number}", participants={"car": number}) for number in range(1, 9)]
-    build_bank(tmp_path / "b", [
-        entry("mastered", outcomes=ran("GOAL", 12.0), ego_speed=21.0), entry("unknown", ego_speed=22.0),
-        entry("failed", outcomes=ran("COLLISION"), weather="rainy"), *others,
-    ])  # fmt: skip
+    build_bank(
+        tmp_path / "b",
+        [
+            entry("mastered", outcomes=ran("GOAL", 12.0), ego_speed=21.0),
+            entry("unknown", ego_speed=22.0),
+            entry("failed", outcomes=ran("COLLISION"), weather="rainy"),
+            *others,
+        ],
+    )
     with Bank(tmp_path / "b") as bank:
         names = [bank.entry(hit.number).name for hit in bank.search(failure, 11)]
     assert names[0] == "failed"
@@ -130,10 +142,12 @@ def test_the_same_scenario_adds_its_outcomes_and_a_nearly_equal_one_is_left_out(
         for name, position in (("nudged", first.position * 1.005), ("moved", first.position * 1.5))
     )
     entries = [
-        entry_of(scenario, "a", ran("GOAL", 2.0)), entry_of(scenario, "b", ran("COLLISION", 0.0)),
-        entry_of(nudged, "c"), entry_of(moved, "d"),
+        entry_of(scenario, "a", ran("GOAL", 2.0)),
+        entry_of(scenario, "b", ran("COLLISION", 0.0)),
+        entry_of(nudged, "c"),
+        entry_of(moved, "d"),
         entry_of(moved.model_copy(update={"name": "alias"}), "e", ran("COLLISION", 0.0)),
-    ]  # fmt: skip
+    ]
     assert build_bank(tmp_path / "b", entries) == Built(added=2, merged=2, near_equal=1)
     with Bank(tmp_path / "b") as bank:
         kept = list(bank.entries())
@@ -196,7 +210,7 @@ def change(path, statement, *values):
         (lambda path: change(path, "DELETE FROM parts WHERE name = 'vectors'"), "its vectors are not what was written"),
         (lambda path: change(path, "DELETE FROM entries WHERE number = 0"), "it holds 99 of 100 entries"),
     ],
-)  # fmt: skip
+)
 def test_a_bad_file_is_refused_in_one_line(tmp_path, spoil, message):
     path = tmp_path / "b"
     build_bank(path, generate(100, 1))

@@ -139,8 +139,9 @@ def test_a_pattern_without_known_words_is_left_out_and_said(cycle, bank, monkeyp
     found, stage = cycle(Odd(tmp_path / "bags"), generations=1)
     assert "tune" in stage.asked
     assert found[0].notes == (
-        "not read: c: is corrupt", "left out: pattern 'time-out': says nothing that this bank knows; name a road",
-    )  # fmt: skip
+        "not read: c: is corrupt",
+        "left out: pattern 'time-out': says nothing that this bank knows; name a road",
+    )
     monkeypatch.setattr(bank, "embed", lambda _: deaf(replace_outcome()))
     found, stage = cycle(generations=1, settings="deaf to all")
     assert "tune" not in stage.asked

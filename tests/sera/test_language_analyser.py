@@ -16,9 +16,15 @@ from .recorded import incident
 from .speaking import KEY, speaking, texts
 
 NOWHERE = {
-    "family": None, "road": None, "control": None, "lanes": None, "speed_limit": None, "density": None, "weather": None,
+    "family": None,
+    "road": None,
+    "control": None,
+    "lanes": None,
+    "speed_limit": None,
+    "density": None,
+    "weather": None,
     "light": None,
-}  # fmt: skip
+}
 NOBODY = {"participant": None, "side": None, "driver": None}
 NO_REASON = {"manoeuvre": None, "hazard": None, "ego_speed": None}
 FIRST = incident()
@@ -29,9 +35,14 @@ THREE = [THIRD, SECOND, FIRST]
 
 def pattern(*evidence, name="crossing", where=(), who=(), why=(), **changes):
     return {
-        "name": name, "words": "The ego does not yield.", "what": "COLLISION", "where": NOWHERE | dict(where),
-        "who": NOBODY | dict(who), "why": NO_REASON | dict(why), "evidence": [*evidence],
-    } | changes  # fmt: skip
+        "name": name,
+        "words": "The ego does not yield.",
+        "what": "COLLISION",
+        "where": NOWHERE | dict(where),
+        "who": NOBODY | dict(who),
+        "why": NO_REASON | dict(why),
+        "evidence": [*evidence],
+    } | changes
 
 
 def answer(*patterns, **changes):
@@ -56,8 +67,9 @@ def test_it_groups_and_says_what_matters_and_the_evidence_is_filled_in():
     assert first.words == "The ego does not yield."
     assert (first.where, first.who, first.why) == (Where(road="intersection"), Who("car"), Why("straight"))
     assert [(each.episode, each.time, each.scenario) for each in first.evidence] == [
-        ("a", 5.0, "5" * 64), ("b", 5.0, "5" * 64),
-    ]  # fmt: skip
+        ("a", 5.0, "5" * 64),
+        ("b", 5.0, "5" * 64),
+    ]
     assert "avoidable until 1.20 s" in first.evidence[0].note
     assert (found[1].what, len(requests)) == ("TIMEOUT", 1)
     schema = requests[0]["response_format"]["json_schema"]

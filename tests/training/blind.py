@@ -35,9 +35,20 @@ def _case(seed):
     summary = run_episode(scenario, BlindPolicy(), make_repairer("none"))
     parameters = sample(FAMILIES["S3"].space, random.Random(f"roadmend/S3/{seed}"))
     return Case(
-        scenario.name, "S3", "training", seed, parameters, summary.outcome.name, summary.digest, "random", 0, seed,
-        summary.text, summary.min_distance, summary.duration,
-    )  # fmt: skip
+        scenario.name,
+        "S3",
+        "training",
+        seed,
+        parameters,
+        summary.outcome.name,
+        summary.digest,
+        "random",
+        0,
+        seed,
+        summary.text,
+        summary.min_distance,
+        summary.duration,
+    )
 
 
 def blind_corpus(training, validation):

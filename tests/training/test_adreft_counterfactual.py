@@ -18,7 +18,7 @@ from .test_adreft_practice import COLLISION, GOAL, TIMEOUT, trials_of
 
 MODEL = ModelSection(
     hidden=16, layers=1, heads=2, feed_forward=16, monitor=(16,), adapter=(16,), weighing=Weighing()
-).configuration()  # fmt: skip
+).configuration()
 NONE = float("nan")
 
 

@@ -59,9 +59,11 @@ def run(scores, outcome=EventKind.GOAL, epsilon=0.0, policy=0.5, **section):
         assert (proposal.score, proposal.threshold) == (score, 0.5)
         final = min(policy, proposal.action) if score > 0.5 else policy
         actions.append(final)
-        method.watch(None, decision, Repair(
-            Command.from_action(final), RepairStatus.PASS, score, 0.5, policy, proposal.action, final != policy
-        ))  # fmt: skip
+        method.watch(
+            None,
+            decision,
+            Repair(Command.from_action(final), RepairStatus.PASS, score, 0.5, policy, proposal.action, final != policy),
+        )
     method.end(outcome)
     return method.deeds, actions
 
@@ -105,7 +107,9 @@ def test_a_decision_holds_for_its_interval():
 
 
 def test_the_adapter_may_decide_only_where_the_monitor_steps_in():
-    deeds, _ = run([0.2, 0.9, 0.9, 0.9, 0.1, 0.1, 0.8], decisions="critical", interval=2, gamma=1.0, step_reward=False, dose=1.0)  # fmt: skip
+    deeds, _ = run(
+        [0.2, 0.9, 0.9, 0.9, 0.1, 0.1, 0.8], decisions="critical", interval=2, gamma=1.0, step_reward=False, dose=1.0
+    )
     assert [deed.state[0] for deed in deeds] == [1, 3, 6]
     assert [deed.reward for deed in deeds] == pytest.approx([-0.15, -0.075, -0.075])
     assert run([0.2, 0.3], EventKind.COLLISION, decisions="critical")[0] == []

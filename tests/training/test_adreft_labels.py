@@ -15,9 +15,16 @@ def frames_of(outcome, end, time, distance):
     time, distance = np.array(time, dtype=np.float64), np.array(distance, dtype=np.float64)
     count = len(time)
     return CaseFrames(
-        "hand-made", "S1", outcome, end, time, np.zeros(count, np.float32), distance,
-        np.ones(count, np.int32), np.zeros((count, 6), np.float32),
-    )  # fmt: skip
+        "hand-made",
+        "S1",
+        outcome,
+        end,
+        time,
+        np.zeros(count, np.float32),
+        distance,
+        np.ones(count, np.int32),
+        np.zeros((count, 6), np.float32),
+    )
 
 
 TIME = [0.0, 2.0, 4.0, 6.95, 7.0, 7.05, 9.9]

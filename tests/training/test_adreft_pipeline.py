@@ -36,11 +36,17 @@ PRACTISED = {
     "model": {**SMALL, "tokenizer": "rich", "interval": 4},
     "frames": {"validation_stride": 4},
     "practice": {
-        "epochs": 2, "monte_carlo_epochs": 1, "rounds": 2, "later_epochs": 1, "per_violation": 1, "per_success": 0,
-        "blinded": 0, "batch": 64,
+        "epochs": 2,
+        "monte_carlo_epochs": 1,
+        "rounds": 2,
+        "later_epochs": 1,
+        "per_violation": 1,
+        "per_success": 0,
+        "blinded": 0,
+        "batch": 64,
     },
     "reinforcement": {"episodes": 0},
-}  # fmt: skip
+}
 _FORESEEING = ["--set", "model.weighing={}", "--set", "practice.method=counterfactual"]
 
 
@@ -81,9 +87,15 @@ def test_a_tiny_budget_saves_some_of_those_that_would_collide(train, tmp_path, c
 def test_foreseen_collisions_save_some_too(train, tmp_path):
     corpus = blind_corpus(16, 8)
     practice = {
-        "method": "counterfactual", "epochs": 12, "per_violation": 3, "per_success": 1, "gentle_per_violation": 2,
-        "blinded": 0, "batch": 64, "learning_rate": 3e-3,
-    }  # fmt: skip
+        "method": "counterfactual",
+        "epochs": 12,
+        "per_violation": 3,
+        "per_success": 1,
+        "gentle_per_violation": 2,
+        "blinded": 0,
+        "batch": 64,
+        "learning_rate": 3e-3,
+    }
     foreseeing = {**PRACTISED, "practice": practice}
     foreseeing["model"] = {**PRACTISED["model"], "weighing": {"strength": 0.4}}
     assert train(corpus, foreseeing, "model.safetensors") == 0
@@ -108,8 +120,13 @@ def test_the_stages_apart_give_the_same_bits_as_together(train, tmp_path, capsys
     assert train(corpus, QUICK, "pieces.safetensors", "--restart", "--seed", "1", "--only", "supervised") == 0
     assert (tmp_path / "pieces.safetensors").read_bytes() not in (whole, supervised)
     assert sorted(path.name for path in tmp_path.iterdir()) == [
-        "config.yaml", "corpus.jsonl", "pieces.safetensors", "pieces.training", "whole.safetensors", "whole.training",
-    ]  # fmt: skip
+        "config.yaml",
+        "corpus.jsonl",
+        "pieces.safetensors",
+        "pieces.training",
+        "whole.safetensors",
+        "whole.training",
+    ]
     header = load_checkpoint(tmp_path / "whole.safetensors", "adreft").header
     assert header["data"]["corpus"] == corpus.digest
     assert header["configuration"]["training"]["reinforcement"]["episodes"] == 4

@@ -32,10 +32,18 @@ def trials_of(outcomes, choices, actions, attribute=None, name="case"):
     held = np.where(choice == PASS, action, np.array(ACTIONS, dtype=np.float32)[choice])
     dose = 0.2 * np.maximum(action - held, 0.0)
     return CaseTrials(
-        name, np.array(outcomes, dtype=np.int8), np.full(count, 0.2 * length), np.full(count, length, dtype=np.int32),
-        time, action, choice, dose.astype(np.float32), np.full(len(choices), np.inf, dtype=np.float32),
-        np.ones(len(choices), dtype=np.int32), tokens,
-    )  # fmt: skip
+        name,
+        np.array(outcomes, dtype=np.int8),
+        np.full(count, 0.2 * length),
+        np.full(count, length, dtype=np.int32),
+        time,
+        action,
+        choice,
+        dose.astype(np.float32),
+        np.full(len(choices), np.inf, dtype=np.float32),
+        np.ones(len(choices), dtype=np.int32),
+        tokens,
+    )
 
 
 def test_returns_by_hand():

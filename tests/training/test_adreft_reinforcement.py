@@ -102,14 +102,31 @@ def networks():
 
 def stage_of(state, mapper=toy_world, seed=3, tensors=None, validation=VALIDATION, **changes):
     values = {
-        "episodes": 80, "round": 4, "learning_rate": 5e-3, "memory": 800, "batch": 32, "warm_up": 50, "target_every": 50,
-        "gamma": 0.5, "validate_every": 10, "dose_weight": 10.0,
-    }  # fmt: skip
+        "episodes": 80,
+        "round": 4,
+        "learning_rate": 5e-3,
+        "memory": 800,
+        "batch": 32,
+        "warm_up": 50,
+        "target_every": 50,
+        "gamma": 0.5,
+        "validate_every": 10,
+        "dose_weight": 10.0,
+    }
     section = ReinforcementSection(**{**values, **changes})
     return ReinforcementStage(
-        MODEL, tensors or networks(), 0.5, section, "modular", TRAINING, validation,
-        seed=seed, device="cpu", mapper=mapper, state=state,
-    )  # fmt: skip
+        MODEL,
+        tensors or networks(),
+        0.5,
+        section,
+        "modular",
+        TRAINING,
+        validation,
+        seed=seed,
+        device="cpu",
+        mapper=mapper,
+        state=state,
+    )
 
 
 @pytest.fixture(autouse=True)
@@ -185,9 +202,11 @@ def test_a_state_of_another_training_is_refused(tmp_path):
     stage_of(tmp_path / "state", episodes=4).run()
     other = {name: value + np.float32(0.1) for name, value in networks().items()}
     for changes, name in (
-        ({"seed": 4}, "seed"), ({"gamma": 0.4}, "reinforcement"), ({"tensors": other}, "networks"),
+        ({"seed": 4}, "seed"),
+        ({"gamma": 0.4}, "reinforcement"),
+        ({"tensors": other}, "networks"),
         ({"validation": VALIDATION[:2]}, "validation"),
-    ):  # fmt: skip
+    ):
         with pytest.raises(InputError, match=f"was begun with another '{name}'"):
             stage_of(tmp_path / "state", **{"episodes": 4, **changes})
 
@@ -207,13 +226,24 @@ def test_violations_have_their_share_of_the_episodes(tmp_path):
     assert max(counts) - min(counts) <= 1
     with pytest.raises(InputError, match="holds no success"):
         ReinforcementStage(
-            MODEL, networks(), 0.5, ReinforcementSection(), "modular", TRAINING[::2], VALIDATION, seed=0, device="cpu",
-            mapper=toy_world, state=tmp_path / "other",
-        )  # fmt: skip
+            MODEL,
+            networks(),
+            0.5,
+            ReinforcementSection(),
+            "modular",
+            TRAINING[::2],
+            VALIDATION,
+            seed=0,
+            device="cpu",
+            mapper=toy_world,
+            state=tmp_path / "other",
+        )
 
 
 def test_validation_cases_are_spread_over_families_and_kinds():
     chosen = spread(VALIDATION, 10)
-    assert {(case.family, case.is_violation) for case in chosen} == {(f"S{n}", kind) for n in range(1, 6) for kind in (True, False)}  # fmt: skip
+    assert {(case.family, case.is_violation) for case in chosen} == {
+        (f"S{n}", kind) for n in range(1, 6) for kind in (True, False)
+    }
     assert chosen == [case for case in VALIDATION if case in chosen]
     assert spread(VALIDATION, 0) == spread(VALIDATION, 99) == VALIDATION

@@ -44,9 +44,7 @@ def stage_of(state, training=None, seed=1, **changes):
         "clip": 1.0,
     }
     section = SupervisedSection(**{**values, **changes})
-    return SupervisedStage(
-        MODEL, section, training or frame_set(0), frame_set(1), seed=seed, device="cpu", state=state
-    )  # fmt: skip
+    return SupervisedStage(MODEL, section, training or frame_set(0), frame_set(1), seed=seed, device="cpu", state=state)
 
 
 def same(one, other):
@@ -122,9 +120,14 @@ def test_a_cut_state_is_refused(tmp_path):
 def test_frames_without_danger_teach_nothing(tmp_path):
     frames = frame_set(0)
     harmless = FrameSet(
-        frames.tokens, frames.offsets, frames.action, 0.0 * frames.critical, frames.critical_weight, frames.best,
+        frames.tokens,
+        frames.offsets,
+        frames.action,
+        0.0 * frames.critical,
+        frames.critical_weight,
+        frames.best,
         frames.best_weight,
-    )  # fmt: skip
+    )
     with pytest.raises(InputError, match="training split: no frame is critical"):
         stage_of(tmp_path / "state", training=harmless)
 

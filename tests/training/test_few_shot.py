@@ -135,9 +135,14 @@ def test_a_repaired_policy_can_be_repaired_again_and_remembers_all_its_ancestors
     first = repair(scenarios, tmp_path / "a.safetensors", gathering, *scores)
     settings = SETTINGS.model_copy(update={"epochs": 1, "replay": 0})
     again = few_shot_repair(
-        first.path, scenarios, settings, 0, tmp_path / "b.safetensors",
-        gathering=gathering, driving=lambda _model, chosen: iter([GOOD] * len(chosen)),
-    )  # fmt: skip
+        first.path,
+        scenarios,
+        settings,
+        0,
+        tmp_path / "b.safetensors",
+        gathering=gathering,
+        driving=lambda _model, chosen: iter([GOOD] * len(chosen)),
+    )
     assert load_checkpoint(again.path).header["ancestry"][:2] == [first.digest, load_checkpoint(MODEL).digest]
 
 
@@ -194,9 +199,13 @@ def test_nothing_to_learn_from_and_models_of_other_kinds_are_refused(tmp_path, s
 def test_the_shipped_settings_are_the_defaults_and_mistakes_in_a_file_are_named(tmp_path):
     assert read_few_shot_settings(CONFIG / "training" / "few-shot.yaml") == FewShotSettings()
     path = tmp_path / "few.yaml"
-    for text, named in (("epoch: 3", "epoch"), ("replay_share: 1.0", "replay_share"),
-                        ("{expert_drives: 0, policy_drives: 0}", "no demonstration"), ("[", "broken YAML"),
-                        ('{replay_repair: true, repair: ""}', "replay_repair needs a model")):  # fmt: skip
+    for text, named in (
+        ("epoch: 3", "epoch"),
+        ("replay_share: 1.0", "replay_share"),
+        ("{expert_drives: 0, policy_drives: 0}", "no demonstration"),
+        ("[", "broken YAML"),
+        ('{replay_repair: true, repair: ""}', "replay_repair needs a model"),
+    ):
         path.write_text(text)
         with pytest.raises(InputError, match=named):
             read_few_shot_settings(path)

@@ -22,9 +22,16 @@ from roadmend.training.samples import UNASKED, Samples, load_samples, samples_di
 torch.set_num_threads(1)  # as Training does; more threads wait for each other on a busy machine
 CPU = torch.device("cpu")
 TINY = ImitationConfiguration(
-    families=("S2", "S5"), every=10, hidden=16, feed_forward=32, head=(16,), batch=16, first_seed=240_000, held_out=0.5,
+    families=("S2", "S5"),
+    every=10,
+    hidden=16,
+    feed_forward=32,
+    head=(16,),
+    batch=16,
+    first_seed=240_000,
+    held_out=0.5,
     rounds=(Round(episodes=1, epochs=6, learning_rate=3e-3), Round(episodes=1, epochs=2, expert_share=0.3)),
-)  # fmt: skip
+)
 BINS = KINDS["neural"].bins
 
 

@@ -22,15 +22,30 @@ def case(family="S3", split="test", index=0, outcome="COLLISION", seed=7):
     used = used_parameters(FAMILIES[family].build, point, seed)
     text = "the ego (5.2 m/s) and v0 collided" if outcome == "COLLISION" else "route completed after 9.50 s"
     return Case(
-        f"{family}-{split}-{index}", family, split, seed, used, outcome, f"{index:064x}", "random", seed, index, text,
-        None if index else 1.0 / 3.0, 0.1 + 0.2,
-    )  # fmt: skip
+        f"{family}-{split}-{index}",
+        family,
+        split,
+        seed,
+        used,
+        outcome,
+        f"{index:064x}",
+        "random",
+        seed,
+        index,
+        text,
+        None if index else 1.0 / 3.0,
+        0.1 + 0.2,
+    )
 
 
 @pytest.fixture
 def corpus():
-    cases = [case(family, split, index, ("GOAL", "COLLISION")[index % 2])
-             for family in ("S5", "S1") for split in ("test", "training") for index in (3, 0, 10)]  # fmt: skip
+    cases = [
+        case(family, split, index, ("GOAL", "COLLISION")[index % 2])
+        for family in ("S5", "S1")
+        for split in ("test", "training")
+        for index in (3, 0, 10)
+    ]
     return Corpus("modular", sorted_cases(cases), None, "roadmend corpus build", {"test": 3}, 2)
 
 

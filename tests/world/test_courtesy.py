@@ -52,9 +52,17 @@ def others(*rows, kind=ObjectKind.CAR):
     x, y, yaw, speed, turn = np.array(rows, dtype=np.float64).reshape(-1, 5).T.copy()
     count = len(x)
     return ObjectList(
-        np.arange(1, count + 1, dtype=np.uint32), np.full(count, int(kind), dtype=np.uint8), x, y, yaw, speed,
-        np.zeros(count), turn, np.full(count, 4.5), np.full(count, 1.8),
-    )  # fmt: skip
+        np.arange(1, count + 1, dtype=np.uint32),
+        np.full(count, int(kind), dtype=np.uint8),
+        x,
+        y,
+        yaw,
+        speed,
+        np.zeros(count),
+        turn,
+        np.full(count, 4.5),
+        np.full(count, 1.8),
+    )
 
 
 AIMED = (0.0, -6.0, 0.5 * math.pi, 2.0, 0.0)  # from the side, straight at it
@@ -147,14 +155,21 @@ def test_in_sumo_a_driver_before_a_standing_ego_waits_and_goes_on_when_it_has_go
         for name, bearing in (("south", -90.0), ("east", 0.0), ("north", 90.0), ("west", 180.0))
     ]
     runner = Vehicle(
-        id="runner", route=["west_in", "east_out"], position=30.0, speed=8.0, speed_factor=0.7,
+        id="runner",
+        route=["west_in", "east_out"],
+        position=30.0,
+        speed=8.0,
+        speed_factor=0.7,
         manoeuvres=[RunRightOfWay(when=Trigger(time=0.1), hold=60.0)],
-    )  # fmt: skip
+    )
     scenario = Scenario(
-        name="test", time_limit=40.0, network=IntersectionNetwork(arms=arms), actors=[runner],
+        name="test",
+        time_limit=40.0,
+        network=IntersectionNetwork(arms=arms),
+        actors=[runner],
         ego=Ego(route=["south_in", "north_out"], position=80.0, speed=5.0, goal=60.0),
         environment=Environment(sensing_range=500.0),
-    )  # fmt: skip
+    )
     stood, places, passed = 0, [], False
     with Simulation(scenario) as simulation:
         tick = simulation.first()

@@ -120,8 +120,12 @@ def test_crossings_occur_with_every_shape_and_control(family):
         for scenario in drawn(family)
     )
     assert set(controls) == {
-        ("priority", True), ("priority", False), "right_before_left", "allway_stop", "traffic_light",
-    }  # fmt: skip
+        ("priority", True),
+        ("priority", False),
+        "right_before_left",
+        "allway_stop",
+        "traffic_light",
+    }
     assert min(controls.values()) >= 0.04 * COUNT
 
 

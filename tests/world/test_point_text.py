@@ -43,8 +43,22 @@ def test_the_text_is_short():
 
 
 @pytest.mark.parametrize(
-    "text", ["", "0.5", "0.5,2,0,1,1", "2.0,2,0,1", "nan,2,0,1", "0.5,4,0,1", "0.5,1.0,0,1", "0.5,2,3,1", "0.5,2,-1,1", "*3", "*x", "a,2,0,1"]
-)  # fmt: skip
+    "text",
+    [
+        "",
+        "0.5",
+        "0.5,2,0,1,1",
+        "2.0,2,0,1",
+        "nan,2,0,1",
+        "0.5,4,0,1",
+        "0.5,1.0,0,1",
+        "0.5,2,3,1",
+        "0.5,2,-1,1",
+        "*3",
+        "*x",
+        "a,2,0,1",
+    ],
+)
 def test_what_is_no_point_is_refused(text):
     with pytest.raises(ValueError):
         parse_point(SPACE, text)

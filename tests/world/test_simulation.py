@@ -141,11 +141,17 @@ def test_sumo_brakes_nobody_on_the_egos_behalf():
     scenario = sample_scenario("S3", 0)
     blocker = next(actor for actor in scenario.actors if actor.type == "vehicle").model_copy(
         update={
-            "id": "blocker", "kind": "car", "route": ["south_in", "north_out"], "lane": scenario.ego.lane, "depart": 0.0,
-            "position": scenario.ego.position + 30.0, "speed": 0.0, "speed_factor": 0.3,
+            "id": "blocker",
+            "kind": "car",
+            "route": ["south_in", "north_out"],
+            "lane": scenario.ego.lane,
+            "depart": 0.0,
+            "position": scenario.ego.position + 30.0,
+            "speed": 0.0,
+            "speed_factor": 0.3,
             "manoeuvres": [Brake(when=Trigger(time=0.0), hold=60.0)],
         }
-    )  # fmt: skip
+    )
     summary = run_episode(change(scenario, actors=[blocker]), Cruise(8.0), PassThrough())
     assert summary.outcome is EventKind.COLLISION
     assert summary.events[-1].object_names == ("blocker",)

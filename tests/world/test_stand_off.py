@@ -33,9 +33,17 @@ def ego(x=0.0):
 def one(place, speed=0.0, kind=ObjectKind.BUS):
     column = np.ones(1)
     return ObjectList(
-        np.ones(1, dtype=np.uint32), np.full(1, int(kind), dtype=np.uint8), place[0] * column, place[1] * column,
-        0.5 * math.pi * column, speed * column, 0.0 * column, 0.0 * column, 4.5 * column, 1.8 * column,
-    )  # fmt: skip
+        np.ones(1, dtype=np.uint32),
+        np.full(1, int(kind), dtype=np.uint8),
+        place[0] * column,
+        place[1] * column,
+        0.5 * math.pi * column,
+        speed * column,
+        0.0 * column,
+        0.0 * column,
+        4.5 * column,
+        1.8 * column,
+    )
 
 
 def run(ticks, name="inside", place=ACROSS, *, speed=0.0, pace=0.0, kind=ObjectKind.BUS, waiting=()):
@@ -44,8 +52,12 @@ def run(ticks, name="inside", place=ACROSS, *, speed=0.0, pace=0.0, kind=ObjectK
     for tick in range(ticks):
         x = pace * INTERVAL * tick
         found = stand_off.step(
-            ego(x), lambda ahead, x=x: (x + ahead, 0.0, 0.0), (name,), one((x + place[0], place[1]), speed, kind), waiting
-        )  # fmt: skip
+            ego(x),
+            lambda ahead, x=x: (x + ahead, 0.0, 0.0),
+            (name,),
+            one((x + place[0], place[1]), speed, kind),
+            waiting,
+        )
         if found:
             assert found == [name]
             return tick

@@ -42,9 +42,14 @@ class Choice:
     def settings(self) -> dict[str, Any]:
         """As plain values."""
         return {
-            "policies": [*self.policies], "methods": [*self.methods], "families": [*self.families],
-            "cases": self.cases, "split": self.split, "fresh_seed": self.fresh_seed, "quick": self.is_quick,
-        }  # fmt: skip
+            "policies": [*self.policies],
+            "methods": [*self.methods],
+            "families": [*self.families],
+            "cases": self.cases,
+            "split": self.split,
+            "fresh_seed": self.fresh_seed,
+            "quick": self.is_quick,
+        }
 
 
 def find_entrants(

@@ -13,9 +13,15 @@ def weak_labels(
 ) -> NDArray[np.bool_]:
     """Whether each frame of an episode is critical (``evaluation.case_jobs.Labels``)."""
     frames = CaseFrames(
-        name=case.name, family=case.family, outcome=outcome, end=end, time=time, distance=distance,
-        action=np.zeros(len(time), dtype=np.float32), counts=np.zeros(len(time), dtype=np.int32),
+        name=case.name,
+        family=case.family,
+        outcome=outcome,
+        end=end,
+        time=time,
+        distance=distance,
+        action=np.zeros(len(time), dtype=np.float32),
+        counts=np.zeros(len(time), dtype=np.int32),
         tokens=np.zeros((0, 0), dtype=np.float32),
-    )  # fmt: skip
+    )
     critical: NDArray[np.bool_] = WeakLabels().label(case, frames).critical > 0.5
     return critical

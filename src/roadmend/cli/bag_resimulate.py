@@ -32,15 +32,25 @@ from roadmend.world.runner import run_episode
 @click.argument("bag", type=click.Path(path_type=Path))
 @repair_options
 @click.option(
-    "--from-time", default=0.0, show_default=True, type=click.FloatRange(0.0),
+    "--from-time",
+    default=0.0,
+    show_default=True,
+    type=click.FloatRange(0.0),
     help="Simulation time [s] at which the method takes over; until then the recorded commands are driven.",
-)  # fmt: skip
+)
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder of the new bag.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def resimulate(
-    bag: Path, method: str, settings: tuple[str, ...], model: Path | None, seed: int, from_time: float, out: Path,
-    *, as_json: bool,
-) -> None:  # fmt: skip
+    bag: Path,
+    method: str,
+    settings: tuple[str, ...],
+    model: Path | None,
+    seed: int,
+    from_time: float,
+    out: Path,
+    *,
+    as_json: bool,
+) -> None:
     """Drive the scenario of a recorded run again, with another repair method from the start or from a moment on.
 
     Until that moment the run must repeat itself bit for bit, or the command ends with what differs.
@@ -76,12 +86,20 @@ def resimulate_bag(bag: Path, choice: RepairChoice, from_time: float, out: Path)
         recorder = EpisodeRecorder(writer, lambda time: methods[switchover.has_taken_over(time)], _map(reader))
         summary = run_episode(
             plan.scenario, make_policy(plan.policy), switchover, recorder.answered, recorder.ended, recorder.opened
-        )  # fmt: skip
+        )
         now = driven_outcome(summary, choice.method)
-        writer.add_metadata(RECORD, {
-            "scenario_file": plan.scenario_file, "policy": plan.policy, **choice.provenance(), "roadmend": __version__,
-            "resimulated_from": bag.name, "from_time": f"{from_time:g}", **account_of(summary, writer.count),
-        })  # fmt: skip
+        writer.add_metadata(
+            RECORD,
+            {
+                "scenario_file": plan.scenario_file,
+                "policy": plan.policy,
+                **choice.provenance(),
+                "roadmend": __version__,
+                "resimulated_from": bag.name,
+                "from_time": f"{from_time:g}",
+                **account_of(summary, writer.count),
+            },
+        )
     return then, now
 
 

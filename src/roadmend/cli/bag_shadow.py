@@ -74,14 +74,22 @@ def _show(summary: ShadowSummary, choice: RepairChoice, out: Path) -> None:
     first = summary.first_difference
     table = Table(box=None, pad_edge=False, header_style="bold")
     for title in (
-        "ticks", "interventions\nthen", f"interventions\nof {choice.method}", "agreement", "first\ndifference",
+        "ticks",
+        "interventions\nthen",
+        f"interventions\nof {choice.method}",
+        "agreement",
+        "first\ndifference",
         "mean difference\nof acceleration",
-    ):  # fmt: skip
+    ):
         table.add_column(title, justify="right", no_wrap=True)
     table.add_column("bag", overflow="fold")
     table.add_row(
-        str(summary.ticks), str(summary.interventions_then), str(summary.interventions_now),
-        f"{100.0 * summary.agreement:.1f} %", "-" if first is None else f"{first:.2f} s",
-        f"{summary.acceleration_difference:.3f} m/s²", str(out),
-    )  # fmt: skip
+        str(summary.ticks),
+        str(summary.interventions_then),
+        str(summary.interventions_now),
+        f"{100.0 * summary.agreement:.1f} %",
+        "-" if first is None else f"{first:.2f} s",
+        f"{summary.acceleration_difference:.3f} m/s²",
+        str(out),
+    )
     wide_console().print(table)

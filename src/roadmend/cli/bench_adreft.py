@@ -59,9 +59,12 @@ class _Options:
     "--cases", type=click.IntRange(1, 10_000), help="Violations, and successes, of each family.  [default: all]"
 )
 @click.option(
-    "--split", default="test", show_default=True, type=click.Choice(["validation", "test"]),
+    "--split",
+    default="test",
+    show_default=True,
+    type=click.Choice(["validation", "test"]),
     help="Cases of the corpora: the test cases are for the final figures only.",
-)  # fmt: skip
+)
 @click.option("--quick", is_flag=True, help="The main methods on a few cases, in about three minutes.")
 @click.option(
     "--fresh-seed",
@@ -70,9 +73,12 @@ class _Options:
 )
 @click.option("--robustness", is_flag=True, help="Set the testing techniques upon the policies instead (long).")
 @click.option(
-    "--budget", default=100, show_default=True, type=click.IntRange(1, 100_000),
+    "--budget",
+    default=100,
+    show_default=True,
+    type=click.IntRange(1, 100_000),
     help="With --robustness: scenarios of each search.",
-)  # fmt: skip
+)
 @click.option("--verify", is_flag=True, help="Drive everything again; exit code 1 if it differs from the committed.")
 @click.option("--cost/--no-cost", default=True, show_default=True, help="Measure the cost of a frame.")
 @click.option(
@@ -84,10 +90,25 @@ class _Options:
 @WORKERS
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def adreft(
-    policies: tuple[str, ...], methods: str | None, families: str | None, cases: int | None, split: str, fresh_seed: int | None,
-    budget: int, corpora: Path | None, committed: Path, work: Path | None, out: Path | None, workers: int, *,
-    quick: bool, robustness: bool, verify: bool, cost: bool, as_json: bool,
-) -> int:  # fmt: skip
+    policies: tuple[str, ...],
+    methods: str | None,
+    families: str | None,
+    cases: int | None,
+    split: str,
+    fresh_seed: int | None,
+    budget: int,
+    corpora: Path | None,
+    committed: Path,
+    work: Path | None,
+    out: Path | None,
+    workers: int,
+    *,
+    quick: bool,
+    robustness: bool,
+    verify: bool,
+    cost: bool,
+    as_json: bool,
+) -> int:
     """Measure every repair method on the test cases of every policy (ADReFT's tables 1 to 5 and figure 3).
 
     Finished episodes are kept, by all that decides them, and not driven again. A method whose model is missing is

@@ -80,9 +80,16 @@ def _episode(job: _Job) -> EpisodeSummary:
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def outcomes(
-    policy: str, method: str, scenarios: int, first_seed: int, workers: int, out: Path | None, *, repeat: bool,
+    policy: str,
+    method: str,
+    scenarios: int,
+    first_seed: int,
+    workers: int,
+    out: Path | None,
+    *,
+    repeat: bool,
     as_json: bool,
-) -> int:  # fmt: skip
+) -> int:
     """Run random scenarios of every family; exit code 1 if a run crashes, yields NaN or does not repeat."""
     jobs = [
         _Job(family, first_seed + number, policy, method, repeat) for family in FAMILIES for number in range(scenarios)

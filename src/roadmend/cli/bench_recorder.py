@@ -113,7 +113,9 @@ def _rows(content: dict[str, Any]) -> list[list[str]]:
         row("as many as are taken, to the disk", full["megabytes_per_second"], "MB/s", of_all(**full)),
         row("the same / bare MCAP writer", content["ratio_to_bare"], "x", ""),
         row(
-            "lost by SIGKILL under the first load", killed["lost_seconds"], "s",
+            "lost by SIGKILL under the first load",
+            killed["lost_seconds"],
+            "s",
             f"{killed['recovered']} of {killed['recordings']} bags recovered, {killed['holes']} messages missing before",
         ),
-    ]  # fmt: skip
+    ]

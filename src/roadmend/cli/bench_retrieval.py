@@ -37,8 +37,9 @@ def retrieval(scenarios: int, queries: int, out: Path | None, *, as_json: bool) 
     """Search a bank of generated scenarios by failure patterns; compare with exact search."""
     content = {
         "provenance": provenance(f"./roadmend bench retrieval --scenarios {scenarios} --queries {queries}"),
-        "n": scenarios, "queries": queries,
-    }  # fmt: skip
+        "n": scenarios,
+        "queries": queries,
+    }
     with tempfile.TemporaryDirectory(prefix="roadmend-bank-") as folder:
         path = Path(folder) / "generated.bank"
         # In a process of its own, so that its memory is told from that of searching.
@@ -82,12 +83,16 @@ def _search(path: Path, queries: int) -> dict[str, Any]:
         for place, search in enumerate(searches.values()):
             search["recall_at_10"] = statistics.fmean(shares[place * queries : (place + 1) * queries])
         return {
-            "open_seconds": opened, "peak_memory_bytes": peak, "index_bytes": bank.index.size,
-            "file_bytes": path.stat().st_size, "dimensions": bank.embedder.dimensions,
+            "open_seconds": opened,
+            "peak_memory_bytes": peak,
+            "index_bytes": bank.index.size,
+            "file_bytes": path.stat().st_size,
+            "dimensions": bank.embedder.dimensions,
             "distinct_vectors": len({hash(vector.tobytes()) for vector in bank.index.vectors}),
-            "p95_ms": searches["all"]["p95_ms"], "recall_at_10": searches["all"]["recall_at_10"],
+            "p95_ms": searches["all"]["p95_ms"],
+            "recall_at_10": searches["all"]["recall_at_10"],
             "searches": searches,
-        }  # fmt: skip
+        }
 
 
 def _peak_memory() -> int:

@@ -47,15 +47,29 @@ POINTS = 50  # of each curve, at most
 
 
 def run_robustness(
-    plan: BenchmarkPlan, config: Path, choice: Choice, budget: int, work: Path, workers: int, out: Path | None,
-    command: str, *, as_json: bool,
-) -> int:  # fmt: skip
+    plan: BenchmarkPlan,
+    config: Path,
+    choice: Choice,
+    budget: int,
+    work: Path,
+    workers: int,
+    out: Path | None,
+    command: str,
+    *,
+    as_json: bool,
+) -> int:
     """Search with every technique against every policy, with and without repair; write and show the curves."""
     methods = [name for name in plan.robustness.methods if name in choice.methods]
     content: dict[str, Any] = {
-        "format": "roadmend-robustness/1", "provenance": provenance(command), "techniques": plan.robustness.techniques, "families": [*choice.families], "runs": RUNS, "budget": budget,
-        "policies": {}, "not_run": [],
-    }  # fmt: skip
+        "format": "roadmend-robustness/1",
+        "provenance": provenance(command),
+        "techniques": plan.robustness.techniques,
+        "families": [*choice.families],
+        "runs": RUNS,
+        "budget": budget,
+        "policies": {},
+        "not_run": [],
+    }
     with Progress(*_COLUMNS, console=Console(stderr=True)) as progress:
         for policy in choice.policies:
             contenders, absences = resolve(plan, config, policy, methods)

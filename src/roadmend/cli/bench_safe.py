@@ -31,21 +31,38 @@ _PAPER: dict[str, Any] = {  # SAFE, RQ1 and RQ3: other simulators, other policie
 
 @click.command(name="safe")
 @click.argument("reports", type=click.Path(path_type=Path))
-@click.option("--policy", "policies", multiple=True, default=[*POLICIES], show_default=True,
-              type=click.Choice(sorted(POLICIES)))  # fmt: skip
+@click.option(
+    "--policy", "policies", multiple=True, default=[*POLICIES], show_default=True, type=click.Choice(sorted(POLICIES))
+)
 @click.option("--samples", default=2, show_default=True, type=click.IntRange(1, 1000), help="Scenarios of each role.")
-@click.option("--budget", default=36, show_default=True, type=click.IntRange(1, 100_000),
-              help="Episodes of each role to reproduce a crash.")  # fmt: skip
+@click.option(
+    "--budget",
+    default=36,
+    show_default=True,
+    type=click.IntRange(1, 100_000),
+    help="Episodes of each role to reproduce a crash.",
+)
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
 @WORKERS
-@click.option("--work", type=click.Path(path_type=Path, file_okay=False),
-              help="Folder for what is done; a run goes on there. The cache by default.")  # fmt: skip
+@click.option(
+    "--work",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Folder for what is done; a run goes on there. The cache by default.",
+)
 @click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Folder for safe.json and safe.md.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def safe(
-    reports: Path, policies: tuple[str, ...], samples: int, budget: int, seed: int, workers: int, work: Path | None,
-    out: Path | None, *, as_json: bool,
-) -> int:  # fmt: skip
+    reports: Path,
+    policies: tuple[str, ...],
+    samples: int,
+    budget: int,
+    seed: int,
+    workers: int,
+    work: Path | None,
+    out: Path | None,
+    *,
+    as_json: bool,
+) -> int:
     """Read REPORTS with the embedded backend, drive their scenarios and search for their crashes.
 
     Where a report's folder holds an oracle.json, what was read is scored against it.
@@ -115,8 +132,11 @@ def _rows(
     add("seconds a scenario", seconds, "10 to 25")
     add("crashes reproduced", [f"{each.reproduced} of {each.reports}" for each in repeated], "15 of 50")
     add("share", [_percent(each.reproduced / each.reports) for each in repeated], "30.0 %")
-    add("share of those with two vehicles or more",
-        [_percent(each.reproduced / each.possible if each.possible else None) for each in repeated], "-")  # fmt: skip
+    add(
+        "share of those with two vehicles or more",
+        [_percent(each.reproduced / each.possible if each.possible else None) for each in repeated],
+        "-",
+    )
     score = scores["text_only"]
     if score is not None:
         paper = _PAPER["extraction"]
@@ -125,8 +145,11 @@ def _rows(
             add(f"extraction: {name}", [value] * len(found), f"{paper[name]:.1f} % of {paper['cases']}")
     whole = scores["with_sketch"]
     if whole is not None:
-        add("extraction: overall, what only the sketch shows asked too",
-            [f"{whole.overall:.1f} % of {whole.cases}"] * len(found), "-")  # fmt: skip
+        add(
+            "extraction: overall, what only the sketch shows asked too",
+            [f"{whole.overall:.1f} % of {whole.cases}"] * len(found),
+            "-",
+        )
     return rows
 
 

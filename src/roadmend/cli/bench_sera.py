@@ -80,10 +80,21 @@ _INCIDENTS: TypeAdapter[list[Incident]] = TypeAdapter(list[Incident])
 @WORKERS
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def sera(
-    policies: str | None, seeds: int | None, file: Path | None, fresh_seed: int | None, cases: int | None,
-    committed: Path, work: Path | None, out: Path | None, workers: int, *, quick: bool, in_depth: bool,
-    repaired_replay: bool, as_json: bool,
-) -> None:  # fmt: skip
+    policies: str | None,
+    seeds: int | None,
+    file: Path | None,
+    fresh_seed: int | None,
+    cases: int | None,
+    committed: Path,
+    work: Path | None,
+    out: Path | None,
+    workers: int,
+    *,
+    quick: bool,
+    in_depth: bool,
+    repaired_replay: bool,
+    as_json: bool,
+) -> None:
     """Tune policies on random, recommended and reflected selections, and measure what that gains and what it loses.
 
     Everything that was driven or tuned is kept, by all that decides it, and not done again.
@@ -158,10 +169,14 @@ def _run(
                 model, plan, settings, evaluated, bank, workshop, logs.patterns, policy in plan.in_depth
             ).run()
         sizes = {
-            "seeds": plan.seeds, "bank": len(bank), "evaluation": len(evaluated),
-            "hard": sum(each.is_hard for each in evaluated), "split": plan.evaluation.split, "plan": plan.model_dump(mode="json"),
+            "seeds": plan.seeds,
+            "bank": len(bank),
+            "evaluation": len(evaluated),
+            "hard": sum(each.is_hard for each in evaluated),
+            "split": plan.evaluation.split,
+            "plan": plan.model_dump(mode="json"),
             "few_shot": settings.model_dump(mode="json"),
-        }  # fmt: skip
+        }
     return results, sizes
 
 

@@ -30,9 +30,11 @@ _JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def _file_option(command: Any) -> Any:
     policy = click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
     file = click.option(
-        "--corpus", "file", type=click.Path(path_type=Path, dir_okay=False),
+        "--corpus",
+        "file",
+        type=click.Path(path_type=Path, dir_okay=False),
         help="Corpus to read; that of the policy in config/corpora if not given.",
-    )  # fmt: skip
+    )
     return policy(file(command))
 
 
@@ -76,9 +78,17 @@ def corpus() -> None:
 @click.option("--allow-partial", is_flag=True, help="Search nothing: make do with what the searches found so far.")
 @WORKERS
 def build(
-    policy: str, families: str, searches: Path, out: Path, plan_file: Path | None, fresh_seed: int | None, cases: int,
-    workers: int, *, allow_partial: bool,
-) -> int:  # fmt: skip
+    policy: str,
+    families: str,
+    searches: Path,
+    out: Path,
+    plan_file: Path | None,
+    fresh_seed: int | None,
+    cases: int,
+    workers: int,
+    *,
+    allow_partial: bool,
+) -> int:
     """Gather a corpus; exit code 1 if there were not enough cases to be found.
 
     The same plan gives the same file, whatever the number of workers and however often it is interrupted. Every case
@@ -177,12 +187,15 @@ def show(policy: str, file: Path | None, *, as_json: bool) -> None:
         click.echo(f"{len(loaded.cases)} cases of the policy {loaded.policy}, SHA-256 {loaded.digest}")
         return
     content = {
-        "policy": loaded.policy, "model": loaded.model, "digest": loaded.digest, "roadmend": loaded.version,
-        "command": loaded.command, "dropped": loaded.dropped, "cases": len(loaded.cases),
-        "families": {
-            family: {split: _count(loaded.select(family, split)) for split in SPLITS} for family in FAMILIES
-        },
-    }  # fmt: skip
+        "policy": loaded.policy,
+        "model": loaded.model,
+        "digest": loaded.digest,
+        "roadmend": loaded.version,
+        "command": loaded.command,
+        "dropped": loaded.dropped,
+        "cases": len(loaded.cases),
+        "families": {family: {split: _count(loaded.select(family, split)) for split in SPLITS} for family in FAMILIES},
+    }
     click.echo(json.dumps(content, indent=2))
 
 
@@ -209,10 +222,16 @@ def _show(loaded: Corpus) -> None:
                 continue
             speed = counts["median_impact_speed"]
             table.add_row(
-                family, split, str(counts["violations"]), str(counts["successes"]), str(counts["searches"]),
-                _listed(counts["techniques"]), _listed(counts["partners"]), str(counts["standing"]),
+                family,
+                split,
+                str(counts["violations"]),
+                str(counts["successes"]),
+                str(counts["searches"]),
+                _listed(counts["techniques"]),
+                _listed(counts["partners"]),
+                str(counts["standing"]),
                 "-" if speed is None else f"{speed:.1f} m/s",
-            )  # fmt: skip
+            )
     wide_console().print(table)
 
 

@@ -12,9 +12,14 @@ from roadmend.world.families import FAMILIES
 
 
 def fresh_cases(
-    policy: str, seed: int, cases: int, work: Path, workers: int, progress: Progress,
+    policy: str,
+    seed: int,
+    cases: int,
+    work: Path,
+    workers: int,
+    progress: Progress,
     families: Sequence[str] = tuple(FAMILIES),
-) -> Corpus:  # fmt: skip
+) -> Corpus:
     """Gather a policy's test set with a seed of its own; searches that ``work`` holds already are not repeated.
 
     Args:

@@ -39,16 +39,24 @@ def repair_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Give a command the options --repair, --set, --model and --seed, whose values ``read_choice`` takes."""
     for option in (
         click.option(
-            "--seed", type=click.IntRange(0, 2**31 - 1), default=0, show_default=True,
+            "--seed",
+            type=click.IntRange(0, 2**31 - 1),
+            default=0,
+            show_default=True,
             help="Seed of repair methods that draw numbers.",
         ),
-        click.option("--model", type=click.Path(path_type=Path), help="Model file of the method; short for --set model=FILE."),
         click.option(
-            "--set", "settings", multiple=True, metavar="NAME=VALUE",
+            "--model", type=click.Path(path_type=Path), help="Model file of the method; short for --set model=FILE."
+        ),
+        click.option(
+            "--set",
+            "settings",
+            multiple=True,
+            metavar="NAME=VALUE",
             help="Parameter of the method (see config/repair); may be repeated.",
         ),
         click.option("--repair", "method", required=True, type=click.Choice(sorted(METHODS))),
-    ):  # fmt: skip
+    ):
         command = option(command)
     return command
 

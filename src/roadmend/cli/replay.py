@@ -31,9 +31,19 @@ from roadmend.nodes.replay import main
 @click.option("--wait-for-listeners", is_flag=True, help="Begin when every topic has a listener, such as a recorder.")
 @click.argument("ros_arguments", nargs=-1, type=click.UNPROCESSED, metavar="[--ros-args ...]")
 def replay(
-    bag: Path, rate: float, start: float, topics: tuple[str, ...], exclude: tuple[str, ...], wait_for: tuple[str, ...],
-    ros_arguments: tuple[str, ...], *, loop: bool, paused: bool, lockstep: bool, wait_for_listeners: bool,
-) -> int:  # fmt: skip
+    bag: Path,
+    rate: float,
+    start: float,
+    topics: tuple[str, ...],
+    exclude: tuple[str, ...],
+    wait_for: tuple[str, ...],
+    ros_arguments: tuple[str, ...],
+    *,
+    loop: bool,
+    paused: bool,
+    lockstep: bool,
+    wait_for_listeners: bool,
+) -> int:
     """Publish what a bag holds, with the QoS it was recorded with, and the clock.
 
     Remap topics with --ros-args -r OLD:=NEW, put all but the clock into a namespace with -r __ns:=/NAME.
@@ -42,9 +52,16 @@ def replay(
         raise click.UsageError(f"unexpected argument {ros_arguments[0]!r}")
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     parameters: dict[str, Any] = {
-        "bag": str(bag), "rate": rate, "start_offset": start, "loop": loop, "topics": topics or [""],
-        "exclude": exclude or [""], "start_paused": paused, "clock": "lockstep" if lockstep else "realtime",
-        "wait_for": wait_for or [""], "wait_for_listeners": wait_for_listeners,
-    }  # fmt: skip
+        "bag": str(bag),
+        "rate": rate,
+        "start_offset": start,
+        "loop": loop,
+        "topics": topics or [""],
+        "exclude": exclude or [""],
+        "start_paused": paused,
+        "clock": "lockstep" if lockstep else "realtime",
+        "wait_for": wait_for or [""],
+        "wait_for_listeners": wait_for_listeners,
+    }
     given = [word for name, value in parameters.items() for word in ("-p", f"{name}:={json.dumps(value)}")]
     return main(["replay_node", "--ros-args", *given, *ros_arguments[1:]])

@@ -77,10 +77,25 @@ _SCENARIO_FIELDS = ("ego.", "actors[", "network.")
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
 @click.argument("ros_arguments", nargs=-1, type=click.UNPROCESSED, metavar="[--ros-args ...]")
 def run(
-    scenario: Path | None, sumocfg: Path | None, ego_route: str | None, warm_up: float, time_limit: float, policy: str,
-    method: str, clock: str, rate: float, seed: int, out: Path, name: str, *, record: bool, viz: bool, foxglove: int | None,
-    as_json: bool, ros_arguments: tuple[str, ...],
-) -> None:  # fmt: skip
+    scenario: Path | None,
+    sumocfg: Path | None,
+    ego_route: str | None,
+    warm_up: float,
+    time_limit: float,
+    policy: str,
+    method: str,
+    clock: str,
+    rate: float,
+    seed: int,
+    out: Path,
+    name: str,
+    *,
+    record: bool,
+    viz: bool,
+    foxglove: int | None,
+    as_json: bool,
+    ros_arguments: tuple[str, ...],
+) -> None:
     """Run one episode in the graph: SUMO, policy, repair and recorder as separate processes.
 
     Everything after --ros-args goes to every node.
@@ -100,7 +115,7 @@ def run(
         save_scenario(chosen, path)  # paths made absolute
         options = GraphOptions(
             path, policy, method, clock, rate, seed, out, name, record, viz, foxglove, tuple(ros_arguments[1:])
-        )  # fmt: skip
+        )
         try:
             result = run_with_status(options)
         except InputError as error:

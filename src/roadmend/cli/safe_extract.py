@@ -31,9 +31,18 @@ from roadmend.safe.stage_one import StageOneOptions
 @WORKERS
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def extract(
-    reports: Path, out: Path, backend: str, settings: Path | None, recording: Path | None, attempts: int, workers: int,
-    *, no_prompt_generation: bool, no_validation: bool, as_json: bool,
-) -> int:  # fmt: skip
+    reports: Path,
+    out: Path,
+    backend: str,
+    settings: Path | None,
+    recording: Path | None,
+    attempts: int,
+    workers: int,
+    *,
+    no_prompt_generation: bool,
+    no_validation: bool,
+    as_json: bool,
+) -> int:
     """Read a crash report, or a folder of them; exit code 1 if one of them gave no scenario.
 
     A report is a folder with summary.txt and perhaps a sketch (sketch.jpg, .png), or a text file. Reports that an

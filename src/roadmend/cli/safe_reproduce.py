@@ -20,9 +20,16 @@ from roadmend.safe.tally import tally_reproductions
 @click.option("--budget", default=36, show_default=True, type=click.IntRange(1, 100_000), help="Episodes of each role.")
 @click.option("--pictures/--no-pictures", default=True, show_default=True, help="Draw every crash.")
 def reproduce(
-    paths: tuple[Path, ...], out: Path, seed: int, workers: int, policies: tuple[str, ...], budget: int, *,
-    pictures: bool, as_json: bool,
-) -> int:  # fmt: skip
+    paths: tuple[Path, ...],
+    out: Path,
+    seed: int,
+    workers: int,
+    policies: tuple[str, ...],
+    budget: int,
+    *,
+    pictures: bool,
+    as_json: bool,
+) -> int:
     """Vary what a report leaves open until the described crash happens with the policy in a vehicle's place.
 
     PATHS as in 'roadmend safe build'. A crash counts as reproduced if it happens with the policy in the place of at

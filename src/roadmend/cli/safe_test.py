@@ -20,9 +20,16 @@ from roadmend.safe.tally import tally_tests
 @click.option("--samples", default=2, show_default=True, type=click.IntRange(1, 1000), help="Scenarios of each role.")
 @click.option("--pictures/--no-pictures", default=True, show_default=True, help="Draw every scenario.")
 def safe_test(
-    paths: tuple[Path, ...], out: Path, seed: int, workers: int, policies: tuple[str, ...], samples: int, *,
-    pictures: bool, as_json: bool,
-) -> int:  # fmt: skip
+    paths: tuple[Path, ...],
+    out: Path,
+    seed: int,
+    workers: int,
+    policies: tuple[str, ...],
+    samples: int,
+    *,
+    pictures: bool,
+    as_json: bool,
+) -> int:
     """Drive the scenarios of crash reports with a policy, and write report.md and report.html.
 
     PATHS as in 'roadmend safe build'. Exit code 1 if a report gave no scenario that runs.
@@ -36,8 +43,17 @@ def safe_test(
     if as_json:
         click.echo(json.dumps(content, indent=2))
     else:
-        titles = ("policy", "reports", "built", "scenarios", "collisions", "at fault", "violation rate", "top-1/2/3",
-                  "s per scenario")  # fmt: skip
+        titles = (
+            "policy",
+            "reports",
+            "built",
+            "scenarios",
+            "collisions",
+            "at fault",
+            "violation rate",
+            "top-1/2/3",
+            "s per scenario",
+        )
         show_rows([titles, *((policy, *found.cells()) for policy, found in tallies.items())])
         click.echo(f"report: {out / 'report.html'}")
     return 0 if all(found.built == found.reports for found in tallies.values()) else 1

@@ -18,21 +18,30 @@ from roadmend.search.workers import open_map
 
 WORK = ".work"  # folder for finished jobs in the output
 policies_option = click.option(
-    "--policy", "policies", multiple=True, default=["modular"], show_default=True, type=click.Choice(sorted(POLICIES)),
+    "--policy",
+    "policies",
+    multiple=True,
+    default=["modular"],
+    show_default=True,
+    type=click.Choice(sorted(POLICIES)),
     help="May be given more than once.",
-)  # fmt: skip
+)
 
 
 def shared_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """The arguments and options that all of them have."""
     options = [
         click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path)),
-        click.option("--out", required=True, type=click.Path(path_type=Path, file_okay=False),
-                     help="Folder for what is made; a run that was interrupted there goes on."),
+        click.option(
+            "--out",
+            required=True,
+            type=click.Path(path_type=Path, file_okay=False),
+            help="Folder for what is made; a run that was interrupted there goes on.",
+        ),
         click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1)),
         WORKERS,
         click.option("--json", "as_json", is_flag=True, help="Print JSON."),
-    ]  # fmt: skip
+    ]
 
     @wraps(command)
     def wrapped(*args: Any, **kwargs: Any) -> Any:

@@ -53,9 +53,18 @@ _FAMILY_HELP = "; ".join(f"{family.name} {family.title}" for family in FAMILIES.
 @WORKERS
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def search(
-    family: str, technique: str, policy: str, method: str, budget: int, seed: int, file: Path | None, out: Path,
-    workers: int, *, as_json: bool,
-) -> int:  # fmt: skip
+    family: str,
+    technique: str,
+    policy: str,
+    method: str,
+    budget: int,
+    seed: int,
+    file: Path | None,
+    out: Path,
+    workers: int,
+    *,
+    as_json: bool,
+) -> int:
     """Find scenarios in which a policy under repair collides by its own fault; exit code 1 if one could not be run.
 
     The same settings give the same scenarios, whatever the number of workers. Every one that ends in such a collision
@@ -116,7 +125,14 @@ def _show(campaign: Campaign, found: Tally) -> None:
     table = Table(*titles, box=None, pad_edge=False, header_style="bold")
     subject = campaign.subject
     table.add_row(
-        subject.family, campaign.technique, subject.policy, subject.method, str(found.evaluated),
-        str(found.violations), str(found.distinct), str(found.first_violation or "-"), str(found.crashes),
-    )  # fmt: skip
+        subject.family,
+        campaign.technique,
+        subject.policy,
+        subject.method,
+        str(found.evaluated),
+        str(found.violations),
+        str(found.distinct),
+        str(found.first_violation or "-"),
+        str(found.crashes),
+    )
     wide_console().print(table)

@@ -32,9 +32,16 @@ from roadmend.training.workers import open_mapper
 @WORKERS
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def analyse_bags(
-    bags: tuple[Path, ...], backend: str, settings: Path | None, recording: Path | None, attempts: int,
-    out: Path | None, workers: int, *, as_json: bool,
-) -> int:  # fmt: skip
+    bags: tuple[Path, ...],
+    backend: str,
+    settings: Path | None,
+    recording: Path | None,
+    attempts: int,
+    out: Path | None,
+    workers: int,
+    *,
+    as_json: bool,
+) -> int:
     """Find the failures and interventions in BAGS, and the patterns in them.
 
     BAGS are bags, or folders with bags in them. A bag that cannot be read is named, and the others go on; the exit code

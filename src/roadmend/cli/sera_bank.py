@@ -61,19 +61,32 @@ def bank() -> None:
 @_OUT
 @JSON
 def build(
-    count: int, seed: int, corpora: tuple[Path, ...], splits: tuple[str, ...], scenarios: tuple[Path, ...],
-    embedder: str | None, out: Path, *, as_json: bool,
-) -> None:  # fmt: skip
+    count: int,
+    seed: int,
+    corpora: tuple[Path, ...],
+    splits: tuple[str, ...],
+    scenarios: tuple[Path, ...],
+    embedder: str | None,
+    out: Path,
+    *,
+    as_json: bool,
+) -> None:
     """Build a bank from families, corpora and scenario files; it replaces OUT when it is whole."""
     loaded = [load_corpus(path) for path in corpora]
     entries = itertools.chain(
         (entry_of(load_scenario(path), f"file {path.name}") for path in scenarios),
         (
             entry_of_case(case, corpus)
-            for corpus in loaded for split in dict.fromkeys(splits) for case in corpus.select(split=split)
+            for corpus in loaded
+            for split in dict.fromkeys(splits)
+            for case in corpus.select(split=split)
         ),
-        (entry_of(sample_scenario(family, seed + place), f"family {family}") for place in range(count) for family in FAMILIES),
-    )  # fmt: skip
+        (
+            entry_of(sample_scenario(family, seed + place), f"family {family}")
+            for place in range(count)
+            for family in FAMILIES
+        ),
+    )
     total = len(scenarios) + count * len(FAMILIES)
     total += sum(len(corpus.select(split=split)) for corpus in loaded for split in dict.fromkeys(splits))
     _build(out, entries, embedder or DEFAULT, total, as_json=as_json)
@@ -133,10 +146,15 @@ def show(bank_file: Path, *, as_json: bool) -> None:
     with Bank(bank_file) as opened:
         counts = _count(opened.entries())
         content: dict[str, Any] = {
-            "bank": str(bank_file), "format": opened.meta["format"], "roadmend": opened.meta["roadmend"],
-            "embedder": opened.meta["embedder"], "dimensions": opened.embedder.dimensions, "scenarios": len(opened),
-            "index_bytes": opened.index.size, **{group: dict(found.most_common()) for group, found in counts.items()},
-        }  # fmt: skip
+            "bank": str(bank_file),
+            "format": opened.meta["format"],
+            "roadmend": opened.meta["roadmend"],
+            "embedder": opened.meta["embedder"],
+            "dimensions": opened.embedder.dimensions,
+            "scenarios": len(opened),
+            "index_bytes": opened.index.size,
+            **{group: dict(found.most_common()) for group, found in counts.items()},
+        }
     if as_json:
         click.echo(json.dumps(content, indent=2))
         return
@@ -178,9 +196,14 @@ def export(bank_file: Path, out: Path) -> None:
 @filter_options
 @JSON
 def search(
-    bank_file: Path, embedder: str | None, patterns: tuple[str, ...], count: int, *, as_json: bool,
+    bank_file: Path,
+    embedder: str | None,
+    patterns: tuple[str, ...],
+    count: int,
+    *,
+    as_json: bool,
     **given: tuple[str, ...],
-) -> None:  # fmt: skip
+) -> None:
     """Find the scenarios that fit failure patterns best."""
     wanted = [pattern for each in patterns for pattern in read_patterns(each)]
     filters = filters_of(given)

@@ -41,28 +41,41 @@ Told = Callable[[str, int, int], None]  # what is being done, how much of it is 
 @click.command()
 @click.option("--policy", default="neural", show_default=True, help="A neural policy that ships, or its model file.")
 @click.option(
-    "--bags", multiple=True, type=click.Path(path_type=Path),
+    "--bags",
+    multiple=True,
+    type=click.Path(path_type=Path),
     help="Bags that the first generation learns from instead of the evaluation's; or folders. May be repeated.",
-)  # fmt: skip
+)
 @click.option("--generations", default=2, show_default=True, type=click.IntRange(1, 50), help="Times it is tuned.")
 @set_options
 @click.option(
-    "--bank", "bank_file", type=click.Path(path_type=Path, dir_okay=False),
+    "--bank",
+    "bank_file",
+    type=click.Path(path_type=Path, dir_okay=False),
     help="Bank to learn from.  [default: one is built of random scenarios]",
-)  # fmt: skip
+)
 @click.option(
-    "--bank-scenarios", default=40, show_default=True, type=click.IntRange(1, 10_000),
+    "--bank-scenarios",
+    default=40,
+    show_default=True,
+    type=click.IntRange(1, 10_000),
     help="Of each family in the bank that is built.",
-)  # fmt: skip
+)
 @EMBEDDER
 @click.option(
-    "-k", "count", default=24, show_default=True, type=click.IntRange(1, 1000),
+    "-k",
+    "count",
+    default=24,
+    show_default=True,
+    type=click.IntRange(1, 1000),
     help="Scenarios to learn from in a generation, shared among the failure patterns by how many episodes show them.",
-)  # fmt: skip
+)
 @click.option(
-    "--config", "file", type=click.Path(path_type=Path, dir_okay=False),
+    "--config",
+    "file",
+    type=click.Path(path_type=Path, dir_okay=False),
     help="YAML file with the settings of the tuning; config/training/few-shot.yaml if not given.",
-)  # fmt: skip
+)
 @click.option("--epochs", type=click.IntRange(1, 100), help="Instead of the settings'.")
 @language_options(BACKENDS)
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
@@ -70,11 +83,29 @@ Told = Callable[[str, int, int], None]  # what is being done, how much of it is 
 @click.option("--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Folder; resumes there.")
 @JSON
 def cycle(
-    policy: str, bags: tuple[Path, ...], generations: int, scenarios: int | None, first_seed: int | None,
-    corpus: Path | None, split: str | None, bank_file: Path | None, bank_scenarios: int, embedder: str | None,
-    count: int, file: Path | None, epochs: int | None, backend: str, settings: Path | None,
-    recording: Path | None, attempts: int, seed: int, workers: int, out: Path, *, as_json: bool,
-) -> int:  # fmt: skip
+    policy: str,
+    bags: tuple[Path, ...],
+    generations: int,
+    scenarios: int | None,
+    first_seed: int | None,
+    corpus: Path | None,
+    split: str | None,
+    bank_file: Path | None,
+    bank_scenarios: int,
+    embedder: str | None,
+    count: int,
+    file: Path | None,
+    epochs: int | None,
+    backend: str,
+    settings: Path | None,
+    recording: Path | None,
+    attempts: int,
+    seed: int,
+    workers: int,
+    out: Path,
+    *,
+    as_json: bool,
+) -> int:
     """Drive, analyse the failures, recommend scenarios, tune, and drive again, for several generations.
 
     The evaluation set shares no scenario with the bank, and every generation learns from scenarios that are new to it.
@@ -105,7 +136,7 @@ def cycle(
             digests = [scenario.digest for scenario in evaluated]
             runs = Cycle(
                 bank, opened, steps, digests, out, options, lambda what: progress.update(whole, description=what)
-            )  # fmt: skip
+            )
             for generation in runs.run(str(model)):
                 found.append(generation)
                 progress.update(whole, completed=len(found))
@@ -123,7 +154,7 @@ class _Steps:
 
     def __init__(
         self, scenarios: Sequence[Scenario], settings: FewShotSettings, seed: int, out: Path, workers: int, told: Told
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._scenarios = scenarios
         self._settings = settings
         self._seed = seed
@@ -159,9 +190,15 @@ class _Steps:
 
         choose_torch_device("cpu", 1)
         repaired = few_shot_repair(
-            Path(policy), scenarios, self._settings, self._seed, out, origin=Origin(selection, "", "roadmend sera cycle"),
-            workers=self._workers, report=self._told,
-        )  # fmt: skip
+            Path(policy),
+            scenarios,
+            self._settings,
+            self._seed,
+            out,
+            origin=Origin(selection, "", "roadmend sera cycle"),
+            workers=self._workers,
+            report=self._told,
+        )
         return Tuned(out, repaired.kept.epochs, repaired.kept.driving_score, repaired.trials[0].driving_score)
 
 

@@ -32,26 +32,44 @@ _NAME = "measures"
 
 @click.command()
 @click.option(
-    "--policy", default="modular", show_default=True,
+    "--policy",
+    default="modular",
+    show_default=True,
     help=f"One of {', '.join(sorted(POLICIES))}, or the model file of a neural policy.",
-)  # fmt: skip
+)
 @click.option("--repair", "method", default="none", show_default=True, type=click.Choice(sorted(METHODS)))
 @set_options
 @click.option(
-    "--disjoint-from", "known", multiple=True, type=click.Path(path_type=Path, dir_okay=False),
+    "--disjoint-from",
+    "known",
+    multiple=True,
+    type=click.Path(path_type=Path, dir_okay=False),
     help="A bank, a corpus or a scenario file: what is in it is left out. May be repeated.",
-)  # fmt: skip
+)
 @click.option(
-    "--record", default="failures", show_default=True, type=click.Choice(["failures", "all", "none"]),
+    "--record",
+    default="failures",
+    show_default=True,
+    type=click.Choice(["failures", "all", "none"]),
     help="Bags; failures: of what does not end at the goal or is repaired on the way.",
-)  # fmt: skip
+)
 @WORKERS
 @click.option("--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Folder; resumes there.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def evaluate(
-    policy: str, method: str, scenarios: int | None, first_seed: int | None, corpus: Path | None, split: str | None,
-    known: tuple[Path, ...], record: str, workers: int, out: Path, *, as_json: bool,
-) -> int:  # fmt: skip
+    policy: str,
+    method: str,
+    scenarios: int | None,
+    first_seed: int | None,
+    corpus: Path | None,
+    split: str | None,
+    known: tuple[Path, ...],
+    record: str,
+    workers: int,
+    out: Path,
+    *,
+    as_json: bool,
+) -> int:
     """Drive a policy through an evaluation set in this process: four measures, and bags for 'sera analyse'.
 
     An interrupted call goes on where it stopped; the outcome does not depend on the number of workers. The exit code is
@@ -147,9 +165,7 @@ def _content(jobs: Sequence[EvaluationJob], found: Sequence[EvaluatedEpisode], l
     }
 
 
-def _measures(
-    jobs: Sequence[EvaluationJob], found: Sequence[EvaluatedEpisode], family: str
-) -> list[DrivingMeasures]:  # fmt: skip
+def _measures(jobs: Sequence[EvaluationJob], found: Sequence[EvaluatedEpisode], family: str) -> list[DrivingMeasures]:
     return [
         episode.measures
         for job, episode in zip(jobs, found, strict=True)

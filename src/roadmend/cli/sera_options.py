@@ -14,9 +14,12 @@ BANK = click.option(
     "--bank", "bank_file", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Bank to read."
 )
 PATTERN = click.option(
-    "--pattern", "patterns", required=True, multiple=True,
+    "--pattern",
+    "patterns",
+    required=True,
+    multiple=True,
     help="What is looked for: a JSON or YAML file of failure patterns, or words. May be repeated.",
-)  # fmt: skip
+)
 EMBEDDER = click.option(
     "--embedder",
     help="That the bank must have been made with; needed where it is code of yours, which is not run otherwise.",

@@ -28,21 +28,35 @@ from roadmend.world.scenario_file import load_scenario
 @click.option("-k", "count", default=8, show_default=True, type=click.IntRange(1, 1000), help="Scenarios a pattern.")
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="Of the random selection.")
 @click.option(
-    "--exclude", multiple=True, type=click.Path(path_type=Path, dir_okay=False),
+    "--exclude",
+    multiple=True,
+    type=click.Path(path_type=Path, dir_okay=False),
     help="Scenario file that must not come, as one of the evaluation set. May be repeated.",
-)  # fmt: skip
+)
 @language_options(BACKENDS)
 @click.option(
-    "--out", type=click.Path(path_type=Path, dir_okay=False),
+    "--out",
+    type=click.Path(path_type=Path, dir_okay=False),
     help="The selections as JSON; beside it what a language model was asked.",
-)  # fmt: skip
+)
 @filter_options
 @JSON
 def recommend(
-    bank_file: Path, embedder: str | None, patterns: tuple[str, ...], count: int, seed: int, exclude: tuple[Path, ...], backend: str,
-    settings: Path | None, recording: Path | None, attempts: int, out: Path | None, *, as_json: bool,
+    bank_file: Path,
+    embedder: str | None,
+    patterns: tuple[str, ...],
+    count: int,
+    seed: int,
+    exclude: tuple[Path, ...],
+    backend: str,
+    settings: Path | None,
+    recording: Path | None,
+    attempts: int,
+    out: Path | None,
+    *,
+    as_json: bool,
     **given: tuple[str, ...],
-) -> None:  # fmt: skip
+) -> None:
     """Select the best scenarios for each failure pattern, and swap what the selection as a whole is better without."""
     wanted = [pattern for each in patterns for pattern in read_patterns(each)]
     digests = [load_scenario(path).digest for path in exclude]

@@ -28,32 +28,53 @@ from roadmend.world.corpus import SPLITS
 @click.option("--policy", default="neural", show_default=True, help="A neural policy that ships, or its model file.")
 @BANK
 @click.option(
-    "--selection", "selected", required=True, type=click.Path(path_type=Path, dir_okay=False),
+    "--selection",
+    "selected",
+    required=True,
+    type=click.Path(path_type=Path, dir_okay=False),
     help="What 'sera recommend --json' printed.",
-)  # fmt: skip
+)
 @click.option(
-    "--stage", default="refined", show_default=True, type=click.Choice(["initial", "refined", "random"]),
+    "--stage",
+    default="refined",
+    show_default=True,
+    type=click.Choice(["initial", "refined", "random"]),
     help="Of the selection.",
-)  # fmt: skip
+)
 @click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Model file to write.")
 @click.option(
-    "--validation", type=click.Path(path_type=Path, dir_okay=False),
+    "--validation",
+    type=click.Path(path_type=Path, dir_okay=False),
     help="Corpus to choose the best epoch by, what is in the selection left out.  [default: the selection]",
-)  # fmt: skip
+)
 @click.option("--split", default="validation", show_default=True, type=click.Choice(SPLITS), help="Of that corpus.")
 @click.option(
-    "--config", "file", type=click.Path(path_type=Path, dir_okay=False),
+    "--config",
+    "file",
+    type=click.Path(path_type=Path, dir_okay=False),
     help="YAML file with the settings; config/training/few-shot.yaml if not given.",
-)  # fmt: skip
+)
 @click.option("--epochs", type=click.IntRange(1, 100), help="Instead of the settings'.")
 @click.option("--learning-rate", type=click.FloatRange(0.0, 0.1, min_open=True), help="Instead of the settings'.")
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
 @WORKERS
 @JSON
 def tune(
-    policy: str, bank_file: Path, selected: Path, stage: Stage, out: Path, validation: Path | None, split: str,
-    file: Path | None, epochs: int | None, learning_rate: float | None, seed: int, workers: int, *, as_json: bool,
-) -> None:  # fmt: skip
+    policy: str,
+    bank_file: Path,
+    selected: Path,
+    stage: Stage,
+    out: Path,
+    validation: Path | None,
+    split: str,
+    file: Path | None,
+    epochs: int | None,
+    learning_rate: float | None,
+    seed: int,
+    workers: int,
+    *,
+    as_json: bool,
+) -> None:
     """Fine-tune a neural policy on a selection, guarded against forgetting; writes a new model file.
 
     The expert and the policy drive the selected scenarios, the expert says what should be done, and scenes of ordinary
@@ -74,9 +95,16 @@ def tune(
     choose_torch_device("cpu", 1)
     with stages() as report:
         repaired = few_shot_repair(
-            find_model(policy), scenarios, settings, seed, out, validation=hard, origin=origin, workers=workers,
+            find_model(policy),
+            scenarios,
+            settings,
+            seed,
+            out,
+            validation=hard,
+            origin=origin,
+            workers=workers,
             report=report,
-        )  # fmt: skip
+        )
     if as_json:
         click.echo(json.dumps({**asdict(repaired), "path": str(out)}, indent=2))
         return

@@ -42,47 +42,74 @@ _ABLATIONS: dict[str, tuple[Only, dict[str, dict[str, Any]]]] = {  # which stage
 @click.command()
 @click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
 @click.option(
-    "--corpus", "corpus_file", type=click.Path(path_type=Path, dir_okay=False),
+    "--corpus",
+    "corpus_file",
+    type=click.Path(path_type=Path, dir_okay=False),
     help="The policy's corpus; config/corpora/POLICY.jsonl if not given.",
-)  # fmt: skip
+)
 @click.option(
-    "--config", "file", type=click.Path(path_type=Path, dir_okay=False),
+    "--config",
+    "file",
+    type=click.Path(path_type=Path, dir_okay=False),
     help="YAML file with the hyper-parameters; config/training/adreft.yaml if not given.",
-)  # fmt: skip
+)
 @click.option(
-    "--also", type=click.Choice(sorted(POLICIES)), multiple=True,
+    "--also",
+    type=click.Choice(sorted(POLICIES)),
+    multiple=True,
     help="Practise on the trials of this policy too, on the training cases of its own corpus; may be repeated.",
-)  # fmt: skip
+)
 @click.option(
-    "--set", "settings", multiple=True, metavar="SECTION.NAME=VALUE",
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="SECTION.NAME=VALUE",
     help="Hyper-parameter in the place of the file's; may be repeated.",
-)  # fmt: skip
+)
 @click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Model file to write.")
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
 @click.option("--device", default="auto", show_default=True, help="auto, cpu or cuda.")
 @WORKERS
 @click.option("--only", type=click.Choice(["supervised", "reinforcement"]), help="One of the two stages.")
 @click.option(
-    "--start", type=click.Path(path_type=Path, dir_okay=False),
+    "--start",
+    type=click.Path(path_type=Path, dir_okay=False),
     help="Model file to fine-tune, in place of the supervised stage.",
-)  # fmt: skip
+)
 @click.option(
-    "--ablation", type=click.Choice([*_ABLATIONS]),
+    "--ablation",
+    type=click.Choice([*_ABLATIONS]),
     help="Leave something out: the adapter (rand_r), a stage (only_sl, only_rl), the step reward (wo_sr), "
     "nearness in the labels (wo_regulation), stepping in before the monitor alarms (wo_precaution).",
-)  # fmt: skip
+)
 @click.option(
-    "--work", type=click.Path(path_type=Path, file_okay=False),
+    "--work",
+    type=click.Path(path_type=Path, file_okay=False),
     help="Folder for frames, states and TensorBoard's logs; NAME.training beside the model file if not given.",
-)  # fmt: skip
+)
 @click.option(
-    "--resume/--restart", "resume", default=None,
+    "--resume/--restart",
+    "resume",
+    default=None,
     help="Go on with an interrupted training of the same settings, or begin it anew; frames are kept either way.",
-)  # fmt: skip
+)
 def adreft(
-    policy: str, corpus_file: Path | None, file: Path | None, also: tuple[str, ...],
-    settings: tuple[str, ...], out: Path, seed: int, device: str, workers: int, only: Only, start: Path | None, ablation: str | None, work: Path | None, *, resume: bool | None,
-) -> None:  # fmt: skip
+    policy: str,
+    corpus_file: Path | None,
+    file: Path | None,
+    also: tuple[str, ...],
+    settings: tuple[str, ...],
+    out: Path,
+    seed: int,
+    device: str,
+    workers: int,
+    only: Only,
+    start: Path | None,
+    ablation: str | None,
+    work: Path | None,
+    *,
+    resume: bool | None,
+) -> None:
     """Train ADReFT for one policy, by the stages that the configuration has.
 
     These are a supervised stage on weak labels, as in the paper, or practice in its place, and reinforcement
@@ -118,9 +145,13 @@ def adreft(
     subject = Subject(_driver(corpus), validation, [_driver(corpus_of(other)) for other in also])
     chosen = choose_torch_device(device, configuration.threads)
     columns = (
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn(),
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
         TextColumn("{task.fields[how]}"),
-    )  # fmt: skip
+    )
     with Progress(*columns, console=Console(stderr=True)) as progress, open_mapper(workers) as mapper:
         tasks: dict[str, Any] = {}
 
@@ -129,9 +160,7 @@ def adreft(
                 tasks[what] = progress.add_task(what, total=total, how=how)
             progress.update(tasks[what], completed=done, total=total, how=how)
 
-        pipeline = Pipeline(
-            configuration, subject, seed=seed, device=chosen, mapper=mapper, work=work, report=report
-        )  # fmt: skip
+        pipeline = Pipeline(configuration, subject, seed=seed, device=chosen, mapper=mapper, work=work, report=report)
         trained = pipeline.run(out, only, start)
     _say(out, trained, time.perf_counter() - begin)
 

@@ -23,18 +23,28 @@ _SETTINGS = "policy-{kind}.yaml"
 @click.option("--kind", default="neural", show_default=True, type=click.Choice([*KINDS]), help="Of policy.")
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 10_000))
 @click.option(
-    "--config", "file", type=click.Path(path_type=Path, dir_okay=False),
+    "--config",
+    "file",
+    type=click.Path(path_type=Path, dir_okay=False),
     help="YAML file with the hyper-parameters; that of the kind in config/training if not given.",
-)  # fmt: skip
+)
 @click.option("--rounds", type=click.IntRange(1, 50), help="Only the first so many rounds.")
 @click.option("--episodes", type=click.IntRange(1, 900), help="New episodes of each family in every round.")
 @WORKERS
 @click.option("--device", default="auto", show_default=True, help="auto, cpu or cuda.")
 @click.option("--resume", is_flag=True, help="Go on with an interrupted training of the same settings.")
 def policy(
-    out: Path, kind: str, seed: int, file: Path | None, rounds: int | None, episodes: int | None, workers: int, device: str, *,
+    out: Path,
+    kind: str,
+    seed: int,
+    file: Path | None,
+    rounds: int | None,
+    episodes: int | None,
+    workers: int,
+    device: str,
+    *,
     resume: bool,
-) -> None:  # fmt: skip
+) -> None:
     """Train a neural policy: behaviour cloning of the expert, then rounds of DAgger.
 
     What the rounds make is kept beside the model file, in NAME.rounds, and TensorBoard's logs with it.
@@ -57,9 +67,7 @@ def policy(
     command += f" --episodes {episodes}" if episodes else ""
     with stages() as report:
         # One thread: small batches gain little from more, and the bits are the same on every machine.
-        training = Training(
-            configuration, seed, folder, workers, choose_torch_device(device, 1), command, report
-        )  # fmt: skip
+        training = Training(configuration, seed, folder, workers, choose_torch_device(device, 1), command, report)
         last = training.run()
     with written_beside(out) as beside:
         shutil.copyfile(last, beside)

@@ -27,9 +27,11 @@ _RIVALS = tuple(rival.name for rival in rivals_of(""))
 
 _POLICY = click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
 _CORPUS = click.option(
-    "--corpus", "corpus_file", type=click.Path(path_type=Path, dir_okay=False),
+    "--corpus",
+    "corpus_file",
+    type=click.Path(path_type=Path, dir_okay=False),
     help="The policy's corpus; config/corpora/POLICY.jsonl if not given.",
-)  # fmt: skip
+)
 
 
 @click.command("self-oracle")
@@ -82,18 +84,27 @@ def self_oracle(policy: str, corpus_file: Path | None, out: Path, seed: int, epo
     "--only", multiple=True, type=click.Choice(_RIVALS), help="Only these rivals; may be given more than once."
 )
 @click.option(
-    "--cases", "number", type=click.IntRange(1, 10_000),
+    "--cases",
+    "number",
+    type=click.IntRange(1, 10_000),
     help="Only the first so many validation cases of each family and kind.",
-)  # fmt: skip
+)
 @click.option(
-    "--model", "model_file", type=click.Path(path_type=Path, dir_okay=False),
+    "--model",
+    "model_file",
+    type=click.Path(path_type=Path, dir_okay=False),
     help="SelfOracle model; the one that ships for the policy if not given.",
-)  # fmt: skip
+)
 @WORKERS
 def rivals(
-    policy: str, corpus_file: Path | None, out: Path, only: tuple[str, ...], number: int | None,
-    model_file: Path | None, workers: int,
-) -> None:  # fmt: skip
+    policy: str,
+    corpus_file: Path | None,
+    out: Path,
+    only: tuple[str, ...],
+    number: int | None,
+    model_file: Path | None,
+    workers: int,
+) -> None:
     """Find every rival's best setting on the validation split.
 
     Every setting of a rival's grid drives a third of the cases, the best four drive all; the largest dE wins, of
@@ -107,10 +118,15 @@ def rivals(
         model = load_checkpoint(model_file or models_folder() / f"self_oracle-{policy}{SUFFIX}", KIND).digest
     cases = _first(corpus.select(split="validation"), number)
     header = {
-        "format": FORMAT, "policy": policy, "policy_model": corpus.model, "corpus": corpus.digest,
-        "split": "validation", "cases": len(cases), "roadmend": __version__,
+        "format": FORMAT,
+        "policy": policy,
+        "policy_model": corpus.model,
+        "corpus": corpus.digest,
+        "split": "validation",
+        "cases": len(cases),
+        "roadmend": __version__,
         "command": f"./roadmend train rivals --policy {policy}{f' --cases {number}' if number else ''} --out {out.name}",
-    }  # fmt: skip
+    }
     found = _written(out, header)
     identity = {"corpus": corpus.digest, "roadmend": __version__}
     with counting() as progress, open_mapper(workers) as mapper:
@@ -165,12 +181,12 @@ def _show(tuned: Tuned, console: Console) -> None:
     table = Table("", *tuned.points[0].parameters, "part dE", "dE", "%Fix", "%Deg", "intensity", "dose", box=None)
     for index, point in enumerate(tuned.points):
         whole = point.whole
-        figures = (
-            (whole.delta_e, whole.fix, whole.deg, whole.intensity, whole.dose) if whole is not None else ()
-        )  # fmt: skip
+        figures = (whole.delta_e, whole.fix, whole.deg, whole.intensity, whole.dose) if whole is not None else ()
         table.add_row(
-            tuned.name if index == tuned.best else "", *map(str, point.parameters.values()),
-            f"{point.first.delta_e:.1f}", *(f"{value:.2f}" for value in figures),
+            tuned.name if index == tuned.best else "",
+            *map(str, point.parameters.values()),
+            f"{point.first.delta_e:.1f}",
+            *(f"{value:.2f}" for value in figures),
             style="bold" if index == tuned.best else None,
-        )  # fmt: skip
+        )
     console.print(table)

@@ -72,23 +72,39 @@ def corner_distance(first: Floats, second: Floats) -> float:
             best = min(
                 best,
                 _point_segment_squared(
-                    first[corner, 0], first[corner, 1],
-                    second[edge, 0], second[edge, 1], second[after, 0], second[after, 1],
+                    first[corner, 0],
+                    first[corner, 1],
+                    second[edge, 0],
+                    second[edge, 1],
+                    second[after, 0],
+                    second[after, 1],
                 ),
                 _point_segment_squared(
-                    second[corner, 0], second[corner, 1],
-                    first[edge, 0], first[edge, 1], first[after, 0], first[after, 1],
+                    second[corner, 0],
+                    second[corner, 1],
+                    first[edge, 0],
+                    first[edge, 1],
+                    first[after, 0],
+                    first[after, 1],
                 ),
-            )  # fmt: skip
+            )
     return math.sqrt(best)
 
 
 @compiled
 def outline_distances(
-    x: float, y: float, yaw: float, length: float, width: float,
-    other_x: Floats, other_y: Floats, other_yaw: Floats, other_length: Floats, other_width: Floats,
+    x: float,
+    y: float,
+    yaw: float,
+    length: float,
+    width: float,
+    other_x: Floats,
+    other_y: Floats,
+    other_yaw: Floats,
+    other_length: Floats,
+    other_width: Floats,
     near: float,
-) -> Floats:  # fmt: skip
+) -> Floats:
     """Distances [m] from one outline to each of N others, shape (N,).
 
     Exact where the gap between the circumscribed circles is below ``near`` [m]; elsewhere that gap itself, which is
@@ -115,7 +131,16 @@ def outline_distances(
 def nearest_distance(ego: EgoState, objects: ObjectList) -> float:
     """Gap [m] between the ego's outline and the nearest other, exact up to DISTANCE_EXACT; infinite where is none."""
     distances = outline_distances(
-        ego.x, ego.y, ego.yaw, ego.length, ego.width,
-        objects.x, objects.y, objects.yaw, objects.length, objects.width, DISTANCE_EXACT,
-    )  # fmt: skip
+        ego.x,
+        ego.y,
+        ego.yaw,
+        ego.length,
+        ego.width,
+        objects.x,
+        objects.y,
+        objects.yaw,
+        objects.length,
+        objects.width,
+        DISTANCE_EXACT,
+    )
     return float(np.nanmin(distances)) if np.isfinite(distances).any() else math.inf

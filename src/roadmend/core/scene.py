@@ -52,9 +52,16 @@ class EgoState:
 
     @classmethod
     def from_quaternion(
-        cls, x: float, y: float, orientation_z: float, orientation_w: float,
-        speed: float, yaw_rate: float, length: float, width: float,
-    ) -> Self:  # fmt: skip
+        cls,
+        x: float,
+        y: float,
+        orientation_z: float,
+        orientation_w: float,
+        speed: float,
+        yaw_rate: float,
+        length: float,
+        width: float,
+    ) -> Self:
         """Build the state from what an odometry message carries."""
         yaw = 2.0 * math.atan2(orientation_z, orientation_w)
         return cls(x, y, orientation_z, orientation_w, speed, yaw_rate, length, width, yaw)
@@ -90,16 +97,32 @@ class ObjectList:
         """A list without participants."""
         none = np.empty(0, dtype=np.float64)
         return cls(
-            np.empty(0, dtype=np.uint32), np.empty(0, dtype=np.uint8),
-            none, none, none, none, none, none, none, none,
-        )  # fmt: skip
+            np.empty(0, dtype=np.uint32),
+            np.empty(0, dtype=np.uint8),
+            none,
+            none,
+            none,
+            none,
+            none,
+            none,
+            none,
+            none,
+        )
 
     def select(self, keep: NDArray[np.bool_] | NDArray[np.intp]) -> "ObjectList":
         """The participants that a mask or an index array names."""
         return ObjectList(
-            self.id[keep], self.kind[keep], self.x[keep], self.y[keep], self.yaw[keep], self.speed[keep],
-            self.acceleration[keep], self.yaw_rate[keep], self.length[keep], self.width[keep],
-        )  # fmt: skip
+            self.id[keep],
+            self.kind[keep],
+            self.x[keep],
+            self.y[keep],
+            self.yaw[keep],
+            self.speed[keep],
+            self.acceleration[keep],
+            self.yaw_rate[keep],
+            self.length[keep],
+            self.width[keep],
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -74,9 +74,12 @@ class BagDiff:
 
 
 def bag_diff(
-    first: Path, second: Path, include: str = "", exclude: str = UNSTEADY,
+    first: Path,
+    second: Path,
+    include: str = "",
+    exclude: str = UNSTEADY,
     advance: Callable[[int], None] = lambda _count: None,
-) -> BagDiff:  # fmt: skip
+) -> BagDiff:
     """Compare the decoded messages of two bags: equal ones may have different padding bytes.
 
     Messages of one topic and one time are compared in the order in which they were written. Where one bag has more of
@@ -199,9 +202,7 @@ def _ticks(reader: BagReader, topics: set[str]) -> Iterator[tuple[int, Tick]]:
         yield time_ns, tick
 
 
-def _aligned(
-    first: Iterator[tuple[int, Tick]], second: Iterator[tuple[int, Tick]]
-) -> Iterator[tuple[int, Tick, Tick]]:  # fmt: skip
+def _aligned(first: Iterator[tuple[int, Tick]], second: Iterator[tuple[int, Tick]]) -> Iterator[tuple[int, Tick, Tick]]:
     """Ticks of both, by time; an empty one where a bag has none."""
     one, other = next(first, None), next(second, None)
     while one is not None or other is not None:

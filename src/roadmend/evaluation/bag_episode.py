@@ -151,9 +151,12 @@ def _take(episode: BagEpisode, short: str, stamp: int, value: Any) -> None:
             episode.route = route_of(value)
         case "map":
             episode.lanes = LaneMap(
-                np.asarray(value.lane_begin, dtype=np.int64), np.asarray(value.lane_kind, dtype=np.uint8),
-                floats_of(value.lane_width), floats_of(value.x), floats_of(value.y),
-            )  # fmt: skip
+                np.asarray(value.lane_begin, dtype=np.int64),
+                np.asarray(value.lane_kind, dtype=np.uint8),
+                floats_of(value.lane_width),
+                floats_of(value.x),
+                floats_of(value.y),
+            )
         case "events":
             _take_event(episode, stamp, value)
 

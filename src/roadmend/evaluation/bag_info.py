@@ -150,22 +150,33 @@ class _Reading:
         noted = self._metadata.get(_RECORD, {})
         outcome, text = self._outcome or (noted.get("outcome", ""), noted.get("outcome_text", ""))
         return BagInfo(
-            bag=str(path), complete=not missing, missing=missing, files=[file.name for file in files],
+            bag=str(path),
+            complete=not missing,
+            missing=missing,
+            files=[file.name for file in files],
             bytes=sum(file.stat().st_size for file in files),
             messages=sum(rhythm.count for rhythm in self._rhythms.values()),
             start=min((rhythm.first_ns / SECOND for rhythm in self._rhythms.values()), default=None),
             end=max((rhythm.end_ns / SECOND for rhythm in self._rhythms.values()), default=None),
-            outcome=outcome, outcome_text=text, interventions=self._repair,
+            outcome=outcome,
+            outcome_text=text,
+            interventions=self._repair,
             topics=[self._topic(name) for name in sorted(self._rhythms)],
             metadata={name: values for name, values in self._metadata.items() if name not in _HIDDEN},
             attachments=self._attachments,
-        )  # fmt: skip
+        )
 
     def _topic(self, name: str) -> TopicInfo:
         topic, rhythm = self._topics[name], self._rhythms[name]
         gaps = rhythm.gaps
         return TopicInfo(
-            name, topic.definition.type_name, rhythm.count, rhythm.rate, gaps,
-            rhythm.longest_ns / SECOND if gaps else None, rhythm.longest_at_ns / SECOND if gaps else None, rhythm.back,
+            name,
+            topic.definition.type_name,
+            rhythm.count,
+            rhythm.rate,
+            gaps,
+            rhythm.longest_ns / SECOND if gaps else None,
+            rhythm.longest_at_ns / SECOND if gaps else None,
+            rhythm.back,
             bool(topic.offers) and all(offer.is_latched for offer in topic.offers),
-        )  # fmt: skip
+        )

@@ -21,9 +21,14 @@ def ego_of(value: Any) -> EgoState:
     """The ego from odometry, as large as it is where no route has told its size."""
     pose, twist = value.pose.pose, value.twist.twist
     return EgoState.from_quaternion(
-        pose.position.x, pose.position.y, pose.orientation.z, pose.orientation.w,
-        twist.linear.x, twist.angular.z, *EGO_SIZE,
-    )  # fmt: skip
+        pose.position.x,
+        pose.position.y,
+        pose.orientation.z,
+        pose.orientation.w,
+        twist.linear.x,
+        twist.angular.z,
+        *EGO_SIZE,
+    )
 
 
 def sized(ego: EgoState, length: float, width: float) -> EgoState:
@@ -42,9 +47,16 @@ def objects_of(value: Any) -> ObjectList:
     columns = [
         floats_of(column)
         for column in (
-            value.x, value.y, value.yaw, value.speed, value.acceleration, value.yaw_rate, value.length, value.width,
+            value.x,
+            value.y,
+            value.yaw,
+            value.speed,
+            value.acceleration,
+            value.yaw_rate,
+            value.length,
+            value.width,
         )
-    ]  # fmt: skip
+    ]
     if any(len(column) != len(value.id) for column in (value.kind, *columns)):
         raise ValueError("the arrays differ in length")
     return ObjectList(np.asarray(value.id, dtype=np.uint32), np.asarray(value.kind, dtype=np.uint8), *columns)
@@ -54,11 +66,17 @@ def repair_of(value: Any) -> Repair:
     """What a repair node said about one tick."""
     triggers = zip(value.trigger_id, value.trigger_weight, strict=True)
     return Repair(
-        Command.from_action(float(value.final_action)), status_of(int(value.state)), float(value.score),
-        float(value.threshold), float(value.policy_action), float(value.repair_action), bool(value.intervened),
-        int(value.dropped_objects), tuple(Trigger(int(identity), float(weight)) for identity, weight in triggers),
+        Command.from_action(float(value.final_action)),
+        status_of(int(value.state)),
+        float(value.score),
+        float(value.threshold),
+        float(value.policy_action),
+        float(value.repair_action),
+        bool(value.intervened),
+        int(value.dropped_objects),
+        tuple(Trigger(int(identity), float(weight)) for identity, weight in triggers),
         value.reason,
-    )  # fmt: skip
+    )
 
 
 def route_of(value: Any) -> Route:
@@ -71,17 +89,20 @@ def route_of(value: Any) -> Route:
     x, y, limits = floats_of(value.x), floats_of(value.y), floats_of(value.speed_limit)
     stages = tuple(Stage(x[begin:end], y[begin:end], limits[begin:end]) for begin, end in itertools.pairwise(begins))
     windows = zip(value.change_begin, value.change_end, strict=True)
-    zones = zip(
-        value.zone_stage, value.zone_begin, value.zone_end, value.zone_rule, value.zone_signal, strict=True
-    )  # fmt: skip
+    zones = zip(value.zone_stage, value.zone_begin, value.zone_end, value.zone_rule, value.zone_signal, strict=True)
     return Route(
-        value.scenario, value.ego_length, value.ego_width, value.goal, value.time_limit, stages,
+        value.scenario,
+        value.ego_length,
+        value.ego_width,
+        value.goal,
+        value.time_limit,
+        stages,
         tuple(Window(float(begin), float(end)) for begin, end in windows),
         tuple(
             Zone(int(stage), float(begin), float(end), RightOfWay(int(rule)), int(signal))
             for stage, begin, end, rule, signal in zones
         ),
-    )  # fmt: skip
+    )
 
 
 def trajectory_of(value: Any) -> Trajectory:

@@ -26,13 +26,16 @@ def write_benchmark(folder: Path, stem: str, content: Mapping[str, Any], cases: 
     heading = "| " + " | ".join(rows[0]) + " |\n| " + " | ".join(["---"] * len(rows[0])) + " |\n"
     main = heading + "".join("| " + " | ".join(row) + " |\n" for row in rows[1:])
     tables = "\n\n".join(table.markdown() for table in all_tables(content))
-    write_texts(folder, {
-        f"{stem}.json": dump_json(content) + "\n",
-        f"{stem}-cases.json": dump_json(cases) + "\n",
-        f"{stem}.md": f"# {TITLE}\n\n{main}\n{made}\n",
-        f"{stem}-tables.md": f"# {TITLE}: all tables\n\n{tables}\n\n{made}\n",
-        f"{stem}.html": build_page(content),
-    })  # fmt: skip
+    write_texts(
+        folder,
+        {
+            f"{stem}.json": dump_json(content) + "\n",
+            f"{stem}-cases.json": dump_json(cases) + "\n",
+            f"{stem}.md": f"# {TITLE}\n\n{main}\n{made}\n",
+            f"{stem}-tables.md": f"# {TITLE}: all tables\n\n{tables}\n\n{made}\n",
+            f"{stem}.html": build_page(content),
+        },
+    )
 
 
 def read_json(path: Path) -> dict[str, Any]:

@@ -16,22 +16,43 @@ Content = Mapping[str, Any]
 def build_page(content: Content) -> str:
     """The page of a benchmark's content, with every chart that its figures allow."""
     charts: list[tuple[str, str, Callable[[], Figure | None]]] = [
-        ("ΔE by method", "Dots with 95 % intervals; diamonds are the paper's figures, of another simulator.",
-         lambda: repair_charts.delta_e_chart(content)),
-        ("How violations end", "Only the goal counts as a fix: a car that merely stops has repaired nothing.",
-         lambda: repair_charts.outcome_chart(content)),
+        (
+            "ΔE by method",
+            "Dots with 95 % intervals; diamonds are the paper's figures, of another simulator.",
+            lambda: repair_charts.delta_e_chart(content),
+        ),
+        (
+            "How violations end",
+            "Only the goal counts as a fix: a car that merely stops has repaired nothing.",
+            lambda: repair_charts.outcome_chart(content),
+        ),
         ("Intensity against ΔE", "Lower and further right is better.", lambda: repair_charts.scatter_chart(content)),
-        ("Dose", "Seconds of full command a case; a mean over replaced frames cannot hide a long, weak interference.",
-         lambda: repair_charts.dose_chart(content)),
-        ("ΔE by family", "S1 left turn, S2 right turn, S3 crossing, S4 highway exit, S5 on-ramp merging.",
-         lambda: repair_charts.family_chart(content)),
-        ("Monitors", "Frames against the weak labels, driven without repair.",
-         lambda: supporting_charts.monitor_chart(content)),
-        ("Robustness", "Violations that testing techniques find, summed over the families: mean and range of the runs.",
-         lambda: supporting_charts.robustness_chart(content["robustness"], content["titles"])),
-        ("Cost", "From the scene and the policy's decision to the repaired command.",
-         lambda: supporting_charts.cost_chart(content)),
-    ]  # fmt: skip
+        (
+            "Dose",
+            "Seconds of full command a case; a mean over replaced frames cannot hide a long, weak interference.",
+            lambda: repair_charts.dose_chart(content),
+        ),
+        (
+            "ΔE by family",
+            "S1 left turn, S2 right turn, S3 crossing, S4 highway exit, S5 on-ramp merging.",
+            lambda: repair_charts.family_chart(content),
+        ),
+        (
+            "Monitors",
+            "Frames against the weak labels, driven without repair.",
+            lambda: supporting_charts.monitor_chart(content),
+        ),
+        (
+            "Robustness",
+            "Violations that testing techniques find, summed over the families: mean and range of the runs.",
+            lambda: supporting_charts.robustness_chart(content["robustness"], content["titles"]),
+        ),
+        (
+            "Cost",
+            "From the scene and the policy's decision to the repaired command.",
+            lambda: supporting_charts.cost_chart(content),
+        ),
+    ]
     sections = [("Main table", table_part(headline(content)))]
     for title, caption, make in charts:
         figure = make()

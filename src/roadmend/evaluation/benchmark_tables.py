@@ -48,9 +48,12 @@ def headline(content: Content) -> tuple[tuple[str, ...], ...]:
                 continue
             interval = span(figures["intervals"]["delta_e"])
             cells += [
-                number(figures["fix"]), number(figures["deg"]), f"{number(figures['delta_e'])} ({interval})",
-                number(figures["intensity"], 2), number(figures["dose"], 2),
-            ]  # fmt: skip
+                number(figures["fix"]),
+                number(figures["deg"]),
+                f"{number(figures['delta_e'])} ({interval})",
+                number(figures["intensity"], 2),
+                number(figures["dose"], 2),
+            ]
         rows.append(tuple(cells))
     return tuple(rows)
 
@@ -58,8 +61,18 @@ def headline(content: Content) -> tuple[tuple[str, ...], ...]:
 def all_tables(content: Content) -> list[Table]:
     """Every table of the report, empty ones left out."""
     makers: list[Callable[[Content], Table | None]] = [
-        _outcomes, _effectiveness, _intensity, _monitor, _strategies, _robustness, _cost, _bound, _advantage, _rivals, _not_run,
-    ]  # fmt: skip
+        _outcomes,
+        _effectiveness,
+        _intensity,
+        _monitor,
+        _strategies,
+        _robustness,
+        _cost,
+        _bound,
+        _advantage,
+        _rivals,
+        _not_run,
+    ]
     return [table for maker in makers if (table := maker(content)) is not None]
 
 
@@ -90,18 +103,48 @@ def _each(content: Content) -> list[tuple[str, str, Mapping[str, Any]]]:
 
 
 def _outcomes(content: Content) -> Table:
-    rows = [("policy", "method", "%Fix", "%Deg", "ΔE", "95 %", "%Fix loose", "stopped", "goal lost", "intensity",
-             "95 %", "dose [s]", "95 %", "frames", "deceleration", "jerk")]  # fmt: skip
+    rows = [
+        (
+            "policy",
+            "method",
+            "%Fix",
+            "%Deg",
+            "ΔE",
+            "95 %",
+            "%Fix loose",
+            "stopped",
+            "goal lost",
+            "intensity",
+            "95 %",
+            "dose [s]",
+            "95 %",
+            "frames",
+            "deceleration",
+            "jerk",
+        )
+    ]
     for policy, method, figures in _each(content):
         intervals = figures["intervals"]
-        rows.append((
-            policy, title_of(content, method), number(figures["fix"]), number(figures["deg"]),
-            number(figures["delta_e"]), span(intervals["delta_e"]), number(figures["fix_loose"]),
-            number(figures["stopped"]), number(figures["goal_lost"]), number(figures["intensity"], 2),
-            span(intervals["intensity"], 2), number(figures["dose"], 2), span(intervals["dose"], 2),
-            number(figures["intervened_frames"]), number(figures["peak_deceleration"], 2),
-            number(figures["peak_jerk"], 1),
-        ))  # fmt: skip
+        rows.append(
+            (
+                policy,
+                title_of(content, method),
+                number(figures["fix"]),
+                number(figures["deg"]),
+                number(figures["delta_e"]),
+                span(intervals["delta_e"]),
+                number(figures["fix_loose"]),
+                number(figures["stopped"]),
+                number(figures["goal_lost"]),
+                number(figures["intensity"], 2),
+                span(intervals["intensity"], 2),
+                number(figures["dose"], 2),
+                span(intervals["dose"], 2),
+                number(figures["intervened_frames"]),
+                number(figures["peak_deceleration"], 2),
+                number(figures["peak_jerk"], 1),
+            )
+        )
     note = (
         "%Fix: violations that end at the goal; loose: that no longer end in a collision, as the paper counts. %Deg: "
         "successes that end in a collision. ΔE = %Fix - %Deg. Stopped: violations that now run into the time limit "
@@ -164,10 +207,17 @@ def _monitor(content: Content) -> Table | None:
         for name, figures in content["monitor"].get(policy, {}).items():
             theirs = content["paper"]["monitor"].get(policy, {}).get(name)
             beside = " / ".join(number(theirs[key], 2) for key in ("precision", "recall", "f1")) if theirs else DASH
-            rows.append((
-                policy, monitor_title(content, name), number(figures["precision"], 2), number(figures["recall"], 2),
-                number(figures["f1"], 2), span(figures["intervals"]["f1"]), beside,
-            ))  # fmt: skip
+            rows.append(
+                (
+                    policy,
+                    monitor_title(content, name),
+                    number(figures["precision"], 2),
+                    number(figures["recall"], 2),
+                    number(figures["f1"], 2),
+                    span(figures["intervals"]["f1"]),
+                    beside,
+                )
+            )
     note = (
         "Frames of the test cases, driven without repair, against the weak labels (nearer than 1 m to somebody, or "
         "less than 3 s before a collision); an alarm is a score above the method's threshold. The bootstrap draws "
@@ -186,10 +236,17 @@ def _strategies(content: Content) -> Table | None:
         beside = DASH
         if theirs:
             beside = " / ".join([*(number(theirs[n]) for n in ("fix", "deg", "delta_e")), f"{theirs['intensity']:.2f}"])
-        rows.append((
-            policy, title_of(content, method), number(figures["fix"]), number(figures["deg"]),
-            number(figures["delta_e"]), number(figures["intensity"], 2), beside,
-        ))  # fmt: skip
+        rows.append(
+            (
+                policy,
+                title_of(content, method),
+                number(figures["fix"]),
+                number(figures["deg"]),
+                number(figures["delta_e"]),
+                number(figures["intensity"], 2),
+                beside,
+            )
+        )
     return Table("Ablations (the paper's table 4)", _PAPER_NOTE, tuple(rows)) if len(rows) > 1 else None
 
 
@@ -202,10 +259,16 @@ def _cost(content: Content) -> Table | None:
         theirs = content["paper"]["cost"].get(method, {}).get("mean_ms")
         ratio = figures.get("ratio")
         size = _model_size(content, method)
-        rows.append((
-            title_of(content, method), number(figures["median_ms"], 3), number(figures["p99_ms"], 3),
-            number(ratio and 1.0 / ratio, 1), number(size / 1000 if size else None, 0), number(theirs, 3),
-        ))  # fmt: skip
+        rows.append(
+            (
+                title_of(content, method),
+                number(figures["median_ms"], 3),
+                number(figures["p99_ms"], 3),
+                number(ratio and 1.0 / ratio, 1),
+                number(size / 1000 if size else None, 0),
+                number(theirs, 3),
+            )
+        )
     note = "One frame with 20 objects on one core, from the scene and the policy's decision to the repaired command."
     return Table("Cost (the paper's table 5)", note, tuple(rows))
 
@@ -217,10 +280,16 @@ def _robustness(content: Content) -> Table | None:
         for technique, curves in techniques.items():
             for method, curve in curves.items():
                 found = [run[-1] for run in curve["found"]]
-                rows.append((
-                    policy, technique, title_of(content, method), str(curve["evaluations"][-1]),
-                    number(sum(found) / len(found)), span([min(found), max(found)], 0),
-                ))  # fmt: skip
+                rows.append(
+                    (
+                        policy,
+                        technique,
+                        title_of(content, method),
+                        str(curve["evaluations"][-1]),
+                        number(sum(found) / len(found)),
+                        span([min(found), max(found)], 0),
+                    )
+                )
     note = "Searches of every technique in every family, several runs each, against the policy with and without repair."
     return Table("Robustness (the paper's figure 3)", note, tuple(rows)) if len(rows) > 1 else None
 
@@ -238,10 +307,16 @@ def _bound(content: Content) -> Table | None:
     for policy, method, figures in _each(content):
         bound = figures.get("bound")
         if bound is not None:
-            rows.append((
-                policy, title_of(content, method), f"{bound['repairable']} of {figures['violations']}",
-                f"{number(bound['fix_share'])} %", number(bound["dose_ratio"], 2), number(bound["dose_ratio_all"], 2),
-            ))  # fmt: skip
+            rows.append(
+                (
+                    policy,
+                    title_of(content, method),
+                    f"{bound['repairable']} of {figures['violations']}",
+                    f"{number(bound['fix_share'])} %",
+                    number(bound["dose_ratio"], 2),
+                    number(bound["dose_ratio_all"], 2),
+                )
+            )
     note = (
         "The bound is the least dose found over re-simulations of a violation, by a search that knows how it ends. "
         "Repairable: violations for which it found any that reaches the goal. Dose / bound: sums over the violations "
@@ -256,10 +331,16 @@ def _advantage(content: Content) -> Table | None:
         more = figures.get("adreft_minus_this")
         if more is not None:
             intervals = more["intervals"]
-            rows.append((
-                policy, title_of(content, method), number(more["delta_e"]), span(intervals["delta_e"]),
-                number(more["dose"], 2), span(intervals["dose"], 2),
-            ))  # fmt: skip
+            rows.append(
+                (
+                    policy,
+                    title_of(content, method),
+                    number(more["delta_e"]),
+                    span(intervals["delta_e"]),
+                    number(more["dose"], 2),
+                    span(intervals["dose"], 2),
+                )
+            )
     note = "On the same cases; intervals of the paired bootstrap. One that holds 0 shows no difference."
     return Table("ADReFT against each", note, tuple(rows)) if len(rows) > 1 else None
 

@@ -88,9 +88,19 @@ class CaseWatcher:
         deceleration, jerk = peaks(self._speeds)
         distance = summary.min_distance if math.isfinite(summary.min_distance) else None
         return CaseResult(
-            case, family, violation, summary.outcome.name, summary.ticks, summary.duration, summary.interventions,
-            self._change, distance, deceleration, jerk, summary.digest,
-        )  # fmt: skip
+            case,
+            family,
+            violation,
+            summary.outcome.name,
+            summary.ticks,
+            summary.duration,
+            summary.interventions,
+            self._change,
+            distance,
+            deceleration,
+            jerk,
+            summary.digest,
+        )
 
 
 def peaks(speeds: Sequence[float]) -> tuple[float, float]:

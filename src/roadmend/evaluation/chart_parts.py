@@ -43,9 +43,15 @@ def group_handles(content: Content, methods: Sequence[str]) -> list[Any]:
 def add_legend(figure: Figure, handles: Sequence[Any]) -> None:
     """A legend below all panels."""
     figure.legend(
-        handles=handles, loc="outside lower left", ncols=len(handles), frameon=False, fontsize=8.5, labelcolor=INK,
-        handletextpad=0.4, columnspacing=1.4,
-    )  # fmt: skip
+        handles=handles,
+        loc="outside lower left",
+        ncols=len(handles),
+        frameon=False,
+        fontsize=8.5,
+        labelcolor=INK,
+        handletextpad=0.4,
+        columnspacing=1.4,
+    )
 
 
 def label_points(axes: Axes, points: Sequence[tuple[float, float, str, str]]) -> None:
@@ -67,10 +73,16 @@ def label_points(axes: Axes, points: Sequence[tuple[float, float, str, str]]) ->
         taken.append(chosen)
         is_right, middle = chosen[0] > x, 0.5 * (chosen[2] + chosen[3])
         axes.annotate(
-            name, (x, y), (chosen[0] if is_right else chosen[1], middle), ha="left" if is_right else "right",
-            va="center", fontsize=8, color=colour, path_effects=_HALO,
+            name,
+            (x, y),
+            (chosen[0] if is_right else chosen[1], middle),
+            ha="left" if is_right else "right",
+            va="center",
+            fontsize=8,
+            color=colour,
+            path_effects=_HALO,
             arrowprops={"arrowstyle": "-", "color": MUTED, "lw": 0.6} if abs(middle - y) > 1.2 * height else None,
-        )  # fmt: skip
+        )
 
 
 def _overlap(first: tuple[float, ...], second: tuple[float, ...]) -> bool:

@@ -39,10 +39,12 @@ def forgotten(
         return fmean(after[one].driving_score - before[one].driving_score for one in places) if places else None
 
     return {
-        "ordinary": len(ordinary), "went_well": len(well), "ordinary_change": change(ordinary),
+        "ordinary": len(ordinary),
+        "went_well": len(well),
+        "ordinary_change": change(ordinary),
         "driving_score_change": change(well),
         "success_rate_change": 100.0 * fmean(after[one].success for one in well) - 100.0 if well else None,
-    }  # fmt: skip
+    }
 
 
 def forgotten_anew(before: Sequence[DrivingMeasures], after: Sequence[DrivingMeasures]) -> dict[str, float | None]:

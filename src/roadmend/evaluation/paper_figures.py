@@ -45,14 +45,18 @@ _FAMILY_ROWS: dict[str, dict[str, tuple[tuple[float, float, float], ...]]] = {  
 FAMILIES: dict[str, dict[str, dict[str, dict[str, float]]]] = {
     f"S{number + 1}": {
         policy: {
-            method: {"fix": row[number][0], "deg": row[number][1], "delta_e": row[number][0] - row[number][1],
-                     "intensity": row[number][2]}
+            method: {
+                "fix": row[number][0],
+                "deg": row[number][1],
+                "delta_e": row[number][0] - row[number][1],
+                "intensity": row[number][2],
+            }
             for method, row in methods.items()
         }
         for policy, methods in _FAMILY_ROWS.items()
     }
     for number in range(5)
-}  # fmt: skip
+}
 
 MONITOR: dict[str, dict[str, dict[str, float]]] = {
     "modular": {
@@ -76,5 +80,9 @@ COST: dict[str, dict[str, float]] = {
 }
 
 PAPER: dict[str, Any] = {
-    "policies": POLICIES, "summary": SUMMARY, "families": FAMILIES, "monitor": MONITOR, "cost": COST,
-}  # fmt: skip
+    "policies": POLICIES,
+    "summary": SUMMARY,
+    "families": FAMILIES,
+    "monitor": MONITOR,
+    "cost": COST,
+}

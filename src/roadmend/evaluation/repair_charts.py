@@ -36,9 +36,14 @@ def delta_e_chart(content: Content) -> Figure:
             axes.plot([low, high], [place, place], color=colour, lw=2.2, solid_capstyle="butt", zorder=4)
             axes.plot(figures["delta_e"], place, "o", ms=7, color=colour, zorder=5)
             axes.annotate(
-                f"{figures['delta_e']:.1f}", (high, place), (6, 0), textcoords="offset points", va="center",
-                fontsize=8.5, color=INK,
-            )  # fmt: skip
+                f"{figures['delta_e']:.1f}",
+                (high, place),
+                (6, 0),
+                textcoords="offset points",
+                va="center",
+                fontsize=8.5,
+                color=INK,
+            )
         name_methods(axes, content, methods)
         axes.set_xlim(min(-12.0, axes.get_xlim()[0]), 112.0)
         axes.set_xticks(range(0, 101, 20))
@@ -98,8 +103,16 @@ def outcome_chart(content: Content) -> Figure:
             for share, colour in zip(shares, _OUTCOME_COLOUR.values(), strict=True):
                 axes.barh(place, share, left=left, color=colour, height=0.66, edgecolor="white", lw=0.6)
                 if share >= 7.0:
-                    axes.text(left + 0.5 * share, place, f"{share:.0f}", color="white", fontsize=8, ha="center",
-                              va="center", fontweight="bold")  # fmt: skip
+                    axes.text(
+                        left + 0.5 * share,
+                        place,
+                        f"{share:.0f}",
+                        color="white",
+                        fontsize=8,
+                        ha="center",
+                        va="center",
+                        fontweight="bold",
+                    )
                 left += share
         name_methods(axes, content, methods)
         axes.set_xlim(0.0, 100.0)

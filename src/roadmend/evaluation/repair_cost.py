@@ -175,10 +175,17 @@ def _crowd(count: int, ego: EgoState, rng: np.random.Generator) -> ObjectList:
     distance = _RADIUS * np.sqrt(rng.uniform(0.02, 1.0, count))
     still = np.zeros(count)
     return ObjectList(
-        np.arange(_FIRST_ADDED, _FIRST_ADDED + count, dtype=np.uint32), np.full(count, ObjectKind.CAR, dtype=np.uint8),
-        ego.x + distance * np.cos(angle), ego.y + distance * np.sin(angle), rng.uniform(-np.pi, np.pi, count),
-        rng.uniform(0.0, 12.0, count), still, still, np.full(count, 4.5), np.full(count, 1.8),
-    )  # fmt: skip
+        np.arange(_FIRST_ADDED, _FIRST_ADDED + count, dtype=np.uint32),
+        np.full(count, ObjectKind.CAR, dtype=np.uint8),
+        ego.x + distance * np.cos(angle),
+        ego.y + distance * np.sin(angle),
+        rng.uniform(-np.pi, np.pi, count),
+        rng.uniform(0.0, 12.0, count),
+        still,
+        still,
+        np.full(count, 4.5),
+        np.full(count, 1.8),
+    )
 
 
 def _populate(scene: Scene, crowd: ObjectList, count: int) -> ObjectList:

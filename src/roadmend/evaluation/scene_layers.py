@@ -117,9 +117,18 @@ def draw_route(canvas: Canvas, route: Route) -> None:
         canvas.strokes([goal], 0.9, PAINT, 2.2)
         canvas.strokes([goal], 0.6, GOAL_COLOUR, 2.3)
         canvas.axes.annotate(
-            "goal", goal.mean(axis=0), xytext=(0, 12), textcoords="offset points", fontsize=9, fontweight="bold",
-            color=GOAL_COLOUR, ha="center", zorder=9.0, annotation_clip=True, path_effects=_halo(),
-        )  # fmt: skip
+            "goal",
+            goal.mean(axis=0),
+            xytext=(0, 12),
+            textcoords="offset points",
+            fontsize=9,
+            fontweight="bold",
+            color=GOAL_COLOUR,
+            ha="center",
+            zorder=9.0,
+            annotation_clip=True,
+            path_effects=_halo(),
+        )
 
 
 def draw_trail(canvas: Canvas, trail: Trail) -> None:
@@ -165,10 +174,18 @@ def _draw_trigger(canvas: Canvas, frame: Floats, identity: int) -> None:
     canvas.shapes([frame], [_pale(TRIGGER_COLOUR, 0.2)], TRIGGER_COLOUR, 2.4, 4.05)
     top = frame[np.argmax(frame[:, 1])]
     canvas.axes.annotate(
-        f"trigger {identity}", (float(frame[:, 0].mean()), float(top[1])), xytext=(0, 5), textcoords="offset points",
-        fontsize=9, fontweight="bold", color=TRIGGER_COLOUR, ha="center", zorder=9.0, annotation_clip=True,
+        f"trigger {identity}",
+        (float(frame[:, 0].mean()), float(top[1])),
+        xytext=(0, 5),
+        textcoords="offset points",
+        fontsize=9,
+        fontweight="bold",
+        color=TRIGGER_COLOUR,
+        ha="center",
+        zorder=9.0,
+        annotation_clip=True,
         path_effects=_halo(),
-    )  # fmt: skip
+    )
 
 
 def draw_plan(canvas: Canvas, trajectory: Trajectory, ego: EgoState) -> None:
@@ -181,9 +198,17 @@ def draw_plan(canvas: Canvas, trajectory: Trajectory, ego: EgoState) -> None:
         draw(line[:, 0], line[:, 1], color=PAINT, lw=3.6, zorder=5.0, alpha=0.8, scalex=False, scaley=False)
         draw(line[:, 0], line[:, 1], color=PLAN_COLOUR, lw=1.7, zorder=5.1, scalex=False, scaley=False)
         draw(
-            points[:, 0], points[:, 1], "o", color=PLAN_COLOUR, ms=4.0, mec=PAINT, mew=0.7, zorder=5.2,
-            scalex=False, scaley=False,
-        )  # fmt: skip
+            points[:, 0],
+            points[:, 1],
+            "o",
+            color=PLAN_COLOUR,
+            ms=4.0,
+            mec=PAINT,
+            mew=0.7,
+            zorder=5.2,
+            scalex=False,
+            scaley=False,
+        )
 
 
 def draw_ego(canvas: Canvas, ego: EgoState, colour: str) -> None:
@@ -203,9 +228,16 @@ def draw_scale_bar(canvas: Canvas, length: float = 10.0) -> None:
     for width, colour, z in ((4.0, PAINT, 8.0), (1.6, INK, 8.1)):
         canvas.axes.plot(bar[:, 0], bar[:, 1], color=colour, lw=width, zorder=z, scalex=False, scaley=False)
     canvas.axes.text(
-        x + 0.5 * length, y + 1.6 * unit, f"{length:g} m", fontsize=9, color=INK, ha="center", va="bottom",
-        zorder=8.2, path_effects=_halo(),
-    )  # fmt: skip
+        x + 0.5 * length,
+        y + 1.6 * unit,
+        f"{length:g} m",
+        fontsize=9,
+        color=INK,
+        ha="center",
+        va="bottom",
+        zorder=8.2,
+        path_effects=_halo(),
+    )
 
 
 def outline_of(x: float, y: float, yaw: float, length: float, width: float) -> Floats:

@@ -137,8 +137,17 @@ def _caption(figure: Figure, view: SceneView, height: float) -> None:
             facts.append(f"command {_signed(repair.final_action)}")
         pill = {"boxstyle": "round,pad=0.35,rounding_size=0.5", "fc": STATUS_COLOUR[repair.status], "ec": "none"}
         name = repair.status.name.replace("_", " ")
-        write(right - 0.006, second, name, fontsize=9, fontweight="bold", color="white", ha="right", va="center",
-              bbox=pill)  # fmt: skip
+        write(
+            right - 0.006,
+            second,
+            name,
+            fontsize=9,
+            fontweight="bold",
+            color="white",
+            ha="right",
+            va="center",
+            bbox=pill,
+        )
     write(left, second, "   ·   ".join(facts), fontsize=10.5, color=INK, va="center")
     reason = "" if repair is None else repair.reason
     write(left, third, reason, fontsize=9.5, color=MUTED, style="italic", va="center")
@@ -160,9 +169,18 @@ def _legend(axes: Axes, view: SceneView) -> None:
         if view.trail.intervened.any():
             handles.append(Line2D([], [], color=scene_layers.REPAIRED_COLOUR, lw=2.0, label="driven, repaired"))
     axes.legend(
-        handles=handles, loc="upper left", bbox_to_anchor=(-0.004, 0.0), ncols=len(handles), frameon=False,
-        fontsize=8.5, handlelength=1.5, columnspacing=1.3, handletextpad=0.5, borderaxespad=0.25, labelcolor=INK,
-    )  # fmt: skip
+        handles=handles,
+        loc="upper left",
+        bbox_to_anchor=(-0.004, 0.0),
+        ncols=len(handles),
+        frameon=False,
+        fontsize=8.5,
+        handlelength=1.5,
+        columnspacing=1.3,
+        handletextpad=0.5,
+        borderaxespad=0.25,
+        labelcolor=INK,
+    )
 
 
 def _ego_colour(view: SceneView) -> str:

@@ -130,9 +130,11 @@ def rows_of(timeline: Timeline) -> list[Row]:
 
 
 def draw_timeline(
-    figure: Figure, timeline: Timeline, box: tuple[float, float, float, float] = (0.0, 0.0, 1.0, 1.0),
+    figure: Figure,
+    timeline: Timeline,
+    box: tuple[float, float, float, float] = (0.0, 0.0, 1.0, 1.0),
     now: float | None = None,
-) -> list[Axes]:  # fmt: skip
+) -> list[Axes]:
     """Draw the strip into a part of a figure.
 
     Args:
@@ -175,9 +177,15 @@ def _draw_lines(axes: Axes, timeline: Timeline, row: Row) -> None:
         if np.isfinite(series.values).any():
             axes.plot(timeline.time, series.values, series.style, color=series.colour, lw=1.5, zorder=3)
             axes.text(
-                1.012, 0.5 + 0.17 * (len(row.series) - 1) - 0.34 * place, series.name, transform=axes.transAxes,
-                fontsize=8.5, color=series.colour, va="center", fontweight="bold",
-            )  # fmt: skip
+                1.012,
+                0.5 + 0.17 * (len(row.series) - 1) - 0.34 * place,
+                series.name,
+                transform=axes.transAxes,
+                fontsize=8.5,
+                color=series.colour,
+                va="center",
+                fontweight="bold",
+            )
 
 
 def _draw_bands(axes: Axes, row: Row) -> None:
@@ -189,9 +197,15 @@ def _draw_bands(axes: Axes, row: Row) -> None:
     for place, status in enumerate(named):
         band = Band(0.0, 0.0, status)
         axes.text(
-            1.012, 0.5 + 0.13 * (len(named) - 1) - 0.26 * place, band.name, transform=axes.transAxes,
-            fontsize=8 if len(named) > 2 else 8.5, color=band.colour, va="center", fontweight="bold",
-        )  # fmt: skip
+            1.012,
+            0.5 + 0.13 * (len(named) - 1) - 0.26 * place,
+            band.name,
+            transform=axes.transAxes,
+            fontsize=8 if len(named) > 2 else 8.5,
+            color=band.colour,
+            va="center",
+            fontweight="bold",
+        )
     axes.set_ylim(0.0, 1.0)
     axes.set_yticks([])
 
@@ -212,9 +226,16 @@ def _draw_events(axes: Axes, timeline: Timeline) -> None:
             if all(end <= other[0] or begin >= other[1] for other in others):
                 others.append((begin, end))
                 axes.annotate(
-                    name, (event.time, 0.98 - 0.25 * level), fontsize=7.5, color=INK, va="top", zorder=5,
-                    xytext=(2 if to_right else -2, 0), textcoords="offset points", ha="left" if to_right else "right",
-                )  # fmt: skip
+                    name,
+                    (event.time, 0.98 - 0.25 * level),
+                    fontsize=7.5,
+                    color=INK,
+                    va="top",
+                    zorder=5,
+                    xytext=(2 if to_right else -2, 0),
+                    textcoords="offset points",
+                    ha="left" if to_right else "right",
+                )
                 break
 
 

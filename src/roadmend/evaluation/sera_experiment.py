@@ -71,9 +71,14 @@ class Experiment:
             self.workshop.drive(self.model, anew), self.workshop.drive(models["full"], anew)
         )
         return {
-            "seed": seed, "measured": len(measured), "scenarios": len(chosen.refined), "swaps": len(chosen.swaps),
-            "arms": arms, "kept_epochs": kept, "forgetting": forgetting,
-        }  # fmt: skip
+            "seed": seed,
+            "measured": len(measured),
+            "scenarios": len(chosen.refined),
+            "swaps": len(chosen.swaps),
+            "arms": arms,
+            "kept_epochs": kept,
+            "forgetting": forgetting,
+        }
 
     def _failed(self, analysed: Sequence[Evaluated]) -> list[Scenario]:
         """The scenarios of the half that the policy does not complete without fault, hard and ordinary ones mixed."""

@@ -18,9 +18,7 @@ from roadmend.evaluation.sera_summary import main_rows, tables
 
 Content = Mapping[str, Any]
 TITLE = "Few-shot repair of driving policies"
-_COLOURS = dict(
-    zip(ARMS, (GROUP_COLOUR[name] for name in ("reference", "rival", "variant", "adreft")), strict=True)
-)  # fmt: skip
+_COLOURS = dict(zip(ARMS, (GROUP_COLOUR[name] for name in ("reference", "rival", "variant", "adreft")), strict=True))
 
 
 def write_sera(folder: Path, stem: str, content: Content) -> None:
@@ -35,12 +33,15 @@ def write_sera(folder: Path, stem: str, content: Content) -> None:
     shown = "\n\n".join(table.markdown().partition("\n\n")[2] for table in (comparisons, forgetting))
     others = "\n\n".join(table.markdown() for table in tables(content))
     made = origin(content["provenance"])
-    write_texts(folder, {
-        f"{stem}.json": json.dumps(content, indent=2, allow_nan=False) + "\n",
-        f"{stem}.md": f"# {TITLE}\n\n" + "\n".join(lines) + f"\n\n{lead(content)}\n\n{shown}\n\n{made}\n",
-        f"{stem}-tables.md": f"# {TITLE}: the other tables\n\n{others}\n\n{made}\n",
-        f"{stem}.html": build_page(content),
-    })  # fmt: skip
+    write_texts(
+        folder,
+        {
+            f"{stem}.json": json.dumps(content, indent=2, allow_nan=False) + "\n",
+            f"{stem}.md": f"# {TITLE}\n\n" + "\n".join(lines) + f"\n\n{lead(content)}\n\n{shown}\n\n{made}\n",
+            f"{stem}-tables.md": f"# {TITLE}: the other tables\n\n{others}\n\n{made}\n",
+            f"{stem}.html": build_page(content),
+        },
+    )
 
 
 def lead(content: Content) -> str:

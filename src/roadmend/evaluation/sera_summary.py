@@ -16,8 +16,12 @@ PAPER: dict[str, Any] = {  # SERA: Bench2Drive in CARLA; gains of Driving Score 
     "uniad": {"full": 35.10, "initial": 33.25},
     "success_rate": {"AD-MLP": 0.0},
 }
-_TITLES = {"driving_score": "Driving Score", "success_rate": "Success Rate", "efficiency": "Efficiency",
-           "comfortness": "Comfortness"}  # fmt: skip
+_TITLES = {
+    "driving_score": "Driving Score",
+    "success_rate": "Success Rate",
+    "efficiency": "Efficiency",
+    "comfortness": "Comfortness",
+}
 _ARMS = {"base": "base", "random": "random", "initial": "initial", "full": "full", HALF_BANK: "full, half the bank"}
 
 
@@ -54,11 +58,9 @@ def _arms(seeds: Sequence[Content]) -> list[str]:
 
 def _summary(seeds: Sequence[Content]) -> dict[str, dict[str, float | None]]:
     return {
-        arm: {
-            measure: fmean(values) if (values := _values(seeds, arm, measure)) else None for measure in MEASURES
-        }
+        arm: {measure: fmean(values) if (values := _values(seeds, arm, measure)) else None for measure in MEASURES}
         for arm in _arms(seeds)
-    }  # fmt: skip
+    }
 
 
 def _intervals(seeds: Sequence[Content]) -> dict[str, dict[str, Any]]:
@@ -68,8 +70,14 @@ def _intervals(seeds: Sequence[Content]) -> dict[str, dict[str, Any]]:
 def _comparisons(seeds: Sequence[Content]) -> dict[str, Any]:
     """Differences of the Driving Score, paired by seed: a minus b."""
     scores = {arm: _values(seeds, arm, "driving_score") for arm in _arms(seeds)}
-    pairs = [("full", "random"), ("full", "initial"), ("initial", "random"), ("random", "base"), ("full", "base"),
-             ("full", HALF_BANK)]  # fmt: skip
+    pairs = [
+        ("full", "random"),
+        ("full", "initial"),
+        ("initial", "random"),
+        ("random", "base"),
+        ("full", "base"),
+        ("full", HALF_BANK),
+    ]
     found = {
         f"{a}_minus_{b}": {
             "difference": fmean(x - y for x, y in zip(scores[a], scores[b], strict=True)),
@@ -117,29 +125,61 @@ def tables(content: Content) -> list[Table]:
 
 
 def _comparison_table(content: Content) -> Table:
-    rows = [("policy", "full over base", "random - base", "initial - random", "full - initial", "full - random",
-             "p, full against random", "full - half the bank")]  # fmt: skip
+    rows = [
+        (
+            "policy",
+            "full over base",
+            "random - base",
+            "initial - random",
+            "full - initial",
+            "full - random",
+            "p, full against random",
+            "full - half the bank",
+        )
+    ]
     for policy, found in content["comparisons"].items():
-        rows.append((
-            policy, DASH if found["gain_percent"] is None else f"{found['gain_percent']:+.1f} %",
-            *(f"{found[name]['difference']:+.2f}" for name in
-              ("random_minus_base", "initial_minus_random", "full_minus_initial", "full_minus_random")),
-            number(found["full_minus_random"]["p_value"], 3),
-            _signed(found.get("full_minus_half_bank", {}).get("difference")),
-        ))  # fmt: skip
+        rows.append(
+            (
+                policy,
+                DASH if found["gain_percent"] is None else f"{found['gain_percent']:+.1f} %",
+                *(
+                    f"{found[name]['difference']:+.2f}"
+                    for name in ("random_minus_base", "initial_minus_random", "full_minus_initial", "full_minus_random")
+                ),
+                number(found["full_minus_random"]["p_value"], 3),
+                _signed(found.get("full_minus_half_bank", {}).get("difference")),
+            )
+        )
     note = "Driving Score, paired by seed; p of the two-sided paired t-test over the seeds."
     return Table("Comparisons", note, tuple(rows))
 
 
 def _forgetting_table(content: Content) -> Table:
-    rows = [("policy", "ordinary scenarios", "change", "that went well before", "change", "Success Rate",
-             "base, drawn anew", "change, drawn anew")]  # fmt: skip
+    rows = [
+        (
+            "policy",
+            "ordinary scenarios",
+            "change",
+            "that went well before",
+            "change",
+            "Success Rate",
+            "base, drawn anew",
+            "change, drawn anew",
+        )
+    ]
     for policy, found in content["forgetting"].items():
-        rows.append((
-            policy, str(found["ordinary"]), _signed(found["ordinary_change"]), str(found["went_well"]),
-            _signed(found["driving_score_change"]), _signed(found["success_rate_change"]),
-            number(found["redrawn_before"]), _signed(found["redrawn_change"]),
-        ))  # fmt: skip
+        rows.append(
+            (
+                policy,
+                str(found["ordinary"]),
+                _signed(found["ordinary_change"]),
+                str(found["went_well"]),
+                _signed(found["driving_score_change"]),
+                _signed(found["success_rate_change"]),
+                number(found["redrawn_before"]),
+                _signed(found["redrawn_change"]),
+            )
+        )
     note = (
         "Driving Score of the full selection less that of the base on ordinary scenarios, in points, over all seeds. "
         "Those that went well before can only lose, so both drive them again, twice, with other random numbers for SUMO's "

@@ -35,9 +35,7 @@ class Workshop:
         """The measures of a policy in scenarios, in order."""
         digest, code = load_model(model).digest, source_digest(_CODE)
         keys = [_key("drive", digest, code, scenario.digest) for scenario in scenarios]
-        tasks = {
-            key: (model, one) for key, one in zip(keys, scenarios, strict=True) if self.store.get(key) is None
-        }  # fmt: skip
+        tasks = {key: (model, one) for key, one in zip(keys, scenarios, strict=True) if self.store.get(key) is None}
         for key, measures in zip(tasks, self.mapper(drive_once, tasks.values()), strict=True):
             self.store.add(key, asdict(measures))
             self.report("driven")
@@ -73,23 +71,38 @@ class Workshop:
         return (load_samples(path, key) for key, (path, _) in places.items())
 
     def tune(
-        self, model: Path, scenarios: Sequence[Scenario], settings: FewShotSettings, seed: int,
+        self,
+        model: Path,
+        scenarios: Sequence[Scenario],
+        settings: FewShotSettings,
+        seed: int,
         validation: Sequence[Scenario],
-    ) -> Path:  # fmt: skip
+    ) -> Path:
         """The model that few-shot repair makes; its trials are in its header."""
         code = source_digest([*_CODE, "roadmend.training.few_shot"])
         repair = repair_model(settings)
         key = _key(
-            "tune", code, load_model(model).digest, settings.model_dump(mode="json"), seed,
-            [scenario.digest for scenario in scenarios], [scenario.digest for scenario in validation],
+            "tune",
+            code,
+            load_model(model).digest,
+            settings.model_dump(mode="json"),
+            seed,
+            [scenario.digest for scenario in scenarios],
+            [scenario.digest for scenario in validation],
             None if repair is None else _repair_digest(repair),
-        )  # fmt: skip
+        )
         path = self.store.folder / "models" / f"{key[:32]}.safetensors"
         if not path.exists():
             few_shot_repair(
-                model, scenarios, settings, seed, path, validation=validation, gathering=self.gather,
+                model,
+                scenarios,
+                settings,
+                seed,
+                path,
+                validation=validation,
+                gathering=self.gather,
                 driving=lambda tuned, chosen: iter(self.drive(tuned, chosen)),
-            )  # fmt: skip
+            )
             self.report("tuned")
         return path
 

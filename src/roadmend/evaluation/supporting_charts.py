@@ -78,9 +78,10 @@ def cost_chart(content: Content) -> Figure | None:
     axes.set_xlabel("one frame with 20 objects, one core [ms]")
     bare(axes, grid="x")
     handles = [
-        Patch(fc=MUTED, label="median"), Line2D([], [], color=INK, lw=2.0, label="99th percentile"),
+        Patch(fc=MUTED, label="median"),
+        Line2D([], [], color=INK, lw=2.0, label="99th percentile"),
         Line2D([], [], marker="D", mfc="white", mec=MUTED, ls="", label="the paper's mean"),
-    ]  # fmt: skip
+    ]
     add_legend(figure, handles)
     return figure
 
@@ -103,9 +104,14 @@ def robustness_chart(robustness: Content | None, titles: Content) -> Figure | No
             )
             axes.plot(curves["evaluations"], table.mean(axis=0), color=colour, lw=2.0)
             axes.annotate(
-                f"{table[:, -1].mean():.0f}", (curves["evaluations"][-1], table[:, -1].mean()), (4, 0),
-                textcoords="offset points", va="center", fontsize=8.5, color=colour,
-            )  # fmt: skip
+                f"{table[:, -1].mean():.0f}",
+                (curves["evaluations"][-1], table[:, -1].mean()),
+                (4, 0),
+                textcoords="offset points",
+                va="center",
+                fontsize=8.5,
+                color=colour,
+            )
         axes.margins(x=0.0)
         axes.set_ylim(bottom=0.0)
         bare(axes, grid="y")

@@ -19,9 +19,11 @@ from roadmend.language.errors import AnswerError, RefusalError, UnavailableError
 
 _LOGGER = logging.getLogger(__name__)
 _ENVIRONMENT = {
-    "base_url": "OPENAI_BASE_URL", "model": "OPENAI_MODEL", "embedding_model": "OPENAI_EMBEDDING_MODEL",
+    "base_url": "OPENAI_BASE_URL",
+    "model": "OPENAI_MODEL",
+    "embedding_model": "OPENAI_EMBEDDING_MODEL",
     "api_key": "OPENAI_API_KEY",
-}  # fmt: skip
+}
 
 
 class OpenAISettings(BaseModel):

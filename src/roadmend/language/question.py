@@ -61,9 +61,11 @@ class Question(Generic[Answer]):
 
         def request(objections: Sequence[str]) -> Request:
             messages = (
-                Message(Role.SYSTEM, (f"{self.role} {_DATA}",)), Message(Role.USER, (self.task,)),
-                Message(Role.USER, (handed_over,)), *objecting(objections),
-            )  # fmt: skip
+                Message(Role.SYSTEM, (f"{self.role} {_DATA}",)),
+                Message(Role.USER, (self.task,)),
+                Message(Role.USER, (handed_over,)),
+                *objecting(objections),
+            )
             return Request(self.purpose, messages, self.schema)
 
         def judge(_: Request, text: str) -> tuple[Answer, Sequence[str]]:

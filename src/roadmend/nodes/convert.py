@@ -84,10 +84,16 @@ def objects_of(message: msg.ObjectList) -> tuple[ObjectList, NDArray[np.uint8]]:
     columns = [
         _floats(column)
         for column in (
-            message.x, message.y, message.yaw, message.speed, message.acceleration, message.yaw_rate,
-            message.length, message.width,
+            message.x,
+            message.y,
+            message.yaw,
+            message.speed,
+            message.acceleration,
+            message.yaw_rate,
+            message.length,
+            message.width,
         )
-    ]  # fmt: skip
+    ]
     if len(message.kind) != count or any(len(column) != count for column in columns):
         raise ValueError("object list: the arrays differ in length")
     identity = np.array(message.id, dtype=np.uint32)
@@ -174,14 +180,24 @@ def route_of(message: msg.Route) -> Route:
     zones = tuple(
         Zone(int(stage), begin, end, RightOfWay(rule), int(signal))
         for stage, begin, end, rule, signal in zip(
-            message.zone_stage, message.zone_begin, message.zone_end, message.zone_rule, message.zone_signal,
+            message.zone_stage,
+            message.zone_begin,
+            message.zone_end,
+            message.zone_rule,
+            message.zone_signal,
             strict=True,
         )
-    )  # fmt: skip
+    )
     return Route(
-        message.scenario, message.ego_length, message.ego_width, message.goal, message.time_limit,
-        stages, windows, zones,
-    )  # fmt: skip
+        message.scenario,
+        message.ego_length,
+        message.ego_width,
+        message.goal,
+        message.time_limit,
+        stages,
+        windows,
+        zones,
+    )
 
 
 def repair_message_of(repair: Repair, method: str, header: Header) -> msg.RepairState:

@@ -35,9 +35,13 @@ DRAWINGS = {  # what is drawn at every tick
 
 
 def draw_tick(
-    scene: Scene, plan: Trajectory, state: msg.RepairState | None, route: Route | None, header: Header,
+    scene: Scene,
+    plan: Trajectory,
+    state: msg.RepairState | None,
+    route: Route | None,
+    header: Header,
     text_radius: float = 40.0,
-) -> Iterator[tuple[str, Any]]:  # fmt: skip
+) -> Iterator[tuple[str, Any]]:
     """Topics and messages that show one tick; what it lacks is drawn as absent.
 
     Args:

@@ -73,6 +73,10 @@ def map_data_of(scenario: Scenario) -> bytes:
 def account_of(summary: EpisodeSummary, messages: int) -> dict[str, str]:
     """What a bag says of the end of the run in it."""
     return {
-        "clock": "lockstep", "messages": f"{messages}", "lost_messages": "0", "outcome": summary.outcome.name,
-        "outcome_text": summary.text, "outcome_time": f"{summary.duration:g}",
-    }  # fmt: skip
+        "clock": "lockstep",
+        "messages": f"{messages}",
+        "lost_messages": "0",
+        "outcome": summary.outcome.name,
+        "outcome_text": summary.text,
+        "outcome_time": f"{summary.duration:g}",
+    }

@@ -117,10 +117,17 @@ class _Run:
             job.scenario, make_policy(job.policy), make_repairer(job.method), self._answered, self._ended, self._opened
         )
         if writer is not None:
-            writer.add_metadata(RECORD, {
-                "scenario_file": file, "policy": job.policy, "method": job.method, "seed": "0",
-                "roadmend": __version__, **account_of(self.summary, writer.count),
-            })  # fmt: skip
+            writer.add_metadata(
+                RECORD,
+                {
+                    "scenario_file": file,
+                    "policy": job.policy,
+                    "method": job.method,
+                    "seed": "0",
+                    "roadmend": __version__,
+                    **account_of(self.summary, writer.count),
+                },
+            )
 
     @property
     def measures(self) -> DrivingMeasures:

@@ -31,13 +31,17 @@ DEPTH = 100  # messages of a topic that may wait for this node
 class FoxgloveParameters:
     """Parameters of the node, read once at start; the metadata hold the meaning."""
 
-    address: str = field(default="127.0.0.1", metadata={
-        "text": "where to listen; elsewhere than on loopback, others may look and change parameters"})  # fmt: skip
+    address: str = field(
+        default="127.0.0.1",
+        metadata={"text": "where to listen; elsewhere than on loopback, others may look and change parameters"},
+    )
     port: int = field(default=8765, metadata={"text": "where to listen; 0 takes a free one"})
-    allowed_origins: tuple[str, ...] = field(default=("https://app.foxglove.dev",), metadata={
-        "text": "web pages that may connect; programs always may"})  # fmt: skip
-    nodes: tuple[str, ...] = field(default=("repair_node", "viz_node"), metadata={
-        "text": "nodes whose parameters are shown"})  # fmt: skip
+    allowed_origins: tuple[str, ...] = field(
+        default=("https://app.foxglove.dev",), metadata={"text": "web pages that may connect; programs always may"}
+    )
+    nodes: tuple[str, ...] = field(
+        default=("repair_node", "viz_node"), metadata={"text": "nodes whose parameters are shown"}
+    )
 
 
 @dataclass(slots=True)
@@ -69,9 +73,13 @@ class FoxgloveNode(Node):
         parameters = ParameterBridge(self, settings.nodes, self._on_tried, self._on_changed)
         inner = hidden_address()
         self._server: WebSocketServer = foxglove.start_server(
-            name="roadmend", host=inner, port=0, capabilities=[Capability.Parameters, Capability.Time],
-            server_listener=_Listener(parameters, self._wishes), context=self._sdk_context,
-        )  # fmt: skip
+            name="roadmend",
+            host=inner,
+            port=0,
+            capabilities=[Capability.Parameters, Capability.Time],
+            server_listener=_Listener(parameters, self._wishes),
+            context=self._sdk_context,
+        )
         try:
             self._gate = OriginGate(
                 settings.address, settings.port, (inner, self._server.port), settings.allowed_origins
@@ -204,14 +212,20 @@ class _Listener(ServerListener):
         self._wishes.append((channel.topic, -1))
 
     def on_get_parameters(
-        self, client: Client, param_names: list[str], request_id: str | None = None  # noqa: ARG002
-    ) -> list[foxglove.Parameter]:  # fmt: skip
+        self,
+        client: Client,
+        param_names: list[str],
+        request_id: str | None = None,  # noqa: ARG002
+    ) -> list[foxglove.Parameter]:
         """A client wants to know some parameters, or all."""
         return self._parameters.get(param_names)
 
     def on_set_parameters(
-        self, client: Client, parameters: list[foxglove.Parameter], request_id: str | None = None  # noqa: ARG002
-    ) -> list[foxglove.Parameter]:  # fmt: skip
+        self,
+        client: Client,
+        parameters: list[foxglove.Parameter],
+        request_id: str | None = None,  # noqa: ARG002
+    ) -> list[foxglove.Parameter]:
         """A client wants to change parameters."""
         return self._parameters.set(parameters)
 

@@ -146,9 +146,13 @@ class _Run:
         }
         observers = [name for name, is_wanted in wanted.items() if is_wanted]
         self._sim = self._child(
-            "sim", scenario=str(options.scenario), clock=options.clock, rate=float(options.rate),
-            summary=str(folder / "sim.json"), wait_for=["policy_node", "repair_node", *observers],
-        )  # fmt: skip
+            "sim",
+            scenario=str(options.scenario),
+            clock=options.clock,
+            rate=float(options.rate),
+            summary=str(folder / "sim.json"),
+            wait_for=["policy_node", "repair_node", *observers],
+        )
         self._observers: list[Child] = []
         self._gone: set[str] = set()
         if bag is not None:
@@ -158,10 +162,16 @@ class _Run:
             (folder / "run.json").write_text(json.dumps(told), encoding="utf-8")
             self._observers.append(
                 self._child(
-                    "recorder", may_restart=False, output=str(bag.parent), name=bag.name, claimed=True,
-                    metadata=str(folder / "run.json"), attachments=[str(options.scenario)], drain_limit=DRAIN_S,
+                    "recorder",
+                    may_restart=False,
+                    output=str(bag.parent),
+                    name=bag.name,
+                    claimed=True,
+                    metadata=str(folder / "run.json"),
+                    attachments=[str(options.scenario)],
+                    drain_limit=DRAIN_S,
                 )
-            )  # fmt: skip
+            )
         if options.viz:
             self._observers.append(self._child("viz", may_restart=True))
         if options.foxglove is not None:
@@ -169,10 +179,14 @@ class _Run:
         self._drivers = [
             self._child("policy", may_restart=True, policy=options.policy),
             self._child(
-                "repair", may_restart=True, method=options.method, clock=options.clock, seed=options.seed,
+                "repair",
+                may_restart=True,
+                method=options.method,
+                clock=options.clock,
+                seed=options.seed,
                 summary=str(folder / "repair.json"),
             ),
-        ]  # fmt: skip
+        ]
 
     def _child(self, node: str, *, may_restart: bool = False, **parameters: Any) -> Child:
         arguments: list[str] = []
@@ -261,14 +275,25 @@ class _Run:
             repair = json.loads((self._folder / "repair.json").read_text(encoding="utf-8"))
         options = self._options
         return RunResult(
-            scenario=sim["scenario"], policy=options.policy, method=options.method, clock=options.clock,
-            outcome=sim["outcome"], text=sim["text"], duration=sim["duration"], ticks=sim["ticks"],
-            min_distance=sim["min_distance"], interventions=repair.get("interventions", 0),
-            intensity=repair.get("intensity", 0.0), dose=repair.get("dose", 0.0), watchdog_ticks=sim["watchdog_ticks"],
+            scenario=sim["scenario"],
+            policy=options.policy,
+            method=options.method,
+            clock=options.clock,
+            outcome=sim["outcome"],
+            text=sim["text"],
+            duration=sim["duration"],
+            ticks=sim["ticks"],
+            min_distance=sim["min_distance"],
+            interventions=repair.get("interventions", 0),
+            intensity=repair.get("intensity", 0.0),
+            dose=repair.get("dose", 0.0),
+            watchdog_ticks=sim["watchdog_ticks"],
             restarts=sum(child.restarts for child in [*self._observers, *self._drivers]),
-            real_time_factor=sim["real_time_factor"], digest=sim["digest"],
-            bag=str(self._bag or ""), recording_error=self._recording_error(),
-        )  # fmt: skip
+            real_time_factor=sim["real_time_factor"],
+            digest=sim["digest"],
+            bag=str(self._bag or ""),
+            recording_error=self._recording_error(),
+        )
 
     def _recording_error(self) -> str:
         recorder = next((child for child in self._observers if child.name == "recorder_node"), None)

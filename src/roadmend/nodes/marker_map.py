@@ -73,10 +73,14 @@ def lane_markers(lanes: msg.Map, header: Header) -> list[Marker]:
                 corner
                 for i in segments
                 for corner in (
-                    left_points[i], right_points[i], right_points[i + 1],
-                    left_points[i], right_points[i + 1], left_points[i + 1],
+                    left_points[i],
+                    right_points[i],
+                    right_points[i + 1],
+                    left_points[i],
+                    right_points[i + 1],
+                    left_points[i + 1],
                 )
-            ]  # fmt: skip
+            ]
             found.append(surface)
     segments = np.flatnonzero(joined & (kind[lane[:-1]] == msg.Map.KIND_ROAD)).tolist()
     if segments:

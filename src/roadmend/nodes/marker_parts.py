@@ -42,9 +42,15 @@ def marker_of(
 
 
 def line_of(
-    header: Header, namespace: str, identity: int, line: tuple[Floats, Floats], *,
-    z: float, width: float, colour: ColorRGBA,
-) -> Marker:  # fmt: skip
+    header: Header,
+    namespace: str,
+    identity: int,
+    line: tuple[Floats, Floats],
+    *,
+    z: float,
+    width: float,
+    colour: ColorRGBA,
+) -> Marker:
     """A LINE_STRIP through x and y (shape (P,) each) at height ``z`` [m]."""
     marker = marker_of(header, namespace, identity, Marker.LINE_STRIP, colour, (width, 0.0, 0.0))
     marker.points = points_of(line[0], line[1], z)
@@ -52,9 +58,15 @@ def line_of(
 
 
 def text_of(
-    header: Header, namespace: str, identity: int, text: str, *,
-    at: tuple[float, float, float], height: float, colour: ColorRGBA,
-) -> Marker:  # fmt: skip
+    header: Header,
+    namespace: str,
+    identity: int,
+    text: str,
+    *,
+    at: tuple[float, float, float],
+    height: float,
+    colour: ColorRGBA,
+) -> Marker:
     """A text that faces the viewer, its centre ``at`` x, y, z [m], its capitals ``height`` [m] high."""
     marker = marker_of(header, namespace, identity, Marker.TEXT_VIEW_FACING, colour, (0.0, 0.0, height))
     position = marker.pose.position

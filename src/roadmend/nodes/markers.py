@@ -43,9 +43,13 @@ _WHITE = colour_of("#ffffff", 0.9)
 
 
 def object_markers(
-    objects: ObjectList, ego: EgoState, header: Header, *,
-    triggers: frozenset[int] = frozenset(), text_radius: float = 40.0,
-) -> MarkerArray:  # fmt: skip
+    objects: ObjectList,
+    ego: EgoState,
+    header: Header,
+    *,
+    triggers: frozenset[int] = frozenset(),
+    text_radius: float = 40.0,
+) -> MarkerArray:
     """A box for each participant, all outlines as one LINE_LIST, and what stands out about some of them.
 
     Objects with any number that is not finite are left out; a display would drop the whole message for them.
@@ -62,9 +66,17 @@ def object_markers(
     near = np.hypot(sound.x - ego.x, sound.y - ego.y) <= text_radius
     boxes, extras, ends, colours = [], [], [], []
     rows = zip(
-        sound.id.tolist(), sound.kind.tolist(), sound.x.tolist(), sound.y.tolist(), sound.yaw.tolist(),
-        sound.speed.tolist(), sound.length.tolist(), sound.width.tolist(), near.tolist(), strict=True,
-    )  # fmt: skip
+        sound.id.tolist(),
+        sound.kind.tolist(),
+        sound.x.tolist(),
+        sound.y.tolist(),
+        sound.yaw.tolist(),
+        sound.speed.tolist(),
+        sound.length.tolist(),
+        sound.width.tolist(),
+        near.tolist(),
+        strict=True,
+    )
     for identity, code, x, y, yaw, speed, length, width, is_near in rows:
         kind, triggered = kind_of(code), identity in triggers
         corners = outline_of(x, y, yaw, length, width)
@@ -162,8 +174,9 @@ def path_of(trajectory: Trajectory, header: Header) -> Path:
         stamped.header.stamp.sec, stamped.header.stamp.nanosec = divmod(due, 1_000_000_000)
         stamped.pose.position.x, stamped.pose.position.y = numbers[0], numbers[1]
         stamped.pose.orientation.z, stamped.pose.orientation.w = (
-            math.sin(0.5 * numbers[2]), math.cos(0.5 * numbers[2]),
-        )  # fmt: skip
+            math.sin(0.5 * numbers[2]),
+            math.cos(0.5 * numbers[2]),
+        )
         path.poses.append(stamped)
     return path
 
@@ -191,9 +204,13 @@ def _trigger_outline(corners: list[Point], identity: int, header: Header) -> Mar
 
 
 def _box(
-    header: Header, namespace: str, identity: int, pose: tuple[float, float, float],
-    size: tuple[float, float, float], colour: object,
-) -> Marker:  # fmt: skip
+    header: Header,
+    namespace: str,
+    identity: int,
+    pose: tuple[float, float, float],
+    size: tuple[float, float, float],
+    colour: object,
+) -> Marker:
     marker = marker_of(header, namespace, identity, Marker.CUBE, colour, size)
     marker.pose.position.x, marker.pose.position.y, marker.pose.position.z = pose[0], pose[1], 0.5 * size[2]
     marker.pose.orientation.z, marker.pose.orientation.w = math.sin(0.5 * pose[2]), math.cos(0.5 * pose[2])

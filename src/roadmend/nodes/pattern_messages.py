@@ -50,10 +50,12 @@ def _plain(message: msg.FailurePattern) -> dict[str, Any]:
             f"pattern {message.name!r}", f"its lists of evidence differ in length ({lengths})", "fill all or none"
         ) from None
     return {
-        "name": message.name, "words": message.words, "what": message.outcome or None,
+        "name": message.name,
+        "words": message.words,
+        "what": message.outcome or None,
         **{part: {field.name: _value(message, field.name) for field in fields(kind)} for part, kind in _PARTS.items()},
         "evidence": [dict(zip(("episode", "scenario", "time", "note"), row, strict=True)) for row in rows],
-    }  # fmt: skip
+    }
 
 
 def _value(message: msg.FailurePattern, name: str) -> Any:

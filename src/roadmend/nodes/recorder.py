@@ -47,27 +47,50 @@ class RecorderParameters:
 
     output: str = field(default="bags", metadata={"text": "folder in which the bag's folder is made"})
     name: str = field(default="recording", metadata={"text": "name of the bag and of its folder"})
-    claimed: bool = field(default=False, metadata={
-        "text": "the bag's folder is there, empty, made for this bag by who starts the node"})  # fmt: skip
+    claimed: bool = field(
+        default=False, metadata={"text": "the bag's folder is there, empty, made for this bag by who starts the node"}
+    )
     include: str = field(default="", metadata={"text": "regular expression found in each topic to record"})
-    exclude: str = field(default="^/parameter_events$", metadata={
-        "text": "regular expression found in each topic not to record; empty for none"})  # fmt: skip
-    time_source: str = field(default="simulation", metadata={
-        "text": "simulation (/clock rules) or system (wall time for messages without header)"})  # fmt: skip
+    exclude: str = field(
+        default="^/parameter_events$",
+        metadata={"text": "regular expression found in each topic not to record; empty for none"},
+    )
+    time_source: str = field(
+        default="simulation",
+        metadata={"text": "simulation (/clock rules) or system (wall time for messages without header)"},
+    )
     compression: str = field(default="zstd", metadata={"text": "of the chunks: zstd, lz4 or none"})
-    chunk_size: int = field(default=1 << 20, metadata={
-        "text": "size at which a chunk is written [bytes]", "low": 1 << 12, "high": 1 << 26})  # fmt: skip
-    max_bagfile_size: int = field(default=0, metadata={
-        "text": "size on disk at which the next file begins [bytes]; 0 for one file", "low": 0, "high": 1 << 50,
-    })  # fmt: skip
-    max_bagfile_duration: float = field(default=0.0, metadata={
-        "text": "message time after which the next file begins [s]; 0 for one file", "low": 0.0, "high": 1e9,
-    })  # fmt: skip
-    flush_interval: float = field(default=0.25, metadata={
-        "text": "wall time after which a chunk is written even if small [s]", "low": 0.01, "high": 10.0})  # fmt: skip
-    drain_limit: float = field(default=5.0, metadata={
-        "text": "wall time after which the bag is closed even if messages still come [s]",
-        "low": 0.2, "high": 60.0})  # fmt: skip
+    chunk_size: int = field(
+        default=1 << 20, metadata={"text": "size at which a chunk is written [bytes]", "low": 1 << 12, "high": 1 << 26}
+    )
+    max_bagfile_size: int = field(
+        default=0,
+        metadata={
+            "text": "size on disk at which the next file begins [bytes]; 0 for one file",
+            "low": 0,
+            "high": 1 << 50,
+        },
+    )
+    max_bagfile_duration: float = field(
+        default=0.0,
+        metadata={
+            "text": "message time after which the next file begins [s]; 0 for one file",
+            "low": 0.0,
+            "high": 1e9,
+        },
+    )
+    flush_interval: float = field(
+        default=0.25,
+        metadata={"text": "wall time after which a chunk is written even if small [s]", "low": 0.01, "high": 10.0},
+    )
+    drain_limit: float = field(
+        default=5.0,
+        metadata={
+            "text": "wall time after which the bag is closed even if messages still come [s]",
+            "low": 0.2,
+            "high": 60.0,
+        },
+    )
     metadata: str = field(default="", metadata={"text": "JSON file with an object that goes into the bag's metadata"})
     attachments: tuple[str, ...] = field(default=("",), metadata={"text": "files that go into the bag"})
 
@@ -104,9 +127,12 @@ class RecorderNode(Node):
         self._metadata = metadata_from_file(Path(settings.metadata)) if settings.metadata else {}
         attachments = [Attachment.from_file(Path(path)) for path in settings.attachments if path]
         options = BagOptions(
-            compression, settings.chunk_size, settings.flush_interval, settings.max_bagfile_size,
+            compression,
+            settings.chunk_size,
+            settings.flush_interval,
+            settings.max_bagfile_size,
             settings.max_bagfile_duration,
-        )  # fmt: skip
+        )
         check_name("parameter name", settings.name)
         self._writer = BagWriter(Path(settings.output, settings.name), options, claimed=settings.claimed)
         self._writer.add_metadata(METADATA_RECORD, self._metadata)
@@ -237,9 +263,13 @@ class RecorderNode(Node):
             recorded.lost = recorded.lost_before + event.total_count
 
         recorded.subscription = self.create_subscription(
-            recorded.message_type, name, recorded.callback, request, raw=True,
+            recorded.message_type,
+            name,
+            recorded.callback,
+            request,
+            raw=True,
             event_callbacks=SubscriptionEventCallbacks(message_lost=on_lost),
-        )  # fmt: skip
+        )
 
     def _drain(self) -> None:
         self._report_timer.cancel()

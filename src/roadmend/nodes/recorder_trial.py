@@ -110,14 +110,20 @@ def moments(count: int, seed: int = 7) -> list[float]:
 @contextlib.contextmanager
 def _processes(
     folder: Path, load: Load, compression: str
-) -> Iterator[tuple[subprocess.Popen[str], subprocess.Popen[str]]]:  # fmt: skip
+) -> Iterator[tuple[subprocess.Popen[str], subprocess.Popen[str]]]:
     """A recorder and a publisher that has begun; gone at the end."""
     with own_domain() as domain:
         environment = os.environ | {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
         recorder = _start(
-            environment, "recorder", output=folder, name="bag", include="^/load$", time_source="system",
-            compression=compression, drain_limit=60.0,
-        )  # fmt: skip
+            environment,
+            "recorder",
+            output=folder,
+            name="bag",
+            include="^/load$",
+            time_source="system",
+            compression=compression,
+            drain_limit=60.0,
+        )
         publisher = _start(environment, "load", count=load.count, rate=float(load.rate), bytes=load.size)
         try:
             _await_begin(recorder, publisher)
@@ -143,6 +149,4 @@ def _start(environment: dict[str, str], node: str, **parameters: object) -> subp
     command = [sys.executable, "-m", f"roadmend.nodes.{node}", "--ros-args"]
     for name, value in parameters.items():
         command += ["-p", f"{name}:={value}"]
-    return subprocess.Popen(
-        command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
-    )  # fmt: skip
+    return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)

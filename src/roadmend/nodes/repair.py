@@ -93,13 +93,21 @@ class RepairNode(LifecycleNode):
         )
         self._seed = declare(self, "seed", 0, "seed of methods that draw numbers", low=0, high=2**31 - 1)
         self._timeout = declare(
-            self, "input_timeout", 0.0, "[s] of wall time after which an input counts as late; 0: 2.0 in lockstep, 0.04 in real time",
-            low=0.0, high=60.0,
-        ) or (2.0 if self._lockstep else 0.04)  # fmt: skip
+            self,
+            "input_timeout",
+            0.0,
+            "[s] of wall time after which an input counts as late; 0: 2.0 in lockstep, 0.04 in real time",
+            low=0.0,
+            high=60.0,
+        ) or (2.0 if self._lockstep else 0.04)
         self._budget = declare(
-            self, "time_budget", 0.0, "[s] a method may take for a tick before the guard decides; 0: no limit in lockstep, 0.03 in real time",
-            low=0.0, high=10.0,
-        ) or (None if self._lockstep else 0.03)  # fmt: skip
+            self,
+            "time_budget",
+            0.0,
+            "[s] a method may take for a tick before the guard decides; 0: no limit in lockstep, 0.03 in real time",
+            low=0.0,
+            high=10.0,
+        ) or (None if self._lockstep else 0.03)
         self._autostart = declare(self, "autostart", True, "configure and activate without being asked")
         self._summary = declare(
             self, "summary", "", "file for the tally of this run, written at the end; none if empty"
@@ -110,11 +118,14 @@ class RepairNode(LifecycleNode):
                 if isinstance(default, bool | int | float | str) and not isinstance(default, Enum):
                     numeric = not isinstance(default, bool | str)
                     declare(
-                        self, f"{name}.{field}", default, info.description or field,
+                        self,
+                        f"{name}.{field}",
+                        default,
+                        info.description or field,
                         low=_bound(info.metadata, "ge") if numeric else None,
                         high=_bound(info.metadata, "le") if numeric else None,
                         read_only=False,
-                    )  # fmt: skip
+                    )
 
     def _method_parameters(self, changed: Sequence[Parameter] = ()) -> dict[str, Any]:
         prefix = f"{self._method}."

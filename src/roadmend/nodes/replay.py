@@ -59,17 +59,26 @@ class ReplayNode(Node):
         topics = declare(self, "topics", [""], "topics to play, and the clock; all if none is named")
         exclude = declare(self, "exclude", [""], "topics not to play")
         clock = declare(
-            self, "clock", "realtime", "realtime: on the wall clock; lockstep: each tick waits for the answers to it",
+            self,
+            "clock",
+            "realtime",
+            "realtime: on the wall clock; lockstep: each tick waits for the answers to it",
             choices=("realtime", "lockstep"),
-        )  # fmt: skip
+        )
         answers = declare(
-            self, "answers", [qos.REPAIR_COMMAND, qos.REPAIR_STATE],
+            self,
+            "answers",
+            [qos.REPAIR_COMMAND, qos.REPAIR_STATE],
             "lockstep: topics that live nodes answer on; they are not played",
-        )  # fmt: skip
+        )
         self._answer_timeout = declare(
-            self, "answer_timeout", 10.0, "[s] lockstep: wall time without an answer after which it is given up",
-            low=0.05, high=3600.0,
-        )  # fmt: skip
+            self,
+            "answer_timeout",
+            10.0,
+            "[s] lockstep: wall time without an answer after which it is given up",
+            low=0.05,
+            high=3600.0,
+        )
         self._wait_for: list[str] = list(
             filter(None, declare(self, "wait_for", [""], "nodes that must listen before it begins"))
         )
@@ -97,9 +106,11 @@ class ReplayNode(Node):
         self._answered_once = False
         self._current: ReplayTick | None = None
         for name, callback in (
-            ("pause", self._on_pause), ("resume", self._on_resume), ("toggle_paused", self._on_toggle_paused),
+            ("pause", self._on_pause),
+            ("resume", self._on_resume),
+            ("toggle_paused", self._on_toggle_paused),
             ("step", self._on_step),
-        ):  # fmt: skip
+        ):
             self.create_service(Trigger, f"~/{name}", callback)
         self.add_post_set_parameters_callback(self._on_parameters)
         # Steady time: the replay itself is what moves simulation time.

@@ -63,9 +63,10 @@ class SafeNode(Node):
             self, "attempts", StageOneOptions().attempts, "openai, replay: executions of a step", low=1, high=20
         )
         self._options = BackendOptions(
-            StageOneOptions(attempts=attempts), Path(settings) if settings else None,
+            StageOneOptions(attempts=attempts),
+            Path(settings) if settings else None,
             Path(recording) if recording else None,
-        )  # fmt: skip
+        )
         self._turn = threading.Lock()  # there is one SUMO in a process
         self._threads: dict[threading.Thread, _Work] = {}
         self._done = self._failed = 0

@@ -113,9 +113,12 @@ class SeraNode(Node):
         if request.count > _MOST:
             raise InputError("count", f"{request.count} is too many", f"ask for at most {_MOST} a pattern")
         found = recommend(
-            self._bank, patterns_of(request.patterns), request.count or self._count,
-            exclude=request.exclude, reflector=self._backend.reflector,
-        )  # fmt: skip
+            self._bank,
+            patterns_of(request.patterns),
+            request.count or self._count,
+            exclude=request.exclude,
+            reflector=self._backend.reflector,
+        )
         entries = [self._bank.entry(pick.number) for pick in found.refined]
         response.name = [entry.name for entry in entries]
         response.digest = [entry.digest for entry in entries]

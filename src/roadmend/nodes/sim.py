@@ -62,9 +62,13 @@ class SimNode(Node):
         )
         self._rate = declare(self, "rate", 1.0, "real time: simulated seconds per wall second", low=0.01, high=100.0)
         self._timeout = declare(
-            self, "command_timeout", 5.0, "[s] lockstep: wall time without a command after which the watchdog brakes",
-            low=0.05, high=600.0,
-        )  # fmt: skip
+            self,
+            "command_timeout",
+            5.0,
+            "[s] lockstep: wall time without a command after which the watchdog brakes",
+            low=0.05,
+            high=600.0,
+        )
         self._wait_for: list[str] = declare(
             self, "wait_for", ["policy_node", "repair_node"], "nodes that must have joined before the episode begins"
         )

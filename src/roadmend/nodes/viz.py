@@ -47,12 +47,16 @@ _TICK_TOPICS = {
 class VizParameters:
     """Parameters of the node with their defaults; the metadata hold the range and the meaning."""
 
-    rate: float = field(default=10.0, metadata={
-        "low": 0.1, "high": 100.0, "text": "drawings a second of simulation time [Hz]"})  # fmt: skip
-    load: float = field(default=0.5, metadata={
-        "low": 0.01, "high": 1.0, "text": "share of one processor that drawing may take at most"})  # fmt: skip
-    text_radius: float = field(default=40.0, metadata={
-        "low": 0.0, "high": 1000.0, "text": "how near to the ego an object carries its id and speed [m]"})  # fmt: skip
+    rate: float = field(
+        default=10.0, metadata={"low": 0.1, "high": 100.0, "text": "drawings a second of simulation time [Hz]"}
+    )
+    load: float = field(
+        default=0.5, metadata={"low": 0.01, "high": 1.0, "text": "share of one processor that drawing may take at most"}
+    )
+    text_radius: float = field(
+        default=40.0,
+        metadata={"low": 0.0, "high": 1000.0, "text": "how near to the ego an object carries its id and speed [m]"},
+    )
 
 
 class VizNode(Node):
@@ -91,11 +95,16 @@ class VizNode(Node):
     def _declare(self) -> VizParameters:
         values = {
             entry.name: declare(
-                self, entry.name, entry.default, entry.metadata["text"],
-                low=entry.metadata["low"], high=entry.metadata["high"], read_only=False,
+                self,
+                entry.name,
+                entry.default,
+                entry.metadata["text"],
+                low=entry.metadata["low"],
+                high=entry.metadata["high"],
+                read_only=False,
             )
             for entry in fields(VizParameters)
-        }  # fmt: skip
+        }
         self.add_on_set_parameters_callback(_refuse_non_finite)
         self.add_post_set_parameters_callback(self._on_parameters)
         return VizParameters(**values)

@@ -102,10 +102,21 @@ def gap_to(path: Floats, spacing: float, row: Floats, low: float, high: float, h
 
 @compiled
 def assess(
-    path: Floats, spacing: float, zones: Floats, parameters: Record, memory: Record, signals: NDArray[np.uint8],
-    tracks: Floats, ego_x: float, ego_y: float, ego_yaw: float, half: float,
-    forecasts: Floats, occupancies: Floats, agents: Floats,
-) -> None:  # fmt: skip
+    path: Floats,
+    spacing: float,
+    zones: Floats,
+    parameters: Record,
+    memory: Record,
+    signals: NDArray[np.uint8],
+    tracks: Floats,
+    ego_x: float,
+    ego_y: float,
+    ego_yaw: float,
+    half: float,
+    forecasts: Floats,
+    occupancies: Floats,
+    agents: Floats,
+) -> None:
     """Fill forecasts (M, TIMES, 6), occupancies (M, TIMES, 2) and agents (M, AGENT_COLUMNS) for M tracks.
 
     Who must give way to the ego is trusted to do so as long as braking with parameter ``trust`` would do. ``half`` is

@@ -53,10 +53,25 @@ def choose_leader(
 
 @compiled
 def decide(
-    samples: Floats, stages: Floats, zones: Floats, path: Floats, spacing: float, parameters: Record, memory: Record,
-    signals: NDArray[np.uint8], tracks: Floats, forecasts: Floats, occupancies: Floats, agents: Floats,
-    time: float, speed: float, half: float, half_width: float, interval: float, plan: Floats,
-) -> tuple[int, float, float, float, float, float, int, bool]:  # fmt: skip
+    samples: Floats,
+    stages: Floats,
+    zones: Floats,
+    path: Floats,
+    spacing: float,
+    parameters: Record,
+    memory: Record,
+    signals: NDArray[np.uint8],
+    tracks: Floats,
+    forecasts: Floats,
+    occupancies: Floats,
+    agents: Floats,
+    time: float,
+    speed: float,
+    half: float,
+    half_width: float,
+    interval: float,
+    plan: Floats,
+) -> tuple[int, float, float, float, float, float, int, bool]:
     """Decide what the planner has to keep to.
 
     Returns:

@@ -32,14 +32,15 @@ def expert_parameters(friction: float) -> ModularParameters:
     """The modular policy's parameters with more caution, and with braking that a road of ``friction`` can bear."""
     grip = friction * _GRAVITY  # [m/s2]
     shares = {
-        "deceleration": 0.45, "lateral_acceleration": 0.6, "yellow_deceleration": 0.6, "red_deceleration": 0.85,
+        "deceleration": 0.45,
+        "lateral_acceleration": 0.6,
+        "yellow_deceleration": 0.6,
+        "red_deceleration": 0.85,
         "hold_deceleration": 0.7,
-    }  # fmt: skip
+    }
     usual = ModularParameters().model_dump()
     bounds = ModularParameters.model_json_schema()["properties"]
-    bearable = {
-        name: max(min(usual[name], share * grip), bounds[name]["minimum"]) for name, share in shares.items()
-    }  # fmt: skip
+    bearable = {name: max(min(usual[name], share * grip), bounds[name]["minimum"]) for name, share in shares.items()}
     return ModularParameters(**CAUTION, **bearable)
 
 
@@ -59,13 +60,34 @@ def action_for(parameters: Record, wanted: float, speed: float) -> float:
 
 @compiled
 def _consider(
-    samples: Floats, stages: Floats, zones: Floats, parameters: Record, memory: Record,
-    known: NDArray[np.uint32], known_curvature: Floats,
-    time: float, interval: float, x: float, y: float, yaw: float, speed: float, length: float, width: float,
-    numbers: NDArray[np.uint32], kind: NDArray[np.uint8], object_x: Floats, object_y: Floats, object_yaw: Floats,
-    object_speed: Floats, object_acceleration: Floats, object_yaw_rate: Floats,
-    object_length: Floats, object_width: Floats, signals: NDArray[np.uint8], trajectory: Floats,
-) -> tuple[float, bool, int]:  # fmt: skip
+    samples: Floats,
+    stages: Floats,
+    zones: Floats,
+    parameters: Record,
+    memory: Record,
+    known: NDArray[np.uint32],
+    known_curvature: Floats,
+    time: float,
+    interval: float,
+    x: float,
+    y: float,
+    yaw: float,
+    speed: float,
+    length: float,
+    width: float,
+    numbers: NDArray[np.uint32],
+    kind: NDArray[np.uint8],
+    object_x: Floats,
+    object_y: Floats,
+    object_yaw: Floats,
+    object_speed: Floats,
+    object_acceleration: Floats,
+    object_yaw_rate: Floats,
+    object_length: Floats,
+    object_width: Floats,
+    signals: NDArray[np.uint8],
+    trajectory: Floats,
+) -> tuple[float, bool, int]:
     """One pass through the modules of the modular policy: the action, whether to change lane and the word's index.
 
     Unlike there the acceleration is neither limited in jerk nor corrected by an integral: the answer depends on the
@@ -80,10 +102,25 @@ def _consider(
     path = way.build_path(samples, stages, parameters, memory, speed, length, width)
     spacing = way.path_spacing(speed)
     tracks, remembered = prediction.track(
-        parameters, numbers, kind, object_x, object_y, object_yaw, object_speed, object_acceleration, object_yaw_rate,
-        object_length, object_width, known, known_curvature, int(m.known_count), interval,
-        x, y, spacing * way.POINTS,
-    )  # fmt: skip
+        parameters,
+        numbers,
+        kind,
+        object_x,
+        object_y,
+        object_yaw,
+        object_speed,
+        object_acceleration,
+        object_yaw_rate,
+        object_length,
+        object_width,
+        known,
+        known_curvature,
+        int(m.known_count),
+        interval,
+        x,
+        y,
+        spacing * way.POINTS,
+    )
     m.known_count = remembered
     count = tracks.shape[0]
     forecasts = np.empty((count, prediction.TIMES, prediction.FORECAST_COLUMNS), dtype=np.float64)
@@ -91,19 +128,62 @@ def _consider(
     agents = np.empty((count, who.AGENT_COLUMNS), dtype=np.float64)
     plan = np.empty((prediction.TIMES, 2), dtype=np.float64)
     who.assess(
-        path, spacing, zones, parameters, memory, signals, tracks, x, y, yaw, half,
-        forecasts, occupancies, agents,
-    )  # fmt: skip
+        path,
+        spacing,
+        zones,
+        parameters,
+        memory,
+        signals,
+        tracks,
+        x,
+        y,
+        yaw,
+        half,
+        forecasts,
+        occupancies,
+        agents,
+    )
     lead, gap, braking, most, cap, line, word, change = behaviour.decide(
-        samples, stages, zones, path, spacing, parameters, memory, signals, tracks, forecasts, occupancies, agents,
-        time, speed, half, 0.5 * width, interval, plan,
-    )  # fmt: skip
+        samples,
+        stages,
+        zones,
+        path,
+        spacing,
+        parameters,
+        memory,
+        signals,
+        tracks,
+        forecasts,
+        occupancies,
+        agents,
+        time,
+        speed,
+        half,
+        0.5 * width,
+        interval,
+        plan,
+    )
     if change:
         m.changing, m.progress, m.change_length, m.change_begin = 1.0, 0.0, 0.0, m.s
     asked, evades = planner.plan_motion(
-        path, spacing, parameters, memory, agents, forecasts, occupancies, lead, gap, braking, most, cap, line,
-        speed, half, zones, plan,
-    )  # fmt: skip
+        path,
+        spacing,
+        parameters,
+        memory,
+        agents,
+        forecasts,
+        occupancies,
+        lead,
+        gap,
+        braking,
+        most,
+        cap,
+        line,
+        speed,
+        half,
+        zones,
+        plan,
+    )
     if evades:
         word = behaviour.EVADE
         if speed < 0.5:
@@ -152,11 +232,34 @@ class Expert:
         self._time = scene.time
         points = np.empty((4, prediction.FINE))
         action, change, word = _consider(
-            road.samples, road.stages, road.zones, self._packed, self._memory, self._known, self._known_curvature,
-            scene.time, interval, ego.x, ego.y, ego.yaw, ego.speed, ego.length, ego.width,
-            objects.id, objects.kind, objects.x, objects.y, objects.yaw, objects.speed, objects.acceleration,
-            objects.yaw_rate, objects.length, objects.width, scene.signals, points,
-        )  # fmt: skip
+            road.samples,
+            road.stages,
+            road.zones,
+            self._packed,
+            self._memory,
+            self._known,
+            self._known_curvature,
+            scene.time,
+            interval,
+            ego.x,
+            ego.y,
+            ego.yaw,
+            ego.speed,
+            ego.length,
+            ego.width,
+            objects.id,
+            objects.kind,
+            objects.x,
+            objects.y,
+            objects.yaw,
+            objects.speed,
+            objects.acceleration,
+            objects.yaw_rate,
+            objects.length,
+            objects.width,
+            scene.signals,
+            points,
+        )
         plan = Trajectory(prediction.FINE_INTERVAL, points[0], points[1], points[2], points[3], behaviour.WORDS[word])
         return Decision(Command.from_action(action, change_lane=change), plan)
 

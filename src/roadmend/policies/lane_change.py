@@ -50,9 +50,16 @@ def _neighbours(samples: Floats, stages: Floats, memory: Record, tracks: Floats,
 
 @compiled
 def _fits(
-    parameters: Record, neighbours: Floats, count: int, forecasts: Floats, time: int, ahead: float, speed: float,
-    half: float, share: float,
-) -> bool:  # fmt: skip
+    parameters: Record,
+    neighbours: Floats,
+    count: int,
+    forecasts: Floats,
+    time: int,
+    ahead: float,
+    speed: float,
+    half: float,
+    share: float,
+) -> bool:
     """Whether the ego can change at a time index, being ``ahead`` [m] of its present place at ``speed`` [m/s]."""
     p = parameters[0]
     for index in range(count):
@@ -76,9 +83,19 @@ def _fits(
 
 @compiled
 def seek_gap(
-    samples: Floats, stages: Floats, path: Floats, spacing: float, parameters: Record, memory: Record,
-    tracks: Floats, forecasts: Floats, plan: Floats, speed: float, half: float, half_width: float,
-) -> tuple[bool, float, float, bool]:  # fmt: skip
+    samples: Floats,
+    stages: Floats,
+    path: Floats,
+    spacing: float,
+    parameters: Record,
+    memory: Record,
+    tracks: Floats,
+    forecasts: Floats,
+    plan: Floats,
+    speed: float,
+    half: float,
+    half_width: float,
+) -> tuple[bool, float, float, bool]:
     """Whether to change now, a cap on the acceleration [m/s2], a line to stop at [m ahead], and whether one is sought.
 
     Gaps are looked for along the ``plan`` and under constant accelerations, at every half second; the earliest and

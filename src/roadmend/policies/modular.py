@@ -24,13 +24,26 @@ _STOP = Decision(Command(0.0, 0.6), Trajectory.empty())  # where the ego's own s
 
 # What is carried from tick to tick. Only `waited`, `stood`, `stopped_at` and the filters cannot be seen in a scene.
 _MEMORY: dict[str, float] = {
-    "stage": -1.0, "s": 0.0, "offset": 0.0, "s_next": math.nan, "offset_next": math.inf,  # localisation
-    "changing": 0.0, "progress": 0.0, "change_length": 0.0, "change_begin": 0.0, "changed_at": -math.inf,
-    "waited": 0.0, "stood": 0.0, "stopped_at": -1.0,  # behaviour
-    "wanted": 0.0, "evading": 0.0,  # planner
-    "correction": 0.0, "expected": -1.0, "last_wanted": 0.0,  # controller
+    "stage": -1.0,
+    "s": 0.0,
+    "offset": 0.0,
+    "s_next": math.nan,
+    "offset_next": math.inf,  # localisation
+    "changing": 0.0,
+    "progress": 0.0,
+    "change_length": 0.0,
+    "change_begin": 0.0,
+    "changed_at": -math.inf,
+    "waited": 0.0,
+    "stood": 0.0,
+    "stopped_at": -1.0,  # behaviour
+    "wanted": 0.0,
+    "evading": 0.0,  # planner
+    "correction": 0.0,
+    "expected": -1.0,
+    "last_wanted": 0.0,  # controller
     "known_count": 0.0,  # prediction
-}  # fmt: skip
+}
 
 
 def new_memory() -> Record:
@@ -42,13 +55,35 @@ def new_memory() -> Record:
 
 @compiled
 def _drive(
-    samples: Floats, stages: Floats, zones: Floats, parameters: Record, memory: Record,
-    known: NDArray[np.uint32], known_curvature: Floats,
-    time: float, interval: float, tick: float, x: float, y: float, yaw: float, speed: float, length: float, width: float,
-    numbers: NDArray[np.uint32], kind: NDArray[np.uint8], object_x: Floats, object_y: Floats, object_yaw: Floats,
-    object_speed: Floats, object_acceleration: Floats, object_yaw_rate: Floats,
-    object_length: Floats, object_width: Floats, signals: NDArray[np.uint8], trajectory: Floats,
-) -> tuple[float, float, bool, int]:  # fmt: skip
+    samples: Floats,
+    stages: Floats,
+    zones: Floats,
+    parameters: Record,
+    memory: Record,
+    known: NDArray[np.uint32],
+    known_curvature: Floats,
+    time: float,
+    interval: float,
+    tick: float,
+    x: float,
+    y: float,
+    yaw: float,
+    speed: float,
+    length: float,
+    width: float,
+    numbers: NDArray[np.uint32],
+    kind: NDArray[np.uint8],
+    object_x: Floats,
+    object_y: Floats,
+    object_yaw: Floats,
+    object_speed: Floats,
+    object_acceleration: Floats,
+    object_yaw_rate: Floats,
+    object_length: Floats,
+    object_width: Floats,
+    signals: NDArray[np.uint8],
+    trajectory: Floats,
+) -> tuple[float, float, bool, int]:
     """A new plan: one pass through all modules, ``interval`` [s] after the last and ``tick`` [s] after the last tick.
 
     Returns throttle, brake, whether to change lane and the word's index.
@@ -62,10 +97,25 @@ def _drive(
     path = way.build_path(samples, stages, parameters, memory, speed, length, width)
     spacing = way.path_spacing(speed)
     tracks, remembered = prediction.track(
-        parameters, numbers, kind, object_x, object_y, object_yaw, object_speed, object_acceleration, object_yaw_rate,
-        object_length, object_width, known, known_curvature, int(m.known_count), interval,
-        x, y, spacing * way.POINTS,
-    )  # fmt: skip
+        parameters,
+        numbers,
+        kind,
+        object_x,
+        object_y,
+        object_yaw,
+        object_speed,
+        object_acceleration,
+        object_yaw_rate,
+        object_length,
+        object_width,
+        known,
+        known_curvature,
+        int(m.known_count),
+        interval,
+        x,
+        y,
+        spacing * way.POINTS,
+    )
     m.known_count = remembered
     count = tracks.shape[0]
     forecasts = np.empty((count, prediction.TIMES, prediction.FORECAST_COLUMNS), dtype=np.float64)
@@ -73,19 +123,62 @@ def _drive(
     agents = np.empty((count, who.AGENT_COLUMNS), dtype=np.float64)
     plan = np.empty((prediction.TIMES, 2), dtype=np.float64)
     who.assess(
-        path, spacing, zones, parameters, memory, signals, tracks, x, y, yaw, half,
-        forecasts, occupancies, agents,
-    )  # fmt: skip
+        path,
+        spacing,
+        zones,
+        parameters,
+        memory,
+        signals,
+        tracks,
+        x,
+        y,
+        yaw,
+        half,
+        forecasts,
+        occupancies,
+        agents,
+    )
     lead, gap, braking, most, cap, line, word, change = behaviour.decide(
-        samples, stages, zones, path, spacing, parameters, memory, signals, tracks, forecasts, occupancies, agents,
-        time, speed, half, 0.5 * width, interval, plan,
-    )  # fmt: skip
+        samples,
+        stages,
+        zones,
+        path,
+        spacing,
+        parameters,
+        memory,
+        signals,
+        tracks,
+        forecasts,
+        occupancies,
+        agents,
+        time,
+        speed,
+        half,
+        0.5 * width,
+        interval,
+        plan,
+    )
     if change:
         m.changing, m.progress, m.change_length, m.change_begin = 1.0, 0.0, 0.0, m.s
     asked, evades = planner.plan_motion(
-        path, spacing, parameters, memory, agents, forecasts, occupancies, lead, gap, braking, most, cap, line,
-        speed, half, zones, plan,
-    )  # fmt: skip
+        path,
+        spacing,
+        parameters,
+        memory,
+        agents,
+        forecasts,
+        occupancies,
+        lead,
+        gap,
+        braking,
+        most,
+        cap,
+        line,
+        speed,
+        half,
+        zones,
+        plan,
+    )
     if evades:
         word = behaviour.EVADE
         if speed < 0.5:
@@ -149,11 +242,35 @@ class ModularPolicy:
         self._planned_at = scene.time
         points = np.empty((4, prediction.FINE))
         throttle, brake, change, word = _drive(
-            road.samples, road.stages, road.zones, self._packed, self._memory, self._known, self._known_curvature,
-            scene.time, interval if math.isnan(since) else since, interval, ego.x, ego.y, ego.yaw, ego.speed, ego.length, ego.width,
-            objects.id, objects.kind, objects.x, objects.y, objects.yaw, objects.speed, objects.acceleration,
-            objects.yaw_rate, objects.length, objects.width, scene.signals, points,
-        )  # fmt: skip
+            road.samples,
+            road.stages,
+            road.zones,
+            self._packed,
+            self._memory,
+            self._known,
+            self._known_curvature,
+            scene.time,
+            interval if math.isnan(since) else since,
+            interval,
+            ego.x,
+            ego.y,
+            ego.yaw,
+            ego.speed,
+            ego.length,
+            ego.width,
+            objects.id,
+            objects.kind,
+            objects.x,
+            objects.y,
+            objects.yaw,
+            objects.speed,
+            objects.acceleration,
+            objects.yaw_rate,
+            objects.length,
+            objects.width,
+            scene.signals,
+            points,
+        )
         self._trajectory = Trajectory(
             prediction.FINE_INTERVAL, points[0], points[1], points[2], points[3], behaviour.WORDS[word]
         )

@@ -44,9 +44,11 @@ class Kind:
 
 KINDS: dict[str, Kind] = {
     "neural": Kind(EncoderShape, CompiledEncoder, 21, "a transformer over objects, road and stop lines"),
-    "ego_mlp": Kind(ExcerptShape, CompiledExcerpt, 21, "a perceptron that sees its own motion and road, and nobody else"),
+    "ego_mlp": Kind(
+        ExcerptShape, CompiledExcerpt, 21, "a perceptron that sees its own motion and road, and nobody else"
+    ),
     "deep_sets": Kind(SetShape, CompiledSetEncoder, 0, "the largest values over all tokens, and a regressed action"),
-}  # fmt: skip
+}
 
 
 def shapes_of(checkpoint: Checkpoint, path: Path) -> tuple[AnyShape, HeadShape]:

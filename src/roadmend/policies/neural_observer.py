@@ -23,9 +23,7 @@ _HELD = 2.0  # [s] that the commanded acceleration is taken to last
 
 
 @compiled
-def _roll_forward(
-    path: Floats, spacing: float, parameters: Record, action: float, speed: float, out: Floats
-) -> None:  # fmt: skip
+def _roll_forward(path: Floats, spacing: float, parameters: Record, action: float, speed: float, out: Floats) -> None:
     """Where a held action leads along the path: x, y, yaw and speed, the rows of ``out`` (4, FINE)."""
     p = parameters[0]
     force = (
@@ -85,11 +83,35 @@ class Observer:
         self._time = scene.time
         self._speed = ego.speed
         count, self._path, self._spacing = neural_tokens.tokenise(
-            road.samples, road.stages, road.zones, self._packed, self._memory, self._known, self._known_curvature,
-            scene.time, interval, ego.x, ego.y, ego.yaw, ego.speed, ego.length, ego.width,
-            objects.id, objects.kind, objects.x, objects.y, objects.yaw, objects.speed, objects.acceleration,
-            objects.yaw_rate, objects.length, objects.width, scene.signals, self._tokens, self.objects,
-        )  # fmt: skip
+            road.samples,
+            road.stages,
+            road.zones,
+            self._packed,
+            self._memory,
+            self._known,
+            self._known_curvature,
+            scene.time,
+            interval,
+            ego.x,
+            ego.y,
+            ego.yaw,
+            ego.speed,
+            ego.length,
+            ego.width,
+            objects.id,
+            objects.kind,
+            objects.x,
+            objects.y,
+            objects.yaw,
+            objects.speed,
+            objects.acceleration,
+            objects.yaw_rate,
+            objects.length,
+            objects.width,
+            scene.signals,
+            self._tokens,
+            self.objects,
+        )
         return self._tokens[:count]
 
     @property

@@ -49,10 +49,22 @@ _CROSSING = int(RightOfWay.CROSSING)
 
 # What is carried from tick to tick
 MEMORY: dict[str, float] = {
-    "stage": -1.0, "s": 0.0, "offset": 0.0, "s_next": math.nan, "offset_next": math.inf,  # localisation
-    "changing": 0.0, "progress": 0.0, "change_length": 0.0, "change_begin": 0.0, "changed_at": -math.inf,
-    "waited": 0.0, "stood_at": -1.0, "speed": math.nan, "acceleration": 0.0, "known_count": 0.0,
-}  # fmt: skip
+    "stage": -1.0,
+    "s": 0.0,
+    "offset": 0.0,
+    "s_next": math.nan,
+    "offset_next": math.inf,  # localisation
+    "changing": 0.0,
+    "progress": 0.0,
+    "change_length": 0.0,
+    "change_begin": 0.0,
+    "changed_at": -math.inf,
+    "waited": 0.0,
+    "stood_at": -1.0,
+    "speed": math.nan,
+    "acceleration": 0.0,
+    "known_count": 0.0,
+}
 
 
 def new_memory() -> Record:
@@ -88,9 +100,7 @@ def _remember(memory: Record, zones: Floats, interval: float, speed: float, half
 
 
 @compiled
-def _ego(
-    path: Floats, spacing: float, stages: Floats, memory: Record, time: float, speed: float, row: Tokens
-) -> None:  # fmt: skip
+def _ego(path: Floats, spacing: float, stages: Floats, memory: Record, time: float, speed: float, row: Tokens) -> None:
     m = memory[0]
     stage = int(m.stage)
     row[0] = 1.0
@@ -142,7 +152,7 @@ def _place(
 @compiled
 def _zone(
     zones: Floats, index: int, memory: Record, signals: NDArray[np.uint8], speed: float, half: float, row: Tokens
-) -> None:  # fmt: skip
+) -> None:
     begin = who.zone_begin(zones, index, memory)
     front = begin - half
     length = zones[index, road.END] - zones[index, road.BEGIN]
@@ -177,8 +187,14 @@ def _reach(plan: Floats, ahead: float) -> float:
 
 @compiled
 def _gives_way_at(
-    zones: Floats, memory: Record, signals: NDArray[np.uint8], low: float, high: float, half: float, pedestrian: bool  # noqa: FBT001
-) -> bool:  # fmt: skip
+    zones: Floats,
+    memory: Record,
+    signals: NDArray[np.uint8],
+    low: float,
+    high: float,
+    half: float,
+    pedestrian: bool,  # noqa: FBT001
+) -> bool:
     """Whether a stretch of the path [m] lies where the ego must give way."""
     for index in range(zones.shape[0]):
         begin = who.zone_begin(zones, index, memory)
@@ -195,10 +211,27 @@ def _gives_way_at(
 
 @compiled
 def _object(
-    path: Floats, spacing: float, samples: Floats, stages: Floats, zones: Floats, parameters: Record, memory: Record,
-    signals: NDArray[np.uint8], plan: Floats, track: Floats, forecast: Floats, occupancy: Floats, kind: int,
-    x: float, y: float, yaw: float, speed: float, half: float, half_width: float, row: Tokens,
-) -> float:  # fmt: skip
+    path: Floats,
+    spacing: float,
+    samples: Floats,
+    stages: Floats,
+    zones: Floats,
+    parameters: Record,
+    memory: Record,
+    signals: NDArray[np.uint8],
+    plan: Floats,
+    track: Floats,
+    forecast: Floats,
+    occupancy: Floats,
+    kind: int,
+    x: float,
+    y: float,
+    yaw: float,
+    speed: float,
+    half: float,
+    half_width: float,
+    row: Tokens,
+) -> float:
     """Fill one object's token; returns how little it matters."""
     p, m = parameters[0], memory[0]
     at = _OBJECT
@@ -309,13 +342,35 @@ def _fill_room(tokens: Tokens, count: int) -> None:
 
 @compiled
 def tokenise(
-    samples: Floats, stages: Floats, zones: Floats, parameters: Record, memory: Record,
-    known: NDArray[np.uint32], known_curvature: Floats,
-    time: float, interval: float, x: float, y: float, yaw: float, speed: float, length: float, width: float,
-    numbers: NDArray[np.uint32], kind: NDArray[np.uint8], object_x: Floats, object_y: Floats, object_yaw: Floats,
-    object_speed: Floats, object_acceleration: Floats, object_yaw_rate: Floats,
-    object_length: Floats, object_width: Floats, signals: NDArray[np.uint8], tokens: Tokens, objects: NDArray[np.int64],
-) -> tuple[int, Floats, float]:  # fmt: skip
+    samples: Floats,
+    stages: Floats,
+    zones: Floats,
+    parameters: Record,
+    memory: Record,
+    known: NDArray[np.uint32],
+    known_curvature: Floats,
+    time: float,
+    interval: float,
+    x: float,
+    y: float,
+    yaw: float,
+    speed: float,
+    length: float,
+    width: float,
+    numbers: NDArray[np.uint32],
+    kind: NDArray[np.uint8],
+    object_x: Floats,
+    object_y: Floats,
+    object_yaw: Floats,
+    object_speed: Floats,
+    object_acceleration: Floats,
+    object_yaw_rate: Floats,
+    object_length: Floats,
+    object_width: Floats,
+    signals: NDArray[np.uint8],
+    tokens: Tokens,
+    objects: NDArray[np.int64],
+) -> tuple[int, Floats, float]:
     """Fill ``tokens`` (TOKENS, COLUMNS) from a scene; returns how many there are, the path and its spacing [m].
 
     ``objects`` (TOKENS,) receives the row of each token's object in the scene, -1 for the other kinds. The ego's
@@ -331,10 +386,25 @@ def tokenise(
     path = way.build_path(samples, stages, parameters, memory, speed, length, width)
     spacing = way.path_spacing(speed)
     tracks, remembered = prediction.track(
-        parameters, numbers, kind, object_x, object_y, object_yaw, object_speed, object_acceleration, object_yaw_rate,
-        object_length, object_width, known, known_curvature, int(m.known_count), interval,
-        x, y, spacing * way.POINTS,
-    )  # fmt: skip
+        parameters,
+        numbers,
+        kind,
+        object_x,
+        object_y,
+        object_yaw,
+        object_speed,
+        object_acceleration,
+        object_yaw_rate,
+        object_length,
+        object_width,
+        known,
+        known_curvature,
+        int(m.known_count),
+        interval,
+        x,
+        y,
+        spacing * way.POINTS,
+    )
     m.known_count = remembered
     tokens[:, :] = 0.0
     objects[:] = -1
@@ -362,9 +432,27 @@ def tokenise(
         prediction.forecast(parameters, tracks[index], forecast)
         source = int(tracks[index, prediction.SOURCE])
         unimportance[index] = _object(
-            path, spacing, samples, stages, zones, parameters, memory, signals, plan, tracks[index], forecast,
-            occupancy, int(kind[source]), x, y, yaw, speed, half, 0.5 * width, rows[index],
-        )  # fmt: skip
+            path,
+            spacing,
+            samples,
+            stages,
+            zones,
+            parameters,
+            memory,
+            signals,
+            plan,
+            tracks[index],
+            forecast,
+            occupancy,
+            int(kind[source]),
+            x,
+            y,
+            yaw,
+            speed,
+            half,
+            0.5 * width,
+            rows[index],
+        )
     order = np.argsort(unimportance, kind="mergesort")
     for place in range(min(order.shape[0], OBJECTS)):
         tokens[count] = rows[order[place]]

@@ -148,9 +148,17 @@ def _nearest(path: Floats, spacing: float, x: float, y: float, hint: int, everyw
 
 @compiled
 def _is_covered(
-    path: Floats, index: int, x: float, y: float, cosine: float, sine: float,
-    half_length: float, half_width: float, sweep: float, margin: float,
-) -> bool:  # fmt: skip
+    path: Floats,
+    index: int,
+    x: float,
+    y: float,
+    cosine: float,
+    sine: float,
+    half_length: float,
+    half_width: float,
+    sweep: float,
+    margin: float,
+) -> bool:
     """Whether the ego's width at a point of the path meets a rectangle, lengthened by ``sweep`` if it crosses."""
     dx, dy = path[index, X] - x, path[index, Y] - y
     parallel = abs(path[index, COS] * cosine + path[index, SIN] * sine)
@@ -164,9 +172,18 @@ def _is_covered(
 
 @compiled
 def _cover(
-    path: Floats, spacing: float, place: int, x: float, y: float, cosine: float, sine: float,
-    half_length: float, half_width: float, sweep: float, margin: float,
-) -> tuple[float, float, float]:  # fmt: skip
+    path: Floats,
+    spacing: float,
+    place: int,
+    x: float,
+    y: float,
+    cosine: float,
+    sine: float,
+    half_length: float,
+    half_width: float,
+    sweep: float,
+    margin: float,
+) -> tuple[float, float, float]:
     """Stretch of the path [m ahead] around point ``place`` that a rectangle covers, and the cosine of the headings.
 
     ``sweep`` [m] lengthens rectangles that cross the path at both ends, so that samples in time leave no holes.
@@ -228,9 +245,7 @@ def occupy(
         extent = half_width * along + (half_length + sweep) * across + path[place, HALF] + margin
         if distance > extent + _SLACK + 0.5 * path[place, BEND] * (half_length + 2.0) * (half_length + 2.0):
             continue
-        low, high, along_path = _cover(
-            path, spacing, place, x, y, cosine, sine, half_length, half_width, sweep, margin
-        )  # fmt: skip
+        low, high, along_path = _cover(path, spacing, place, x, y, cosine, sine, half_length, half_width, sweep, margin)
         out[index, LOW], out[index, HIGH] = low, high
         if begin < 0 and high > low:
             begin, parallel = index, along_path

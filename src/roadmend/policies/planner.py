@@ -66,10 +66,24 @@ def _inside_zone(zones: Floats, memory: Record, half: float) -> bool:
 
 @compiled
 def plan_motion(
-    path: Floats, spacing: float, parameters: Record, memory: Record, agents: Floats, forecasts: Floats,
-    occupancies: Floats, lead: int, gap: float, braking: float, most: float, cap: float, line: float,
-    speed: float, half: float, zones: Floats, plan: Floats,
-) -> tuple[float, bool]:  # fmt: skip
+    path: Floats,
+    spacing: float,
+    parameters: Record,
+    memory: Record,
+    agents: Floats,
+    forecasts: Floats,
+    occupancies: Floats,
+    lead: int,
+    gap: float,
+    braking: float,
+    most: float,
+    cap: float,
+    line: float,
+    speed: float,
+    half: float,
+    zones: Floats,
+    plan: Floats,
+) -> tuple[float, bool]:
     """Fill ``plan`` (TIMES, 2) with the best motion; returns its first acceleration [m/s2] and whether it evades.
 
     The wanted motion comes first. If it meets somebody, mild to full braking is tried, and speeding up; the first

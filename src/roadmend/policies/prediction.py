@@ -47,12 +47,25 @@ def index_before(time: float) -> int:
 
 @compiled
 def track(
-    parameters: Record, numbers: NDArray[np.uint32], kind: NDArray[np.uint8],
-    x: Floats, y: Floats, yaw: Floats, speed: Floats, acceleration: Floats, yaw_rate: Floats,
-    length: Floats, width: Floats,
-    known: NDArray[np.uint32], known_curvature: Floats, known_count: int, interval: float,
-    ego_x: float, ego_y: float, reach: float,
-) -> tuple[Floats, int]:  # fmt: skip
+    parameters: Record,
+    numbers: NDArray[np.uint32],
+    kind: NDArray[np.uint8],
+    x: Floats,
+    y: Floats,
+    yaw: Floats,
+    speed: Floats,
+    acceleration: Floats,
+    yaw_rate: Floats,
+    length: Floats,
+    width: Floats,
+    known: NDArray[np.uint32],
+    known_curvature: Floats,
+    known_count: int,
+    interval: float,
+    ego_x: float,
+    ego_y: float,
+    reach: float,
+) -> tuple[Floats, int]:
     """The objects that matter, with curvatures filtered over time; shape (M, TRACK_COLUMNS).
 
     Objects that cannot come within ``reach`` [m] of the ego, or that are described by a number which is not finite,

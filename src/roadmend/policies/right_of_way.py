@@ -66,9 +66,17 @@ def _conflict(
 
 @compiled
 def stop_line(
-    zones: Floats, parameters: Record, memory: Record, signals: NDArray[np.uint8],
-    agents: Floats, occupancies: Floats, plan: Floats, speed: float, half: float, interval: float,
-) -> tuple[float, int]:  # fmt: skip
+    zones: Floats,
+    parameters: Record,
+    memory: Record,
+    signals: NDArray[np.uint8],
+    agents: Floats,
+    occupancies: Floats,
+    plan: Floats,
+    speed: float,
+    half: float,
+    interval: float,
+) -> tuple[float, int]:
     """How far ahead the ego's centre must stop [m] (inf: nowhere) and why.
 
     ``plan`` is what the ego would do if nobody had right of way. A line that cannot be held any more with the

@@ -16,9 +16,19 @@ AHEAD, SPEED = range(2)  # [m] of the centre from where it is now, [m/s]
 
 @compiled
 def roll(
-    path: Floats, spacing: float, parameters: Record, speed: float, most: float, cap: float, line: float,
-    forecasts: Floats, lead: int, lead_gap: float, lead_braking: float, out: Floats,
-) -> float:  # fmt: skip
+    path: Floats,
+    spacing: float,
+    parameters: Record,
+    speed: float,
+    most: float,
+    cap: float,
+    line: float,
+    forecasts: Floats,
+    lead: int,
+    lead_gap: float,
+    lead_braking: float,
+    out: Floats,
+) -> float:
     """Fill ``out`` with the motion that keeps to speeds, follows ``lead`` (-1: nobody) and stops at ``line`` [m].
 
     ``most`` is the acceleration on a free road and ``cap`` an upper limit on top of every law [m/s2].

@@ -53,9 +53,7 @@ def storage_of(path: Path) -> str:
     return storage
 
 
-def convert(
-    path: Path, out: Path, storage: str, advance: Callable[[int], None] = lambda _count: None
-) -> Conversion:  # fmt: skip
+def convert(path: Path, out: Path, storage: str, advance: Callable[[int], None] = lambda _count: None) -> Conversion:
     """Write a bag anew in another storage, with all topics, types, definitions, offers, times and bytes.
 
     Args:
@@ -110,9 +108,12 @@ def _to_sqlite3(reader: BagReader, out: Path, conversion: Conversion, advance: C
             for topic in reader.topics.values():
                 definition = reader.definitions[topic.type_name]
                 connections[topic.name] = writer.add_connection(
-                    topic.name, topic.type_name, msgdef=definition.text, rihs01=_hash(definition),
+                    topic.name,
+                    topic.type_name,
+                    msgdef=definition.text,
+                    rihs01=_hash(definition),
                     offered_qos_profiles=[qos.to_rosbags(offer) for offer in topic.offers],
-                )  # fmt: skip
+                )
             for one in reader.records():
                 writer.write(connections[one.topic], one.time_ns, one.data)
                 conversion.messages += 1

@@ -14,10 +14,25 @@ from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_
 from roadmend.core.errors import InputError
 
 ENCODINGS = {"ros2msg": get_types_from_msg, "ros2idl": get_types_from_idl}  # of definitions, with their parsers
-_PRIMITIVES = frozenset({
-    "bool", "byte", "char", "float32", "float64", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64",
-    "uint64", "string", "wstring",
-})  # fmt: skip
+_PRIMITIVES = frozenset(
+    {
+        "bool",
+        "byte",
+        "char",
+        "float32",
+        "float64",
+        "int8",
+        "uint8",
+        "int16",
+        "uint16",
+        "int32",
+        "uint32",
+        "int64",
+        "uint64",
+        "string",
+        "wstring",
+    }
+)
 _TYPE_NAME = re.compile(r"([A-Za-z]\w*)/(?:msg/)?([A-Za-z]\w*)")
 # A field is a type, perhaps bounded, perhaps an array, and a name; a constant has "=" after its name.
 _FIELD = re.compile(r"(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?P<array>\[[^\]]*\])?\s+[A-Za-z]\w*(?P<rest>.*)")

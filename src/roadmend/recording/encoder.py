@@ -38,9 +38,9 @@ class Encoder:
 
     def _plain(self, type_name: str, message: Any) -> Any:
         _, fields = self._store.fielddefs[type_name]
-        return self._store.types[type_name](**{
-            name: self._value(node, detail, getattr(message, name)) for name, (node, detail) in fields
-        })  # fmt: skip
+        return self._store.types[type_name](
+            **{name: self._value(node, detail, getattr(message, name)) for name, (node, detail) in fields}
+        )
 
     def _value(self, node: Nodetype, detail: Any, value: Any) -> Any:
         if node == Nodetype.NAME:

@@ -53,9 +53,11 @@ def bag_information(files: Sequence[FileSummary], topics: Sequence[TopicSummary]
     """The bag as rosbag2 jazzy describes it, key by key and in its order."""
     filled = [file for file in files if file.count]
     whole = FileSummary(
-        "", sum(file.count for file in filled),
-        min((file.start_ns for file in filled), default=0), max((file.end_ns for file in filled), default=0),
-    )  # fmt: skip
+        "",
+        sum(file.count for file in filled),
+        min((file.start_ns for file in filled), default=0),
+        max((file.end_ns for file in filled), default=0),
+    )
     span = whole.span
     return {
         "version": _VERSION,
@@ -123,9 +125,10 @@ def files_of(path: Path) -> list[Path]:
         )
     if information.get("compression_mode"):
         raise InputError(
-            str(metadata), f"the bag is compressed by {information['compression_mode']}",
+            str(metadata),
+            f"the bag is compressed by {information['compression_mode']}",
             "rewrite it with 'ros2 bag convert', without compression_mode",
-        )  # fmt: skip
+        )
     return [metadata.parent / name for name in information["relative_file_paths"]]
 
 
@@ -150,8 +153,9 @@ def read_metadata(path: Path) -> dict[str, Any]:
         information: dict[str, Any] = yaml.safe_load(metadata.read_text("utf-8"))[_ROOT]
         names = [str(name) for name in information["relative_file_paths"]]
         return information | {
-            "storage_identifier": str(information["storage_identifier"]), "relative_file_paths": names,
-        }  # fmt: skip
+            "storage_identifier": str(information["storage_identifier"]),
+            "relative_file_paths": names,
+        }
     except FileNotFoundError as error:
         raise InputError(
             str(metadata), "is missing", "the recording was cut short: 'roadmend bag recover' it, or take another"

@@ -76,19 +76,31 @@ def to_rosbags(offer: Qos) -> RosbagsQos:
     """The offer as the library rosbags has it."""
     times = [QosTime(*divmod(ns, _SECOND)) for ns in (offer.deadline_ns, offer.lifespan_ns, offer.liveliness_lease_ns)]
     return RosbagsQos(
-        QosHistory[offer.history.upper()], offer.depth, QosReliability[offer.reliability.upper()],
-        QosDurability[offer.durability.upper()], times[0], times[1], QosLiveliness[offer.liveliness.upper()], times[2],
+        QosHistory[offer.history.upper()],
+        offer.depth,
+        QosReliability[offer.reliability.upper()],
+        QosDurability[offer.durability.upper()],
+        times[0],
+        times[1],
+        QosLiveliness[offer.liveliness.upper()],
+        times[2],
         offer.avoid_ros_namespace_conventions,
-    )  # fmt: skip
+    )
 
 
 def from_rosbags(offer: RosbagsQos) -> Qos:
     """The inverse of ``to_rosbags``."""
     return Qos(
-        offer.history.name.lower(), offer.depth, offer.reliability.name.lower(), offer.durability.name.lower(),
-        _nanoseconds(offer.deadline), _nanoseconds(offer.lifespan), offer.liveliness.name.lower(),
-        _nanoseconds(offer.liveliness_lease_duration), offer.avoid_ros_namespace_conventions,
-    )  # fmt: skip
+        offer.history.name.lower(),
+        offer.depth,
+        offer.reliability.name.lower(),
+        offer.durability.name.lower(),
+        _nanoseconds(offer.deadline),
+        _nanoseconds(offer.lifespan),
+        offer.liveliness.name.lower(),
+        _nanoseconds(offer.liveliness_lease_duration),
+        offer.avoid_ros_namespace_conventions,
+    )
 
 
 def _nanoseconds(duration: QosTime) -> int:

@@ -28,9 +28,21 @@ _PIECE_LIMIT = 1 << 26  # [bytes] what is read at once: a chunk, or a whole file
 _RECOVER = "'roadmend bag recover' it, or take another"
 # Whatever the parsers of a corrupt file stumble over.
 CORRUPT = (
-    McapError, ZstdError, struct.error, yaml.YAMLError, OSError, EOFError, ValueError, LookupError,
-    TypeError, AttributeError, StopIteration, RuntimeError, MemoryError, OverflowError,
-)  # fmt: skip
+    McapError,
+    ZstdError,
+    struct.error,
+    yaml.YAMLError,
+    OSError,
+    EOFError,
+    ValueError,
+    LookupError,
+    TypeError,
+    AttributeError,
+    StopIteration,
+    RuntimeError,
+    MemoryError,
+    OverflowError,
+)
 
 
 @dataclass(frozen=True, slots=True)

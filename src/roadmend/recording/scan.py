@@ -303,6 +303,8 @@ class Scan:
 
 
 _READ: dict[int, Any] = {
-    Opcode.SCHEMA: Schema.read, Opcode.CHANNEL: Channel.read, Opcode.METADATA: Metadata.read,
+    Opcode.SCHEMA: Schema.read,
+    Opcode.CHANNEL: Channel.read,
+    Opcode.METADATA: Metadata.read,
     Opcode.ATTACHMENT: AttachmentRecord.read,
-}  # fmt: skip
+}

@@ -36,9 +36,18 @@ def way_coordinates(
 
 @compiled
 def shared_ground(
-    points: Floats, count: int, zero: int, half_swath: float,
-    x: float, y: float, yaw: float, speed: float, yaw_rate: float, behind: float, ahead: float,
-) -> tuple[float, float, float, float, float]:  # fmt: skip
+    points: Floats,
+    count: int,
+    zero: int,
+    half_swath: float,
+    x: float,
+    y: float,
+    yaw: float,
+    speed: float,
+    yaw_rate: float,
+    behind: float,
+    ahead: float,
+) -> tuple[float, float, float, float, float]:
     """The first stretch of the path ahead that lies in the swath of an object's way.
 
     ``half_swath`` is half the sum of both widths [m]; points from ``behind`` [m] behind the object's centre to

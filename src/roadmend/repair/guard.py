@@ -70,9 +70,17 @@ class GuardedRepairer:
         stage = Stage(x, np.zeros(3), np.full(3, 10.0))
         self.reset(Route("warm-up", 4.5, 1.8, 90.0, 1.0, (stage,), (), ()))
         objects = ObjectList(
-            np.ones(1, dtype=np.uint32), np.ones(1, dtype=np.uint8), np.full(1, 30.0), rest, rest, rest, rest, rest,
-            size, size,
-        )  # fmt: skip
+            np.ones(1, dtype=np.uint32),
+            np.ones(1, dtype=np.uint8),
+            np.full(1, 30.0),
+            rest,
+            rest,
+            rest,
+            rest,
+            rest,
+            size,
+            size,
+        )
         ego = EgoState.from_yaw(10.0, 0.0, 0.0, 5.0, 0.0, 4.5, 1.8)
         scene = Scene(0.0, ego, objects, np.zeros(0, dtype=np.uint8))
         self.step(scene, Decision(Command(0.1, 0.0), _EMPTY))
@@ -118,9 +126,17 @@ class GuardedRepairer:
         except Exception as error:  # noqa: BLE001 -- a stop must not fail
             reason = f"{reason}; without rss: {error!r}"
         return Repair(
-            Command(0.0, brake), status, proposal.score, proposal.threshold, asked, -brake, asked != -brake, 0,
-            proposal.triggers, f"controlled stop at brake {brake:.2f}: {reason}",
-        )  # fmt: skip
+            Command(0.0, brake),
+            status,
+            proposal.score,
+            proposal.threshold,
+            asked,
+            -brake,
+            asked != -brake,
+            0,
+            proposal.triggers,
+            f"controlled stop at brake {brake:.2f}: {reason}",
+        )
 
     def _forget(self) -> None:
         self._time = math.nan
@@ -147,9 +163,20 @@ class GuardedRepairer:
         if size > len(self._keep):
             self._keep = np.zeros(2 * size, dtype=np.bool_)
         dropped = mark_usable(
-            self._keep, objects.id, objects.x, objects.y, objects.yaw, objects.speed, objects.acceleration,
-            objects.yaw_rate, objects.length, objects.width, bounds.max_length, bounds.max_width, bounds.max_speed,
-        )  # fmt: skip
+            self._keep,
+            objects.id,
+            objects.x,
+            objects.y,
+            objects.yaw,
+            objects.speed,
+            objects.acceleration,
+            objects.yaw_rate,
+            objects.length,
+            objects.width,
+            bounds.max_length,
+            bounds.max_width,
+            bounds.max_speed,
+        )
         if dropped == 0 and len(objects.kind) == size:
             return scene, 0
         if dropped == UNEVEN or len(objects.kind) != size:
@@ -219,9 +246,17 @@ class GuardedRepairer:
             notes.append(proposal.reason)
         action = command.action
         return Repair(
-            final, status, proposal.score, proposal.threshold, action, proposal.action,
-            final is not asked, dropped, proposal.triggers, "; ".join(notes),
-        )  # fmt: skip
+            final,
+            status,
+            proposal.score,
+            proposal.threshold,
+            action,
+            proposal.action,
+            final is not asked,
+            dropped,
+            proposal.triggers,
+            "; ".join(notes),
+        )
 
     def _consult(self, scene: Scene, decision: Decision) -> tuple[Proposal, str]:
         """The method's proposal, and what is wrong with it or an empty string."""

@@ -27,10 +27,24 @@ X, Y, S, YAW = 0, 1, 2, 3  # rows of a path's points
 
 @compiled
 def _lay(
-    points: Floats, progress: Floats, ego_x: float, ego_y: float, ego_yaw: float, plan_x: Floats, plan_y: Floats,
-    near_x: Floats, near_y: Floats, near_s: Floats, position: float, offset: float,
-    end_x: Floats, end_y: Floats, end_s: Floats, end_guess: float, ahead: float,
-) -> tuple[int, int]:  # fmt: skip
+    points: Floats,
+    progress: Floats,
+    ego_x: float,
+    ego_y: float,
+    ego_yaw: float,
+    plan_x: Floats,
+    plan_y: Floats,
+    near_x: Floats,
+    near_y: Floats,
+    near_s: Floats,
+    position: float,
+    offset: float,
+    end_x: Floats,
+    end_y: Floats,
+    end_s: Floats,
+    end_guess: float,
+    ahead: float,
+) -> tuple[int, int]:
     """Fill ``points`` (4 x K) and ``progress`` (P + 1); returns the number of points and the index of the ego's."""
     room = points.shape[1]
     count = 0
@@ -184,12 +198,31 @@ class PathFinder:
         near, end = stages[nearest], stages[final]
         progress = np.empty(size + 1, dtype=np.float64)
         count, zero = _lay(
-            self._points, progress, ego.x, ego.y, ego.yaw, trajectory.x, trajectory.y,
-            near.x, near.y, near.s, *self._tracker.places[nearest],
-            end.x, end.y, end.s, positions[final] + reach, ahead,
-        )  # fmt: skip
+            self._points,
+            progress,
+            ego.x,
+            ego.y,
+            ego.yaw,
+            trajectory.x,
+            trajectory.y,
+            near.x,
+            near.y,
+            near.s,
+            *self._tracker.places[nearest],
+            end.x,
+            end.y,
+            end.s,
+            positions[final] + reach,
+            ahead,
+        )
         tail_speed = float(trajectory.speed[-1]) if size else ego.speed
         return PlannedPath(
-            self._points, count, zero, progress, trajectory.interval if size else 1.0, max(0.0, tail_speed),
-            positions, nearest,
-        )  # fmt: skip
+            self._points,
+            count,
+            zero,
+            progress,
+            trajectory.interval if size else 1.0,
+            max(0.0, tail_speed),
+            positions,
+            nearest,
+        )

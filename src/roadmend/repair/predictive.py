@@ -36,10 +36,23 @@ class Manner(NamedTuple):
 
 @compiled
 def _margins(
-    points: Floats, count: int, reach: float, x: float, y: float, yaw: float, ego_length: float, ego_width: float,
-    other_x: Floats, other_y: Floats, other_yaw: Floats, other_speed: Floats, length: Floats, width: Floats,
-    margin: float, horizon: float,
-) -> Floats:  # fmt: skip
+    points: Floats,
+    count: int,
+    reach: float,
+    x: float,
+    y: float,
+    yaw: float,
+    ego_length: float,
+    ego_width: float,
+    other_x: Floats,
+    other_y: Floats,
+    other_yaw: Floats,
+    other_speed: Floats,
+    length: Floats,
+    width: Floats,
+    margin: float,
+    horizon: float,
+) -> Floats:
     """Gap [m] that each of N objects must keep, shape (N,); negative for those that play no part.
 
     Never more than half the gap there is now: something that stands close beside the ego blocks it only if the two
@@ -56,9 +69,16 @@ def _margins(
         if gap > reach + abs(other_speed[index]) * horizon + margin:
             continue
         if is_follower(
-            points, count, ego_length, ego_width,
-            other_x[index], other_y[index], other_yaw[index], length[index], width[index],
-        ):  # fmt: skip
+            points,
+            count,
+            ego_length,
+            ego_width,
+            other_x[index],
+            other_y[index],
+            other_yaw[index],
+            length[index],
+            width[index],
+        ):
             continue
         required[index] = margin
         if gap < 2.0 * margin:
@@ -69,19 +89,47 @@ def _margins(
 
 @compiled
 def predict(
-    points: Floats, count: int, zero: int, progress: Floats, plan_interval: float, tail_speed: float,
-    speed: float, ego_length: float, ego_width: float,
-    x: Floats, y: Floats, yaw: Floats, other_speed: Floats, acceleration: Floats, yaw_rate: Floats,
-    length: Floats, width: Floats, manner: Manner,
-) -> tuple[int, int, int, int]:  # fmt: skip
+    points: Floats,
+    count: int,
+    zero: int,
+    progress: Floats,
+    plan_interval: float,
+    tail_speed: float,
+    speed: float,
+    ego_length: float,
+    ego_width: float,
+    x: Floats,
+    y: Floats,
+    yaw: Floats,
+    other_speed: Floats,
+    acceleration: Floats,
+    yaw_rate: Floats,
+    length: Floats,
+    width: Floats,
+    manner: Manner,
+) -> tuple[int, int, int, int]:
     """Outcome (CLEAR .. IN_VAIN), step and object of the planned contact, and braking in fifths of the full brake."""
     steps, interval = manner.steps, manner.interval
     horizon = steps * interval
     reach = max(planned_position(progress, plan_interval, tail_speed, horizon), 0.0)
     required = _margins(
-        points, count, reach, points[0, zero], points[1, zero], points[3, zero], ego_length, ego_width,
-        x, y, yaw, other_speed, length, width, manner.margin, horizon,
-    )  # fmt: skip
+        points,
+        count,
+        reach,
+        points[0, zero],
+        points[1, zero],
+        points[3, zero],
+        ego_length,
+        ego_width,
+        x,
+        y,
+        yaw,
+        other_speed,
+        length,
+        width,
+        manner.margin,
+        horizon,
+    )
     poses = np.empty((x.shape[0], 2 * steps + 1, 4), dtype=np.float64)
     for index in range(x.shape[0]):
         if required[index] >= 0.0:
@@ -90,9 +138,24 @@ def predict(
             slow = min(0.0, acceleration[index]) if manner.slowing else 0.0
             roll_object(poses[index], 0, steps, yaw_rate[index] if manner.turning else 0.0, slow, interval)
     contact, focus = first_contact(
-        points, count, progress, plan_interval, tail_speed, speed, ego_length, ego_width, -1.0,
-        poses, length, width, required, 0, steps, -1, interval,
-    )  # fmt: skip
+        points,
+        count,
+        progress,
+        plan_interval,
+        tail_speed,
+        speed,
+        ego_length,
+        ego_width,
+        -1.0,
+        poses,
+        length,
+        width,
+        required,
+        0,
+        steps,
+        -1,
+        interval,
+    )
     if contact < 0:
         return CLEAR, -1, -1, 0
     if not manner.adaptive:
@@ -103,23 +166,66 @@ def predict(
     for fifths in range(6):
         deceleration = 0.2 * fifths * manner.full_brake
         step, _ = first_contact(
-            points, count, progress, plan_interval, tail_speed, speed, ego_length, ego_width, deceleration,
-            poses, length, width, required, 0, steps, -1, interval,
-        )  # fmt: skip
+            points,
+            count,
+            progress,
+            plan_interval,
+            tail_speed,
+            speed,
+            ego_length,
+            ego_width,
+            deceleration,
+            poses,
+            length,
+            width,
+            required,
+            0,
+            steps,
+            -1,
+            interval,
+        )
         if step < 0:
             step, _ = first_contact(
-                points, count, progress, plan_interval, tail_speed, speed, ego_length, ego_width, deceleration,
-                poses, length, width, required, steps + 1, 2 * steps, focus, interval,
-            )  # fmt: skip
+                points,
+                count,
+                progress,
+                plan_interval,
+                tail_speed,
+                speed,
+                ego_length,
+                ego_width,
+                deceleration,
+                poses,
+                length,
+                width,
+                required,
+                steps + 1,
+                2 * steps,
+                focus,
+                interval,
+            )
         if step < 0:
             return AVOIDED, contact, focus, fifths
 
     best, chosen = -math.inf, -1
     for fifths in range(-1, 6):
         value = merit(
-            points, count, progress, plan_interval, tail_speed, speed, ego_length, ego_width,
-            0.2 * fifths * manner.full_brake, poses, length, width, required, steps, interval,
-        )  # fmt: skip
+            points,
+            count,
+            progress,
+            plan_interval,
+            tail_speed,
+            speed,
+            ego_length,
+            ego_width,
+            0.2 * fifths * manner.full_brake,
+            poses,
+            length,
+            width,
+            required,
+            steps,
+            interval,
+        )
         if value > best or (value == best and fifths > 0):  # of equals the strongest, but nothing before rolling on
             best, chosen = value, fifths
     if chosen < 0:
@@ -144,9 +250,14 @@ class PredictiveRepair:
         self._parameters = parameters or PredictiveParameters()
         self._steps = max(1, round(self._parameters.horizon / self._parameters.interval))
         self._manner = Manner(
-            self._parameters.margin, self._steps, self._parameters.interval,
-            self._parameters.turning, self._parameters.slowing, self._parameters.adaptive, self._parameters.full_brake,
-        )  # fmt: skip
+            self._parameters.margin,
+            self._steps,
+            self._parameters.interval,
+            self._parameters.turning,
+            self._parameters.slowing,
+            self._parameters.adaptive,
+            self._parameters.full_brake,
+        )
         more = 1.0 + self._parameters.release
         self._held_manner = self._manner._replace(
             margin=self._parameters.margin * more, steps=math.ceil(self._steps * more)
@@ -171,11 +282,25 @@ class PredictiveRepair:
         speed = max(0.0, ego.speed)
         path = self._finder.find(ego, decision.trajectory, 20.0 + (speed + 2.0) * manner.steps * manner.interval)
         outcome, step, index, fifths = predict(
-            path.points, path.count, path.zero, path.progress, path.interval, path.tail_speed,
-            speed, ego.length, ego.width,
-            objects.x, objects.y, objects.yaw, objects.speed, objects.acceleration, objects.yaw_rate,
-            objects.length, objects.width, manner,
-        )  # fmt: skip
+            path.points,
+            path.count,
+            path.zero,
+            path.progress,
+            path.interval,
+            path.tail_speed,
+            speed,
+            ego.length,
+            ego.width,
+            objects.x,
+            objects.y,
+            objects.yaw,
+            objects.speed,
+            objects.acceleration,
+            objects.yaw_rate,
+            objects.length,
+            objects.width,
+            manner,
+        )
         if outcome == CLEAR:
             return self._idle
         number, time = int(objects.id[index]), step * parameters.interval

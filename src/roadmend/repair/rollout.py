@@ -13,9 +13,7 @@ Floats = NDArray[np.float64]
 
 
 @compiled
-def roll_object(
-    poses: Floats, first: int, last: int, yaw_rate: float, acceleration: float, interval: float
-) -> None:  # fmt: skip
+def roll_object(poses: Floats, first: int, last: int, yaw_rate: float, acceleration: float, interval: float) -> None:
     """Continue one object's ``poses`` (rows x, y, yaw, speed) from step ``first`` to ``last``.
 
     Constant yaw rate [rad/s] and acceleration [m/s2]; the speed never changes its sign.
@@ -52,9 +50,16 @@ def ego_position(
 
 @compiled
 def is_follower(
-    points: Floats, count: int, ego_length: float, ego_width: float,
-    x: float, y: float, yaw: float, length: float, width: float,
-) -> bool:  # fmt: skip
+    points: Floats,
+    count: int,
+    ego_length: float,
+    ego_width: float,
+    x: float,
+    y: float,
+    yaw: float,
+    length: float,
+    width: float,
+) -> bool:
     """Whether an object drives behind the ego on the ego's own lane: keeping clear of the ego is its task."""
     s, d, turned = coordinates_on(points, count, x, y, yaw)
     return s < -0.5 * (ego_length + length) and abs(d) < 0.5 * (ego_width + width) and abs(turned) < 1.0
@@ -62,10 +67,24 @@ def is_follower(
 
 @compiled
 def first_contact(
-    points: Floats, count: int, progress: Floats, plan_interval: float, tail_speed: float,
-    speed: float, ego_length: float, ego_width: float, deceleration: float,
-    poses: Floats, length: Floats, width: Floats, required: Floats, begin: int, end: int, focus: int, interval: float,
-) -> tuple[int, int]:  # fmt: skip
+    points: Floats,
+    count: int,
+    progress: Floats,
+    plan_interval: float,
+    tail_speed: float,
+    speed: float,
+    ego_length: float,
+    ego_width: float,
+    deceleration: float,
+    poses: Floats,
+    length: Floats,
+    width: Floats,
+    required: Floats,
+    begin: int,
+    end: int,
+    focus: int,
+    interval: float,
+) -> tuple[int, int]:
     """Step and object of the first contact in steps ``begin`` .. ``end``, or -1 and -1.
 
     ``poses`` are the objects rolled forward, shape (N, steps, 4); ``required`` is the gap per object [m] below which
@@ -96,10 +115,22 @@ def first_contact(
 
 @compiled
 def merit(
-    points: Floats, count: int, progress: Floats, plan_interval: float, tail_speed: float,
-    speed: float, ego_length: float, ego_width: float, deceleration: float,
-    poses: Floats, length: Floats, width: Floats, required: Floats, end: int, interval: float,
-) -> float:  # fmt: skip
+    points: Floats,
+    count: int,
+    progress: Floats,
+    plan_interval: float,
+    tail_speed: float,
+    speed: float,
+    ego_length: float,
+    ego_width: float,
+    deceleration: float,
+    poses: Floats,
+    length: Floats,
+    width: Floats,
+    required: Floats,
+    end: int,
+    interval: float,
+) -> float:
     """How good a deceleration is where none keeps clear.
 
     The least gap [m] where outlines stay apart, otherwise minus the relative speed [m/s] at the first contact.

@@ -19,10 +19,16 @@ KINDS = ("no concern", "ahead", "oncoming", "merging", "crossing")
 def law_of(parameters: RssParameters, relief: float = 0.0) -> Law:
     """The constants of the formulas, with the time gap longer by the share ``relief``."""
     return Law(
-        parameters.rho, parameters.a_max_accel, parameters.a_min_brake, max(parameters.a_max_brake, 0.1),
-        parameters.a_lateral_accel, parameters.a_lateral_brake, parameters.mu,
-        parameters.time_gap * (1.0 + relief), parameters.horizon,
-    )  # fmt: skip
+        parameters.rho,
+        parameters.a_max_accel,
+        parameters.a_min_brake,
+        max(parameters.a_max_brake, 0.1),
+        parameters.a_lateral_accel,
+        parameters.a_lateral_brake,
+        parameters.mu,
+        parameters.time_gap * (1.0 + relief),
+        parameters.horizon,
+    )
 
 
 class RssRepair:
@@ -72,10 +78,26 @@ class RssRepair:
         ahead = 30.0 + speed * (parameters.horizon + parameters.rho)
         path = self._finder.find(ego, decision.trajectory, ahead)
         found = appraise(
-            path.points, path.count, path.zero, path.progress, path.interval, path.tail_speed,
-            self._zones, self._mark_zones(path, scene), speed, ego.length, ego.width,
-            objects.x, objects.y, objects.yaw, objects.speed, objects.yaw_rate, objects.length, objects.width, law,
-        )  # fmt: skip
+            path.points,
+            path.count,
+            path.zero,
+            path.progress,
+            path.interval,
+            path.tail_speed,
+            self._zones,
+            self._mark_zones(path, scene),
+            speed,
+            ego.length,
+            ego.width,
+            objects.x,
+            objects.y,
+            objects.yaw,
+            objects.speed,
+            objects.yaw_rate,
+            objects.length,
+            objects.width,
+            law,
+        )
         scores = found[:, 1]
         worst = int(scores.argmax())
         score = float(scores[worst])

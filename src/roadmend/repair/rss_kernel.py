@@ -34,9 +34,17 @@ def needed_braking(speed: float, distance: float, law: Law) -> float:
 
 @compiled
 def on_path(
-    s: float, d: float, turned: float, speed: float, ego_length: float, ego_width: float,
-    other_speed: float, length: float, width: float, law: Law,
-) -> tuple[int, float, float, float, float]:  # fmt: skip
+    s: float,
+    d: float,
+    turned: float,
+    speed: float,
+    ego_length: float,
+    ego_width: float,
+    other_speed: float,
+    length: float,
+    width: float,
+    law: Law,
+) -> tuple[int, float, float, float, float]:
     """What an object at path coordinates s, d is to the ego: kind, danger, braking, distance and safe distance."""
     cosine, sine = math.cos(turned), math.sin(turned)
     half_length = 0.5 * (length * abs(cosine) + width * abs(sine))
@@ -58,9 +66,16 @@ def on_path(
 
 @compiled
 def merging(
-    begin: float, along: float, speed: float, ego_length: float, other_speed: float, length: float,
-    has_priority: bool, arrival: float, law: Law,  # noqa: FBT001 -- compiled code takes no keywords
-) -> tuple[int, float, float, float, float]:  # fmt: skip
+    begin: float,
+    along: float,
+    speed: float,
+    ego_length: float,
+    other_speed: float,
+    length: float,
+    has_priority: bool,
+    arrival: float,
+    law: Law,  # noqa: FBT001 -- compiled code takes no keywords
+) -> tuple[int, float, float, float, float]:
     """An object whose way runs into the ego's path from the side, both measured by the distance to where they meet."""
     nothing = (NONE, -1.0, 0.0, math.inf, 0.0)
     if arrival > law.horizon:
@@ -82,10 +97,18 @@ def merging(
 
 @compiled
 def crossing(
-    begin: float, least: float, greatest: float, speed: float, ego_length: float,
-    other_speed: float, length: float, has_priority: bool,  # noqa: FBT001 -- compiled code takes no keywords
-    arrival: float, leave: float, law: Law,
-) -> tuple[int, float, float, float, float]:  # fmt: skip
+    begin: float,
+    least: float,
+    greatest: float,
+    speed: float,
+    ego_length: float,
+    other_speed: float,
+    length: float,
+    has_priority: bool,  # noqa: FBT001 -- compiled code takes no keywords
+    arrival: float,
+    leave: float,
+    law: Law,
+) -> tuple[int, float, float, float, float]:
     """An object whose way crosses the ego's path: both may not be on the shared ground within one time gap."""
     nothing = (NONE, -1.0, 0.0, math.inf, 0.0)
     other_free = least - 0.5 * length
@@ -120,11 +143,26 @@ def has_priority_at(zones: Floats, number: int, begin: float, end: float) -> boo
 
 @compiled
 def appraise(
-    points: Floats, count: int, zero: int, progress: Floats, interval: float, tail_speed: float,
-    zones: Floats, number: int, speed: float, ego_length: float, ego_width: float,
-    x: Floats, y: Floats, yaw: Floats, other_speed: Floats, yaw_rate: Floats, length: Floats, width: Floats,
+    points: Floats,
+    count: int,
+    zero: int,
+    progress: Floats,
+    interval: float,
+    tail_speed: float,
+    zones: Floats,
+    number: int,
+    speed: float,
+    ego_length: float,
+    ego_width: float,
+    x: Floats,
+    y: Floats,
+    yaw: Floats,
+    other_speed: Floats,
+    yaw_rate: Floats,
+    length: Floats,
+    width: Floats,
     law: Law,
-) -> Floats:  # fmt: skip
+) -> Floats:
     """Judge N objects; returns shape (N, 5): kind, danger, braking [m/s2], distance [m], safe distance [m]."""
     found = np.zeros((x.shape[0], 5), dtype=np.float64)
     for index in range(x.shape[0]):
@@ -142,9 +180,18 @@ def appraise(
         if verdict[0] == NONE and speedy:
             half_swath = 0.5 * (ego_width + width[index])
             begin, end, least, greatest, crossed = shared_ground(
-                points, count, zero, half_swath, x[index], y[index], yaw[index], other_speed[index], yaw_rate[index],
-                0.5 * length[index] + half_swath, other_speed[index] * (law.horizon + 1.0),
-            )  # fmt: skip
+                points,
+                count,
+                zero,
+                half_swath,
+                x[index],
+                y[index],
+                yaw[index],
+                other_speed[index],
+                yaw_rate[index],
+                0.5 * length[index] + half_swath,
+                other_speed[index] * (law.horizon + 1.0),
+            )
             if begin < math.inf:
                 priority = has_priority_at(zones, number, begin, end)
                 arrival = planned_time(progress, interval, tail_speed, begin - 0.5 * ego_length)
@@ -155,9 +202,18 @@ def appraise(
                 else:
                     leave = planned_time(progress, interval, tail_speed, end + 0.5 * ego_length)
                     verdict = crossing(
-                        begin, least, greatest, speed, ego_length, other_speed[index], length[index], priority,
-                        arrival, leave, law,
-                    )  # fmt: skip
+                        begin,
+                        least,
+                        greatest,
+                        speed,
+                        ego_length,
+                        other_speed[index],
+                        length[index],
+                        priority,
+                        arrival,
+                        leave,
+                        law,
+                    )
         kind, score, braking, distance, safe = verdict
         found[index, 0], found[index, 1], found[index, 2] = kind, score, braking
         found[index, 3], found[index, 4] = distance, safe

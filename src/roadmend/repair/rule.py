@@ -19,9 +19,19 @@ Floats = NDArray[np.float64]
 
 @compiled
 def object_ahead(
-    points: Floats, count: int, speed: float, ego_length: float, ego_width: float, side_margin: float,
-    x: Floats, y: Floats, yaw: Floats, other_speed: Floats, length: Floats, width: Floats,
-) -> tuple[int, float, float]:  # fmt: skip
+    points: Floats,
+    count: int,
+    speed: float,
+    ego_length: float,
+    ego_width: float,
+    side_margin: float,
+    x: Floats,
+    y: Floats,
+    yaw: Floats,
+    other_speed: Floats,
+    length: Floats,
+    width: Floats,
+) -> tuple[int, float, float]:
     """The nearest of N objects in the ego's swath: index (-1: none), gap along the path [m], closing speed [m/s]."""
     found, least, closing = -1, math.inf, 0.0
     for index in range(x.shape[0]):
@@ -63,9 +73,19 @@ class RuleRepair:
             return self._idle
         path = self._finder.find(ego, decision.trajectory, 30.0 + ego.speed * parameters.time_to_collision)
         index, gap, closing = object_ahead(
-            path.points, path.count, ego.speed, ego.length, ego.width, parameters.side_margin,
-            objects.x, objects.y, objects.yaw, objects.speed, objects.length, objects.width,
-        )  # fmt: skip
+            path.points,
+            path.count,
+            ego.speed,
+            ego.length,
+            ego.width,
+            parameters.side_margin,
+            objects.x,
+            objects.y,
+            objects.yaw,
+            objects.speed,
+            objects.length,
+            objects.width,
+        )
         if index < 0 or closing <= 0.0:
             return self._idle
         time = gap / closing

@@ -61,10 +61,20 @@ def is_usable_plan(interval: float, x: Floats, y: Floats, yaw: Floats, speed: Fl
 
 @compiled
 def mark_usable(
-    keep: NDArray[np.bool_], number: NDArray[np.uint32], x: Floats, y: Floats, yaw: Floats, speed: Floats,
-    acceleration: Floats, yaw_rate: Floats, length: Floats, width: Floats,
-    max_length: float, max_width: float, max_speed: float,
-) -> int:  # fmt: skip
+    keep: NDArray[np.bool_],
+    number: NDArray[np.uint32],
+    x: Floats,
+    y: Floats,
+    yaw: Floats,
+    speed: Floats,
+    acceleration: Floats,
+    yaw_rate: Floats,
+    length: Floats,
+    width: Floats,
+    max_length: float,
+    max_width: float,
+    max_speed: float,
+) -> int:
     """Mark in ``keep`` which of N objects can be used; returns how many cannot, or UNEVEN.
 
     Unusable is what has a value that is not finite or out of all reason, no size, or the id of a usable object that
@@ -72,10 +82,15 @@ def mark_usable(
     """
     size = number.shape[0]
     if not (
-        x.shape[0] == size and y.shape[0] == size and yaw.shape[0] == size and speed.shape[0] == size
-        and acceleration.shape[0] == size and yaw_rate.shape[0] == size and length.shape[0] == size
+        x.shape[0] == size
+        and y.shape[0] == size
+        and yaw.shape[0] == size
+        and speed.shape[0] == size
+        and acceleration.shape[0] == size
+        and yaw_rate.shape[0] == size
+        and length.shape[0] == size
         and width.shape[0] == size
-    ):  # fmt: skip
+    ):
         return UNEVEN
     slots = 16
     while slots < 2 * size:
@@ -84,10 +99,15 @@ def mark_usable(
     dropped = 0
     for index in range(size):
         keep[index] = (
-            abs(x[index]) < FAR and abs(y[index]) < FAR and abs(yaw[index]) < WILD
-            and abs(speed[index]) <= max_speed and abs(acceleration[index]) < WILD and abs(yaw_rate[index]) < WILD
-            and 0.0 < length[index] <= max_length and 0.0 < width[index] <= max_width
-        )  # fmt: skip
+            abs(x[index]) < FAR
+            and abs(y[index]) < FAR
+            and abs(yaw[index]) < WILD
+            and abs(speed[index]) <= max_speed
+            and abs(acceleration[index]) < WILD
+            and abs(yaw_rate[index]) < WILD
+            and 0.0 < length[index] <= max_length
+            and 0.0 < width[index] <= max_width
+        )
         if keep[index]:
             key = np.int64(number[index])
             slot = (key * 2654435761) & (slots - 1)

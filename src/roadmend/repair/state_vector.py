@@ -24,10 +24,24 @@ _DISTANCE, _SPEED, _LENGTH, _WIDTH = 1.0 / 40.0, 1.0 / 15.0, 1.0 / 10.0, 1.0 / 3
 
 @compiled
 def _fill(
-    vector: NDArray[np.float32], ego_x: float, ego_y: float, ego_yaw: float, speed: float, yaw_rate: float,
-    interval: float, plan_x: Floats, plan_y: Floats, times: Floats, nearest: int,
-    x: Floats, y: Floats, yaw: Floats, other_speed: Floats, length: Floats, width: Floats,
-) -> None:  # fmt: skip
+    vector: NDArray[np.float32],
+    ego_x: float,
+    ego_y: float,
+    ego_yaw: float,
+    speed: float,
+    yaw_rate: float,
+    interval: float,
+    plan_x: Floats,
+    plan_y: Floats,
+    times: Floats,
+    nearest: int,
+    x: Floats,
+    y: Floats,
+    yaw: Floats,
+    other_speed: Floats,
+    length: Floats,
+    width: Floats,
+) -> None:
     vector[:] = 0.0
     cosine, sine = math.cos(ego_yaw), math.sin(ego_yaw)
     vector[0], vector[1] = speed * _SPEED, yaw_rate
@@ -70,7 +84,22 @@ def state_vector(scene: Scene, decision: Decision) -> NDArray[np.float32]:
     ego, plan, objects = scene.ego, decision.trajectory, scene.objects
     vector = np.empty(SIZE, dtype=np.float32)
     _fill(
-        vector, ego.x, ego.y, ego.yaw, ego.speed, ego.yaw_rate, plan.interval, plan.x, plan.y, _TIMES, K,
-        objects.x, objects.y, objects.yaw, objects.speed, objects.length, objects.width,
-    )  # fmt: skip
+        vector,
+        ego.x,
+        ego.y,
+        ego.yaw,
+        ego.speed,
+        ego.yaw_rate,
+        plan.interval,
+        plan.x,
+        plan.y,
+        _TIMES,
+        K,
+        objects.x,
+        objects.y,
+        objects.yaw,
+        objects.speed,
+        objects.length,
+        objects.width,
+    )
     return vector

@@ -5,9 +5,13 @@ import math
 from roadmend.safe.dsl import Action, Compass, Position
 
 HEADING: dict[Position, int] = {  # [deg]
-    Position.W2E: 0, Position.S2N: 90, Position.E2W: 180, Position.N2S: 270, Position.MAIN_ROAD: 0,
+    Position.W2E: 0,
+    Position.S2N: 90,
+    Position.E2W: 180,
+    Position.N2S: 270,
+    Position.MAIN_ROAD: 0,
     Position.ON_RAMP: 0,
-}  # fmt: skip
+}
 TURN: dict[Action, int] = {Action.MOVE_FORWARD: 0, Action.TURN_LEFT: 90, Action.TURN_RIGHT: -90}  # [deg]
 SIDE_AT: dict[int, Compass] = {0: Compass.EAST, 90: Compass.NORTH, 180: Compass.WEST, 270: Compass.SOUTH}
 BEARING: dict[Compass, int] = {side: bearing for bearing, side in SIDE_AT.items()}  # [deg] seen from the centre

@@ -16,9 +16,12 @@ from roadmend.world.network import LANE_WIDTH
 from roadmend.world.space import Parameters, sample
 
 KIND: dict[Model, str] = {
-    Model.SEDAN: "car", Model.SUV: "suv", Model.MINIVAN: "minivan", Model.PICKUP: "pickup",
+    Model.SEDAN: "car",
+    Model.SUV: "suv",
+    Model.MINIVAN: "minivan",
+    Model.PICKUP: "pickup",
     Model.SEMI_TRUCK: "semi_truck",
-}  # fmt: skip
+}
 _EDGE_OF_LIFE = 25.0  # [s] an episode is over: whatever the report describes has happened by then
 _BEYOND = 60.0  # [m] from the place of the crash to the ego's goal
 _BEFORE_A_TURN = 14.0  # [m/s] at most at the start of who is about to turn
@@ -119,9 +122,14 @@ class _Stage:
         body = BODIES[self._kind(self._role.ego)]
         after = {"mainline": _BEYOND}.get(way.route[-1], way.meeting + _BEYOND if len(way.route) == 1 else 45.0)
         return world.Ego(
-            route=list(way.route), lane=spot.lane, position=round(spot.front - 0.5 * spot.length, 2),
-            speed=round(spot.speed, 2), goal=round(after, 2), length=body.length, width=body.width,
-        )  # fmt: skip
+            route=list(way.route),
+            lane=spot.lane,
+            position=round(spot.front - 0.5 * spot.length, 2),
+            speed=round(spot.speed, 2),
+            goal=round(after, 2),
+            length=body.length,
+            width=body.width,
+        )
 
     def actors(self) -> list[world.Actor]:
         """The report's other vehicles."""
@@ -172,9 +180,10 @@ class _Stage:
         if not offset:
             return spot, self._drive(index, now, speed)
         drift = world.Drift(
-            when=world.Trigger(time=round(max(0.1, begin), 2)), offset=round(offset * LANE_WIDTH, 2),
+            when=world.Trigger(time=round(max(0.1, begin), 2)),
+            offset=round(offset * LANE_WIDTH, 2),
             over=self._of(index, "drift_time"),
-        )  # fmt: skip
+        )
         return spot, [world.Heedless(when=now, speed=round(speed, 2)), drift]
 
     def _pull_out(self, index: int, way: Way, speed: float, due: float) -> tuple[_Spot, list[world.Manoeuvre]]:
@@ -217,9 +226,11 @@ class _Stage:
         front = ego.front + length + 0.6 * ego.speed + 6.0 * (delay + 2.5)
         pace = min(speed, ego.speed)
         brake = world.Brake(
-            when=world.Trigger(time=round(0.5 * self._time, 2)), speed=0.0, hold=8.0,
+            when=world.Trigger(time=round(0.5 * self._time, 2)),
+            speed=0.0,
+            hold=8.0,
             deceleration=self._of(index, "braking"),
-        )  # fmt: skip
+        )
         return _Spot(ego.edge, lane, front, length, pace), [brake]
 
     def _drive(self, index: int, when: world.Trigger, speed: float) -> list[world.Manoeuvre]:
@@ -252,10 +263,17 @@ class _Stage:
         # A heedless vehicle holds the speed that it is told; the driver's own wish must only not forbid it.
         factor = 2.0 if heedless else max(0.3, min(2.0, 1.1 * spot.speed / way.limit))
         return world.Vehicle(
-            id=f"v{index + 1}", kind=kind, driver="aggressive", route=list(way.route), depart=round(late, 2),
-            lane=spot.lane, position=round(spot.front if inside else spot.length + 0.5, 2), speed=round(spot.speed, 2),
-            speed_factor=round(factor, 3), manoeuvres=manoeuvres,
-        )  # fmt: skip
+            id=f"v{index + 1}",
+            kind=kind,
+            driver="aggressive",
+            route=list(way.route),
+            depart=round(late, 2),
+            lane=spot.lane,
+            position=round(spot.front if inside else spot.length + 0.5, 2),
+            speed=round(spot.speed, 2),
+            speed_factor=round(factor, 3),
+            manoeuvres=manoeuvres,
+        )
 
     def _way(self, index: int) -> Way:
         return self._layout.ways[index]

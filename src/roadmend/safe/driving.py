@@ -61,9 +61,16 @@ class Job:
         modules = [__name__, *([f"roadmend.policies.{self.policy}"] if self.policy else [])]
         model = policy_model(self.policy) if self.policy else None
         decided = (
-            self.task, repr(self.role), self.policy, model, self.seed, self.index, self.budget, self.pictures,
+            self.task,
+            repr(self.role),
+            self.policy,
+            model,
+            self.seed,
+            self.index,
+            self.budget,
+            self.pictures,
             source_digest(modules),
-        )  # fmt: skip
+        )
         return hashlib.sha256(repr(decided).encode()).hexdigest()
 
 
@@ -150,8 +157,10 @@ def _reproduce(job: Job, blank: Result) -> Result:
 
 
 _WORK: dict[Task, Callable[[Job, Result], Result]] = {
-    Task.BUILD: _build, Task.TEST: _test, Task.REPRODUCE: _reproduce,
-}  # fmt: skip
+    Task.BUILD: _build,
+    Task.TEST: _test,
+    Task.REPRODUCE: _reproduce,
+}
 
 
 def _driven(job: Job, blank: Result, scenario: Scenario, trial: Trial) -> Result:
@@ -160,9 +169,14 @@ def _driven(job: Job, blank: Result, scenario: Scenario, trial: Trial) -> Result
     if picture:
         draw_trial(scenario, trial, job.out / picture)
     return replace(
-        blank, scenario=_save(job, scenario), picture=picture, outcome=trial.summary.outcome.name,
-        text=trial.summary.text, collision=trial.is_collision, at_fault=trial.is_at_fault,
-    )  # fmt: skip
+        blank,
+        scenario=_save(job, scenario),
+        picture=picture,
+        outcome=trial.summary.outcome.name,
+        text=trial.summary.text,
+        collision=trial.is_collision,
+        at_fault=trial.is_at_fault,
+    )
 
 
 def _save(job: Job, scenario: Scenario) -> str:

@@ -11,8 +11,13 @@ from roadmend.safe.dsl_data import NOT_APPLICABLE, dump_data, parse_data
 
 _UNKNOWN = "Unknown"
 _LINE = re.compile(r"(?P<indent> *)<(?P<name>[^<>]+)>\s*:\s*(?P<value>.*?)\s*$")
-_VEHICLE = {"Model": "model", "Initial_position": "initial_position", "Actions": "action", "Speed_limit": "speed_limit_mph",
-            "Manoeuvre": "manoeuvre"}  # fmt: skip
+_VEHICLE = {
+    "Model": "model",
+    "Initial_position": "initial_position",
+    "Actions": "action",
+    "Speed_limit": "speed_limit_mph",
+    "Manoeuvre": "manoeuvre",
+}
 _ROAD = {"Road type": "road_type", "No. lanes": "num_lanes", "Stem direction": "stem_direction"}
 _ENV = {"Time": "time", "Weather": "weather"}
 _COLLISION = {

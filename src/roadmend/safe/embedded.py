@@ -15,11 +15,48 @@ from roadmend.safe.report import CrashReport
 from roadmend.safe.sketch_text import SketchText, posted_limit, read_sketch
 
 _WORDS = re.compile(r"[^\W\d_]+")
-_FUNCTION_WORDS = frozenset({
-    "the", "a", "an", "of", "to", "in", "on", "at", "and", "was", "were", "is", "are", "it", "its", "by",
-    "from", "with", "that", "this", "for", "as", "had", "has", "which", "but", "not", "or", "into", "be",
-    "been", "when", "while", "after", "before", "both", "one", "two",
-})  # fmt: skip
+_FUNCTION_WORDS = frozenset(
+    {
+        "the",
+        "a",
+        "an",
+        "of",
+        "to",
+        "in",
+        "on",
+        "at",
+        "and",
+        "was",
+        "were",
+        "is",
+        "are",
+        "it",
+        "its",
+        "by",
+        "from",
+        "with",
+        "that",
+        "this",
+        "for",
+        "as",
+        "had",
+        "has",
+        "which",
+        "but",
+        "not",
+        "or",
+        "into",
+        "be",
+        "been",
+        "when",
+        "while",
+        "after",
+        "before",
+        "both",
+        "one",
+        "two",
+    }
+)
 _LEAST_ENGLISH = 0.2  # share of function words; in English prose it is near one half
 _TRUST_IN_SKETCH = 0.6
 _FEWEST_WORDS = 12  # below that, shares say nothing

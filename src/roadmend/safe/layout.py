@@ -113,10 +113,15 @@ def _road(crash: CrashScenario, drawn: Parameters, headings: list[int]) -> Layou
         for against in (False, True)
     ]
     network = OpenRoadNetwork(
-        lanes=forward, backward_lanes=backward, bearing=float(first), bend=bend,
-        radius=float(drawn["bend_radius"]) if bend else 100.0, length=_ROAD_LENGTH,
-        speed_limit=max(limits[0]), backward_speed_limit=max(limits[1] or limits[0]),
-    )  # fmt: skip
+        lanes=forward,
+        backward_lanes=backward,
+        bearing=float(first),
+        bend=bend,
+        radius=float(drawn["bend_radius"]) if bend else 100.0,
+        length=_ROAD_LENGTH,
+        speed_limit=max(limits[0]),
+        backward_speed_limit=max(limits[1] or limits[0]),
+    )
     net = read_network(network_file(network))
     ways = []
     for vehicle, comes in zip(crash.vehicles, oncoming, strict=True):
@@ -141,9 +146,13 @@ def _merging(crash: CrashScenario, drawn: Parameters) -> Layout:
     }
     fastest = max(limits[Position.MAIN_ROAD] or limits[Position.ON_RAMP])
     network = OnRampNetwork(
-        lanes=lanes, speed_limit=fastest, ramp_speed_limit=min(fastest, max(limits[Position.ON_RAMP] or [20.0])),
-        approach_length=400.0, ramp_length=float(drawn["ramp_length"]), lane_length=float(drawn["lane_length"]),
-    )  # fmt: skip
+        lanes=lanes,
+        speed_limit=fastest,
+        ramp_speed_limit=min(fastest, max(limits[Position.ON_RAMP] or [20.0])),
+        approach_length=400.0,
+        ramp_length=float(drawn["ramp_length"]),
+        lane_length=float(drawn["lane_length"]),
+    )
     net = read_network(network_file(network))
     ways = []
     for vehicle in crash.vehicles:
@@ -152,8 +161,11 @@ def _merging(crash: CrashScenario, drawn: Parameters) -> Layout:
         else:
             route, count, before = ("approach", "merge", "mainline"), lanes, net.edges["approach"].lanes[0].length
         ways.append(Way(route, tuple(range(count)), count, before, before + _AFTER_THE_NOSE, 0.0, 0.0, _limit(vehicle)))
-    turned = [f"vehicle {n}: {v.action} read as going with the merge" for n, v in enumerate(crash.vehicles, 1)
-              if v.action is not Action.MOVE_FORWARD]  # fmt: skip
+    turned = [
+        f"vehicle {n}: {v.action} read as going with the merge"
+        for n, v in enumerate(crash.vehicles, 1)
+        if v.action is not Action.MOVE_FORWARD
+    ]
     return Layout(network, tuple(ways), is_junction=False, adapted=tuple(turned))
 
 
@@ -177,12 +189,15 @@ def _junction(crash: CrashScenario, drawn: Parameters, headings: list[int]) -> L
         ]
         arms.append(
             Arm(
-                name=side.value.lower(), bearing=float(BEARING[side]), lanes=into,
+                name=side.value.lower(),
+                bearing=float(BEARING[side]),
+                lanes=into,
                 lanes_out=out if out != into else None,
-                speed_limit=max(limits or [min(_limit(v) for v in crash.vehicles)]), length=_ARM_LENGTH,
+                speed_limit=max(limits or [min(_limit(v) for v in crash.vehicles)]),
+                length=_ARM_LENGTH,
                 major=_same_axis(side, sources[0]) == (drawn["control"] == "first_major"),
             )
-        )  # fmt: skip
+        )
     control = str(drawn["control"])
     network = IntersectionNetwork(arms=arms, control="priority" if control.endswith("_major") else control)
     net = read_network(network_file(network))
@@ -244,6 +259,13 @@ def _through(net: RoadNetwork, source: Compass, to: Compass, heading: int, vehic
                 break
     length = edge.car_lanes[0].length
     return Way(
-        (begin, end), tuple(lanes), len(edge.car_lanes), length, length + 0.5 * inside, float(heading),
-        float(TURN[vehicle.action]), _limit(vehicle), _ARM_LENGTH - length,
-    )  # fmt: skip
+        (begin, end),
+        tuple(lanes),
+        len(edge.car_lanes),
+        length,
+        length + 0.5 * inside,
+        float(heading),
+        float(TURN[vehicle.action]),
+        _limit(vehicle),
+        _ARM_LENGTH - length,
+    )

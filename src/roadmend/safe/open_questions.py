@@ -152,11 +152,17 @@ def _likely_types(crash: CrashScenario) -> list[RoadType]:
 def _possible_stems(crash: CrashScenario) -> list[Compass]:
     """Stems that leave every vehicle the road that it comes from; all if there is none."""
     opposite = {
-        Position.W2E: Compass.EAST, Position.E2W: Compass.WEST, Position.S2N: Compass.NORTH, Position.N2S: Compass.SOUTH,
-    }  # fmt: skip
+        Position.W2E: Compass.EAST,
+        Position.E2W: Compass.WEST,
+        Position.S2N: Compass.NORTH,
+        Position.N2S: Compass.SOUTH,
+    }
     sources = {
-        Position.W2E: Compass.WEST, Position.E2W: Compass.EAST, Position.S2N: Compass.SOUTH, Position.N2S: Compass.NORTH,
-    }  # fmt: skip
+        Position.W2E: Compass.WEST,
+        Position.E2W: Compass.EAST,
+        Position.S2N: Compass.SOUTH,
+        Position.N2S: Compass.NORTH,
+    }
     possible = []
     for stem in Compass:
         absent = next(opposite[position] for position, source in sources.items() if source is stem)

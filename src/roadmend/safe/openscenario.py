@@ -40,9 +40,13 @@ _DATE = dt.datetime(2026, 1, 1, tzinfo=dt.UTC)  # the same scenario gives the sa
 _AXLE = 0.3  # share of the length from the rear axle to the middle
 _HEIGHT = {"truck": 3.6, "semi_truck": 4.0, "bus": 3.2, "suv": 1.8, "minivan": 1.8, "pickup": 1.9}  # [m] else 1.5
 _CATEGORY = {
-    "truck": "truck", "semi_truck": "semitrailer", "bus": "bus", "motorcycle": "motorbike", "bicycle": "bicycle",
+    "truck": "truck",
+    "semi_truck": "semitrailer",
+    "bus": "bus",
+    "motorcycle": "motorbike",
+    "bicycle": "bicycle",
     "minivan": "van",
-}  # fmt: skip
+}
 _CLOUDS = {"cloudy": "sixOktas", "overcast": "eightOktas", "rainy": "eightOktas", "snowy": "eightOktas"}
 _CUT_IN = 3.0  # [s]
 _DRY = 0.9  # friction that OpenSCENARIO's factor of 1 stands for
@@ -123,9 +127,16 @@ class _Description:
         if act.maneuvergroup:
             story.add_act(act)
         return xosc.Scenario(
-            self._scenario.name, f"roadmend {__version__}", xosc.ParameterDeclarations(), entities, story,
-            xosc.RoadNetwork(roads), xosc.Catalog(), osc_minor_version=_MINOR_VERSION, creation_date=_DATE,
-        )  # fmt: skip
+            self._scenario.name,
+            f"roadmend {__version__}",
+            xosc.ParameterDeclarations(),
+            entities,
+            story,
+            xosc.RoadNetwork(roads),
+            xosc.Catalog(),
+            osc_minor_version=_MINOR_VERSION,
+            creation_date=_DATE,
+        )
 
     def _position(self, edge: str, lane: int, middle: float, length: float = 0.0) -> xosc.WorldPosition:
         """Where the rear axle of a vehicle is whose middle is so many metres along an edge."""
@@ -153,9 +164,7 @@ def _vehicle(kind: str, length: float, width: float, who: Vehicle | str) -> xosc
     rear = xosc.Axle(0.0, wheel, round(0.85 * width, 3), 0.0, 0.5 * wheel)
     category = getattr(xosc.VehicleCategory, _CATEGORY.get(kind, "car"))
     name = who if isinstance(who, str) else who.id
-    vehicle = xosc.Vehicle(
-        f"{name}-{kind}", category, box, front, rear, body.speed_max, body.acceleration, 9.0
-    )  # fmt: skip
+    vehicle = xosc.Vehicle(f"{name}-{kind}", category, box, front, rear, body.speed_max, body.acceleration, 9.0)
     vehicle.add_property("kind", kind)
     if isinstance(who, Vehicle):
         vehicle.add_property("driver", who.driver)
@@ -170,11 +179,12 @@ def _environment(environment: Environment) -> xosc.Environment:
     kind = {"rainy": xosc.PrecipitationType.rain, "snowy": xosc.PrecipitationType.snow}
     intensity = {"rainy": 4.0, "snowy": 2.0}  # [mm/h]
     sky = xosc.Weather(
-        cloudstate=clouds, fog=xosc.Fog(round(environment.effective_range, 1)),
+        cloudstate=clouds,
+        fog=xosc.Fog(round(environment.effective_range, 1)),
         precipitation=xosc.Precipitation(kind.get(weather, xosc.PrecipitationType.dry), intensity.get(weather, 0.0)),
         sun=xosc.Sun(0.0 if at_night else 50_000.0, math.pi, -0.5 if at_night else 0.9),
         wind=xosc.Wind(0.0, 10.0 if weather == "windy" else 0.0),
-    )  # fmt: skip
+    )
     hour = 23 if at_night else 12
     clock = xosc.TimeOfDay(False, 2026, 1, 1, hour, 0, 0)
     road = xosc.RoadCondition(round(environment.effective_friction / _DRY, 3))

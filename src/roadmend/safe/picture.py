@@ -48,6 +48,8 @@ def _map_of(network: RoadNetwork) -> LaneMap:
     counts = [len(lane.shape) for lane in lanes]
     return LaneMap(
         np.concatenate(([0], np.cumsum(counts)[:-1])).astype(np.int64),
-        np.array([lane.kind for lane in lanes], dtype=np.uint8), np.array([lane.width for lane in lanes]),
-        points[:, 0], points[:, 1],
-    )  # fmt: skip
+        np.array([lane.kind for lane in lanes], dtype=np.uint8),
+        np.array([lane.width for lane in lanes]),
+        points[:, 0],
+        points[:, 1],
+    )

@@ -12,9 +12,16 @@ from roadmend.safe.driving import Job, Task
 
 
 def plan(
-    task: Task, cases: Iterable[Case], policies: Sequence[str], out: Path, *, samples: int = 1, budget: int = 0,
-    seed: int = 0, pictures: bool = False,
-) -> list[Job]:  # fmt: skip
+    task: Task,
+    cases: Iterable[Case],
+    policies: Sequence[str],
+    out: Path,
+    *,
+    samples: int = 1,
+    budget: int = 0,
+    seed: int = 0,
+    pictures: bool = False,
+) -> list[Job]:
     """The jobs: every vehicle of every case takes the ego's place in turn."""
     return [
         Job(task, Role(case.name, case.crash, ego), policy, seed, index, budget, out, pictures)

@@ -21,9 +21,16 @@ PAPER_REPRODUCTION = (
     ("paper: LCTGen, IDM", "50", "3", "6.0 %", "-", "-"),
 )
 TEST_TITLES = (
-    "policy", "reports", "built", "scenarios", "collisions", "at fault", "violation rate", "top-1/2/3",
+    "policy",
+    "reports",
+    "built",
+    "scenarios",
+    "collisions",
+    "at fault",
+    "violation rate",
+    "top-1/2/3",
     "seconds per scenario",
-)  # fmt: skip
+)
 REPRODUCTION_TITLES = ("policy", "reports", "reproduced", "share", "of those with two vehicles or more", "episodes")
 _STYLE = """
 :root { color-scheme: light; }
@@ -76,9 +83,15 @@ def table_of(titles: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def _files(
-    stem: str, title: str, intro: str, titles: Sequence[str], rows: Sequence[Sequence[str]], cases: Sequence[Case],
-    results: Sequence[Result], out: Path,
-) -> dict[str, str]:  # fmt: skip
+    stem: str,
+    title: str,
+    intro: str,
+    titles: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    cases: Sequence[Case],
+    results: Sequence[Result],
+    out: Path,
+) -> dict[str, str]:
     own: dict[str, list[Result]] = {case.name: [] for case in cases}
     for result in results:
         own[result.report].append(result)

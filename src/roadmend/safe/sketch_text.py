@@ -47,9 +47,13 @@ def read_sketch(sketch: Image) -> SketchText:
     }
     try:
         done = subprocess.run(
-            [PROGRAM, "-", "-", "--psm", "11"], input=_enlarged(sketch), capture_output=True, check=True,
-            timeout=_PATIENCE, env=environ,
-        )  # fmt: skip
+            [PROGRAM, "-", "-", "--psm", "11"],
+            input=_enlarged(sketch),
+            capture_output=True,
+            check=True,
+            timeout=_PATIENCE,
+            env=environ,
+        )
     except (OSError, ValueError, SyntaxError, PIL.Image.DecompressionBombError, subprocess.SubprocessError) as error:
         return SketchText(None, f"not read: {PROGRAM} failed on it ({type(error).__name__})")
     note = f"its words were read by {PROGRAM}; lanes, ways and the north arrow were not"

@@ -93,9 +93,12 @@ class ReproductionTally:
     def cells(self) -> tuple[str, ...]:
         """One row of a table."""
         return (
-            str(self.reports), str(self.reproduced), _share(self.reproduced, self.reports),
-            f"{self.reproduced} of {self.possible} ({_share(self.reproduced, self.possible)})", str(self.episodes),
-        )  # fmt: skip
+            str(self.reports),
+            str(self.reproduced),
+            _share(self.reproduced, self.reports),
+            f"{self.reproduced} of {self.possible} ({_share(self.reproduced, self.possible)})",
+            str(self.episodes),
+        )
 
 
 def _share(part: int, whole: int) -> str:

@@ -32,10 +32,15 @@ class Campaign:
         subject = self.subject
         model = policy_model(subject.policy)
         return {
-            "family": subject.family, "technique": self.technique, "policy": subject.policy, "repair": subject.method,
-            "seed": subject.seed, "parameters": self.parameters.model_dump(mode="json"), "roadmend": __version__,
+            "family": subject.family,
+            "technique": self.technique,
+            "policy": subject.policy,
+            "repair": subject.method,
+            "seed": subject.seed,
+            "parameters": self.parameters.model_dump(mode="json"),
+            "roadmend": __version__,
             **({} if model is None else {"model": model}),
-        }  # fmt: skip
+        }
 
     def name(self, index: int) -> str:
         """Name of the scenario of one evaluated point."""

@@ -65,17 +65,33 @@ class CorpusPlan(_Model):
 
     most_campaigns: int = Field(40, ge=1, le=1000, description="of one split of one family")
     test: SplitPlan = SplitPlan(
-        violations=40, successes=40, first_seed=1_000_000, techniques=_CYCLE, budget=300, most_per_campaign=12,
+        violations=40,
+        successes=40,
+        first_seed=1_000_000,
+        techniques=_CYCLE,
+        budget=300,
+        most_per_campaign=12,
         least_distance=0.03,
-    )  # fmt: skip
+    )
     validation: SplitPlan = SplitPlan(
-        violations=20, successes=20, first_seed=2_000_000, techniques=_CYCLE, budget=300, most_per_campaign=12,
+        violations=20,
+        successes=20,
+        first_seed=2_000_000,
+        techniques=_CYCLE,
+        budget=300,
+        most_per_campaign=12,
         least_distance=0.03,
-    )  # fmt: skip
+    )
     training: SplitPlan = SplitPlan(
-        violations=200, successes=200, first_seed=3_000_000, techniques=("avfuzzer",),
-        parameters={"avfuzzer": {"patience": 4}}, budget=400, most_per_campaign=40, least_distance=0.01,
-    )  # fmt: skip
+        violations=200,
+        successes=200,
+        first_seed=3_000_000,
+        techniques=("avfuzzer",),
+        parameters={"avfuzzer": {"patience": 4}},
+        budget=400,
+        most_per_campaign=40,
+        least_distance=0.01,
+    )
 
     def splits(self) -> Iterator[tuple[str, SplitPlan]]:
         """Names and plans; the first to take a case keeps it."""

@@ -18,8 +18,16 @@ Floats = NDArray[np.float64]
 
 @compiled
 def _least(
-    gaps: Floats, ego_x: float, ego_y: float, ego_vx: float, ego_vy: float, x: Floats, y: Floats, yaw: Floats, speed: Floats
-) -> float:  # fmt: skip
+    gaps: Floats,
+    ego_x: float,
+    ego_y: float,
+    ego_vx: float,
+    ego_vy: float,
+    x: Floats,
+    y: Floats,
+    yaw: Floats,
+    speed: Floats,
+) -> float:
     """Least danger [m] of N others, all arrays of shape (N,)."""
     least = np.inf
     for index in range(gaps.shape[0]):
@@ -50,11 +58,27 @@ class Danger:
         if not len(others):
             return
         gaps = outline_distances(
-            ego.x, ego.y, ego.yaw, ego.length, ego.width,
-            others.x, others.y, others.yaw, others.length, others.width, FARTHEST,
-        )  # fmt: skip
+            ego.x,
+            ego.y,
+            ego.yaw,
+            ego.length,
+            ego.width,
+            others.x,
+            others.y,
+            others.yaw,
+            others.length,
+            others.width,
+            FARTHEST,
+        )
         danger = _least(
-            gaps, ego.x, ego.y, ego.speed * math.cos(ego.yaw), ego.speed * math.sin(ego.yaw),
-            others.x, others.y, others.yaw, others.speed,
-        )  # fmt: skip
+            gaps,
+            ego.x,
+            ego.y,
+            ego.speed * math.cos(ego.yaw),
+            ego.speed * math.sin(ego.yaw),
+            others.x,
+            others.y,
+            others.yaw,
+            others.speed,
+        )
         self.least = min(self.least, danger)

@@ -181,10 +181,20 @@ def _case(campaign: Campaign, split: str, index: int, trial: Trial) -> Case:
     subject, evaluation = campaign.subject, trial.evaluation
     parameters = used_parameters(FAMILIES[subject.family].build, trial.parameters, subject.seed)
     return Case(
-        name=campaign.name(index), family=subject.family, split=split, seed=subject.seed, parameters=parameters,
-        outcome=evaluation.outcome, digest=evaluation.digest, technique=campaign.technique, search_seed=subject.seed,
-        index=index, text=evaluation.text, min_distance=evaluation.min_distance, duration=0.0,
-    )  # fmt: skip
+        name=campaign.name(index),
+        family=subject.family,
+        split=split,
+        seed=subject.seed,
+        parameters=parameters,
+        outcome=evaluation.outcome,
+        digest=evaluation.digest,
+        technique=campaign.technique,
+        search_seed=subject.seed,
+        index=index,
+        text=evaluation.text,
+        min_distance=evaluation.min_distance,
+        duration=0.0,
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,9 +240,13 @@ def gather(
         gatherer = Gatherer(plan, policy, own, rerunner, workers, is_partial=is_partial)
         gatherer.gather(families, report)
     corpus = Corpus(
-        policy, sorted_cases(gatherer.cases), policy_model(policy), command, plan.model_dump(mode="json"),
+        policy,
+        sorted_cases(gatherer.cases),
+        policy_model(policy),
+        command,
+        plan.model_dump(mode="json"),
         gatherer.dropped,
-    )  # fmt: skip
+    )
     return Gathered(corpus, tuple(gatherer.shortages))
 
 

@@ -25,15 +25,17 @@ def pattern_rows(analysis: Analysis) -> list[tuple[str, ...]]:
     incidents = {(one.bag, one.time, one.kind == "intervention"): one for one in analysis.incidents}
     for pattern in analysis.patterns:
         shown = [incidents[each.episode, each.time or 0.0, pattern.what is None] for each in pattern.evidence]
-        rows.append((
-            pattern.words,
-            str(len(shown)),
-            str(len({one.bag for one in shown})),
-            _DASH if pattern.why.hazard is None else HAZARDS[pattern.why.hazard],
-            _fault(shown),
-            _avoidable(shown),
-            _verdicts(shown),
-        ))  # fmt: skip
+        rows.append(
+            (
+                pattern.words,
+                str(len(shown)),
+                str(len({one.bag for one in shown})),
+                _DASH if pattern.why.hazard is None else HAZARDS[pattern.why.hazard],
+                _fault(shown),
+                _avoidable(shown),
+                _verdicts(shown),
+            )
+        )
     return rows
 
 

@@ -82,9 +82,10 @@ def _read_meta(path: Path, connection: sqlite3.Connection) -> dict[str, str]:
     meta = dict(connection.execute("SELECT key, value FROM meta"))
     if meta.get("format") != FORMAT:
         raise InputError(
-            str(path), f"has the format {meta.get('format')!r}, not {FORMAT!r}",
+            str(path),
+            f"has the format {meta.get('format')!r}, not {FORMAT!r}",
             "export it with the roadmend that wrote it, and import that here",
-        )  # fmt: skip
+        )
     return meta
 
 

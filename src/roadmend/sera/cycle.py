@@ -103,9 +103,15 @@ class Cycle:
     """
 
     def __init__(
-        self, bank: Bank, backend: Backend, steps: Steps, excluded: Sequence[str], folder: Path,
-        options: CycleOptions, report: Callable[[str], None] = lambda _: None,
-    ) -> None:  # fmt: skip
+        self,
+        bank: Bank,
+        backend: Backend,
+        steps: Steps,
+        excluded: Sequence[str],
+        folder: Path,
+        options: CycleOptions,
+        report: Callable[[str], None] = lambda _: None,
+    ) -> None:
         self._bank = bank
         self._backend = backend
         self._steps = steps
@@ -129,9 +135,7 @@ class Cycle:
         for number in range(self._options.generations + 1):
             self._report(f"generation {number}: driving")
             found = self._steps.evaluate(policy)
-            generation = Generation(
-                number, policy, summarise(found.measures), len(found.bags), found.faults
-            )  # fmt: skip
+            generation = Generation(number, policy, summarise(found.measures), len(found.bags), found.faults)
             if number < self._options.generations:
                 generation = self._learn(generation, bags or found.bags)
             yield generation
@@ -162,9 +166,11 @@ class Cycle:
         known, notes = self._known(patterns)
         notes = [*(f"not read: {each}" for each in analysis["unreadable"]), *notes]
         generation = replace(
-            generation, incidents=analysis["incidents"], patterns=tuple(each.words for each in patterns),
+            generation,
+            incidents=analysis["incidents"],
+            patterns=tuple(each.words for each in patterns),
             notes=tuple(notes if patterns else [*notes, NOTHING]),
-        )  # fmt: skip
+        )
         if not known:
             return generation
         self._report(f"generation {generation.number}: recommending")
@@ -172,10 +178,16 @@ class Cycle:
         path = folder / "recommendation.json"
         content = self._step(
             path,
-            [self._options.settings, self._bank.digest, PATTERNS.dump_python(known, mode="json"), self._options.scenarios,
-             self._options.seed, exclude],
+            [
+                self._options.settings,
+                self._bank.digest,
+                PATTERNS.dump_python(known, mode="json"),
+                self._options.scenarios,
+                self._options.seed,
+                exclude,
+            ],
             lambda: self._recommend(known, exclude),
-        )  # fmt: skip
+        )
         entries = [self._bank.find(each["digest"]) for each in content["refined"]]
         usable = [entry.scenario for entry in entries if entry is not None and entry.scenario is not None]
         generation = replace(
@@ -187,7 +199,7 @@ class Cycle:
 
     def _tuned(
         self, generation: Generation, scenarios: Sequence[Scenario], selection: Path, folder: Path
-    ) -> Generation:  # fmt: skip
+    ) -> Generation:
         self._report(f"generation {generation.number}: tuning on {len(scenarios)} scenarios")
         model = folder / "model.safetensors"
         digest = _digest(selection.read_text(encoding="utf-8"))

@@ -98,9 +98,10 @@ def load_embedder(stored: str, content: bytes, named: str | None) -> Embedder:
     """
     if named is not None and named not in {stored, stored.partition(":")[0]}:
         raise InputError(
-            "embedder", f"the bank was made with {stored!r}, and vectors of {named!r} do not mix with its own",
+            "embedder",
+            f"the bank was made with {stored!r}, and vectors of {named!r} do not mix with its own",
             "leave the choice to the bank, or import it into a new one with the other embedder",
-        )  # fmt: skip
+        )
     kind, argument = _kind(stored)
     return kind.load(argument, content, named == stored)
 

@@ -20,9 +20,13 @@ _BRAKED = 3.0  # [m/s2] harder than drivers brake for comfort
 _STOOD = 0.5  # [m/s]
 
 KINDS: dict[int, ParticipantKind] = {
-    ObjectKind.CAR: "car", ObjectKind.TRUCK: "truck", ObjectKind.BUS: "bus", ObjectKind.MOTORCYCLE: "motorcycle",
-    ObjectKind.BICYCLE: "bicycle", ObjectKind.PEDESTRIAN: "pedestrian",
-}  # fmt: skip
+    ObjectKind.CAR: "car",
+    ObjectKind.TRUCK: "truck",
+    ObjectKind.BUS: "bus",
+    ObjectKind.MOTORCYCLE: "motorcycle",
+    ObjectKind.BICYCLE: "bicycle",
+    ObjectKind.PEDESTRIAN: "pedestrian",
+}
 
 
 @dataclass(frozen=True, slots=True)

@@ -52,10 +52,12 @@ def read_export(path: Path) -> Iterator[Entry]:
 
 def _dump(entry: Entry) -> str:
     content = {
-        "digest": entry.digest, "name": entry.name, "origin": entry.origin,
+        "digest": entry.digest,
+        "name": entry.name,
+        "origin": entry.origin,
         "descriptor": DESCRIPTOR.dump_python(entry.descriptor, mode="json", exclude_defaults=True),
         "scenario": None if entry.scenario is None else entry.scenario.model_dump(mode="json"),
-    }  # fmt: skip
+    }
     return json.dumps(content, separators=(",", ":"), allow_nan=False) + "\n"
 
 

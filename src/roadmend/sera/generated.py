@@ -37,8 +37,12 @@ _BATCH = 500
 _POLICY = "generated"
 _SHARE_RUN = 0.5  # of the scenarios have outcome statistics
 _MANOEUVRES: dict[FamilyName, EgoManoeuvre] = {
-    "S1": "left_turn", "S2": "right_turn", "S3": "straight", "S4": "exit", "S5": "merge",
-}  # fmt: skip
+    "S1": "left_turn",
+    "S2": "right_turn",
+    "S3": "straight",
+    "S4": "exit",
+    "S5": "merge",
+}
 _TARGETS: dict[FamilyName, str] = {"S1": "west", "S2": "east", "S3": "north"}
 _SIDES: dict[str, Side] = {"east": "right", "north": "oncoming", "west": "left"}
 _ACTIONS = {"none": [], "brake": ["brake"], "cut_in": ["cut_in"], "swoop": ["cut_in", "brake"], "run": ["run"]}
@@ -175,10 +179,15 @@ def _vehicle_hazard(row: Row, slot: int, side: Side) -> list[Hazard]:
 
 
 def _descriptor(
-    name: FamilyName, row: Row, road: Road, participants: Counter[ParticipantKind],
-    drivers: Counter[DriverName], hazards: list[Hazard],
-    limit: float, outcomes: tuple[OutcomeStatistics, ...],
-) -> Descriptor:  # fmt: skip
+    name: FamilyName,
+    row: Row,
+    road: Road,
+    participants: Counter[ParticipantKind],
+    drivers: Counter[DriverName],
+    hazards: list[Hazard],
+    limit: float,
+    outcomes: tuple[OutcomeStatistics, ...],
+) -> Descriptor:
     around = _ENVIRONMENTS[row["weather"], row["time_of_day"]]
     return Descriptor(
         road=road,

@@ -9,22 +9,51 @@ from roadmend.world.scenario import DriverName
 
 IncidentKind = Literal["collision", "timeout", "off_route", "intervention"]
 PlaceKind = Literal[
-    "before_junction", "in_junction", "after_junction", "at_crossing",
-    "ramp", "acceleration_lane", "highway", "exit_lane", "lane",
-]  # fmt: skip
+    "before_junction",
+    "in_junction",
+    "after_junction",
+    "at_crossing",
+    "ramp",
+    "acceleration_lane",
+    "highway",
+    "exit_lane",
+    "lane",
+]
 EgoAction = Literal["turning_left", "turning_right", "crossing_straight", "changing_lane", "standing", "driving_on"]
 Encounter = Literal[
-    "crossing_from_left", "crossing_from_right", "oncoming_turn", "oncoming", "cut_in", "braking_leader",
-    "standing_leader", "slow_leader", "follower", "in_target_lane", "alongside", "pedestrian",
-]  # fmt: skip
+    "crossing_from_left",
+    "crossing_from_right",
+    "oncoming_turn",
+    "oncoming",
+    "cut_in",
+    "braking_leader",
+    "standing_leader",
+    "slow_leader",
+    "follower",
+    "in_target_lane",
+    "alongside",
+    "pedestrian",
+]
 Verdict = Literal[
-    "no_method", "not_at_all", "too_late", "too_weak", "struck_while_braking", "held_the_ego", "not_involved",
-    "needed", "close", "no_need_seen", "controlled_stop",
-]  # fmt: skip
+    "no_method",
+    "not_at_all",
+    "too_late",
+    "too_weak",
+    "struck_while_braking",
+    "held_the_ego",
+    "not_involved",
+    "needed",
+    "close",
+    "no_need_seen",
+    "controlled_stop",
+]
 
 OUTCOMES: dict[IncidentKind, OutcomeName | None] = {
-    "collision": "COLLISION", "timeout": "TIMEOUT", "off_route": "OFF_ROUTE", "intervention": None,
-}  # fmt: skip
+    "collision": "COLLISION",
+    "timeout": "TIMEOUT",
+    "off_route": "OFF_ROUTE",
+    "intervention": None,
+}
 
 
 @dataclass(frozen=True, slots=True)

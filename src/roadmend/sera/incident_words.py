@@ -3,35 +3,58 @@
 from roadmend.sera.incident import EgoAction, Encounter, Incident, IncidentKind, PlaceKind, Verdict
 
 KINDS: dict[IncidentKind, str] = {
-    "collision": "collision", "timeout": "time-out", "off_route": "off the route", "intervention": "intervention",
-}  # fmt: skip
+    "collision": "collision",
+    "timeout": "time-out",
+    "off_route": "off the route",
+    "intervention": "intervention",
+}
 PLACES: dict[PlaceKind, str] = {
-    "before_junction": "before the intersection", "in_junction": "in the intersection",
-    "after_junction": "behind the intersection", "at_crossing": "at a pedestrian crossing", "ramp": "on the on-ramp",
-    "acceleration_lane": "in the acceleration lane", "highway": "on the highway", "exit_lane": "in the exit lane",
+    "before_junction": "before the intersection",
+    "in_junction": "in the intersection",
+    "after_junction": "behind the intersection",
+    "at_crossing": "at a pedestrian crossing",
+    "ramp": "on the on-ramp",
+    "acceleration_lane": "in the acceleration lane",
+    "highway": "on the highway",
+    "exit_lane": "in the exit lane",
     "lane": "on the open road",
-}  # fmt: skip
+}
 _AT = {"on_ramp": " at an on-ramp", "highway_exit": " before an exit"}  # of a highway
 ACTIONS: dict[EgoAction, str] = {
-    "turning_left": "turns left", "turning_right": "turns right", "crossing_straight": "goes straight on",
-    "changing_lane": "changes lane", "standing": "stands", "driving_on": "drives on",
-}  # fmt: skip
+    "turning_left": "turns left",
+    "turning_right": "turns right",
+    "crossing_straight": "goes straight on",
+    "changing_lane": "changes lane",
+    "standing": "stands",
+    "driving_on": "drives on",
+}
 ENCOUNTERS: dict[Encounter, str] = {
-    "crossing_from_left": "crosses from the left", "crossing_from_right": "crosses from the right",
-    "oncoming_turn": "turns across from the opposite direction", "oncoming": "comes from the opposite direction",
-    "cut_in": "cuts in", "braking_leader": "brakes hard ahead", "standing_leader": "stands ahead",
-    "slow_leader": "drives slowly ahead", "follower": "comes from behind",
-    "in_target_lane": "drives in the lane that the ego changes to", "alongside": "drives alongside",
+    "crossing_from_left": "crosses from the left",
+    "crossing_from_right": "crosses from the right",
+    "oncoming_turn": "turns across from the opposite direction",
+    "oncoming": "comes from the opposite direction",
+    "cut_in": "cuts in",
+    "braking_leader": "brakes hard ahead",
+    "standing_leader": "stands ahead",
+    "slow_leader": "drives slowly ahead",
+    "follower": "comes from behind",
+    "in_target_lane": "drives in the lane that the ego changes to",
+    "alongside": "drives alongside",
     "pedestrian": "crosses on foot",
-}  # fmt: skip
+}
 VERDICTS: dict[Verdict, str] = {
-    "no_method": "no repair method at work", "not_at_all": "the repair node did nothing",
-    "too_late": "the repair node stepped in too late", "too_weak": "the repair node stepped in in time and too weakly",
+    "no_method": "no repair method at work",
+    "not_at_all": "the repair node did nothing",
+    "too_late": "the repair node stepped in too late",
+    "too_weak": "the repair node stepped in in time and too weakly",
     "struck_while_braking": "the ego was struck while the repair node held it back",
-    "held_the_ego": "the repair node held the ego", "not_involved": "the repair node was not involved",
-    "needed": "the plan would have ended in contact", "close": "the plan would have come near",
-    "no_need_seen": "no need to be seen in the recording", "controlled_stop": "inputs were missing or invalid",
-}  # fmt: skip
+    "held_the_ego": "the repair node held the ego",
+    "not_involved": "the repair node was not involved",
+    "needed": "the plan would have ended in contact",
+    "close": "the plan would have come near",
+    "no_need_seen": "no need to be seen in the recording",
+    "controlled_stop": "inputs were missing or invalid",
+}
 
 
 def words_of_incident(incident: Incident) -> str:

@@ -39,8 +39,10 @@ _UNFOLDS = 2.0  # [s] after the beginning of an intervention that are read, too
 _BLOCKING = 15.0  # [m] within which somebody ahead may be why the ego stands
 _PLAN_MEETS = 1.0  # [m] gap on the policy's plan up to which an intervention is about that participant
 _FAILURES: dict[EventKind, IncidentKind] = {
-    EventKind.COLLISION: "collision", EventKind.TIMEOUT: "timeout", EventKind.OFF_ROUTE: "off_route",
-}  # fmt: skip
+    EventKind.COLLISION: "collision",
+    EventKind.TIMEOUT: "timeout",
+    EventKind.OFF_ROUTE: "off_route",
+}
 
 
 def find_incidents(path: Path) -> tuple[Incident, ...]:
@@ -108,9 +110,14 @@ class _Finder:
         return self._incident(kind, moment, other, account, event, avoidable)
 
     def _incident(
-        self, kind: IncidentKind, moment: _Moment, other: Other | None, account: RepairAccount,
-        event: Event | None = None, avoidable: float | None = None,
-    ) -> Incident:  # fmt: skip
+        self,
+        kind: IncidentKind,
+        moment: _Moment,
+        other: Other | None,
+        account: RepairAccount,
+        event: Event | None = None,
+        avoidable: float | None = None,
+    ) -> Incident:
         ego = self._episode.ego[moment.stamp]
         if other is not None and other.kind == "pedestrian":
             words = place_of(self._route, moment.place, self._descriptor, on_foot=True)
@@ -153,9 +160,15 @@ class _Finder:
         if known is None:
             return Where()
         return Where(
-            known.family, known.road.kind, known.road.control, known.road.lanes, known.road.speed_limit,
-            known.density, known.weather, known.light,
-        )  # fmt: skip
+            known.family,
+            known.road.kind,
+            known.road.control,
+            known.road.lanes,
+            known.road.speed_limit,
+            known.density,
+            known.weather,
+            known.light,
+        )
 
     def _other(self, moment: _Moment, identity: int) -> Other | None:
         track = self._track(identity, moment.stamp, ENCOUNTER)

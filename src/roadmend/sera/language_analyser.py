@@ -119,12 +119,17 @@ def _record(incident: Incident) -> dict[str, Any]:
         "what": facts.what,
         **{part: asdict(getattr(facts, part)) for part in _PARTS},
         "ego": {"action": incident.ego.action, "speed": incident.ego.speed},
-        "other": None if incident.other is None else {
-            "encounter": incident.other.encounter, "speed": incident.other.speed, "braking": incident.other.braking,
+        "other": None
+        if incident.other is None
+        else {
+            "encounter": incident.other.encounter,
+            "speed": incident.other.speed,
+            "braking": incident.other.braking,
         },
-        "manner": incident.manner, "ego_at_fault": incident.at_fault,
+        "manner": incident.manner,
+        "ego_at_fault": incident.at_fault,
         "text": incident.text[:_LONGEST],
-    }  # fmt: skip
+    }
 
 
 def _join(

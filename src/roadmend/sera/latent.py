@@ -25,9 +25,16 @@ _TERMS_MOST = 4096  # of the vocabulary
 _SHARE_OF_TERMS = 0.75  # of an inner product; the quantities have the rest
 # How much a group of terms counts: place, hazard, conditions and the outcome more than who else was there. Others count 1.
 _FACTORS = {
-    "outcome": 1.5, "road": 1.5, "hazard": 1.5, "weather": 1.5, "light": 2.0,
-    "hazard+participant": 0.7, "hazard+side": 0.7, "participant": 0.3, "driver": 0.3,
-}  # fmt: skip
+    "outcome": 1.5,
+    "road": 1.5,
+    "hazard": 1.5,
+    "weather": 1.5,
+    "light": 2.0,
+    "hazard+participant": 0.7,
+    "hazard+side": 0.7,
+    "participant": 0.3,
+    "driver": 0.3,
+}
 _CHUNK = 2048  # descriptions at a time
 _PLACES = {name: place for place, name in enumerate(RANGES)}
 

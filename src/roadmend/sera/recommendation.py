@@ -29,9 +29,14 @@ class Recommendation:
 
 
 def recommend(
-    bank: Bank, patterns: Sequence[FailurePattern], count: int | Sequence[int], filters: Filters | None = None,
-    exclude: Collection[str] = (), seed: int = 0, reflector: Reflector | None = None,
-) -> Recommendation:  # fmt: skip
+    bank: Bank,
+    patterns: Sequence[FailurePattern],
+    count: int | Sequence[int],
+    filters: Filters | None = None,
+    exclude: Collection[str] = (),
+    seed: int = 0,
+    reflector: Reflector | None = None,
+) -> Recommendation:
     """Select scenarios for each pattern, none twice; the same bank and arguments give the same.
 
     Args:
@@ -61,10 +66,13 @@ def recommend(
     random = [everything.pick(number, place) for number, place in drawn]
     selections = {"initial": initial, "refined": refined, "random": random}
     return Recommendation(
-        tuple(initial), tuple(refined), tuple(random), tuple(swaps),
+        tuple(initial),
+        tuple(refined),
+        tuple(random),
+        tuple(swaps),
         {name: measure(everything, picks) for name, picks in selections.items()},
         sum(counts) - len(initial),
-    )  # fmt: skip
+    )
 
 
 def shares(patterns: Sequence[FailurePattern], total: int) -> list[int]:
@@ -93,9 +101,13 @@ def _first_choice(found: Sequence[Sequence[Hit]], counts: Sequence[int]) -> list
 
 
 def _draw(
-    bank: Bank, patterns: Sequence[FailurePattern], count: int, filters: Filters | None, exclude: Collection[str],
+    bank: Bank,
+    patterns: Sequence[FailurePattern],
+    count: int,
+    filters: Filters | None,
+    exclude: Collection[str],
     seed: int,
-) -> list[tuple[int, int]]:  # fmt: skip
+) -> list[tuple[int, int]]:
     """Numbers of entries, each with the pattern that it stands for."""
     allowed = bank.allowed(filters, exclude)
     numbers = np.arange(len(bank)) if allowed is None else np.flatnonzero(allowed)

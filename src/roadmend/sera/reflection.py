@@ -121,9 +121,13 @@ def candidates_of(bank: Bank, patterns: Sequence[FailurePattern], found: Sequenc
     vectors = bank.vectors(numbers).astype(np.float64)
     queries = np.array([bank.embed(pattern) for pattern in patterns], dtype=np.float64)
     return Pool(
-        tuple(words_of_pattern(pattern) for pattern in patterns), candidates,
-        {number: place for place, number in enumerate(numbers)}, wanted, queries @ vectors.T, vectors @ vectors.T,
-    )  # fmt: skip
+        tuple(words_of_pattern(pattern) for pattern in patterns),
+        candidates,
+        {number: place for place, number in enumerate(numbers)},
+        wanted,
+        queries @ vectors.T,
+        vectors @ vectors.T,
+    )
 
 
 def difficulty_of(descriptor: Descriptor) -> str:

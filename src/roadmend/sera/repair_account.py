@@ -123,9 +123,18 @@ def plan_gap(episode: BagEpisode, stamp: int) -> tuple[float, int] | None:
             continue
         x, y, yaw = (float(np.interp(ahead, times, column)) for column in (xs, ys, yaws))
         gaps = outline_distances(
-            x, y, yaw, ego.length, ego.width,
-            objects.x, objects.y, objects.yaw, objects.length, objects.width, _NEAR,
-        )  # fmt: skip
+            x,
+            y,
+            yaw,
+            ego.length,
+            ego.width,
+            objects.x,
+            objects.y,
+            objects.yaw,
+            objects.length,
+            objects.width,
+            _NEAR,
+        )
         gaps[[number in behind for number in objects.id.tolist()]] = np.inf
         index = int(np.argmin(gaps))
         if np.isfinite(gaps[index]) and (best is None or gaps[index] < best[0]):

@@ -76,9 +76,12 @@ def time_searches(
 
 
 def recalls(
-    bank: Bank, patterns: Sequence[FailurePattern], filters: Sequence[Filters | None], found: Sequence[Sequence[int]],
+    bank: Bank,
+    patterns: Sequence[FailurePattern],
+    filters: Sequence[Filters | None],
+    found: Sequence[Sequence[int]],
     count: int,
-) -> list[float]:  # fmt: skip
+) -> list[float]:
     """For each search, the share of the ``count`` best of an exact search in single precision that it found.
 
     Many scenarios have equal scores, and which of those come last among the best is a matter of chance. So scores are

@@ -128,9 +128,10 @@ def open_python(path: str, *, is_trusted: bool) -> Encode:
     where = f"embedder python:{path}"
     if not is_trusted:
         raise InputError(
-            where, "is code that the bank was made with, and not run on a bank's word",
+            where,
+            "is code that the bank was made with, and not run on a bank's word",
             f"give --embedder python:{path} if you trust it",
-        )  # fmt: skip
+        )
     module, _, name = path.partition(":")
     try:
         found: Any = importlib.import_module(module)

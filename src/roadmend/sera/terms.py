@@ -42,14 +42,20 @@ def features(item: Descriptor | FailurePattern) -> Features:
 
 def _of_descriptor(descriptor: Descriptor) -> Features:
     road = descriptor.road
-    terms = Counter([
-        f"road:{road.kind}", f"weather:{descriptor.weather}", f"light:{descriptor.light}",
-        f"density:{descriptor.density}",
-    ])  # fmt: skip
+    terms = Counter(
+        [
+            f"road:{road.kind}",
+            f"weather:{descriptor.weather}",
+            f"light:{descriptor.light}",
+            f"density:{descriptor.density}",
+        ]
+    )
     for group, value in (
-        ("family", descriptor.family), ("control", road.control), ("manoeuvre", descriptor.manoeuvre),
+        ("family", descriptor.family),
+        ("control", road.control),
+        ("manoeuvre", descriptor.manoeuvre),
         ("lanes", road.lanes),
-    ):  # fmt: skip
+    ):
         if value is not None:
             terms[f"{group}:{value}"] = 1
     if road.crossings:
@@ -72,9 +78,11 @@ def _of_descriptor(descriptor: Descriptor) -> Features:
         "friction": descriptor.friction,
         "sensing_range": descriptor.sensing_range,
         "ego_speed": descriptor.ego_speed,
-        "hazard_distance": min((each.distance for each in descriptor.hazards if each.distance is not None), default=None),
+        "hazard_distance": min(
+            (each.distance for each in descriptor.hazards if each.distance is not None), default=None
+        ),
         "difficulty": descriptor.difficulty,
-    }  # fmt: skip
+    }
     return Features(dict(terms), {name: float(value) for name, value in quantities.items() if value is not None})
 
 
@@ -82,10 +90,18 @@ def _of_pattern(pattern: FailurePattern) -> Features:
     where, who, why = pattern.where, pattern.who, pattern.why
     terms = set(terms_of_text(pattern.words))
     for group, value in (
-        ("outcome", pattern.what), ("family", where.family), ("road", where.road), ("control", where.control),
-        ("lanes", where.lanes), ("density", where.density), ("weather", where.weather), ("light", where.light),
-        ("participant", who.participant), ("driver", who.driver), ("manoeuvre", why.manoeuvre),
-    ):  # fmt: skip
+        ("outcome", pattern.what),
+        ("family", where.family),
+        ("road", where.road),
+        ("control", where.control),
+        ("lanes", where.lanes),
+        ("density", where.density),
+        ("weather", where.weather),
+        ("light", where.light),
+        ("participant", who.participant),
+        ("driver", who.driver),
+        ("manoeuvre", why.manoeuvre),
+    ):
         if value is not None:
             terms.add(f"{group}:{value}")
     if why.hazard is not None:

@@ -6,34 +6,58 @@ from roadmend.sera.descriptor import Descriptor, Entry, Hazard
 from roadmend.sera.pattern import FailurePattern
 
 ROADS = {
-    "intersection": "intersection", "tee_junction": "T-junction", "highway_exit": "highway exit",
-    "on_ramp": "on-ramp", "road_network": "road network",
-}  # fmt: skip
+    "intersection": "intersection",
+    "tee_junction": "T-junction",
+    "highway_exit": "highway exit",
+    "on_ramp": "on-ramp",
+    "road_network": "road network",
+}
 MANOEUVRES = {
-    "left_turn": "turns left", "right_turn": "turns right", "straight": "crosses straight on",
-    "exit": "leaves by the exit", "merge": "merges", "keep_lane": "keeps to the road",
-}  # fmt: skip
+    "left_turn": "turns left",
+    "right_turn": "turns right",
+    "straight": "crosses straight on",
+    "exit": "leaves by the exit",
+    "merge": "merges",
+    "keep_lane": "keeps to the road",
+}
 HAZARDS = {
-    "cut_in": "cuts in", "cut_in_and_brake": "cuts in and brakes", "hard_braking": "brakes hard",
-    "run_right_of_way": "ignores the right of way", "pedestrian_crossing": "crosses the road",
-}  # fmt: skip
+    "cut_in": "cuts in",
+    "cut_in_and_brake": "cuts in and brakes",
+    "hard_braking": "brakes hard",
+    "run_right_of_way": "ignores the right of way",
+    "pedestrian_crossing": "crosses the road",
+}
 SIDES = {
-    "ahead": "ahead", "behind": "from behind", "left": "from the left", "right": "from the right",
+    "ahead": "ahead",
+    "behind": "from behind",
+    "left": "from the left",
+    "right": "from the right",
     "oncoming": "oncoming",
-}  # fmt: skip
+}
 CONTROLS = {
-    "priority": "priority signs", "right_before_left": "right before left", "allway_stop": "all-way stop",
+    "priority": "priority signs",
+    "right_before_left": "right before left",
+    "allway_stop": "all-way stop",
     "traffic_light": "traffic light",
-}  # fmt: skip
+}
 WEATHERS = {
-    "clear": "clear weather", "sunny": "sunshine", "cloudy": "clouds", "overcast": "overcast sky", "windy": "wind",
-    "rainy": "rain", "foggy": "fog", "snowy": "snow",
-}  # fmt: skip
+    "clear": "clear weather",
+    "sunny": "sunshine",
+    "cloudy": "clouds",
+    "overcast": "overcast sky",
+    "windy": "wind",
+    "rainy": "rain",
+    "foggy": "fog",
+    "snowy": "snow",
+}
 LIGHTS = {"daytime": "by day", "nighttime": "at night"}
 OUTCOMES = {
-    "GOAL": "goal reached", "COLLISION": "collision", "TIMEOUT": "time-out", "OFF_ROUTE": "off the route",
+    "GOAL": "goal reached",
+    "COLLISION": "collision",
+    "TIMEOUT": "time-out",
+    "OFF_ROUTE": "off the route",
     "ABORTED": "aborted",
-}  # fmt: skip
+}
 _KILOMETRES_PER_HOUR = 3.6
 
 

@@ -124,9 +124,17 @@ def evaluate_cases(
 def _evaluate(case: EpisodeCase, *, policy: str, method: str, parameters: Mapping[str, Any]) -> CaseResult:
     summary = run_episode(case.scenario(), make_policy(policy), make_repairer(method, parameters))
     return CaseResult(
-        case.name, case.family, case.is_violation, summary.outcome.name, summary.ticks, summary.interventions,
-        summary.intensity, summary.dose, summary.min_distance, summary.digest,
-    )  # fmt: skip
+        case.name,
+        case.family,
+        case.is_violation,
+        summary.outcome.name,
+        summary.ticks,
+        summary.interventions,
+        summary.intensity,
+        summary.dose,
+        summary.min_distance,
+        summary.digest,
+    )
 
 
 def summarise(results: Sequence[CaseResult]) -> Summary:

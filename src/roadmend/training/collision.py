@@ -55,9 +55,15 @@ def describe_collision(scene: Scene, event: Event) -> Collision | None:
         return None
     index, ego, objects = int(found[0]), scene.ego, scene.objects
     own = np.array([ego.x, ego.y, ego.yaw, ego.length, ego.width])
-    their = np.array([
-        objects.x[index], objects.y[index], objects.yaw[index], objects.length[index], objects.width[index],
-    ])  # fmt: skip
+    their = np.array(
+        [
+            objects.x[index],
+            objects.y[index],
+            objects.yaw[index],
+            objects.length[index],
+            objects.width[index],
+        ]
+    )
     parts = _part(own, their), _part(their, own)
     return Collision(
         _MANNERS[parts],

@@ -92,10 +92,13 @@ class Training:
     def _gathering(self, number: int) -> dict[str, Any]:
         step, configuration = self.configuration.rounds[number], self.configuration
         return {
-            "episodes": step.episodes, "expert_share": step.expert_share if number else 1.0, "noise": configuration.noise,
-            "every": configuration.every, "families": list(configuration.families),
+            "episodes": step.episodes,
+            "expert_share": step.expert_share if number else 1.0,
+            "noise": configuration.noise,
+            "every": configuration.every,
+            "families": list(configuration.families),
             "first": configuration.seeds(number, self.seed)[0],
-        }  # fmt: skip
+        }
 
     def _fitted(self, number: int, parts: list[Samples], before: Path | None, path: Path) -> None:
         configuration, step = self.configuration, self.configuration.rounds[number]

@@ -61,10 +61,19 @@ class Repair:
 
 
 def few_shot_repair(
-    model: Path, scenarios: Sequence[Scenario], settings: FewShotSettings, seed: int, out: Path, *,
-    validation: Sequence[Scenario] = (), origin: Origin | None = None, workers: int = 1,
-    report: Report = lambda _what, _done, _total: None, gathering: Gather | None = None, driving: Drive | None = None,
-) -> Repair:  # fmt: skip
+    model: Path,
+    scenarios: Sequence[Scenario],
+    settings: FewShotSettings,
+    seed: int,
+    out: Path,
+    *,
+    validation: Sequence[Scenario] = (),
+    origin: Origin | None = None,
+    workers: int = 1,
+    report: Report = lambda _what, _done, _total: None,
+    gathering: Gather | None = None,
+    driving: Drive | None = None,
+) -> Repair:
     """Fine-tune a neural policy on scenarios; the same arguments give the same model file.
 
     Args:
@@ -90,7 +99,7 @@ def few_shot_repair(
     with open_mapper(workers) as mapper:
         work = _Work(
             model, parent, settings, seed, gathering or _gathering(mapper), driving or _driving(mapper), report
-        )  # fmt: skip
+        )
         return work.repair(scenarios, validation or scenarios, out, origin or Origin())
 
 
@@ -99,11 +108,17 @@ def lessons_of(scenario: Scenario, model: Path, settings: FewShotSettings) -> li
     repair = repair_model(settings)
     return [
         Lesson(
-            scenario, f"{scenario.digest}/{number}", driver, settings.expert_share, settings.noise, settings.every, repair
+            scenario,
+            f"{scenario.digest}/{number}",
+            driver,
+            settings.expert_share,
+            settings.noise,
+            settings.every,
+            repair,
         )
         for driver, count in ((None, settings.expert_drives), (model, settings.policy_drives))
         for number in range(count)
-    ]  # fmt: skip
+    ]
 
 
 def replay_lessons(model: Path, settings: FewShotSettings) -> list[Lesson]:
@@ -160,7 +175,7 @@ class _Work:
 
     def _guarded(
         self, epochs: Epochs, guard: Guard, beside: Path, header: dict[str, Any]
-    ) -> tuple[list[Trial], Tensors, Trial]:  # fmt: skip
+    ) -> tuple[list[Trial], Tensors, Trial]:
         """All trials, and the weights of the one that is kept; every model that is tried is driven from ``beside``."""
         old = dict(self.parent.tensors)
 
@@ -237,15 +252,17 @@ class _Work:
             "configuration": {
                 **before["configuration"],
                 "few_shot": {
-                    "settings": self.settings.model_dump(mode="json"), "seed": self.seed,
-                    "scenarios": [scenario.digest for scenario in scenarios], **asdict(origin),
+                    "settings": self.settings.model_dump(mode="json"),
+                    "seed": self.seed,
+                    "scenarios": [scenario.digest for scenario in scenarios],
+                    **asdict(origin),
                     "repair": "" if repair is None else load_checkpoint(repair, KIND).digest,
                 },
             },
             "data_digest": samples_digest(shown),
             "metrics": {"scenes": len(shown)},
             "ancestry": [self.parent.digest, *before["ancestry"]],
-        }  # fmt: skip
+        }
 
 
 def _run_through(epochs: Epochs) -> tuple[list[Trial], Tensors]:

@@ -170,9 +170,18 @@ class PulseSearch:
             self._look_around()
             self._refine()
         return Bound(
-            self._case.name, self._case.family, self._scenario.digest, before.outcome.name, before.text,
-            before.duration, collision, self._tries, self._best, self._lucky, dict(sorted(self._failures.items())),
-        )  # fmt: skip
+            self._case.name,
+            self._case.family,
+            self._scenario.digest,
+            before.outcome.name,
+            before.text,
+            before.duration,
+            collision,
+            self._tries,
+            self._best,
+            self._lucky,
+            dict(sorted(self._failures.items())),
+        )
 
     def _look_around(self) -> None:
         for start, action, duration in _COARSE:
@@ -235,9 +244,7 @@ class PulseSearch:
         if summary is None or not 0.0 < summary.dose < limit:
             return False
         before = (self._impact - pulse.begin) * INTERVAL
-        found = Profile(
-            pulse, round(before, 9), summary.dose, summary.intensity, summary.interventions, summary.digest
-        )  # fmt: skip
+        found = Profile(pulse, round(before, 9), summary.dose, summary.intensity, summary.interventions, summary.digest)
         if self._lucky is None or found.dose < self._lucky.dose:
             self._lucky = found
         for shift in _SLACK:

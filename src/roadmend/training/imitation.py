@@ -108,10 +108,11 @@ def batches(
         within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
         tokens[mask] = samples.tokens[np.repeat(begins[chosen], counts) + within]
         yield Batch(
-            torch.from_numpy(tokens).to(device), torch.from_numpy(mask).to(device),
+            torch.from_numpy(tokens).to(device),
+            torch.from_numpy(mask).to(device),
             torch.from_numpy(samples.actions[chosen]).to(device),
             torch.from_numpy(samples.changes[chosen].astype(np.float32)).to(device),
-        )  # fmt: skip
+        )
 
 
 def losses_of(network: NeuralNetwork, batch: Batch) -> tuple[Tensor, Tensor, Tensor]:
@@ -156,9 +157,12 @@ def split(samples: Samples, held_out: float) -> tuple[NDArray[np.int64], NDArray
 
 
 def learn(
-    network: NeuralNetwork, optimizer: torch.optim.Optimizer, schedule: torch.optim.lr_scheduler.LRScheduler,
-    chosen: Iterator[Batch], change_weight: float,
-) -> Losses:  # fmt: skip
+    network: NeuralNetwork,
+    optimizer: torch.optim.Optimizer,
+    schedule: torch.optim.lr_scheduler.LRScheduler,
+    chosen: Iterator[Batch],
+    change_weight: float,
+) -> Losses:
     """Train on batches, a step each; returns the mean of their losses."""
     network.train()
     sums = np.zeros(4)
@@ -175,9 +179,14 @@ def learn(
 
 
 def fit(
-    network: NeuralNetwork, samples: Samples, configuration: ImitationConfiguration, step: Round, seed: int,
-    device: torch.device, report: Callable[[int, Losses, Losses], None],
-) -> Losses:  # fmt: skip
+    network: NeuralNetwork,
+    samples: Samples,
+    configuration: ImitationConfiguration,
+    step: Round,
+    seed: int,
+    device: torch.device,
+    report: Callable[[int, Losses, Losses], None],
+) -> Losses:
     """Train through the epochs of one round; ``report`` gets each epoch's number and its two losses.
 
     Returns:

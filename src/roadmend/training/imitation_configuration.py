@@ -71,9 +71,13 @@ class ImitationConfiguration(Section):
         if KINDS[self.kind].shape is SetShape:
             return SetShape(attributes=COLUMNS, hidden=(self.hidden,) * (self.layers - 1), outputs=self.hidden)
         return EncoderShape(
-            attributes=COLUMNS, hidden=self.hidden, layers=self.layers, heads=self.heads,
-            feed_forward=self.feed_forward, activation="relu",
-        )  # fmt: skip
+            attributes=COLUMNS,
+            hidden=self.hidden,
+            layers=self.layers,
+            heads=self.heads,
+            feed_forward=self.feed_forward,
+            activation="relu",
+        )
 
     @property
     def head_shape(self) -> HeadShape:

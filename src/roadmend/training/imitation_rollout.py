@@ -105,9 +105,14 @@ class Tutor:
 
 
 def ordinary_lesson(
-    family: str, seed: int, model: Path | None, expert_share: float, noise: float, every: int,
+    family: str,
+    seed: int,
+    model: Path | None,
+    expert_share: float,
+    noise: float,
+    every: int,
     repair: Path | None = None,
-) -> Lesson:  # fmt: skip
+) -> Lesson:
     """A lesson in a random scenario of a family."""
     return Lesson(sample_scenario(family, seed), f"{family}/{seed}", model, expert_share, noise, every, repair)
 
@@ -119,6 +124,10 @@ def gather(lesson: Lesson) -> Samples:
     counts = np.array([len(tokens) for tokens in tutor.tokens], dtype=np.int16)
     flat = np.concatenate(tutor.tokens) if tutor.tokens else np.empty((0, COLUMNS), dtype=np.float16)
     return Samples(
-        flat, counts, np.array(tutor.actions, dtype=np.float32), np.array(tutor.changes, dtype=np.int8),
-        np.zeros(len(counts), dtype=np.int32), (summary.outcome.name,),
-    )  # fmt: skip
+        flat,
+        counts,
+        np.array(tutor.actions, dtype=np.float32),
+        np.array(tutor.changes, dtype=np.int8),
+        np.zeros(len(counts), dtype=np.int32),
+        (summary.outcome.name,),
+    )

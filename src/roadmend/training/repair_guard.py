@@ -85,6 +85,4 @@ def mixture(
 
     What fine-tuning breaks it mostly breaks late on that way, and what it mends it mostly mends early.
     """
-    return {
-        name: (old[name] + np.float32(share) * (new[name] - old[name])).astype(np.float32) for name in new
-    }  # fmt: skip
+    return {name: (old[name] + np.float32(share) * (new[name] - old[name])).astype(np.float32) for name in new}

@@ -30,11 +30,13 @@ class Samples:
         """All samples of several parts; episodes are numbered on."""
         begins = np.cumsum([0, *(len(part.outcomes) for part in parts[:-1])])
         return cls(
-            np.concatenate([part.tokens for part in parts]), np.concatenate([part.counts for part in parts]),
-            np.concatenate([part.actions for part in parts]), np.concatenate([part.changes for part in parts]),
+            np.concatenate([part.tokens for part in parts]),
+            np.concatenate([part.counts for part in parts]),
+            np.concatenate([part.actions for part in parts]),
+            np.concatenate([part.changes for part in parts]),
             np.concatenate([part.episodes + begin for part, begin in zip(parts, begins, strict=True)]).astype(np.int32),
             tuple(outcome for part in parts for outcome in part.outcomes),
-        )  # fmt: skip
+        )
 
     def __len__(self) -> int:
         return len(self.counts)
@@ -52,9 +54,15 @@ def save_samples(path: Path, samples: Samples, made_by: str) -> None:
     """Write samples, whole or not at all, with the description of what made them."""
     with written_beside(path) as beside, beside.open("wb") as file:
         np.savez(
-            file, tokens=samples.tokens, counts=samples.counts, actions=samples.actions, changes=samples.changes,
-            episodes=samples.episodes, outcomes=np.array(samples.outcomes), made_by=np.array(made_by),
-        )  # fmt: skip
+            file,
+            tokens=samples.tokens,
+            counts=samples.counts,
+            actions=samples.actions,
+            changes=samples.changes,
+            episodes=samples.episodes,
+            outcomes=np.array(samples.outcomes),
+            made_by=np.array(made_by),
+        )
 
 
 def load_samples(path: Path, made_by: str) -> Samples:
@@ -69,8 +77,12 @@ def load_samples(path: Path, made_by: str) -> Samples:
             if str(file["made_by"]) != made_by:
                 raise InputError(str(path), "was made with other settings", mend)
             return Samples(
-                file["tokens"], file["counts"], file["actions"], file["changes"], file["episodes"],
+                file["tokens"],
+                file["counts"],
+                file["actions"],
+                file["changes"],
+                file["episodes"],
                 tuple(str(outcome) for outcome in file["outcomes"]),
-            )  # fmt: skip
+            )
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
         raise InputError(str(path), f"cannot be read ({error})", mend) from None

@@ -57,9 +57,12 @@ class SelfOracleResult:
         """The checkpoint's header; ``more`` stands beside the settings in the configuration."""
         configuration = {"model": self.configuration.model_dump(mode="json"), "training": settings.model_dump(), **more}
         return {
-            "kind": KIND, "configuration": configuration, "data_digest": data_digest, "metrics": dict(self.metrics),
+            "kind": KIND,
+            "configuration": configuration,
+            "data_digest": data_digest,
+            "metrics": dict(self.metrics),
             "ancestry": [],
-        }  # fmt: skip
+        }
 
 
 def vectors_of_case(case: EpisodeCase, *, policy: str, stride: int) -> Vectors:
@@ -136,10 +139,14 @@ def train_self_oracle(
     gamma = fit_gamma(errors)
     thresholds = {f"{rate:g}": gamma_quantile(*gamma, 1.0 - rate) for rate in RATES}
     metrics = {
-        "training_frames": float(len(training)), "held_out_frames": float(len(held_out)), "training_loss": loss,
-        "held_out_loss": float(errors.mean()), "gamma_shape": gamma[0], "gamma_scale": gamma[1],
+        "training_frames": float(len(training)),
+        "held_out_frames": float(len(held_out)),
+        "training_loss": loss,
+        "held_out_loss": float(errors.mean()),
+        "gamma_shape": gamma[0],
+        "gamma_scale": gamma[1],
         "held_out_alarms_at_0.05": float((errors > thresholds["0.05"]).mean()),
-    }  # fmt: skip
+    }
     return SelfOracleResult(tensors, blank.model_copy(update={"thresholds": thresholds}), metrics)
 
 

@@ -84,9 +84,14 @@ class Tuning:
     """Drives settings on cases, each pair at most once: what was driven before an interruption is in ``file``."""
 
     def __init__(
-        self, cases: Sequence[EpisodeCase], policy: str, identity: Mapping[str, str], file: Path, mapper: Mapper,
+        self,
+        cases: Sequence[EpisodeCase],
+        policy: str,
+        identity: Mapping[str, str],
+        file: Path,
+        mapper: Mapper,
         report: Callable[[str, int, int], None] = lambda _rival, _done, _total: None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Open or make the file.
 
         Args:
@@ -122,9 +127,7 @@ class Tuning:
         driven = self._drive(rival, [rival.grid[index] for index in finalists], self._cases)
         whole = dict(zip(finalists, driven, strict=True))
         best = max(sorted(whole), key=lambda index: worth(whole[index]))
-        points = (
-            Point(parameters, first[index], whole.get(index)) for index, parameters in enumerate(rival.grid)
-        )  # fmt: skip
+        points = (Point(parameters, first[index], whole.get(index)) for index, parameters in enumerate(rival.grid))
         return Tuned(rival.name, rival.method, tuple(points), best)
 
     def _drive(self, rival: Rival, grid: Sequence[Values], cases: Sequence[EpisodeCase]) -> list[Summary]:

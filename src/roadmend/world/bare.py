@@ -11,8 +11,17 @@ from roadmend.world.scenario import Scenario
 from roadmend.world.simulation import Simulation
 
 _SETTERS = (
-    "changeLane", "changeSublane", "moveToXY", "setAccel", "setDecel", "setLaneChangeMode", "setSpeed", "setSpeedFactor", "setSpeedMode", "slowDown",
-)  # fmt: skip
+    "changeLane",
+    "changeSublane",
+    "moveToXY",
+    "setAccel",
+    "setDecel",
+    "setLaneChangeMode",
+    "setSpeed",
+    "setSpeedFactor",
+    "setSpeedMode",
+    "slowDown",
+)
 
 Call = tuple[Callable[..., Any], tuple[Any, ...]]
 Script = list[list[Call]]

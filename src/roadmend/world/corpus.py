@@ -145,10 +145,18 @@ def dump_corpus(corpus: Corpus) -> str:
     """The corpus as JSON lines: a header, then one case a line."""
     counts = Counter(f"{case.family} {case.split} {case.outcome}" for case in corpus.cases)
     header = {
-        "format": FORMAT, "policy": corpus.policy, "model": corpus.model, "method": METHOD, "roadmend": corpus.version,
-        "command": corpus.command, "plan": corpus.plan, "spaces": {name: _space_digest(name) for name in FAMILIES},
-        "dropped": corpus.dropped, "cases": len(corpus.cases), "counts": dict(sorted(counts.items())),
-    }  # fmt: skip
+        "format": FORMAT,
+        "policy": corpus.policy,
+        "model": corpus.model,
+        "method": METHOD,
+        "roadmend": corpus.version,
+        "command": corpus.command,
+        "plan": corpus.plan,
+        "spaces": {name: _space_digest(name) for name in FAMILIES},
+        "dropped": corpus.dropped,
+        "cases": len(corpus.cases),
+        "counts": dict(sorted(counts.items())),
+    }
     return json.dumps(header, separators=(",", ":")) + "\n" + "".join(case.dump() for case in corpus.cases)
 
 
@@ -183,9 +191,14 @@ def load_corpus(path: Path) -> Corpus:
         except ValueError as error:
             raise InputError(f"{path} line {number}", f"is no case ({error})", _AGAIN) from None
     return Corpus(
-        header["policy"], tuple(cases), header["model"], header["command"], header["plan"], header["dropped"],
+        header["policy"],
+        tuple(cases),
+        header["model"],
+        header["command"],
+        header["plan"],
+        header["dropped"],
         header["roadmend"],
-    )  # fmt: skip
+    )
 
 
 _HEADER = ("policy", "model", "roadmend", "command", "plan", "spaces", "dropped", "cases")

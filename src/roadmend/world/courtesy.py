@@ -53,9 +53,20 @@ def _will_touch(
 
 @compiled
 def _who_waits(
-    ego_x: float, ego_y: float, ego_yaw: float, ego_length: float, ego_width: float, kind: NDArray[np.uint8],
-    x: Floats, y: Floats, yaw: Floats, speed: Floats, turn: Floats, length: Floats, width: Floats,
-) -> NDArray[np.intp]:  # fmt: skip
+    ego_x: float,
+    ego_y: float,
+    ego_yaw: float,
+    ego_length: float,
+    ego_width: float,
+    kind: NDArray[np.uint8],
+    x: Floats,
+    y: Floats,
+    yaw: Floats,
+    speed: Floats,
+    turn: Floats,
+    length: Floats,
+    width: Floats,
+) -> NDArray[np.intp]:
     """Indices of those who would touch the ego if it stood and they drove on."""
     corners = np.empty((4, 2), dtype=np.float64)
     fill_corners(corners, ego_x, ego_y, ego_yaw, ego_length, ego_width)
@@ -92,9 +103,20 @@ class Courtesy:
                 self._release([*self._waiting], names)
             return
         indices = _who_waits(
-            ego.x, ego.y, ego.yaw, ego.length, ego.width, around.kind, around.x, around.y, around.yaw, around.speed,
-            around.yaw_rate, around.length, around.width,
-        )  # fmt: skip
+            ego.x,
+            ego.y,
+            ego.yaw,
+            ego.length,
+            ego.width,
+            around.kind,
+            around.x,
+            around.y,
+            around.yaw,
+            around.speed,
+            around.yaw_rate,
+            around.length,
+            around.width,
+        )
         wait = {names[index] for index in indices if names[index] not in heedless}
         for name in sorted(wait - self._waiting.keys()):
             usual = self._waiting[name] = libsumo.vehicle.getDecel(name)

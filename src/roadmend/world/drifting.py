@@ -46,7 +46,12 @@ class Drifter:
         heading = yaw + math.atan(slope)
         x, y = x - offset * math.sin(yaw), y + offset * math.cos(yaw)
         libsumo.vehicle.moveToXY(
-            self._vehicle, "", -1, x + self._half * math.cos(heading), y + self._half * math.sin(heading),
-            (90.0 - math.degrees(heading)) % 360.0, _FREE_PLACE,
-        )  # fmt: skip
+            self._vehicle,
+            "",
+            -1,
+            x + self._half * math.cos(heading),
+            y + self._half * math.sin(heading),
+            (90.0 - math.degrees(heading)) % 360.0,
+            _FREE_PLACE,
+        )
         return True

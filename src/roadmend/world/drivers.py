@@ -31,14 +31,30 @@ BODIES: dict[str, Body] = {
 }
 
 KINDS: dict[str, ObjectKind] = {
-    "passenger": ObjectKind.CAR, "private": ObjectKind.CAR, "taxi": ObjectKind.CAR, "evehicle": ObjectKind.CAR,
-    "hov": ObjectKind.CAR, "vip": ObjectKind.CAR, "authority": ObjectKind.CAR, "army": ObjectKind.TRUCK,
-    "emergency": ObjectKind.CAR, "custom1": ObjectKind.CAR, "custom2": ObjectKind.CAR, "delivery": ObjectKind.TRUCK,
-    "truck": ObjectKind.TRUCK, "trailer": ObjectKind.TRUCK, "bus": ObjectKind.BUS, "coach": ObjectKind.BUS,
-    "tram": ObjectKind.BUS, "motorcycle": ObjectKind.MOTORCYCLE, "moped": ObjectKind.MOTORCYCLE,
-    "scooter": ObjectKind.BICYCLE, "bicycle": ObjectKind.BICYCLE, "pedestrian": ObjectKind.PEDESTRIAN,
+    "passenger": ObjectKind.CAR,
+    "private": ObjectKind.CAR,
+    "taxi": ObjectKind.CAR,
+    "evehicle": ObjectKind.CAR,
+    "hov": ObjectKind.CAR,
+    "vip": ObjectKind.CAR,
+    "authority": ObjectKind.CAR,
+    "army": ObjectKind.TRUCK,
+    "emergency": ObjectKind.CAR,
+    "custom1": ObjectKind.CAR,
+    "custom2": ObjectKind.CAR,
+    "delivery": ObjectKind.TRUCK,
+    "truck": ObjectKind.TRUCK,
+    "trailer": ObjectKind.TRUCK,
+    "bus": ObjectKind.BUS,
+    "coach": ObjectKind.BUS,
+    "tram": ObjectKind.BUS,
+    "motorcycle": ObjectKind.MOTORCYCLE,
+    "moped": ObjectKind.MOTORCYCLE,
+    "scooter": ObjectKind.BICYCLE,
+    "bicycle": ObjectKind.BICYCLE,
+    "pedestrian": ObjectKind.PEDESTRIAN,
     "wheelchair": ObjectKind.PEDESTRIAN,
-}  # fmt: skip
+}
 
 PEDESTRIAN_LENGTH = 0.5  # [m]
 PEDESTRIAN_WIDTH = 0.6  # [m]
@@ -46,23 +62,49 @@ PEDESTRIAN_WIDTH = 0.6  # [m]
 # SUMO parameters by driver; names as in SUMO's documentation of vehicle types.
 _HABITS: dict[str, dict[str, float | str]] = {
     "careful": {
-        "tau": 1.6, "sigma": 0.2, "minGap": 3.0, "speedFactor": 0.9, "lcAssertive": 0.7,
-        "jmTimegapMinor": 2.5, "impatience": 0.0,
+        "tau": 1.6,
+        "sigma": 0.2,
+        "minGap": 3.0,
+        "speedFactor": 0.9,
+        "lcAssertive": 0.7,
+        "jmTimegapMinor": 2.5,
+        "impatience": 0.0,
     },
     "normal": {
-        "tau": 1.1, "sigma": 0.4, "minGap": 2.5, "speedFactor": 1.0, "lcAssertive": 1.0,
-        "jmTimegapMinor": 1.2, "impatience": 0.1,
+        "tau": 1.1,
+        "sigma": 0.4,
+        "minGap": 2.5,
+        "speedFactor": 1.0,
+        "lcAssertive": 1.0,
+        "jmTimegapMinor": 1.2,
+        "impatience": 0.1,
     },
     "aggressive": {
-        "tau": 0.6, "sigma": 0.5, "minGap": 1.2, "speedFactor": 1.15, "lcAssertive": 3.0, "lcPushy": 0.6,
-        "jmTimegapMinor": 0.6, "impatience": 0.6, "jmDriveAfterYellowTime": 3.0,
+        "tau": 0.6,
+        "sigma": 0.5,
+        "minGap": 1.2,
+        "speedFactor": 1.15,
+        "lcAssertive": 3.0,
+        "lcPushy": 0.6,
+        "jmTimegapMinor": 0.6,
+        "impatience": 0.6,
+        "jmDriveAfterYellowTime": 3.0,
     },
     "reckless": {
-        "tau": 0.4, "sigma": 0.6, "minGap": 0.8, "speedFactor": 1.3, "lcAssertive": 5.0, "lcPushy": 1.0,
-        "jmTimegapMinor": 0.3, "impatience": 1.0, "jmDriveAfterYellowTime": 5.0, "jmDriveAfterRedTime": 4.0,
-        "jmIgnoreFoeProb": 0.8, "jmIgnoreFoeSpeed": 70.0,
+        "tau": 0.4,
+        "sigma": 0.6,
+        "minGap": 0.8,
+        "speedFactor": 1.3,
+        "lcAssertive": 5.0,
+        "lcPushy": 1.0,
+        "jmTimegapMinor": 0.3,
+        "impatience": 1.0,
+        "jmDriveAfterYellowTime": 5.0,
+        "jmDriveAfterRedTime": 4.0,
+        "jmIgnoreFoeProb": 0.8,
+        "jmIgnoreFoeSpeed": 70.0,
     },
-}  # fmt: skip
+}
 
 
 def type_name(kind: str, driver: str) -> str:
@@ -98,9 +140,13 @@ def pedestrian_type(driver: str, speed: float) -> dict[str, str]:
     """Attributes of the SUMO vType of a person on foot."""
     hurry = {"careful": 0.0, "normal": 0.1, "aggressive": 0.6, "reckless": 1.0}[driver]
     attributes = {
-        "vClass": "pedestrian", "maxSpeed": f"{speed:.4g}", "desiredMaxSpeed": f"{speed:.4g}", "speedFactor": "1",
-        "speedDev": "0", "impatience": f"{hurry:g}",
-    }  # fmt: skip
+        "vClass": "pedestrian",
+        "maxSpeed": f"{speed:.4g}",
+        "desiredMaxSpeed": f"{speed:.4g}",
+        "speedFactor": "1",
+        "speedDev": "0",
+        "impatience": f"{hurry:g}",
+    }
     if driver == "reckless":
         attributes |= {"jmDriveAfterRedTime": "20", "jmIgnoreFoeProb": "1"}
     return attributes

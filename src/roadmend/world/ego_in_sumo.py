@@ -46,7 +46,12 @@ class EgoInSumo:
                 libsumo.vehicle.setSpeed(EGO, max(0.0, ahead / self._interval))
                 return
         libsumo.vehicle.moveToXY(
-            EGO, "", -1, ego.x + self._front * math.cos(ego.yaw), ego.y + self._front * math.sin(ego.yaw),
-            (90.0 - math.degrees(ego.yaw)) % 360.0, _FREE_PLACE,
-        )  # fmt: skip
+            EGO,
+            "",
+            -1,
+            ego.x + self._front * math.cos(ego.yaw),
+            ego.y + self._front * math.sin(ego.yaw),
+            (90.0 - math.degrees(ego.yaw)) % 360.0,
+            _FREE_PLACE,
+        )
         self._placed = True

@@ -231,9 +231,19 @@ def _netconvert(folder: Path, texts: tuple[str, str, str], options: list[str]) -
         (folder / name).write_text(text, encoding="utf-8")
     target = folder / "built.net.xml"
     command = [
-        str(find_binary("netconvert")), "--node-files", names[0], "--edge-files", names[1], "--output-file", target.name,
-        "--offset.disable-normalization", "true", "--no-warnings", "true", *options,
-    ]  # fmt: skip
+        str(find_binary("netconvert")),
+        "--node-files",
+        names[0],
+        "--edge-files",
+        names[1],
+        "--output-file",
+        target.name,
+        "--offset.disable-normalization",
+        "true",
+        "--no-warnings",
+        "true",
+        *options,
+    ]
     if "<connection " in texts[2]:
         command += ["--connection-files", names[2]]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)

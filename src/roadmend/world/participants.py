@@ -20,9 +20,18 @@ AROUND = 40.0  # [m] centre to centre; everybody within is watched for contact, 
 
 @compiled
 def _measure(
-    raw: Floats, lengths: Floats, widths: Floats, before: Floats, interval: float,
-    ego_x: float, ego_y: float, ego_yaw: float, ego_length: float, ego_width: float, out: Floats,
-) -> float:  # fmt: skip
+    raw: Floats,
+    lengths: Floats,
+    widths: Floats,
+    before: Floats,
+    interval: float,
+    ego_x: float,
+    ego_y: float,
+    ego_yaw: float,
+    ego_length: float,
+    ego_width: float,
+    out: Floats,
+) -> float:
     """SUMO's rows into columns of the project's frame; returns the smallest distance to the ego [m].
 
     ``raw`` (N x 4) holds front bumper x and y [m], degrees clockwise from north and speed [m/s]. ``out`` (7 x N)

@@ -84,9 +84,15 @@ def build_route(network: RoadNetwork, scenario: Scenario) -> BuiltRoute:
     begin = edge_begins[-1][len(edges) - 1]
     goal = begin + (ego.goal if ego.goal is not None else max(last.length - 1.0, 0.5 * last.length))
     route = Route(
-        scenario.name, ego.length, ego.width, min(goal, stages[-1].length), scenario.time_limit,
-        tuple(stages), windows, tuple(sorted(zones, key=lambda zone: (zone.stage, zone.begin))),
-    )  # fmt: skip
+        scenario.name,
+        ego.length,
+        ego.width,
+        min(goal, stages[-1].length),
+        scenario.time_limit,
+        tuple(stages),
+        windows,
+        tuple(sorted(zones, key=lambda zone: (zone.stage, zone.begin))),
+    )
     return BuiltRoute(route, tuple(signals), ego.position)
 
 

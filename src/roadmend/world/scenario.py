@@ -15,8 +15,16 @@ EdgeList = Annotated[list[str], Field(min_length=1, description="road network ed
 
 FamilyName = Literal["S1", "S2", "S3", "S4", "S5"]
 VehicleKind = Literal[
-    "car", "suv", "minivan", "pickup", "truck", "semi_truck", "bus", "motorcycle", "bicycle",
-]  # fmt: skip
+    "car",
+    "suv",
+    "minivan",
+    "pickup",
+    "truck",
+    "semi_truck",
+    "bus",
+    "motorcycle",
+    "bicycle",
+]
 DriverName = Literal["careful", "normal", "aggressive", "reckless"]
 Weather = Literal["clear", "sunny", "cloudy", "overcast", "windy", "rainy", "foggy", "snowy"]
 
@@ -225,12 +233,25 @@ Actor = Annotated[Vehicle | Pedestrian, Field(discriminator="type")]
 
 # Tyre-road friction and how far objects are seen [m], by weather; published ranges for passenger tyres on asphalt.
 _FRICTION: dict[str, float] = {
-    "clear": 0.9, "sunny": 0.9, "cloudy": 0.9, "overcast": 0.85, "windy": 0.85, "rainy": 0.6, "foggy": 0.7, "snowy": 0.35,
-}  # fmt: skip
+    "clear": 0.9,
+    "sunny": 0.9,
+    "cloudy": 0.9,
+    "overcast": 0.85,
+    "windy": 0.85,
+    "rainy": 0.6,
+    "foggy": 0.7,
+    "snowy": 0.35,
+}
 _SENSING: dict[str, float] = {
-    "clear": 150.0, "sunny": 150.0, "cloudy": 150.0, "overcast": 150.0, "windy": 150.0, "rainy": 110.0,
-    "foggy": 60.0, "snowy": 90.0,
-}  # fmt: skip
+    "clear": 150.0,
+    "sunny": 150.0,
+    "cloudy": 150.0,
+    "overcast": 150.0,
+    "windy": 150.0,
+    "rainy": 110.0,
+    "foggy": 60.0,
+    "snowy": 90.0,
+}
 _NIGHT = 0.8  # share of the daytime sensing range that is left at night
 
 

@@ -39,9 +39,17 @@ INTERVAL = INTERVAL_NS * 1e-9  # [s]
 LATERAL_RESOLUTION = 0.8  # [m] SUMO's sublane model: partial overlap, bicycles beside cars, gradual lane changes
 
 _SIGNALS = {
-    "G": Signal.GREEN, "g": Signal.GREEN, "y": Signal.YELLOW, "Y": Signal.YELLOW, "r": Signal.RED, "R": Signal.RED,
-    "u": Signal.RED, "s": Signal.GREEN, "o": Signal.OFF, "O": Signal.OFF,
-}  # fmt: skip
+    "G": Signal.GREEN,
+    "g": Signal.GREEN,
+    "y": Signal.YELLOW,
+    "Y": Signal.YELLOW,
+    "r": Signal.RED,
+    "R": Signal.RED,
+    "u": Signal.RED,
+    "s": Signal.GREEN,
+    "o": Signal.OFF,
+    "O": Signal.OFF,
+}
 
 
 _NO_SIGNALS = np.empty(0, dtype=np.uint8)
@@ -233,10 +241,21 @@ class Simulation:
     def _arguments(self, *, report_collisions: bool) -> list[str]:
         scenario = self.scenario
         arguments = [
-            "--step-length", f"{INTERVAL:g}", "--seed", str(scenario.seed), "--no-step-log", "true",
-            "--no-warnings", "true", "--duration-log.disable", "true", "--time-to-teleport", "-1",
-            "--collision.action", "warn" if report_collisions else "none",
-        ]  # fmt: skip
+            "--step-length",
+            f"{INTERVAL:g}",
+            "--seed",
+            str(scenario.seed),
+            "--no-step-log",
+            "true",
+            "--no-warnings",
+            "true",
+            "--duration-log.disable",
+            "true",
+            "--time-to-teleport",
+            "-1",
+            "--collision.action",
+            "warn" if report_collisions else "none",
+        ]
         if isinstance(scenario.network, SumoConfiguration):
             return [*private_copy(Path(scenario.network.path), Path(self._files.name)), *arguments]
         routes = Path(self._files.name) / "traffic.rou.xml"
@@ -244,8 +263,14 @@ class Simulation:
         if report_collisions:
             arguments += ["--collision.check-junctions", "true", "--collision.mingap-factor", "0"]
         return [
-            "-n", str(self.network.path), "-r", str(routes), "--lateral-resolution", f"{LATERAL_RESOLUTION:g}", *arguments,
-        ]  # fmt: skip
+            "-n",
+            str(self.network.path),
+            "-r",
+            str(routes),
+            "--lateral-resolution",
+            f"{LATERAL_RESOLUTION:g}",
+            *arguments,
+        ]
 
     def _warm_up(self) -> None:
         if isinstance(self.scenario.network, SumoConfiguration):

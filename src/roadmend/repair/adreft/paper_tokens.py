@@ -22,9 +22,17 @@ _SIZE = 1.0 / 5.0  # per metre
 
 @compiled
 def fill_tokens(
-    values: NDArray[np.float32], category: float, x: float, y: float, yaw: float,
-    other_x: Floats, other_y: Floats, other_yaw: Floats, width: Floats, length: Floats,
-) -> None:  # fmt: skip
+    values: NDArray[np.float32],
+    category: float,
+    x: float,
+    y: float,
+    yaw: float,
+    other_x: Floats,
+    other_y: Floats,
+    other_yaw: Floats,
+    width: Floats,
+    length: Floats,
+) -> None:
     """Write N tokens of one category, shape (N, 6), for outlines given in the map frame, seen from the pose x, y, yaw."""
     cosine, sine = math.cos(yaw), math.sin(yaw)
     for index in range(other_x.shape[0]):
@@ -60,11 +68,27 @@ class PaperTokenizer:
         rows = np.full(count + points, -1, dtype=np.int32)
         rows[:count] = np.arange(count, dtype=np.int32)
         fill_tokens(
-            values[:count], _PARTICIPANT, ego.x, ego.y, ego.yaw,
-            objects.x, objects.y, objects.yaw, objects.width, objects.length,
-        )  # fmt: skip
+            values[:count],
+            _PARTICIPANT,
+            ego.x,
+            ego.y,
+            ego.yaw,
+            objects.x,
+            objects.y,
+            objects.yaw,
+            objects.width,
+            objects.length,
+        )
         fill_tokens(
-            values[count:], _POINT, ego.x, ego.y, ego.yaw,
-            plan.x, plan.y, plan.yaw, np.full(points, ego.width), np.full(points, ego.length),
-        )  # fmt: skip
+            values[count:],
+            _POINT,
+            ego.x,
+            ego.y,
+            ego.yaw,
+            plan.x,
+            plan.y,
+            plan.yaw,
+            np.full(points, ego.width),
+            np.full(points, ego.length),
+        )
         return TokenSet(values, rows)

@@ -21,17 +21,39 @@ def time_to_rear(scene: Scene) -> float:
     ego, objects = scene.ego, scene.objects
     return float(
         _least_time(
-            ego.x, ego.y, ego.yaw, ego.speed, ego.length, ego.width,
-            objects.x, objects.y, objects.yaw, objects.speed, objects.yaw_rate, objects.length, objects.width,
+            ego.x,
+            ego.y,
+            ego.yaw,
+            ego.speed,
+            ego.length,
+            ego.width,
+            objects.x,
+            objects.y,
+            objects.yaw,
+            objects.speed,
+            objects.yaw_rate,
+            objects.length,
+            objects.width,
         )
-    )  # fmt: skip
+    )
 
 
 @compiled
 def _least_time(
-    ego_x: float, ego_y: float, ego_yaw: float, ego_speed: float, ego_length: float, ego_width: float,
-    x: Floats, y: Floats, yaw: Floats, speed: Floats, yaw_rate: Floats, length: Floats, width: Floats,
-) -> float:  # fmt: skip
+    ego_x: float,
+    ego_y: float,
+    ego_yaw: float,
+    ego_speed: float,
+    ego_length: float,
+    ego_width: float,
+    x: Floats,
+    y: Floats,
+    yaw: Floats,
+    speed: Floats,
+    yaw_rate: Floats,
+    length: Floats,
+    width: Floats,
+) -> float:
     least = math.inf
     for index in range(x.shape[0]):
         along, aside, heading = way_coordinates(

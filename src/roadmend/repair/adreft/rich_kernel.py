@@ -61,10 +61,23 @@ def bound(tokens: Tokens) -> None:
 
 @compiled
 def _forecast(
-    row: Tokens, points: Floats, count: int, progress: Floats, plan_interval: float, tail_speed: float,
-    speed: float, ego_length: float, ego_width: float, poses: Floats, length: float, width: float,
-    own: Floats, their: Floats, column: int, deceleration: float,
-) -> None:  # fmt: skip
+    row: Tokens,
+    points: Floats,
+    count: int,
+    progress: Floats,
+    plan_interval: float,
+    tail_speed: float,
+    speed: float,
+    ego_length: float,
+    ego_width: float,
+    poses: Floats,
+    length: float,
+    width: float,
+    own: Floats,
+    their: Floats,
+    column: int,
+    deceleration: float,
+) -> None:
     """Least gap between the outlines over the horizon, as a share of NEAR, and its time as a share of HORIZON."""
     least, when = NEAR, HORIZON
     radii = 0.5 * (math.hypot(ego_length, ego_width) + math.hypot(length, width))
@@ -87,12 +100,28 @@ def _forecast(
 
 @compiled
 def fill_participants(
-    tokens: Tokens, rows: NDArray[np.int32], reach: float,
-    points: Floats, count: int, zero: int, progress: Floats, plan_interval: float, tail_speed: float,
-    speed: float, ego_length: float, ego_width: float, kind: NDArray[np.uint8],
-    x: Floats, y: Floats, yaw: Floats, other_speed: Floats, acceleration: Floats, yaw_rate: Floats,
-    length: Floats, width: Floats,
-) -> int:  # fmt: skip
+    tokens: Tokens,
+    rows: NDArray[np.int32],
+    reach: float,
+    points: Floats,
+    count: int,
+    zero: int,
+    progress: Floats,
+    plan_interval: float,
+    tail_speed: float,
+    speed: float,
+    ego_length: float,
+    ego_width: float,
+    kind: NDArray[np.uint8],
+    x: Floats,
+    y: Floats,
+    yaw: Floats,
+    other_speed: Floats,
+    acceleration: Floats,
+    yaw_rate: Floats,
+    length: Floats,
+    width: Floats,
+) -> int:
     """Write one token for every object within ``reach`` [m]; returns their number."""
     own = np.empty((4, 2), dtype=np.float64)
     their = np.empty((4, 2), dtype=np.float64)
@@ -131,30 +160,95 @@ def fill_participants(
         poses[0, 0], poses[0, 1], poses[0, 2], poses[0, 3] = x[index], y[index], yaw[index], other_speed[index]
         roll_object(poses, 0, STEPS, yaw_rate[index], 0.0, INTERVAL)
         _forecast(
-            row, points, count, progress, plan_interval, tail_speed, speed, ego_length, ego_width,
-            poses, length[index], width[index], own, their, FORECAST, -1.0,
-        )  # fmt: skip
+            row,
+            points,
+            count,
+            progress,
+            plan_interval,
+            tail_speed,
+            speed,
+            ego_length,
+            ego_width,
+            poses,
+            length[index],
+            width[index],
+            own,
+            their,
+            FORECAST,
+            -1.0,
+        )
         _forecast(
-            row, points, count, progress, plan_interval, tail_speed, speed, ego_length, ego_width,
-            poses, length[index], width[index], own, their, FORECAST + 4, 3.2,
-        )  # fmt: skip
+            row,
+            points,
+            count,
+            progress,
+            plan_interval,
+            tail_speed,
+            speed,
+            ego_length,
+            ego_width,
+            poses,
+            length[index],
+            width[index],
+            own,
+            their,
+            FORECAST + 4,
+            3.2,
+        )
         _forecast(
-            row, points, count, progress, plan_interval, tail_speed, speed, ego_length, ego_width,
-            poses, length[index], width[index], own, their, FORECAST + 6, 8.0,
-        )  # fmt: skip
+            row,
+            points,
+            count,
+            progress,
+            plan_interval,
+            tail_speed,
+            speed,
+            ego_length,
+            ego_width,
+            poses,
+            length[index],
+            width[index],
+            own,
+            their,
+            FORECAST + 6,
+            8.0,
+        )
         poses[0, 3] = max(other_speed[index], 0.05) if acceleration[index] > 0.0 else other_speed[index]
         roll_object(poses, 0, STEPS, yaw_rate[index], max(-6.0, min(2.5, acceleration[index])), INTERVAL)
         _forecast(
-            row, points, count, progress, plan_interval, tail_speed, speed, ego_length, ego_width,
-            poses, length[index], width[index], own, their, FORECAST + 2, -1.0,
-        )  # fmt: skip
+            row,
+            points,
+            count,
+            progress,
+            plan_interval,
+            tail_speed,
+            speed,
+            ego_length,
+            ego_width,
+            poses,
+            length[index],
+            width[index],
+            own,
+            their,
+            FORECAST + 2,
+            -1.0,
+        )
 
         row[ENTER], row[THEY_ENTER], row[THEY_LEAVE] = 1.0, 1.0, 1.0
         half_swath = 0.5 * (ego_width + width[index])
         begin, _end, least, greatest, _ = shared_ground(
-            points, count, zero, half_swath, x[index], y[index], yaw[index], other_speed[index], yaw_rate[index],
-            0.5 * length[index], 80.0,
-        )  # fmt: skip
+            points,
+            count,
+            zero,
+            half_swath,
+            x[index],
+            y[index],
+            yaw[index],
+            other_speed[index],
+            yaw_rate[index],
+            0.5 * length[index],
+            80.0,
+        )
         if begin < math.inf:
             pace = max(other_speed[index], 0.3)
             enter = planned_time(progress, plan_interval, tail_speed, begin - 0.5 * (ego_length + width[index]))
@@ -168,9 +262,15 @@ def fill_participants(
 
 @compiled
 def fill_plan(
-    tokens: Tokens, first: int, points: Floats, count: int, zero: int,
-    progress: Floats, plan_interval: float, tail_speed: float,
-) -> None:  # fmt: skip
+    tokens: Tokens,
+    first: int,
+    points: Floats,
+    count: int,
+    zero: int,
+    progress: Floats,
+    plan_interval: float,
+    tail_speed: float,
+) -> None:
     """Write PLAN_TOKENS tokens of the planned trajectory, in equal steps of time."""
     ego_x, ego_y, ego_yaw = points[0, zero], points[1, zero], points[3, zero]
     cosine, sine = math.cos(ego_yaw), math.sin(ego_yaw)
@@ -192,9 +292,20 @@ def fill_plan(
 
 @compiled
 def fill_ego(
-    row: Tokens, speed: float, yaw_rate: float, length: float, width: float, action: float, acceleration: float,
-    stood: float, changes: float, zones: Floats, stage: int, positions: Floats, signals: NDArray[np.uint8],
-) -> None:  # fmt: skip
+    row: Tokens,
+    speed: float,
+    yaw_rate: float,
+    length: float,
+    width: float,
+    action: float,
+    acceleration: float,
+    stood: float,
+    changes: float,
+    zones: Floats,
+    stage: int,
+    positions: Floats,
+    signals: NDArray[np.uint8],
+) -> None:
     """Write the ego's token; ``zones`` has the rows stage, begin, end, rule, signal of the route's zones."""
     row[:] = 0.0
     row[EGO] = 1.0

@@ -66,20 +66,45 @@ class RichTokenizer:
         values = np.empty((len(objects) + PLAN_TOKENS + 1, ATTRIBUTES), dtype=np.float32)
         rows = np.full(len(objects) + PLAN_TOKENS + 1, -1, dtype=np.int32)
         number = fill_participants(
-            values, rows, self._reach,
-            path.points, path.count, path.zero, path.progress, path.interval, path.tail_speed,
-            speed, ego.length, ego.width, objects.kind,
-            objects.x, objects.y, objects.yaw, objects.speed, objects.acceleration, objects.yaw_rate,
-            objects.length, objects.width,
-        )  # fmt: skip
-        fill_plan(
-            values, number, path.points, path.count, path.zero, path.progress, path.interval, path.tail_speed
-        )  # fmt: skip
+            values,
+            rows,
+            self._reach,
+            path.points,
+            path.count,
+            path.zero,
+            path.progress,
+            path.interval,
+            path.tail_speed,
+            speed,
+            ego.length,
+            ego.width,
+            objects.kind,
+            objects.x,
+            objects.y,
+            objects.yaw,
+            objects.speed,
+            objects.acceleration,
+            objects.yaw_rate,
+            objects.length,
+            objects.width,
+        )
+        fill_plan(values, number, path.points, path.count, path.zero, path.progress, path.interval, path.tail_speed)
         positions: NDArray[np.float64] = np.array(path.stage_positions, dtype=np.float64)
         fill_ego(
-            values[number + PLAN_TOKENS], speed, ego.yaw_rate, ego.length, ego.width, decision.command.action,
-            acceleration, self._stood, self._changes - path.stage, self._zones, path.stage, positions, scene.signals,
-        )  # fmt: skip
+            values[number + PLAN_TOKENS],
+            speed,
+            ego.yaw_rate,
+            ego.length,
+            ego.width,
+            decision.command.action,
+            acceleration,
+            self._stood,
+            self._changes - path.stage,
+            self._zones,
+            path.stage,
+            positions,
+            scene.signals,
+        )
         count = number + PLAN_TOKENS + 1
         bound(values[:count])
         return TokenSet(values[:count], rows[:count])

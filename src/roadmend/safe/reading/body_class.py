@@ -10,38 +10,80 @@ import yaml
 from roadmend.safe.dsl import Model
 
 _MAKE_ALIASES = {
-    "chevy": "chevrolet", "mercedes benz": "mercedes-benz", "mercedes": "mercedes-benz", "vw": "volkswagen",
-    "mini-cooper": "mini", "landrover": "land rover", "toyota/scion": "scion", "rolls royce": "rolls-royce",
-    "olds": "oldsmobile", "caddy": "cadillac", "harley-davidson": "harley-davidson", "infinity": "infiniti",
-    "hundai": "hyundai", "hyundia": "hyundai", "mitsubshi": "mitsubishi", "volkswagon": "volkswagen",
-    "freighliner": "freightliner", "chevorlet": "chevrolet", "chrystler": "chrysler",
-}  # fmt: skip
+    "chevy": "chevrolet",
+    "mercedes benz": "mercedes-benz",
+    "mercedes": "mercedes-benz",
+    "vw": "volkswagen",
+    "mini-cooper": "mini",
+    "landrover": "land rover",
+    "toyota/scion": "scion",
+    "rolls royce": "rolls-royce",
+    "olds": "oldsmobile",
+    "caddy": "cadillac",
+    "harley-davidson": "harley-davidson",
+    "infinity": "infiniti",
+    "hundai": "hyundai",
+    "hyundia": "hyundai",
+    "mitsubshi": "mitsubishi",
+    "volkswagon": "volkswagen",
+    "freighliner": "freightliner",
+    "chevorlet": "chevrolet",
+    "chrystler": "chrysler",
+}
 
 # In the order in which they win; the confidence is that of the class where these words are all there is.
 _BODY_WORDS: tuple[tuple[Model, float, str], ...] = (
-    (Model.SEMI_TRUCK, 0.95,
-     (r"(?<!farm )tractor(?! mower)|semi(?!-?automatic)(?:-?\s?(?:truck|trailer))?s?|18[- ]wheel(?:er)?|big rig|"
-      r"articulated (?:truck|lorry)|truck[- ]trailer|class 8 truck|bobtail")),
-    (Model.MINIVAN, 0.95, (
-         r"minivan|(?<!\w)(?:cargo|conversion|passenger|delivery|full[- ]?size|work|panel|step|utility)[- ]?van|van|"
-         r"people[- ](?:carrier|mover)|mpv"
-     )),
-    (Model.PICKUP, 0.95, r"pickup(?: ?truck)?|(?:crew|extended|quad|king|super|regular|double|access)[- ]?cab|light truck"),
-    (Model.SUV, 0.95,
-     (r"sports?[- ]?utility(?: vehicle)?|suvs?|s\.u\.v\.|crossover|"
-      r"(?:compact|large|mid[- ]?size|full[- ]?size|small|4-door|2-door|4[- ]wheel[- ]drive|"
-      r"4x4,?)? ?utility(?! (?:trailer|pole|van|truck|line|box|room|company|work))(?: vehicle)?|cuv")),
-    (Model.SEDAN, 0.95,
-     (r"sedan|saloon|coupe|hatch-?back|convertible|cabriolet|estate car|roadster|(?:station )?wagon|fastback|"
-      r"lift-?back|limousine|sports? car|passenger car|hard-?top|spyder")),
-    (Model.SEMI_TRUCK, 0.5,
-     (r"(?:medium|heavy|heavy[- ]duty|medium[- ]duty|medium/heavy|large|commercial|box|cargo|dump|straight|"
-      r"flat-?bed|delivery|tow|garbage|refuse|cement|concrete|mixer|tanker|fire|military|army|moving|log(?:ging)?|"
-      r"stake|bucket|utility|single[- ]unit|stake[- ]?bed|u-haul)[- ](?:\w+ )?truck|fire engine|"
-      r"(?:school |transit |city |tour |shuttle )?bus|motor ?home|motor ?coach|recreational vehicle|lorry|"
-      r"truck-tractor")),
+    (
+        Model.SEMI_TRUCK,
+        0.95,
+        (
+            r"(?<!farm )tractor(?! mower)|semi(?!-?automatic)(?:-?\s?(?:truck|trailer))?s?|18[- ]wheel(?:er)?|big rig|"
+            r"articulated (?:truck|lorry)|truck[- ]trailer|class 8 truck|bobtail"
+        ),
+    ),
+    (
+        Model.MINIVAN,
+        0.95,
+        (
+            r"minivan|(?<!\w)(?:cargo|conversion|passenger|delivery|full[- ]?size|work|panel|step|utility)[- ]?van|van|"
+            r"people[- ](?:carrier|mover)|mpv"
+        ),
+    ),
+    (
+        Model.PICKUP,
+        0.95,
+        r"pickup(?: ?truck)?|(?:crew|extended|quad|king|super|regular|double|access)[- ]?cab|light truck",
+    ),
+    (
+        Model.SUV,
+        0.95,
+        (
+            r"sports?[- ]?utility(?: vehicle)?|suvs?|s\.u\.v\.|crossover|"
+            r"(?:compact|large|mid[- ]?size|full[- ]?size|small|4-door|2-door|4[- ]wheel[- ]drive|"
+            r"4x4,?)? ?utility(?! (?:trailer|pole|van|truck|line|box|room|company|work))(?: vehicle)?|cuv"
+        ),
+    ),
+    (
+        Model.SEDAN,
+        0.95,
+        (
+            r"sedan|saloon|coupe|hatch-?back|convertible|cabriolet|estate car|roadster|(?:station )?wagon|fastback|"
+            r"lift-?back|limousine|sports? car|passenger car|hard-?top|spyder"
+        ),
+    ),
+    (
+        Model.SEMI_TRUCK,
+        0.5,
+        (
+            r"(?:medium|heavy|heavy[- ]duty|medium[- ]duty|medium/heavy|large|commercial|box|cargo|dump|straight|"
+            r"flat-?bed|delivery|tow|garbage|refuse|cement|concrete|mixer|tanker|fire|military|army|moving|log(?:ging)?|"
+            r"stake|bucket|utility|single[- ]unit|stake[- ]?bed|u-haul)[- ](?:\w+ )?truck|fire engine|"
+            r"(?:school |transit |city |tour |shuttle )?bus|motor ?home|motor ?coach|recreational vehicle|lorry|"
+            r"truck-tractor"
+        ),
+    ),
     (Model.SEDAN, 0.6, r"(?:sub-?)?compact(?:-size[d]?)?(?: car)?|police car|taxi(?:cab)?|(?:2|3|4|5)[- ]door|car"),
-)  # fmt: skip
+)
 _NO_CLASS = re.compile(
     r"\b(motorcycle|motor ?bike|motor ?scooter|moped|bicycle|farm tractor|atv|all[- ]terrain vehicle|snowmobile|"
     r"train|trolley|golf cart|go-?kart|tram)\b"
@@ -89,14 +131,10 @@ class Name:
 def _table() -> dict[str, dict[str, Model]]:
     content = importlib.resources.files(__package__).joinpath("vehicle_models.yaml").read_text(encoding="utf-8")
     return {
-        make: {
-            str(name): Model(body)
-            for body, names in bodies.items()
-            if body != "any"
-            for name in names
-        } | ({"": Model(bodies["any"])} if "any" in bodies else {})
+        make: {str(name): Model(body) for body, names in bodies.items() if body != "any" for name in names}
+        | ({"": Model(bodies["any"])} if "any" in bodies else {})
         for make, bodies in yaml.safe_load(content).items()
-    }  # fmt: skip
+    }
 
 
 @functools.cache

@@ -9,11 +9,17 @@ from roadmend.safe.reading.finding import Finding, nothing
 
 _OF = {"north": Position.S2N, "south": Position.N2S, "east": Position.W2E, "west": Position.E2W}
 _OPPOSITE = {
-    Position.S2N: Position.N2S, Position.N2S: Position.S2N, Position.W2E: Position.E2W, Position.E2W: Position.W2E,
-}  # fmt: skip
+    Position.S2N: Position.N2S,
+    Position.N2S: Position.S2N,
+    Position.W2E: Position.E2W,
+    Position.E2W: Position.W2E,
+}
 _TO_THE_LEFT = {
-    Position.S2N: Position.E2W, Position.E2W: Position.N2S, Position.N2S: Position.W2E, Position.W2E: Position.S2N,
-}  # fmt: skip
+    Position.S2N: Position.E2W,
+    Position.E2W: Position.N2S,
+    Position.N2S: Position.W2E,
+    Position.W2E: Position.S2N,
+}
 _TO_THE_RIGHT = {left: straight for straight, left in _TO_THE_LEFT.items()}
 
 _COMPASS = r"(north|south|east|west)"

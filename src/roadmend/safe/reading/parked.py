@@ -16,9 +16,11 @@ _ALONG = re.compile(rf"\b(?:(north|south|east|west)|(left|right))(?:ern)?(?: han
 # Where traffic keeps to the right, those who head west have the north edge beside them.
 _ALONG_EDGE = {"north": Position.E2W, "south": Position.W2E, "east": Position.S2N, "west": Position.N2S}
 _EDGES = {
-    Position.W2E: {"north", "south"}, Position.E2W: {"north", "south"},
-    Position.S2N: {"east", "west"}, Position.N2S: {"east", "west"},
-}  # fmt: skip
+    Position.W2E: {"north", "south"},
+    Position.E2W: {"north", "south"},
+    Position.S2N: {"east", "west"},
+    Position.N2S: {"east", "west"},
+}
 
 
 def park_headings(headings: Headings, clauses: Sequence[Clause]) -> dict[int, Finding[Position]]:

@@ -104,8 +104,13 @@ def _assemble(cast: Cast) -> Reading:
         action = _action(turns[number])
         is_truck = model.value is Model.SEMI_TRUCK
         limit = limit_for(number, known[number], limits, at_junction=at_junction, is_truck=is_truck)
-        fields = {"model": model, "initial_position": position, "action": action, "speed_limit_mph": limit,
-                  "manoeuvre": manoeuvres[number]}  # fmt: skip
+        fields = {
+            "model": model,
+            "initial_position": position,
+            "action": action,
+            "speed_limit_mph": limit,
+            "manoeuvre": manoeuvres[number],
+        }
         findings |= {f"vehicles[{index}].{name}": finding for name, finding in fields.items()}
         vehicles.append(Vehicle(model.value, position.value, action.value, limit.value, manoeuvres[number].value))
     findings |= {"env.time": time, "env.weather": weather}

@@ -23,13 +23,17 @@ _VALUE = re.compile(
     r", )?(?:(?P<second>\d{1,3}(?:\.\d+)?) (?P<unit2>(?!(?P=unit))(?:mph|km/h)))?"
 )
 _AXES = {
-    "ns": re.compile(r"\bnorth(?:bound)?\s*(?:/|-|and|or|to)?\s*(?:and )?south(?:bound)?\b|"
-                     r"\bsouth(?:bound)?\s*(?:/|-|and)\s*north|\b(?:north|south)bound (?:\w+ )?(?:lanes?|roadway|"
-                     r"road|traffic|travel|direction|approach|street)|\b(?:north|south) (?:\w+ )?(?:lanes?|roadway)"),
-    "ew": re.compile(r"\beast(?:bound)?\s*(?:/|-|and|or|to)?\s*(?:and )?west(?:bound)?\b|"
-                     r"\bwest(?:bound)?\s*(?:/|-|and)\s*east|\b(?:east|west)bound (?:\w+ )?(?:lanes?|roadway|road|"
-                     r"traffic|travel|direction|approach|street)|\b(?:east|west) (?:\w+ )?(?:lanes?|roadway)"),
-}  # fmt: skip
+    "ns": re.compile(
+        r"\bnorth(?:bound)?\s*(?:/|-|and|or|to)?\s*(?:and )?south(?:bound)?\b|"
+        r"\bsouth(?:bound)?\s*(?:/|-|and)\s*north|\b(?:north|south)bound (?:\w+ )?(?:lanes?|roadway|"
+        r"road|traffic|travel|direction|approach|street)|\b(?:north|south) (?:\w+ )?(?:lanes?|roadway)"
+    ),
+    "ew": re.compile(
+        r"\beast(?:bound)?\s*(?:/|-|and|or|to)?\s*(?:and )?west(?:bound)?\b|"
+        r"\bwest(?:bound)?\s*(?:/|-|and)\s*east|\b(?:east|west)bound (?:\w+ )?(?:lanes?|roadway|road|"
+        r"traffic|travel|direction|approach|street)|\b(?:east|west) (?:\w+ )?(?:lanes?|roadway)"
+    ),
+}
 _AXIS_OF = {Position.N2S: "ns", Position.S2N: "ns", Position.W2E: "ew", Position.E2W: "ew"}
 _TOWARDS = {Position.N2S: "south", Position.S2N: "north", Position.W2E: "east", Position.E2W: "west"}
 _LABEL = re.compile(r"\b(\d+)-?\s?lane\b")

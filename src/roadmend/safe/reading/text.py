@@ -8,10 +8,22 @@ from roadmend.safe.reading.vehicle_names import name_vehicles
 
 MAX_SENTENCE = 1500  # [characters] longer ones are cut: no rule looks that far, and time stays bounded
 
-_CHARACTERS = str.maketrans({
-    "\u2018": "'", "\u2019": "'", "\u02bc": "'", "\u201c": '"', "\u201d": '"', "\u2010": "-", "\u2011": "-",
-    "\u2012": "-", "\u2013": "-", "\u2014": " - ", "\u2026": "...", "\u00a0": " ",
-})  # fmt: skip
+_CHARACTERS = str.maketrans(
+    {
+        "\u2018": "'",
+        "\u2019": "'",
+        "\u02bc": "'",
+        "\u201c": '"',
+        "\u201d": '"',
+        "\u2010": "-",
+        "\u2011": "-",
+        "\u2012": "-",
+        "\u2013": "-",
+        "\u2014": " - ",
+        "\u2026": "...",
+        "\u00a0": " ",
+    }
+)
 _ABBREVIATIONS = re.compile(
     r"\b(approx|appr|no|nos|st|ave|blvd|rd|hwy|mr|mrs|ms|dr|jr|sr|vs|ft|veh|ca|etc|deg|min|u\.s|e\.g|i\.e)\.(?=\s)",
     re.IGNORECASE,

@@ -47,9 +47,14 @@ _STRAIGHT = re.compile(
 )
 
 _MANOEUVRES = (
-    (Manoeuvre.MERGE, re.compile(r"\b(?:merg(?:e|ed|ing)\b|(?:entering|enter|entered) (?:the |"
-                                 r"onto the )?(?:same )?(?:freeway|highway|interstate|expressway)|"
-                                 r"acceleration lane)")),
+    (
+        Manoeuvre.MERGE,
+        re.compile(
+            r"\b(?:merg(?:e|ed|ing)\b|(?:entering|enter|entered) (?:the |"
+            r"onto the )?(?:same )?(?:freeway|highway|interstate|expressway)|"
+            r"acceleration lane)"
+        ),
+    ),
     (
         Manoeuvre.ENTER_THE_WRONG_WAY,
         re.compile(
@@ -69,10 +74,15 @@ _MANOEUVRES = (
             r"outside|second|third|first|number)? ?(?:(?:north|south|east|west)bound |travel |through )*lane)"
         ),
     ),
-    (Manoeuvre.STOP, re.compile(r"\b(?:was|were|is|been|sat|and|which|that)\s+(?:\w+ ){0,2}(?:stopped|parked|"
-                                r"stationary|at a (?:complete )?stop|disabled|stalled)\b|"
-                                r"\b(?:came|brought[^.;]{0,20}) to a stop\b|^v\d (?:had )?stopped\b")),
-)  # fmt: skip
+    (
+        Manoeuvre.STOP,
+        re.compile(
+            r"\b(?:was|were|is|been|sat|and|which|that)\s+(?:\w+ ){0,2}(?:stopped|parked|"
+            r"stationary|at a (?:complete )?stop|disabled|stalled)\b|"
+            r"\b(?:came|brought[^.;]{0,20}) to a stop\b|^v\d (?:had )?stopped\b"
+        ),
+    ),
+)
 
 _INTO_LANE = re.compile(
     r"\b(?:enter\w*|into|across|cross\w*|onto|over)\b[^.;]{0,30}?\b(north|south|east|"

@@ -49,15 +49,21 @@ class ModelSection(Section, Deciding):
         tokenizer = make_tokenizer(self.tokenizer)
         try:
             encoder = EncoderShape(
-                attributes=tokenizer.attributes, hidden=self.hidden, layers=self.layers, heads=self.heads,
-                feed_forward=self.feed_forward, activation=self.activation,
-            )  # fmt: skip
+                attributes=tokenizer.attributes,
+                hidden=self.hidden,
+                layers=self.layers,
+                heads=self.heads,
+                feed_forward=self.feed_forward,
+                activation=self.activation,
+            )
         except ValidationError as error:
             raise InputError("model", describe(error), "choose a width that the heads divide") from None
         return ModelConfiguration(
-            tokenizer=tokenizer.name, tokenizer_version=tokenizer.version, encoder=encoder,
+            tokenizer=tokenizer.name,
+            tokenizer_version=tokenizer.version,
+            encoder=encoder,
             **{name: getattr(self, name) for name in Deciding.model_fields},
-        )  # fmt: skip
+        )
 
 
 class FramesSection(Section):

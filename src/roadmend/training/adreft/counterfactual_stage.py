@@ -30,9 +30,18 @@ class CounterfactualStage(PracticeStage):
     _stream = 7
 
     def __init__(
-        self, model: ModelConfiguration, section: PracticeSection, trials: TrialSet, labels: Counterfactuals,
-        *, seed: int, device: str, state: Path, log: Path | None = None, start: Mapping[str, NDArray[Any]] | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        model: ModelConfiguration,
+        section: PracticeSection,
+        trials: TrialSet,
+        labels: Counterfactuals,
+        *,
+        seed: int,
+        device: str,
+        state: Path,
+        log: Path | None = None,
+        start: Mapping[str, NDArray[Any]] | None = None,
+    ) -> None:
         """As PracticeStage, with the labels of the trials.
 
         Raises:
@@ -46,10 +55,12 @@ class CounterfactualStage(PracticeStage):
     def _draw(self, generator: np.random.Generator) -> tuple[NDArray[np.int64], Loss]:
         """Decisions of the policy alone and those that tell of an intervention, and the loss of what is foreseen."""
         labels, section = self._labels, self._section
-        drawn = np.concatenate([
-            _some(labels.alone, section.decisions_per_epoch, generator),
-            _some(labels.interfered, section.tried_per_epoch, generator),
-        ])  # fmt: skip
+        drawn = np.concatenate(
+            [
+                _some(labels.alone, section.decisions_per_epoch, generator),
+                _some(labels.interfered, section.tried_per_epoch, generator),
+            ]
+        )
         return generator.permutation(np.unique(drawn)), self._foresight_loss
 
     def _foresight_loss(self, outputs: Tensor, chosen: NDArray[np.int64]) -> Tensor:

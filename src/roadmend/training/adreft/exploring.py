@@ -159,9 +159,7 @@ def explore(roll: Roll) -> Rolled:
     method.end(summary.outcome)
     total = sum(deed.reward for deed in method.deeds)
     transitions = link(method.deeds, roll.section.steps, roll.configuration.encoder.hidden)
-    return Rolled(
-        transitions, roll.case.name, roll.case.is_violation, summary.outcome.name, total, summary.dose
-    )  # fmt: skip
+    return Rolled(transitions, roll.case.name, roll.case.is_violation, summary.outcome.name, total, summary.dose)
 
 
 def link(deeds: list[_Deed], steps: int, hidden: int) -> Transitions:

@@ -67,8 +67,14 @@ class FrameSet:
         """SHA-256 over all that is learned from, hexadecimal."""
         value = hashlib.sha256()
         for array in (
-            self.tokens, self.offsets, self.action, self.critical, self.critical_weight, self.best, self.best_weight
-        ):  # fmt: skip
+            self.tokens,
+            self.offsets,
+            self.action,
+            self.critical,
+            self.critical_weight,
+            self.best,
+            self.best_weight,
+        ):
             value.update(f"{array.dtype.str}{array.shape}".encode())
             value.update(np.ascontiguousarray(array).tobytes())
         return value.hexdigest()
@@ -85,9 +91,14 @@ class FrameSet:
             else (np.zeros((*mask.shape, self.tokens.shape[1]), dtype=np.float32))
         )
         return Batch(
-            tokens, mask, self.action[chosen], self.critical[chosen], self.critical_weight[chosen],
-            self.best[chosen], self.best_weight[chosen],
-        )  # fmt: skip
+            tokens,
+            mask,
+            self.action[chosen],
+            self.critical[chosen],
+            self.critical_weight[chosen],
+            self.best[chosen],
+            self.best_weight[chosen],
+        )
 
     def draw(self, number: int, critical_share: float | None, generator: np.random.Generator) -> NDArray[np.int64]:
         """Indices of the frames of one epoch.

@@ -90,11 +90,16 @@ def frames_of_case(case: EpisodeCase, recipe: Recipe) -> CaseFrames:
         mend = "verify the corpus, and build it again if the policy has changed since"
         raise InputError(f"case {case.name}", f"'{recipe.policy}' does not drive it as the corpus says", mend)
     return CaseFrames(
-        case.name, case.family, summary.outcome.name, summary.duration,
-        np.array(recorder.time), np.array(recorder.action, dtype=np.float32), np.array(recorder.distance),
+        case.name,
+        case.family,
+        summary.outcome.name,
+        summary.duration,
+        np.array(recorder.time),
+        np.array(recorder.action, dtype=np.float32),
+        np.array(recorder.distance),
         np.array([len(tokens) for tokens in recorder.tokens], dtype=np.int32),
         np.concatenate([tokens.values for tokens in recorder.tokens]),
-    )  # fmt: skip
+    )
 
 
 def gather_frames(

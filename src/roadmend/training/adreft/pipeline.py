@@ -54,9 +54,7 @@ class Driver:
 
     def as_header(self) -> dict[str, str]:
         """What a model's header says of it."""
-        return {
-            "corpus": self.corpus_digest, "policy": self.policy_digest, "training": digest_of_cases(self.training)
-        }  # fmt: skip
+        return {"corpus": self.corpus_digest, "policy": self.policy_digest, "training": digest_of_cases(self.training)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,9 +92,16 @@ class Pipeline:
     """One training. All that takes long is kept in ``work``, so that the same call goes on where it was interrupted."""
 
     def __init__(
-        self, configuration: TrainingConfiguration, subject: Subject, *, seed: int, device: str, mapper: Mapper,
-        work: Path, report: Report = lambda _what, _done, _total, _how: None,
-    ) -> None:  # fmt: skip
+        self,
+        configuration: TrainingConfiguration,
+        subject: Subject,
+        *,
+        seed: int,
+        device: str,
+        mapper: Mapper,
+        work: Path,
+        report: Report = lambda _what, _done, _total, _how: None,
+    ) -> None:
         """Prepare a training.
 
         Args:
@@ -185,11 +190,12 @@ class Pipeline:
             if number + 1 == section.rounds:
                 gathered.clear()  # gigabytes, which the joined trials hold once more
             how: dict[str, Any] = {
-                "seed": self._seed + number, "device": self._device,
+                "seed": self._seed + number,
+                "device": self._device,
                 "state": self._work / PRACTICE_STATE.format(number),
                 "log": self._work / "tensorboard" / f"practice-{number}",
                 "start": None if result is None else result.tensors,
-            }  # fmt: skip
+            }
             if labels is None:
                 stage = PracticeStage(self._model, own, trials, **how)
             else:
@@ -210,9 +216,15 @@ class Pipeline:
             guide = self._work / GUIDE.format(number)
             digest = save_model(guide, before.model, before.tensors, self._calibrate(before, validation)[0])
         plan = TrialPlan(
-            section.per_violation, section.per_success, section.blinded, section.interval, self._seed, digest,
-            section.gentle_per_violation, section.gentle_per_success,
-        )  # fmt: skip
+            section.per_violation,
+            section.per_success,
+            section.blinded,
+            section.interval,
+            self._seed,
+            digest,
+            section.gentle_per_violation,
+            section.gentle_per_success,
+        )
         drawn = replace(plan, blinded=section.random_blinded, gentle_per_violation=0, gentle_per_success=0)
         jobs = [
             (Recipe(driver.policy, driver.policy_digest, self._model.tokenizer, 1), cases, how)
@@ -238,9 +250,15 @@ class Pipeline:
             raise InputError(str(state), "there is no supervised stage to begin with", mend)
         training = self._frames(self._subject.driver.training, "training")
         stage = SupervisedStage(
-            self._model, section, training, validation, seed=self._seed, device=self._device, state=state,
+            self._model,
+            section,
+            training,
+            validation,
+            seed=self._seed,
+            device=self._device,
+            state=state,
             log=self._work / "tensorboard",
-        )  # fmt: skip
+        )
 
         def report(epoch: int, figures: EpochFigures | None) -> None:
             how = f"F1 {figures.f1:.3f}, loss {figures.loss:.4f}" if figures is not None else ""
@@ -255,23 +273,27 @@ class Pipeline:
         kept = read_configuration(str(start), checkpoint.header)
         wanted = self._model
         if (kept.tokenizer, kept.encoder, kept.monitor_shape, kept.adapter_shape) != (
-            wanted.tokenizer, wanted.encoder, wanted.monitor_shape, wanted.adapter_shape
-        ):  # fmt: skip
+            wanted.tokenizer,
+            wanted.encoder,
+            wanted.monitor_shape,
+            wanted.adapter_shape,
+        ):
             mend = "give a model of the same configuration, or leave out --start"
             raise InputError(str(start), "has other networks than the configuration asks for", mend)
-        return _Supervised(
-            wanted, checkpoint.tensors, None, checkpoint.header["data_digest"], [checkpoint.digest]
-        )  # fmt: skip
+        return _Supervised(wanted, checkpoint.tensors, None, checkpoint.header["data_digest"], [checkpoint.digest])
 
     def _calibrate(self, before: _Supervised, validation: FrameSet) -> tuple[float, MonitorQuality]:
         """lambda_safe by the compiled networks, so that it is exact for what will run."""
         order = np.arange(len(validation))
         blocks = [block for block in np.array_split(order, max(1, len(order) // 512)) if len(block)]
         sets = [
-            (validation.tokens[validation.offsets[block[0]] : validation.offsets[block[-1] + 1]],
-             validation.sizes[block], validation.action[block])
+            (
+                validation.tokens[validation.offsets[block[0]] : validation.offsets[block[-1] + 1]],
+                validation.sizes[block],
+                validation.action[block],
+            )
             for block in blocks
-        ]  # fmt: skip
+        ]
         scores = np.concatenate(list(self._mapper(partial(_score, before.model, before.tensors), sets)))
         judged = validation.critical_weight > 0.0
         critical = validation.critical[judged] > 0.5
@@ -281,11 +303,19 @@ class Pipeline:
     def _reinforce(self, before: _Supervised, threshold: float) -> tuple[dict[str, NDArray[Any]], list[RoundFigures]]:
         section, subject = self._configuration.reinforcement, self._subject
         stage = ReinforcementStage(
-            before.model, before.tensors, threshold, section, subject.driver.policy, subject.driver.training,
+            before.model,
+            before.tensors,
+            threshold,
+            section,
+            subject.driver.policy,
+            subject.driver.training,
             subject.validation,
-            seed=self._seed, device=self._device, mapper=self._mapper, state=self._work / REINFORCEMENT_STATE,
+            seed=self._seed,
+            device=self._device,
+            mapper=self._mapper,
+            state=self._work / REINFORCEMENT_STATE,
             log=self._work / "tensorboard",
-        )  # fmt: skip
+        )
         best = -math.inf
 
         def report(episodes: int, figures: RoundFigures) -> None:
@@ -322,12 +352,16 @@ class Pipeline:
         worths = [figures.worth for figures in history if figures.worth is not None]
         return {
             "configuration": {
-                "training": self._configuration.model_dump(mode="json"), "seed": self._seed, "only": only,
-                "policy": subject.driver.policy, "roadmend": __version__,
+                "training": self._configuration.model_dump(mode="json"),
+                "seed": self._seed,
+                "only": only,
+                "policy": subject.driver.policy,
+                "roadmend": __version__,
             },
             "data_digest": before.data_digest,
             "data": {
-                **subject.driver.as_header(), "validation": digest_of_cases(subject.validation),
+                **subject.driver.as_header(),
+                "validation": digest_of_cases(subject.validation),
                 "also": [{"name": other.policy, **other.as_header()} for other in subject.also],
             },
             "ancestry": before.ancestry,
@@ -341,7 +375,7 @@ class Pipeline:
                     "worth": max(worths, default=None),
                 },
             },
-        }  # fmt: skip
+        }
 
 
 def _check_adapter(configuration: TrainingConfiguration) -> None:

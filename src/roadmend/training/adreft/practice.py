@@ -51,9 +51,17 @@ class PracticeStage:
     _stream = 5  # of random numbers, so that stages of one seed share none
 
     def __init__(
-        self, model: ModelConfiguration, section: PracticeSection, trials: TrialSet,
-        *, seed: int, device: str, state: Path, log: Path | None = None, start: Mapping[str, NDArray[Any]] | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        model: ModelConfiguration,
+        section: PracticeSection,
+        trials: TrialSet,
+        *,
+        seed: int,
+        device: str,
+        state: Path,
+        log: Path | None = None,
+        start: Mapping[str, NDArray[Any]] | None = None,
+    ) -> None:
         """Prepare the stage, or load where it stood.
 
         Args:
@@ -83,8 +91,10 @@ class PracticeStage:
         self._identity = {
             # Prices are added when the model drives: others go with the same networks.
             "model": model.model_dump(mode="json", exclude={"weighing"}),
-            "practice": section.model_dump(mode="json"), "seed": seed, "trials": trials.digest,
-        }  # fmt: skip
+            "practice": section.model_dump(mode="json"),
+            "seed": seed,
+            "trials": trials.digest,
+        }
         self.history: list[PracticeFigures] = []
         if state.exists():
             self._load()
@@ -200,9 +210,12 @@ class PracticeStage:
     def _save(self) -> None:
         tensors = {**tensors_of(self.network, "now."), **optimizer_tensors(self._optimizer, "optimizer.")}
         header = {
-            "kind": KIND, "configuration": self._identity, "data_digest": self._identity["trials"], "ancestry": [],
+            "kind": KIND,
+            "configuration": self._identity,
+            "data_digest": self._identity["trials"],
+            "ancestry": [],
             "metrics": {"history": [asdict(figures) for figures in self.history]},
-        }  # fmt: skip
+        }
         save_checkpoint(self._state, tensors, header)
 
     def _load(self) -> None:

@@ -52,10 +52,21 @@ class ReinforcementStage:
     """One run of the stage. ``state`` is the file from which it goes on after an interruption."""
 
     def __init__(
-        self, model: ModelConfiguration, tensors: dict[str, NDArray[Any]], threshold: float,
-        section: ReinforcementSection, policy: str, training: Sequence[EpisodeCase], validation: Sequence[EpisodeCase],
-        *, seed: int, device: str, mapper: Mapper, state: Path, log: Path | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        model: ModelConfiguration,
+        tensors: dict[str, NDArray[Any]],
+        threshold: float,
+        section: ReinforcementSection,
+        policy: str,
+        training: Sequence[EpisodeCase],
+        validation: Sequence[EpisodeCase],
+        *,
+        seed: int,
+        device: str,
+        mapper: Mapper,
+        state: Path,
+        log: Path | None = None,
+    ) -> None:
         """Prepare the stage, or load where it stood.
 
         Args:
@@ -89,10 +100,15 @@ class ReinforcementStage:
         self._optimizer = torch.optim.Adam(self._online.parameters(), lr=section.learning_rate)
         self._memory = ReplayMemory(section.memory, model.encoder.hidden)
         self._identity = {
-            "model": model.model_dump(mode="json"), "reinforcement": section.model_dump(mode="json"), "seed": seed,
-            "policy": policy, "threshold": threshold, "networks": _digest_of(self._tensors),
-            "training": digest_of_cases(training), "validation": digest_of_cases(validation),
-        }  # fmt: skip
+            "model": model.model_dump(mode="json"),
+            "reinforcement": section.model_dump(mode="json"),
+            "seed": seed,
+            "policy": policy,
+            "threshold": threshold,
+            "networks": _digest_of(self._tensors),
+            "training": digest_of_cases(training),
+            "validation": digest_of_cases(validation),
+        }
         self.episode = 0  # episodes done
         self.updates = 0
         self.history: list[RoundFigures] = []
@@ -125,10 +141,17 @@ class ReinforcementStage:
             violations = [entry for entry in rolled if entry.is_violation]
             number = (self.history[-1].round if self.history else 0) + 1
             figures = RoundFigures(
-                number, self.episode, epsilon,
+                number,
+                self.episode,
+                epsilon,
                 sum(entry.outcome == "GOAL" for entry in violations) / max(1, len(violations)),
-                sum(entry.total for entry in rolled) / len(rolled), loss, value, self.updates, None, None,
-            )  # fmt: skip
+                sum(entry.total for entry in rolled) / len(rolled),
+                loss,
+                value,
+                self.updates,
+                None,
+                None,
+            )
             if section.keep == "best" and (number % section.validate_every == 0 or self.episode >= section.episodes):
                 figures = self._validate(figures)
             self._keep_figures(figures, writer, report)
@@ -166,11 +189,17 @@ class ReinforcementStage:
         numbers = range(self.episode, min(self.episode + section.round, section.episodes))
         rolls = [
             Roll(
-                self._episodes[number], self._policy, self._model, tensors, self._threshold, section, epsilon,
+                self._episodes[number],
+                self._policy,
+                self._model,
+                tensors,
+                self._threshold,
+                section,
+                epsilon,
                 (self._seed, 3, number),
             )
             for number in numbers
-        ]  # fmt: skip
+        ]
         rolled = list(self._mapper(explore, rolls))
         for entry in rolled:
             self._memory.add(entry.transitions)
@@ -246,10 +275,15 @@ class ReinforcementStage:
             **self._memory.tensors("memory."),
         }
         header = {
-            "kind": KIND, "configuration": self._identity, "data_digest": self._identity["training"], "ancestry": [],
+            "kind": KIND,
+            "configuration": self._identity,
+            "data_digest": self._identity["training"],
+            "ancestry": [],
             "metrics": {"history": [asdict(figures) for figures in self.history], "best": self._best_worth},
-            "episode": self.episode, "updates": self.updates, "added": self._memory.added,
-        }  # fmt: skip
+            "episode": self.episode,
+            "updates": self.updates,
+            "added": self._memory.added,
+        }
         save_checkpoint(self._state, tensors, header)
 
     def _load(self) -> None:

@@ -57,9 +57,17 @@ class SupervisedStage:
     """One run of the stage. ``state`` is the file from which it goes on after an interruption."""
 
     def __init__(
-        self, model: ModelConfiguration, section: SupervisedSection, training: FrameSet, validation: FrameSet,
-        *, seed: int, device: str, state: Path, log: Path | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        model: ModelConfiguration,
+        section: SupervisedSection,
+        training: FrameSet,
+        validation: FrameSet,
+        *,
+        seed: int,
+        device: str,
+        state: Path,
+        log: Path | None = None,
+    ) -> None:
         """Prepare the stage, or load where it stood.
 
         Args:
@@ -85,9 +93,12 @@ class SupervisedStage:
         kind = torch.optim.AdamW if section.optimizer == "adamw" else torch.optim.Adam
         self._optimizer = kind(self.network.parameters(), lr=section.learning_rate, weight_decay=section.weight_decay)
         self._identity = {
-            "model": model.model_dump(mode="json"), "supervised": section.model_dump(mode="json"), "seed": seed,
-            "training": training.digest, "validation": validation.digest,
-        }  # fmt: skip
+            "model": model.model_dump(mode="json"),
+            "supervised": section.model_dump(mode="json"),
+            "seed": seed,
+            "training": training.digest,
+            "validation": validation.digest,
+        }
         self.epoch = 0  # epochs done
         self.history: list[EpochFigures] = []
         self._best: dict[str, NDArray[Any]] = tensors_of(self.network)
@@ -202,9 +213,13 @@ class SupervisedStage:
         }
         best = None if self._best_figures is None else asdict(self._best_figures)
         header = {
-            "kind": KIND, "configuration": self._identity, "data_digest": self._training.digest, "ancestry": [],
-            "metrics": {"history": [asdict(figures) for figures in self.history], "best": best}, "epoch": self.epoch,
-        }  # fmt: skip
+            "kind": KIND,
+            "configuration": self._identity,
+            "data_digest": self._training.digest,
+            "ancestry": [],
+            "metrics": {"history": [asdict(figures) for figures in self.history], "best": best},
+            "epoch": self.epoch,
+        }
         save_checkpoint(self._state, tensors, header)
 
     def _load(self) -> None:

@@ -85,8 +85,15 @@ class TrialSet:
         """SHA-256 over all that is learned from, hexadecimal."""
         value = hashlib.sha256()
         for array in (
-            self.tokens, self.offsets, self.action, self.critical, self.judged, self.reward, self.total, self.alike
-        ):  # fmt: skip
+            self.tokens,
+            self.offsets,
+            self.action,
+            self.critical,
+            self.judged,
+            self.reward,
+            self.total,
+            self.alike,
+        ):
             value.update(f"{array.dtype.str}{array.shape}".encode())
             value.update(np.ascontiguousarray(array).tobytes())
         return value.hexdigest()

@@ -64,16 +64,22 @@ def build_exit(parameters: Parameters, name: str, seed: int) -> Scenario:
     lanes = int(parameters["lanes"])
     limit = float(parameters["speed_limit"])
     network = HighwayExitNetwork(
-        lanes=lanes, speed_limit=limit, ramp_speed_limit=float(parameters["ramp_speed_limit"]),
-        approach_length=float(parameters["approach_length"]), lane_length=float(parameters["lane_length"]),
+        lanes=lanes,
+        speed_limit=limit,
+        ramp_speed_limit=float(parameters["ramp_speed_limit"]),
+        approach_length=float(parameters["approach_length"]),
+        lane_length=float(parameters["lane_length"]),
         ramp_length=250.0,
-    )  # fmt: skip
+    )
     # At most two lanes away from the exit: the way is too short for more.
     lane = min(int(float(parameters["ego_lane"]) * lanes), lanes - 1, 1)
     ego = Ego(
-        route=["approach", "diverge", "ramp"], lane=lane, position=float(parameters["ego_position"]) + 100.0,
-        speed=round(float(parameters["ego_speed"]) * limit, 2), goal=100.0,
-    )  # fmt: skip
+        route=["approach", "diverge", "ramp"],
+        lane=lane,
+        position=float(parameters["ego_position"]) + 100.0,
+        speed=round(float(parameters["ego_speed"]) * limit, 2),
+        goal=100.0,
+    )
     here = Place("ego", ("approach", lane), ego.position + 0.5 * ego.length, ego.speed, ego.length)
     places, ways = [], {}
     for slot in _slots(parameters):
@@ -86,9 +92,15 @@ def build_exit(parameters: Parameters, name: str, seed: int) -> Scenario:
         ways[slot] = ["approach", "diverge", "ramp" if leaves else "mainline"]
     actors = _actors(parameters, make_room(places, here), ways, {"approach": network.approach_length})
     return Scenario(
-        name=name, family="S4", seed=seed, time_limit=75.0, network=network, ego=ego, actors=actors,
+        name=name,
+        family="S4",
+        seed=seed,
+        time_limit=75.0,
+        network=network,
+        ego=ego,
+        actors=actors,
         environment=environment(parameters),
-    )  # fmt: skip
+    )
 
 
 def build_ramp(parameters: Parameters, name: str, seed: int) -> Scenario:
@@ -97,13 +109,19 @@ def build_ramp(parameters: Parameters, name: str, seed: int) -> Scenario:
     limit = float(parameters["speed_limit"])
     ramp_limit = float(parameters["ramp_speed_limit"])
     network = OnRampNetwork(
-        lanes=lanes, speed_limit=limit, ramp_speed_limit=ramp_limit, ramp_length=float(parameters["ramp_length"]),
-        lane_length=float(parameters["lane_length"]), approach_length=400.0,
-    )  # fmt: skip
+        lanes=lanes,
+        speed_limit=limit,
+        ramp_speed_limit=ramp_limit,
+        ramp_length=float(parameters["ramp_length"]),
+        lane_length=float(parameters["lane_length"]),
+        approach_length=400.0,
+    )
     ego = Ego(
-        route=["ramp", "merge", "mainline"], position=0.5 * float(parameters["ego_position"]),
-        speed=round(float(parameters["ego_speed"]) * ramp_limit, 2), goal=150.0,
-    )  # fmt: skip
+        route=["ramp", "merge", "mainline"],
+        position=0.5 * float(parameters["ego_position"]),
+        speed=round(float(parameters["ego_speed"]) * ramp_limit, 2),
+        goal=150.0,
+    )
     here = Place("ego", ("ramp", 0), ego.position + 0.5 * ego.length, ego.speed, ego.length)
     meeting = (network.ramp_length - ego.position) / max(0.9 * ramp_limit, 1.0)  # [s] until the ego may merge
     places, ways = [], {}
@@ -127,9 +145,15 @@ def build_ramp(parameters: Parameters, name: str, seed: int) -> Scenario:
     lengths = {"approach": network.approach_length, "ramp": network.ramp_length}
     actors = _actors(parameters, make_room(places, here), ways, lengths)
     return Scenario(
-        name=name, family="S5", seed=seed, time_limit=75.0, network=network, ego=ego, actors=actors,
+        name=name,
+        family="S5",
+        seed=seed,
+        time_limit=75.0,
+        network=network,
+        ego=ego,
+        actors=actors,
         environment=environment(parameters),
-    )  # fmt: skip
+    )
 
 
 def _slots(parameters: Parameters) -> list[str]:

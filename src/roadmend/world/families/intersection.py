@@ -105,9 +105,15 @@ def build_intersection(family: str, parameters: Parameters, name: str, seed: int
     here = Place("ego", ("south", lane), ego.position + 0.5 * ego.length, ego.speed, ego.length)
     actors = [*_vehicles(parameters, arms, here), *_pedestrians(parameters, arms)]
     return Scenario(
-        name=name, family=family, seed=seed, time_limit=90.0, network=network, ego=ego, actors=actors,
+        name=name,
+        family=family,
+        seed=seed,
+        time_limit=90.0,
+        network=network,
+        ego=ego,
+        actors=actors,
         environment=environment(parameters),
-    )  # fmt: skip
+    )
 
 
 def _arms(parameters: Parameters, target: str) -> list[str]:
