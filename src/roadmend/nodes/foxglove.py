@@ -213,7 +213,7 @@ class _Listener(ServerListener):
 
     def on_get_parameters(
         self,
-        client: Client,
+        client: Client,  # noqa: ARG002
         param_names: list[str],
         request_id: str | None = None,  # noqa: ARG002
     ) -> list[foxglove.Parameter]:
@@ -222,7 +222,7 @@ class _Listener(ServerListener):
 
     def on_set_parameters(
         self,
-        client: Client,
+        client: Client,  # noqa: ARG002
         parameters: list[foxglove.Parameter],
         request_id: str | None = None,  # noqa: ARG002
     ) -> list[foxglove.Parameter]:

@@ -72,9 +72,9 @@ def merging(
     ego_length: float,
     other_speed: float,
     length: float,
-    has_priority: bool,
+    has_priority: bool,  # noqa: FBT001 -- compiled code takes no keywords
     arrival: float,
-    law: Law,  # noqa: FBT001 -- compiled code takes no keywords
+    law: Law,
 ) -> tuple[int, float, float, float, float]:
     """An object whose way runs into the ego's path from the side, both measured by the distance to where they meet."""
     nothing = (NONE, -1.0, 0.0, math.inf, 0.0)
