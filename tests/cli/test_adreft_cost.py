@@ -1,6 +1,6 @@
 from roadmend.cli import adreft_cost
-from roadmend.evaluation.contenders import Contender
 from roadmend.evaluation.repair_cost import gather_moments
+from roadmend.measures.contenders import Contender
 
 
 def test_every_method_but_the_bound_is_timed_on_the_same_frames(monkeypatch):

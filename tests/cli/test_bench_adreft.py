@@ -7,8 +7,8 @@ import pytest
 
 from roadmend.cli import adreft_entrants, bench_adreft
 from roadmend.cli.main import main
-from roadmend.evaluation import case_jobs
-from roadmend.evaluation.contenders import read_plan
+from roadmend.measures import case_jobs
+from roadmend.measures.contenders import read_plan
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.world.corpus import Case, Corpus, save_corpus

@@ -4,7 +4,7 @@ import pytest
 
 from roadmend.cli.figures import Figures
 from roadmend.core.errors import InputError
-from roadmend.evaluation.benchmark_report import provenance
+from roadmend.reports.result_files import provenance
 
 CONTENT = {"provenance": provenance("./roadmend bench speed"), "speed": 3.5}
 FIGURES = Figures("speed", "How fast", CONTENT, [["what", "figure"], ["speed", "3.5 m/s"]])

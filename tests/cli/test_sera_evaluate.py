@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from roadmend.cli.main import main
-from roadmend.evaluation.bag_ticks import BagTicks
-from roadmend.evaluation.driving_measures import measure_bag
+from roadmend.measures.driving import measure_bag
 from roadmend.recording.reader import BagReader
+from roadmend.recording.ticks import BagTicks
 from roadmend.world.corpus import load_corpus, save_corpus
 from roadmend.world.families import sample_scenario
 from roadmend.world.scenario_file import save_scenario

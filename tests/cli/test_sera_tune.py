@@ -5,8 +5,8 @@ import json
 import pytest
 
 from roadmend.cli.main import main
-from roadmend.learning.checkpoint import load_checkpoint
-from roadmend.learning.shipped import find_model
+from roadmend.networks.checkpoint import load_checkpoint
+from roadmend.networks.shipped import find_model
 from roadmend.policies.registry import make_policy
 
 TINY = "{epochs: 1, replay: 1, validation: 1, every: 10, expert_drives: 1, policy_drives: 0}"

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from roadmend.evaluation.driving_measures import DrivingMeasures
 from roadmend.evaluation.forgetting import REDRAWS, forgotten, forgotten_anew, redrawn
 from roadmend.evaluation.sera_plan import Evaluated
+from roadmend.measures.driving import DrivingMeasures
 from roadmend.world.families import sample_scenario
 
 GOOD = DrivingMeasures("GOAL", 100.0, (), 100.0, True, 80.0, 90.0, False)

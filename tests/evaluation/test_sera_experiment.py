@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from roadmend.core.errors import InputError
-from roadmend.evaluation.driving_measures import DrivingMeasures
 from roadmend.evaluation.sera_experiment import Experiment, means
 from roadmend.evaluation.sera_page import build_page, write_sera
 from roadmend.evaluation.sera_plan import (
@@ -20,7 +19,8 @@ from roadmend.evaluation.sera_plan import (
     read_sera_plan,
 )
 from roadmend.evaluation.sera_summary import build_content, main_rows, tables
-from roadmend.learning.checkpoint import save_checkpoint
+from roadmend.measures.driving import DrivingMeasures
+from roadmend.networks.checkpoint import save_checkpoint
 from roadmend.sera.bank import Bank, build_bank
 from roadmend.sera.pattern import FailurePattern
 from roadmend.training.few_shot_settings import FewShotSettings

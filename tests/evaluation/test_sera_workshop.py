@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from roadmend.evaluation import sera_workshop
-from roadmend.evaluation.driving_measures import DrivingMeasures
-from roadmend.evaluation.result_store import ResultStore
 from roadmend.evaluation.sera_workshop import Workshop, kept_epochs
-from roadmend.learning.checkpoint import save_checkpoint
-from roadmend.learning.shipped import find_model
+from roadmend.measures.driving import DrivingMeasures
+from roadmend.measures.result_store import ResultStore
+from roadmend.networks.checkpoint import save_checkpoint
+from roadmend.networks.shipped import find_model
 from roadmend.policies.neural_tokens import COLUMNS
 from roadmend.training.few_shot import lessons_of
 from roadmend.training.few_shot_settings import FewShotSettings

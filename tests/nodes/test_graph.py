@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 
 from roadmend.core.errors import InputError
-from roadmend.evaluation.bag_info import bag_info
 from roadmend.nodes import launcher
 from roadmend.nodes.launcher import GraphOptions, run_graph
 from roadmend.policies.registry import make_policy
+from roadmend.recording.info import bag_info
 from roadmend.recording.reader import BagReader
 from roadmend.repair.registry import make_repairer
 from roadmend.world.runner import run_episode

@@ -8,12 +8,12 @@ import pytest
 from roadmend_msgs import msg
 from visualization_msgs.msg import Marker, MarkerArray
 
+from roadmend.core.appearance import KIND_COLOUR, KIND_HEIGHT, STATUS_COLOUR, TRIGGER_COLOUR
 from roadmend.core.command import Trajectory
 from roadmend.core.geometry import fill_corners
 from roadmend.core.repair import RepairStatus
 from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
-from roadmend.evaluation.scene_style import KIND_COLOUR, KIND_HEIGHT, STATUS_COLOUR, TRIGGER_COLOUR
 from roadmend.nodes.convert import header_of
 from roadmend.nodes.marker_map import band_edges, map_markers
 from roadmend.nodes.marker_parts import colour_of

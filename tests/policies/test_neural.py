@@ -11,8 +11,8 @@ import pytest
 
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
-from roadmend.learning.checkpoint import load_checkpoint
-from roadmend.learning.shipped import find_model
+from roadmend.networks.checkpoint import load_checkpoint
+from roadmend.networks.shipped import find_model
 from roadmend.policies.neural import NeuralPolicy, action_of
 from roadmend.policies.neural_kinds import KINDS
 from roadmend.policies.registry import make_policy

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from roadmend.core.errors import InputError
-from roadmend.learning.checkpoint import load_checkpoint, save_checkpoint
-from roadmend.learning.shipped import find_model, models_folder
+from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
+from roadmend.networks.shipped import find_model, models_folder
 from roadmend.policies.neural_kinds import KINDS
 from roadmend.policies.registry import make_policy
 from roadmend.world.families import sample_scenario

@@ -8,8 +8,8 @@ import pytest
 
 from roadmend.core.errors import InputError
 from roadmend.core.repair import RepairStatus
-from roadmend.learning.checkpoint import load_checkpoint, save_checkpoint
-from roadmend.learning.compiled_encoder import CompiledEncoder, CompiledHead, sigmoid
+from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
+from roadmend.networks.compiled_encoder import CompiledEncoder, CompiledHead, sigmoid
 from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.method import AdreftRepair
 from roadmend.repair.adreft.model import AdreftModel

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from roadmend.core.errors import InputError
-from roadmend.learning.checkpoint import save_checkpoint
-from roadmend.learning.shape import HeadShape
+from roadmend.networks.checkpoint import save_checkpoint
+from roadmend.networks.shape import HeadShape
 from roadmend.repair.parameters import ModelParameters
 from roadmend.repair.registry import make_repairer
 from roadmend.repair.self_oracle import Configuration, ModelRepair, SelfOracleModel

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from roadmend.learning.checkpoint import save_checkpoint
-from roadmend.learning.shape import EncoderShape
+from roadmend.networks.checkpoint import save_checkpoint
+from roadmend.networks.shape import EncoderShape
 from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.repair.adreft.registry import make_tokenizer
 

@@ -9,7 +9,7 @@ from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.route import RightOfWay, Route, Stage, Zone
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
-from roadmend.evaluation.bag_episode import BagEpisode
+from roadmend.recording.episode import BagEpisode
 from roadmend.sera.incident import Ego, Incident, Other, Place, RepairAccount
 from roadmend.sera.pattern import Where
 from roadmend.sera.track import Track

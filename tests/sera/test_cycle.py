@@ -6,8 +6,8 @@ from dataclasses import replace
 import pytest
 
 from roadmend.core.errors import InputError
-from roadmend.evaluation.driving_measures import DrivingMeasures
 from roadmend.language.errors import AnswerError
+from roadmend.measures.driving import DrivingMeasures
 from roadmend.sera.analysis import Reading
 from roadmend.sera.analysis_report import NOTHING
 from roadmend.sera.backends import Backend

@@ -8,7 +8,7 @@ import pytest
 
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.route import Stage
-from roadmend.evaluation.route_progress import RoutePlace
+from roadmend.measures.route_progress import RoutePlace
 from roadmend.sera.describe import describe
 from roadmend.sera.incident import Place
 from roadmend.sera.place import action_of, is_changing, place_of

@@ -8,7 +8,7 @@ import yaml
 
 from roadmend.cli import corpus_choice
 from roadmend.cli.main import main
-from roadmend.learning.checkpoint import load_checkpoint
+from roadmend.networks.checkpoint import load_checkpoint
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.adreft.weighing import Weighing

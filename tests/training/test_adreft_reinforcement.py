@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from roadmend.core.errors import InputError
-from roadmend.learning.compiled_encoder import CompiledHead
+from roadmend.networks.compiled_encoder import CompiledHead
 from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.training.adreft.configuration import ModelSection, ReinforcementSection

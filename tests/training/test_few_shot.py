@@ -9,9 +9,9 @@ import pytest
 import torch
 
 from roadmend.core.errors import InputError
-from roadmend.evaluation.driving_measures import DrivingMeasures
-from roadmend.learning.checkpoint import load_checkpoint, save_checkpoint
-from roadmend.learning.shipped import find_model
+from roadmend.measures.driving import DrivingMeasures
+from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
+from roadmend.networks.shipped import find_model
 from roadmend.policies.neural import NeuralPolicy
 from roadmend.training.few_shot import Origin, few_shot_repair, lessons_of, replay_lessons
 from roadmend.training.few_shot_settings import FewShotSettings, read_few_shot_settings

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from roadmend.core.errors import InputError
-from roadmend.learning.checkpoint import load_checkpoint
+from roadmend.networks.checkpoint import load_checkpoint
 from roadmend.policies.neural import NeuralPolicy
 from roadmend.policies.neural_kinds import KINDS
 from roadmend.policies.neural_tokens import COLUMNS

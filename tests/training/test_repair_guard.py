@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from roadmend.evaluation.driving_measures import DrivingMeasures
+from roadmend.measures.driving import DrivingMeasures
 from roadmend.training.repair_guard import Candidate, Guard, Trial, mixture
 from roadmend.world.families import sample_scenario
 

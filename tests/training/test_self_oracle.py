@@ -3,7 +3,7 @@ import pytest
 import torch
 
 from roadmend.core.errors import InputError
-from roadmend.learning.checkpoint import save_checkpoint
+from roadmend.networks.checkpoint import save_checkpoint
 from roadmend.repair.self_oracle import SelfOracleModel
 from roadmend.repair.state_vector import SIZE
 from roadmend.training.self_oracle import (

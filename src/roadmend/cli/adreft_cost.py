@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from roadmend.core.interfaces import Repairer
-from roadmend.evaluation.contenders import Contender
 from roadmend.evaluation.repair_cost import gather_moments, measure_cost
+from roadmend.measures.contenders import Contender
 from roadmend.repair.adreft.method import AdreftRepair
 from roadmend.repair.method import RepairMethod
 from roadmend.repair.registry import make_repairer

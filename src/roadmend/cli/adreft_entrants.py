@@ -12,9 +12,9 @@ from rich.progress import Progress
 from roadmend.cli.corpus_choice import corpus_of
 from roadmend.cli.fresh_cases import fresh_cases
 from roadmend.core.errors import InputError
+from roadmend.core.source_digest import source_digest
 from roadmend.evaluation.benchmark_run import HINDSIGHT, Entrants, Player
-from roadmend.evaluation.contenders import Absence, BenchmarkPlan, resolve, resolve_monitors
-from roadmend.evaluation.source_digest import source_digest
+from roadmend.measures.contenders import Absence, BenchmarkPlan, resolve, resolve_monitors
 from roadmend.search.policy_model import policy_model
 from roadmend.training.hindsight import Bound
 from roadmend.training.hindsight_file import hindsight_bound

@@ -11,8 +11,8 @@ from rich.table import Table
 
 from roadmend.cli.bag_progress import message_progress
 from roadmend.cli.table import wide_console
-from roadmend.evaluation.bag_diff import UNSTEADY, BagDiff, TopicDiff
-from roadmend.evaluation.bag_diff import bag_diff as compare
+from roadmend.recording.diff import UNSTEADY, BagDiff, TopicDiff
+from roadmend.recording.diff import bag_diff as compare
 
 _FIELDS_SHOWN = 3
 

@@ -10,8 +10,8 @@ from rich.table import Table
 
 from roadmend.cli.bag_progress import bag_progress
 from roadmend.cli.table import wide_console
-from roadmend.evaluation.bag_info import BagInfo, TopicInfo
-from roadmend.evaluation.bag_info import bag_info as read_info
+from roadmend.recording.info import BagInfo, TopicInfo
+from roadmend.recording.info import bag_info as read_info
 from roadmend.recording.recovery import bag_size
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from roadmend.evaluation.bag_picture import draw_bag
+from roadmend.reports.bag_picture import draw_bag
 
 
 @click.command()

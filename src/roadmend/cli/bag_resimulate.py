@@ -12,19 +12,19 @@ from roadmend import __version__
 from roadmend.cli.repair_choice import RepairChoice, read_choice, repair_options
 from roadmend.cli.table import OUTCOME_STYLES, wide_console
 from roadmend.core.errors import InputError
-from roadmend.evaluation.bag_ticks import BagTicks
-from roadmend.evaluation.recorded_run import (
+from roadmend.nodes.episode_recorder import EpisodeRecorder, account_of
+from roadmend.policies.registry import make_policy
+from roadmend.recording.new_bag import new_bag
+from roadmend.recording.reader import BagReader
+from roadmend.recording.recorded_run import (
     RECORD,
     RunOutcome,
     driven_outcome,
     read_plan,
     recorded_outcome,
 )
-from roadmend.evaluation.resimulation import Switchover
-from roadmend.nodes.episode_recorder import EpisodeRecorder, account_of
-from roadmend.policies.registry import make_policy
-from roadmend.recording.new_bag import new_bag
-from roadmend.recording.reader import BagReader
+from roadmend.recording.resimulation import Switchover
+from roadmend.recording.ticks import BagTicks
 from roadmend.world.runner import run_episode
 
 

@@ -12,11 +12,11 @@ from roadmend.cli.repair_choice import RepairChoice, read_choice, repair_options
 from roadmend.cli.table import wide_console
 from roadmend.core.errors import InputError
 from roadmend.core.repair import Repair
-from roadmend.evaluation.bag_ticks import BagTick, BagTicks
-from roadmend.evaluation.shadow import ShadowSummary, run_shadow
 from roadmend.nodes.episode_writer import EpisodeWriter
 from roadmend.recording.new_bag import BagCopy, new_bag
 from roadmend.recording.reader import BagReader
+from roadmend.recording.shadow import ShadowSummary, run_shadow
+from roadmend.recording.ticks import BagTick, BagTicks
 
 RECORD = "roadmend_shadow"  # metadata record
 

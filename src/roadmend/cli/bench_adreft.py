@@ -20,11 +20,11 @@ from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError
 from roadmend.evaluation.benchmark_content import build_content, case_table, differences, dump_json, unequal
 from roadmend.evaluation.benchmark_files import read_json, write_benchmark
-from roadmend.evaluation.benchmark_report import provenance
 from roadmend.evaluation.benchmark_run import Measured, drive, find_jobs, read_results
 from roadmend.evaluation.benchmark_tables import headline
-from roadmend.evaluation.contenders import BenchmarkPlan, read_plan
-from roadmend.evaluation.result_store import ResultStore, default_work_folder
+from roadmend.measures.contenders import BenchmarkPlan, read_plan
+from roadmend.measures.result_store import ResultStore, default_work_folder
+from roadmend.reports.result_files import provenance
 from roadmend.search.corpus_plan import LAST_FRESH
 from roadmend.world.families import FAMILIES
 

@@ -18,11 +18,11 @@ from rich.progress import Progress
 
 from roadmend.cli.figures import Figures
 from roadmend.core.errors import RoadmendError
-from roadmend.evaluation.benchmark_report import provenance
 from roadmend.nodes.domain import own_domain
 from roadmend.nodes.launcher import GraphOptions, run_graph
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
+from roadmend.reports.result_files import provenance
 from roadmend.world.bare import recorded_orders, time_bare_stepping
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.runner import run_episode

@@ -16,10 +16,10 @@ from roadmend.cli.figures import Figures
 from roadmend.cli.options import WORKERS
 from roadmend.core.outcome import EventKind
 from roadmend.core.worker_process import begin_worker
-from roadmend.evaluation.benchmark_report import provenance
-from roadmend.evaluation.intervals import wilson
+from roadmend.measures.intervals import wilson
 from roadmend.policies.registry import POLICIES, make_policy
 from roadmend.repair.registry import METHODS, make_repairer
+from roadmend.reports.result_files import provenance
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.runner import EpisodeSummary, run_episode
 

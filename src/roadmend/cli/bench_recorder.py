@@ -11,11 +11,11 @@ from rich.console import Console
 from rich.progress import Progress
 
 from roadmend.cli.figures import Figures
-from roadmend.evaluation.benchmark_report import provenance
 from roadmend.nodes.load import serialized_messages
 from roadmend.nodes.recorder_trial import Killed, Load, Recorded, kill, moments, record
 from roadmend.recording.bag_file import Compression
 from roadmend.recording.bare import time_bare_writing
+from roadmend.reports.result_files import provenance
 
 _RATE = 2000.0  # messages a second
 _KILL_SECONDS = 60.0  # [s] of load, longer than any kill waits

@@ -14,7 +14,7 @@ import click
 
 from roadmend.cli.figures import Figures
 from roadmend.cli.sera_bank import build_progress
-from roadmend.evaluation.benchmark_report import provenance
+from roadmend.reports.result_files import provenance
 from roadmend.sera.bank import Bank, build_bank
 from roadmend.sera.facets import Filters
 from roadmend.sera.generated import generate

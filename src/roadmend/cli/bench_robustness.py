@@ -21,11 +21,11 @@ from rich.progress import (
 
 from roadmend.cli.adreft_entrants import Choice
 from roadmend.core.errors import RoadmendError
+from roadmend.core.source_digest import source_digest
 from roadmend.core.whole_file import write_texts
 from roadmend.evaluation.benchmark_content import dump_json
-from roadmend.evaluation.benchmark_report import provenance
-from roadmend.evaluation.contenders import BenchmarkPlan, Contender, resolve
-from roadmend.evaluation.source_digest import source_digest
+from roadmend.measures.contenders import BenchmarkPlan, Contender, resolve
+from roadmend.reports.result_files import provenance
 from roadmend.search.campaign import Campaign, run_campaign
 from roadmend.search.evaluation import CRASH, Subject, evaluate
 from roadmend.search.ledger import Entry, Ledger

@@ -9,8 +9,8 @@ import click
 from roadmend.cli.figures import Figures
 from roadmend.cli.options import WORKERS
 from roadmend.cli.safe_work import open_cases, work_through
-from roadmend.evaluation.benchmark_report import provenance
 from roadmend.policies.registry import POLICIES
+from roadmend.reports.result_files import provenance
 from roadmend.safe.driving import Task
 from roadmend.safe.planning import plan
 from roadmend.safe.scoring import Scores, score_cases

@@ -17,8 +17,6 @@ from roadmend.cli.resources import config_folder
 from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.evaluation.benchmark_files import read_json
-from roadmend.evaluation.benchmark_report import provenance
-from roadmend.evaluation.result_store import ResultStore
 from roadmend.evaluation.sera_experiment import Experiment
 from roadmend.evaluation.sera_page import write_sera
 from roadmend.evaluation.sera_plan import (
@@ -31,8 +29,10 @@ from roadmend.evaluation.sera_plan import (
 )
 from roadmend.evaluation.sera_summary import build_content, main_rows, tables
 from roadmend.evaluation.sera_workshop import Workshop
-from roadmend.learning.shipped import find_model
+from roadmend.measures.result_store import ResultStore
+from roadmend.networks.shipped import find_model
 from roadmend.nodes.evaluation_episode import EvaluatedEpisode, EvaluationJob, evaluate, identity_of
+from roadmend.reports.result_files import provenance
 from roadmend.search.corpus_plan import LAST_FRESH
 from roadmend.sera.analyser import EmbeddedAnalyser
 from roadmend.sera.analysis import read_incidents

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from roadmend.cli.table import show_rows
-from roadmend.evaluation.benchmark_report import write_report
+from roadmend.reports.result_files import write_report
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from roadmend.cli.language_options import language_options
 from roadmend.cli.options import WORKERS
 from roadmend.cli.progress import counting
 from roadmend.cli.table import wide_console
-from roadmend.evaluation.source_digest import source_digest
+from roadmend.core.source_digest import source_digest
 from roadmend.language.exchange import add_usages
 from roadmend.safe.backends import BACKENDS, BackendOptions
 from roadmend.safe.extraction_run import Extracted, extract_reports

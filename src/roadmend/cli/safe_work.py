@@ -10,7 +10,7 @@ import click
 from roadmend.cli.options import WORKERS
 from roadmend.cli.progress import counting
 from roadmend.core.errors import InputError
-from roadmend.evaluation.result_store import ResultStore
+from roadmend.measures.result_store import ResultStore
 from roadmend.policies.registry import POLICIES
 from roadmend.safe.cases import Case, gather_cases
 from roadmend.safe.driving import Job, Result, do

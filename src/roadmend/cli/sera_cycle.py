@@ -17,11 +17,11 @@ from roadmend.cli.sera_evaluate import chosen_set, drive_jobs
 from roadmend.cli.sera_options import EMBEDDER, JSON, set_options
 from roadmend.cli.table import show_rows
 from roadmend.core.whole_file import write_text, written_beside
-from roadmend.evaluation.benchmark_report import origin, provenance
-from roadmend.evaluation.cycle_page import cycle_chart, cycle_page, measure_rows
-from roadmend.learning.shipped import find_model
+from roadmend.networks.shipped import find_model
 from roadmend.nodes.evaluation_episode import EvaluationJob, identity_of
 from roadmend.policies.neural import load_model
+from roadmend.reports.cycle_page import cycle_chart, cycle_page, measure_rows
+from roadmend.reports.result_files import origin, provenance
 from roadmend.sera.analysis import Reading, find_bags, read_incidents
 from roadmend.sera.backends import BACKENDS, Backend
 from roadmend.sera.bank import Bank, build_bank

@@ -14,14 +14,14 @@ from roadmend.cli.options import WORKERS
 from roadmend.cli.sera_options import set_options
 from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError
-from roadmend.evaluation.benchmark_report import provenance, write_report
-from roadmend.evaluation.driving_measures import DrivingMeasures
-from roadmend.evaluation.measures_summary import summarise, summary_rows
-from roadmend.evaluation.result_store import ResultStore
+from roadmend.measures.driving import DrivingMeasures
+from roadmend.measures.result_store import ResultStore
+from roadmend.measures.summary import summarise, summary_rows
 from roadmend.nodes.evaluation_episode import EvaluatedEpisode, EvaluationJob, Record, identity_of
 from roadmend.nodes.evaluation_episode import evaluate as drive
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.registry import METHODS
+from roadmend.reports.result_files import provenance, write_report
 from roadmend.sera.evaluation_set import corpus_set, disjoint, known_in, sampled_set
 from roadmend.training.workers import open_mapper
 from roadmend.world.scenario import Scenario

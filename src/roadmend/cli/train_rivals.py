@@ -14,8 +14,8 @@ from roadmend.cli.options import WORKERS
 from roadmend.cli.progress import counting, stages_of
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import write_text
-from roadmend.learning.checkpoint import load_checkpoint
-from roadmend.learning.shipped import SUFFIX, models_folder
+from roadmend.networks.checkpoint import load_checkpoint
+from roadmend.networks.shipped import SUFFIX, models_folder
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.self_oracle import KIND
 from roadmend.training.tuning import FORMAT, Tuned, Tuning
@@ -46,7 +46,7 @@ def self_oracle(policy: str, corpus_file: Path | None, out: Path, seed: int, epo
 
     The same settings give the same file, whatever the number of workers.
     """
-    from roadmend.learning.checkpoint import save_checkpoint  # noqa: PLC0415 - torch is for this command alone
+    from roadmend.networks.checkpoint import save_checkpoint  # noqa: PLC0415 - torch is for this command alone
     from roadmend.training.self_oracle import (  # noqa: PLC0415
         SelfOracleSettings,
         gather_vectors,

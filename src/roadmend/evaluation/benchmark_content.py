@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from roadmend.evaluation.benchmark_run import HINDSIGHT, Measured
-from roadmend.evaluation.case_result import CaseResult
-from roadmend.evaluation.monitor_metrics import summarise_monitor
 from roadmend.evaluation.paper_figures import PAPER
-from roadmend.evaluation.repair_metrics import advantage, share_of_bound, summarise
+from roadmend.measures.case_result import CaseResult
+from roadmend.measures.monitor import summarise_monitor
+from roadmend.measures.repair import advantage, share_of_bound, summarise
 from roadmend.world.families import FAMILIES
 
 FORMAT = "roadmend-repair-benchmark/1"

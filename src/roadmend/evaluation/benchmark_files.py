@@ -9,8 +9,8 @@ from roadmend.core.errors import InputError
 from roadmend.core.whole_file import write_texts
 from roadmend.evaluation.benchmark_content import dump_json
 from roadmend.evaluation.benchmark_page import build_page
-from roadmend.evaluation.benchmark_report import origin
 from roadmend.evaluation.benchmark_tables import all_tables, headline
+from roadmend.reports.result_files import origin
 
 TITLE = "Online repair of driving policies"
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from roadmend.evaluation import repair_charts, supporting_charts
 from roadmend.evaluation.benchmark_tables import all_tables, headline
-from roadmend.evaluation.page_parts import figure_part, note_part, table_part, whole_page
+from roadmend.reports.page_parts import figure_part, note_part, table_part, whole_page
 
 Content = Mapping[str, Any]
 

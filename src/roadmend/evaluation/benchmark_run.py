@@ -8,12 +8,12 @@ from typing import Any
 
 from roadmend.core.errors import RoadmendError
 from roadmend.core.interfaces import Repairer
-from roadmend.evaluation.case_jobs import Job, Labels, case_key, run_jobs
-from roadmend.evaluation.case_result import CaseResult
-from roadmend.evaluation.contenders import Absence, Contender
-from roadmend.evaluation.monitor_metrics import Confusion
-from roadmend.evaluation.result_store import ResultStore
-from roadmend.evaluation.source_digest import source_digest
+from roadmend.core.source_digest import source_digest
+from roadmend.measures.case_jobs import Job, Labels, case_key, run_jobs
+from roadmend.measures.case_result import CaseResult
+from roadmend.measures.contenders import Absence, Contender
+from roadmend.measures.monitor import Confusion
+from roadmend.measures.result_store import ResultStore
 from roadmend.world.corpus import Case
 
 HINDSIGHT = "hindsight"  # the bound that all methods are held against

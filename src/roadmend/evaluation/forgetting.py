@@ -9,8 +9,8 @@ which nobody chose, are the unbiased measure.
 from collections.abc import Sequence
 from statistics import fmean
 
-from roadmend.evaluation.driving_measures import DrivingMeasures
 from roadmend.evaluation.sera_plan import Evaluated
+from roadmend.measures.driving import DrivingMeasures
 from roadmend.world.scenario import Scenario
 
 REDRAWS = 2

@@ -9,8 +9,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from roadmend.evaluation.benchmark_tables import DASH, methods_of, title_of
-from roadmend.evaluation.chart_parts import add_legend, colour_of, group_handles, label_points, name_methods
-from roadmend.evaluation.chart_style import GROUP_COLOUR, INK, MUTED, bare, new_figure
+from roadmend.reports.chart_parts import add_legend, colour_of, group_handles, label_points, name_methods
+from roadmend.reports.chart_style import GROUP_COLOUR, INK, MUTED, bare, new_figure
 
 Content = Mapping[str, Any]
 

@@ -8,11 +8,11 @@ from statistics import fmean
 from typing import Any
 
 from roadmend.core.errors import InputError
-from roadmend.evaluation.driving_measures import DrivingMeasures
 from roadmend.evaluation.forgetting import forgotten, forgotten_anew, redrawn
-from roadmend.evaluation.measures_summary import MEASURES
 from roadmend.evaluation.sera_plan import Evaluated, SeraPlan, halves
 from roadmend.evaluation.sera_workshop import Workshop, kept_epochs
+from roadmend.measures.driving import DrivingMeasures
+from roadmend.measures.summary import MEASURES
 from roadmend.sera.bank import Bank
 from roadmend.sera.pattern import FailurePattern
 from roadmend.sera.recommendation import Recommendation, recommend, shares

@@ -9,12 +9,12 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from roadmend.core.whole_file import write_texts
-from roadmend.evaluation.benchmark_report import origin
-from roadmend.evaluation.chart_parts import add_legend
-from roadmend.evaluation.chart_style import GROUP_COLOUR, INK, bare, new_figure
-from roadmend.evaluation.page_parts import figure_part, note_part, table_part, whole_page
 from roadmend.evaluation.sera_experiment import ARMS
 from roadmend.evaluation.sera_summary import main_rows, tables
+from roadmend.reports.chart_parts import add_legend
+from roadmend.reports.chart_style import GROUP_COLOUR, INK, bare, new_figure
+from roadmend.reports.page_parts import figure_part, note_part, table_part, whole_page
+from roadmend.reports.result_files import origin
 
 Content = Mapping[str, Any]
 TITLE = "Few-shot repair of driving policies"

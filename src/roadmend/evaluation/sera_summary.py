@@ -6,9 +6,9 @@ from statistics import fmean
 from typing import Any
 
 from roadmend.evaluation.benchmark_tables import DASH, Table, number, span
-from roadmend.evaluation.measures_summary import MEASURES
-from roadmend.evaluation.paired_test import mean_interval, paired_p_value
 from roadmend.evaluation.sera_experiment import ARMS, HALF_BANK
+from roadmend.measures.paired_test import mean_interval, paired_p_value
+from roadmend.measures.summary import MEASURES
 
 Content = Mapping[str, Any]
 PAPER: dict[str, Any] = {  # SERA: Bench2Drive in CARLA; gains of Driving Score in percent, other policies

@@ -7,10 +7,10 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from roadmend.evaluation.driving_measures import DrivingMeasures
-from roadmend.evaluation.result_store import ResultStore
-from roadmend.evaluation.source_digest import source_digest
-from roadmend.learning.checkpoint import load_checkpoint
+from roadmend.core.source_digest import source_digest
+from roadmend.measures.driving import DrivingMeasures
+from roadmend.measures.result_store import ResultStore
+from roadmend.networks.checkpoint import load_checkpoint
 from roadmend.policies.neural import load_model
 from roadmend.repair.adreft.model import KIND
 from roadmend.training.few_shot import drive_once, few_shot_repair, repair_model
@@ -20,7 +20,7 @@ from roadmend.training.samples import Samples, load_samples, save_samples
 from roadmend.training.workers import Mapper
 from roadmend.world.scenario import Scenario
 
-_CODE = ("roadmend.policies.neural", "roadmend.evaluation.measured_run")
+_CODE = ("roadmend.policies.neural", "roadmend.measures.measured_run")
 
 
 @dataclass

@@ -12,12 +12,12 @@ from roadmend.core.errors import RoadmendError, SimulationError
 from roadmend.core.outcome import EventKind
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
-from roadmend.evaluation.driving_measures import DrivingMeasures, MeasuresObserver
-from roadmend.evaluation.recorded_run import RECORD
-from roadmend.evaluation.source_digest import source_digest
+from roadmend.core.source_digest import source_digest
+from roadmend.measures.driving import DrivingMeasures, MeasuresObserver
 from roadmend.nodes.episode_recorder import EpisodeRecorder, account_of, map_data_of
 from roadmend.policies.registry import make_policy
 from roadmend.recording.new_bag import new_bag
+from roadmend.recording.recorded_run import RECORD
 from roadmend.recording.writer import BagWriter
 from roadmend.repair.registry import METHODS, make_repairer, read_parameters
 from roadmend.search.policy_model import policy_model

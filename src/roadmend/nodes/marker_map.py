@@ -9,8 +9,8 @@ from roadmend_msgs import msg
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker, MarkerArray
 
+from roadmend.core.appearance import GOAL_COLOUR, ROUTE_COLOUR, RULE_COLOUR, WINDOW_COLOUR
 from roadmend.core.route import Route, Stage
-from roadmend.evaluation.scene_style import GOAL_COLOUR, ROUTE_COLOUR, RULE_COLOUR, WINDOW_COLOUR
 from roadmend.nodes.marker_parts import colour_of, complete_picture, line_of, marker_of, points_of, text_of
 
 Floats = NDArray[np.float64]

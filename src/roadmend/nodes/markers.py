@@ -10,12 +10,7 @@ from roadmend_msgs import msg
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from roadmend.core.command import Trajectory
-from roadmend.core.geometry import fill_corners
-from roadmend.core.repair import RepairStatus
-from roadmend.core.route import Route
-from roadmend.core.scene import EgoState, ObjectList
-from roadmend.evaluation.scene_style import (
+from roadmend.core.appearance import (
     EGO_HEIGHT,
     KIND_COLOUR,
     KIND_HEIGHT,
@@ -27,6 +22,11 @@ from roadmend.evaluation.scene_style import (
     signal_of,
     status_of,
 )
+from roadmend.core.command import Trajectory
+from roadmend.core.geometry import fill_corners
+from roadmend.core.repair import RepairStatus
+from roadmend.core.route import Route
+from roadmend.core.scene import EgoState, ObjectList
 from roadmend.nodes.convert import BASE_FRAME
 from roadmend.nodes.marker_parts import colour_of, complete_picture, line_of, marker_of, points_of, text_of
 

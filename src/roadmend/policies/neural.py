@@ -13,9 +13,9 @@ from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.errors import InputError
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
-from roadmend.learning.checkpoint import Checkpoint, load_checkpoint
-from roadmend.learning.compiled_encoder import CompiledHead
-from roadmend.learning.shipped import find_model
+from roadmend.networks.checkpoint import Checkpoint, load_checkpoint
+from roadmend.networks.compiled_encoder import CompiledHead
+from roadmend.networks.shipped import find_model
 from roadmend.policies.neural_kinds import KINDS, shapes_of
 from roadmend.policies.neural_observer import Observer
 from roadmend.policies.neural_tokens import may_change

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from roadmend.core.errors import InputError
-from roadmend.learning.checkpoint import Checkpoint, Tensors
-from roadmend.learning.compiled_encoder import CompiledEncoder
-from roadmend.learning.compiled_set import CompiledExcerpt, CompiledSetEncoder
-from roadmend.learning.shape import EncoderShape, ExcerptShape, HeadShape, SetShape
+from roadmend.networks.checkpoint import Checkpoint, Tensors
+from roadmend.networks.compiled_encoder import CompiledEncoder
+from roadmend.networks.compiled_set import CompiledExcerpt, CompiledSetEncoder
+from roadmend.networks.shape import EncoderShape, ExcerptShape, HeadShape, SetShape
 from roadmend.policies.neural_tokens import COLUMNS
 
 AnyShape = EncoderShape | SetShape | ExcerptShape

@@ -20,10 +20,10 @@ from roadmend.core.errors import InputError
 from roadmend.core.repair import Proposal
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
-from roadmend.learning.checkpoint import load_checkpoint
-from roadmend.learning.compiled_encoder import CompiledHead
-from roadmend.learning.shape import HeadShape
-from roadmend.learning.shipped import find_model
+from roadmend.networks.checkpoint import load_checkpoint
+from roadmend.networks.compiled_encoder import CompiledHead
+from roadmend.networks.shape import HeadShape
+from roadmend.networks.shipped import find_model
 from roadmend.repair.parameters import ModelParameters
 from roadmend.repair.state_vector import SIZE, VERSION, state_vector
 

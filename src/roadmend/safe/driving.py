@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from roadmend.core.errors import RoadmendError
-from roadmend.evaluation.source_digest import source_digest
+from roadmend.core.source_digest import source_digest
 from roadmend.safe.construction import Role, draw_scenario
 from roadmend.safe.picture import draw_trial
 from roadmend.safe.reproduction import reproduce

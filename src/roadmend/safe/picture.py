@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from roadmend.core.whole_file import written_beside
-from roadmend.evaluation.scene_layers import LaneMap, Trail
-from roadmend.evaluation.scene_picture import SceneView, draw_scene
+from roadmend.reports.scene_layers import LaneMap, Trail
+from roadmend.reports.scene_picture import SceneView, draw_scene
 from roadmend.safe.trial import Trial
 from roadmend.world.map_view import lanes_of
 from roadmend.world.network import network_file

@@ -13,9 +13,9 @@ from typing import Any, Protocol
 
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import write_text
-from roadmend.evaluation.driving_measures import DrivingMeasures
-from roadmend.evaluation.measures_summary import summarise
 from roadmend.language.replay import ENDING
+from roadmend.measures.driving import DrivingMeasures
+from roadmend.measures.summary import summarise
 from roadmend.sera.analysis import Reading, analyse
 from roadmend.sera.analysis_report import NOTHING, report
 from roadmend.sera.backends import Backend

@@ -10,10 +10,10 @@ from roadmend.core.errors import InputError
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.route import Route
 from roadmend.core.scene import ObjectList, Scene
-from roadmend.evaluation.bag_episode import BagEpisode, episode_of
-from roadmend.evaluation.recorded_run import recorded_scenario
-from roadmend.evaluation.route_progress import RoutePlace, RouteProgress
+from roadmend.measures.route_progress import RoutePlace, RouteProgress
+from roadmend.recording.episode import BagEpisode, episode_of
 from roadmend.recording.reader import BagReader
+from roadmend.recording.recorded_run import recorded_scenario
 from roadmend.sera.avoidability import LOOK_BACK, last_avoidable
 from roadmend.sera.describe import describe
 from roadmend.sera.descriptor import Descriptor

@@ -8,7 +8,7 @@ from roadmend.core.geometry import wrap_angle
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.route import RightOfWay, Route, Zone
 from roadmend.core.scene import EgoState
-from roadmend.evaluation.route_progress import RoutePlace
+from roadmend.measures.route_progress import RoutePlace
 from roadmend.sera.descriptor import Descriptor
 from roadmend.sera.incident import EgoAction, Place, PlaceKind
 from roadmend.world.ego import STANDING, RouteFollower

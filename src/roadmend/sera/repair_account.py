@@ -8,7 +8,7 @@ import numpy as np
 
 from roadmend.core.geometry import outline_distances
 from roadmend.core.repair import Repair, RepairStatus
-from roadmend.evaluation.bag_episode import BagEpisode
+from roadmend.recording.episode import BagEpisode
 from roadmend.sera.incident import RepairAccount, Verdict
 from roadmend.world.blame import Blame
 from roadmend.world.ego import STANDING

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from roadmend.evaluation.bag_episode import BagEpisode
+from roadmend.recording.episode import BagEpisode
 
 Floats = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ import torch
 from torch.utils.tensorboard import SummaryWriter
 
 from roadmend.core.errors import InputError
-from roadmend.learning.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from roadmend.networks.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from roadmend.training.imitation import Losses, NeuralNetwork, fit, load_network, tensors_of
 from roadmend.training.imitation_configuration import ImitationConfiguration
 from roadmend.training.imitation_rollout import gather, ordinary_lesson

@@ -18,10 +18,10 @@ import torch
 from numpy.typing import NDArray
 
 from roadmend.core.errors import InputError
-from roadmend.evaluation.driving_measures import DrivingMeasures
-from roadmend.evaluation.measured_run import measured_run
-from roadmend.learning.checkpoint import Checkpoint, Tensors, load_checkpoint, save_checkpoint
-from roadmend.learning.shipped import find_model
+from roadmend.measures.driving import DrivingMeasures
+from roadmend.measures.measured_run import measured_run
+from roadmend.networks.checkpoint import Checkpoint, Tensors, load_checkpoint, save_checkpoint
+from roadmend.networks.shipped import find_model
 from roadmend.policies.neural import NeuralPolicy, load_model
 from roadmend.repair.adreft.model import KIND
 from roadmend.training.few_shot_settings import FewShotSettings, ordinary_seeds

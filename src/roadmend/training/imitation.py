@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
-from roadmend.learning.checkpoint import Checkpoint
-from roadmend.learning.encoder import Excerpt, Head, SceneEncoder, SetEncoder
-from roadmend.learning.shape import EncoderShape, HeadShape, SetShape
+from roadmend.networks.checkpoint import Checkpoint
+from roadmend.networks.encoder import Excerpt, Head, SceneEncoder, SetEncoder
+from roadmend.networks.shape import EncoderShape, HeadShape, SetShape
 from roadmend.policies.neural_kinds import KINDS, AnyShape, shapes_of
 from roadmend.policies.neural_tokens import COLUMNS
 from roadmend.training.imitation_configuration import ImitationConfiguration, Round

@@ -7,7 +7,7 @@ import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from roadmend.core.errors import InputError
-from roadmend.learning.shape import EncoderShape, ExcerptShape, HeadShape, SetShape
+from roadmend.networks.shape import EncoderShape, ExcerptShape, HeadShape, SetShape
 from roadmend.policies.neural_kinds import KINDS, AnyShape
 from roadmend.policies.neural_tokens import COLUMNS, OWN
 from roadmend.world.families import FAMILIES

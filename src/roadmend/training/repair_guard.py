@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from roadmend.evaluation.driving_measures import DrivingMeasures
-from roadmend.learning.checkpoint import Tensors
+from roadmend.measures.driving import DrivingMeasures
+from roadmend.networks.checkpoint import Tensors
 from roadmend.world.scenario import Scenario
 
 

@@ -14,8 +14,8 @@ from torch.nn import functional
 from roadmend.core.command import Decision
 from roadmend.core.errors import InputError
 from roadmend.core.repair import Repair
-from roadmend.learning.encoder import Head
-from roadmend.learning.shape import HeadShape
+from roadmend.networks.encoder import Head
+from roadmend.networks.shape import HeadShape
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.repair.self_oracle import CLIP, KIND, Configuration, SelfOracleModel

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from roadmend.core.errors import InputError
-from roadmend.learning.shape import EncoderShape, HeadShape
+from roadmend.networks.shape import EncoderShape, HeadShape
 from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.weighing import OUTPUTS, Weighing
 

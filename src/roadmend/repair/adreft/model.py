@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from roadmend.core.errors import InputError
 from roadmend.core.scene import Scene
-from roadmend.learning.checkpoint import Checkpoint, load_checkpoint
-from roadmend.learning.compiled_encoder import CompiledEncoder, CompiledHead, sigmoid
+from roadmend.networks.checkpoint import Checkpoint, load_checkpoint
+from roadmend.networks.compiled_encoder import CompiledEncoder, CompiledHead, sigmoid
 from roadmend.repair.adreft.configuration import ModelConfiguration, read_configuration
 from roadmend.repair.adreft.rear import time_to_rear
 from roadmend.repair.adreft.registry import make_tokenizer

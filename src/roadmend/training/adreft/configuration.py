@@ -11,7 +11,7 @@ import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from roadmend.core.errors import InputError
-from roadmend.learning.shape import EncoderShape
+from roadmend.networks.shape import EncoderShape
 from roadmend.repair.adreft.configuration import Deciding, ModelConfiguration
 from roadmend.repair.adreft.registry import make_tokenizer
 from roadmend.world.scenario_file import describe

@@ -8,7 +8,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from roadmend.learning.checkpoint import save_checkpoint
+from roadmend.networks.checkpoint import save_checkpoint
 from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.repair.adreft.model import KIND
 from roadmend.training.closed_loop import EpisodeCase

@@ -8,7 +8,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from roadmend.learning.encoder import Head, SceneEncoder
+from roadmend.networks.encoder import Head, SceneEncoder
 from roadmend.repair.adreft.configuration import ModelConfiguration
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from roadmend import __version__
 from roadmend.core.errors import InputError
-from roadmend.learning.checkpoint import load_checkpoint
+from roadmend.networks.checkpoint import load_checkpoint
 from roadmend.repair.adreft.configuration import ModelConfiguration, read_configuration
 from roadmend.repair.adreft.model import KIND, AdreftModel
 from roadmend.training.adreft.calibration import MonitorQuality, calibrate, monitor_quality

@@ -20,7 +20,7 @@ from torch.nn import functional
 from torch.utils.tensorboard import SummaryWriter
 
 from roadmend.core.errors import InputError, RoadmendError
-from roadmend.learning.checkpoint import load_checkpoint, save_checkpoint
+from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
 from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.training.adreft.configuration import PracticeSection
 from roadmend.training.adreft.forgetting import forget

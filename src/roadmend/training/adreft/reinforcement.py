@@ -15,8 +15,8 @@ from torch.nn import functional
 from torch.utils.tensorboard import SummaryWriter
 
 from roadmend.core.errors import InputError, RoadmendError
-from roadmend.learning.checkpoint import load_checkpoint, save_checkpoint
-from roadmend.learning.encoder import Head
+from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
+from roadmend.networks.encoder import Head
 from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.training.adreft.configuration import ReinforcementSection
 from roadmend.training.adreft.exploring import Roll, Rolled, Transitions, explore

@@ -1,0 +1,1 @@
+"""What an episode is worth: measures, intervals, paired tests, and evaluation over many episodes."""

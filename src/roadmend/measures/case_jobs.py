@@ -1,0 +1,166 @@
+"""The benchmark's work, piece by piece: cases under methods, and monitors beside the policy alone."""
+
+import hashlib
+import json
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from multiprocessing import get_context
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.core.command import Decision
+from roadmend.core.errors import SimulationError
+from roadmend.core.interfaces import Repairer
+from roadmend.core.repair import Repair
+from roadmend.core.route import Route
+from roadmend.core.scene import Scene
+from roadmend.core.worker_process import begin_worker
+from roadmend.measures.case_result import CaseWatcher
+from roadmend.measures.contenders import Contender
+from roadmend.measures.monitor import Confusion
+from roadmend.policies.registry import make_policy
+from roadmend.repair.guard import GuardedRepairer
+from roadmend.repair.registry import make_repairer
+from roadmend.world.corpus import Case
+from roadmend.world.runner import run_episode
+from roadmend.world.simulation import Tick
+
+Floats = NDArray[np.float64]
+
+
+class Labels(Protocol):
+    """Says which frames of an episode are critical; travels to other processes by pickle."""
+
+    def __call__(self, case: Case, time: Floats, distance: Floats, end: float, outcome: str, /) -> NDArray[np.bool_]:
+        """Labels of shape (T,).
+
+        Args:
+            case: what was driven.
+            time: [s] of every decision, shape (T,).
+            distance: [m] between the ego's outline and the nearest other, infinite where there is none, shape (T,).
+            end: [s] when the episode was over.
+            outcome: an EventKind's name.
+        """
+
+
+def case_key(case: Case) -> str:
+    """Digest of what decides how a case runs, and of what it is called."""
+    content = [case.name, case.family, case.seed, dict(case.parameters), case.is_violation]
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def case_seed(case: Case) -> int:
+    """Seed for methods that draw numbers: the same for a case in every run, another for every case."""
+    return int.from_bytes(hashlib.sha256(f"roadmend/bench/{case.name}".encode()).digest()[:4], "big") >> 1
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """A piece of work: one episode."""
+
+    case: Case
+    contenders: tuple[Contender, ...]  # the one that repairs, or all that watch
+    keys: tuple[str, ...]  # of the results, one a contender
+    labels: Labels | None = None  # with it the contenders are watched as monitors, and nobody repairs
+    repairer: Repairer | None = None  # repairs instead of the contender, which only lends its name
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What a job came to: its results as plain values, or why there are none."""
+
+    job: Job
+    results: tuple[dict[str, Any], ...] = ()
+    fault: str = ""
+
+
+class Onlookers:
+    """A repairer that never steps in, and lets others judge every scene beside it."""
+
+    name = "onlookers"
+
+    def __init__(self, monitors: Sequence[GuardedRepairer], alone: GuardedRepairer) -> None:
+        self._monitors = monitors
+        self._alone = alone
+        self.alarms: list[list[bool]] = [[] for _ in monitors]
+
+    def reset(self, route: Route) -> None:
+        """Begin an episode on ``route``."""
+        for repairer in (*self._monitors, self._alone):
+            repairer.reset(route)
+
+    def step(self, scene: Scene, decision: Decision) -> Repair:
+        """Ask everybody, pass the policy's command through."""
+        for monitor, alarms in zip(self._monitors, self.alarms, strict=True):
+            repair = monitor.step(scene, decision)
+            alarms.append(repair.score > repair.threshold)
+        return self._alone.step(scene, decision)
+
+
+def run_job(job: Job) -> Outcome:
+    """Do one piece of work in this process; whatever goes wrong is a result here."""
+    try:
+        results = _repair(job) if job.labels is None else _monitor(job, job.labels)
+    except Exception as error:  # noqa: BLE001 - the others shall go on, and this one is reported
+        names = ", ".join(contender.name for contender in job.contenders)
+        policy = job.contenders[0].policy
+        text = " ".join(f"{type(error).__name__}: {error}".split())
+        return Outcome(job, fault=f"{job.case.name}, policy {policy}, {names}: {text}")
+    return Outcome(job, results)
+
+
+def _repair(job: Job) -> tuple[dict[str, Any], ...]:
+    case, (contender,) = job.case, job.contenders
+    watcher = CaseWatcher()
+    repairer = job.repairer or make_repairer(contender.method, contender.parameters, case_seed(case))
+    summary = run_episode(case.scenario(), make_policy(contender.policy), repairer, watcher)
+    if not summary.finite:
+        raise SimulationError("a pose or a command was not a number")
+    return (watcher.result(case.name, case.family, summary, violation=case.is_violation).dump(),)
+
+
+def _monitor(job: Job, labels: Labels) -> tuple[dict[str, Any], ...]:
+    case = job.case
+    monitors = [make_repairer(each.method, each.parameters, case_seed(case)) for each in job.contenders]
+    onlookers = Onlookers(monitors, make_repairer("none"))
+    times: list[float] = []
+    distances: list[float] = []
+
+    def watch(tick: Tick, _decision: Decision, _repair: Repair) -> None:
+        times.append(tick.scene.time)
+        distances.append(tick.min_distance)
+
+    summary = run_episode(case.scenario(), make_policy(job.contenders[0].policy), onlookers, watch)
+    critical = labels(case, np.array(times), np.array(distances), summary.duration, summary.outcome.name)
+    return tuple(Confusion.of(critical, np.array(alarms, dtype=np.bool_)).dump() for alarms in onlookers.alarms)
+
+
+def run_jobs(jobs: Sequence[Job], workers: int) -> Iterator[Outcome]:
+    """Do all the work, side by side; what comes out does not depend on the number of workers, only its order does.
+
+    Raises:
+        SimulationError: a worker process died.
+    """
+    if workers == 1:
+        yield from map(run_job, jobs)
+        return
+    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=begin_worker)
+    waiting = iter(jobs)
+    running: set[Future[Outcome]] = set()
+    try:
+        while True:
+            while len(running) < 4 * workers and (job := next(waiting, None)) is not None:
+                running.add(pool.submit(run_job, job))
+            if not running:
+                return
+            done, running = wait(running, return_when="FIRST_COMPLETED")
+            for future in done:
+                yield future.result()
+    except BrokenProcessPool:
+        raise SimulationError("a worker process died; run the same command again to go on") from None
+    finally:
+        pool.shutdown(cancel_futures=True)

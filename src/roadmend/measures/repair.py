@@ -1,0 +1,206 @@
+"""From results of cases to the figures of a repair method (ADReFT section 4, metrics)."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.measures.case_result import CaseResult
+from roadmend.measures.intervals import bootstrap, newcombe, wilson
+from roadmend.world.simulation import INTERVAL
+
+Floats = NDArray[np.float64]
+Figures = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Split:
+    """Results of one method, apart by what the policy alone does."""
+
+    violations: tuple[CaseResult, ...]
+    successes: tuple[CaseResult, ...]
+
+    @classmethod
+    def of(cls, results: Sequence[CaseResult]) -> "Split":
+        """Part the results."""
+        violations = tuple(result for result in results if result.violation)
+        return cls(violations, tuple(result for result in results if not result.violation))
+
+
+def summarise(results: Sequence[CaseResult]) -> Figures:
+    """Figures of one method over some cases; shares in percent, NaN is None.
+
+    ``fix``: violations that now end at the goal; ``fix_loose``: that no longer end in a collision (the paper's count);
+    ``deg``: successes that now end in a collision; ``delta_e`` = fix - deg; ``stopped``: violations that now end by
+    the time limit, and no fix for that; ``goal_lost``: successes that no longer end at the goal, for any reason.
+    ``intensity``: mean |policy's action - final action|, 0 .. 2, over all replaced frames of all cases pooled.
+    ``dose`` [s] and ``intervened_frames``: means a case. ``peak_deceleration`` [m/s2], ``peak_jerk`` [m/s3]: means of
+    the cases' peaks. ``intervals`` has the 95 % intervals: Wilson's for shares, Newcombe's for delta_e, the bootstrap
+    over cases, drawn within violations and successes, for the rest.
+    """
+    split = Split.of(results)
+    violations, successes = split.violations, split.successes
+    fixed = sum(result.reached_goal for result in violations)
+    unharmed = sum(not result.collided for result in violations)
+    degraded = sum(result.collided for result in successes)
+    stopped = sum(result.timed_out for result in violations)
+    lost = sum(not result.reached_goal for result in successes)
+    frames = sum(result.frames for result in results)
+    total = len(results)
+    figures: Figures = {
+        "violations": len(violations),
+        "successes": len(successes),
+        "fix": _percent(fixed, len(violations)),
+        "deg": _percent(degraded, len(successes)),
+        "delta_e": _difference(fixed, len(violations), degraded, len(successes)),
+        "intensity": _ratio(_sum(result.change for result in results), frames),
+        "dose": _ratio(_sum(result.dose for result in results), total),
+        "dose_violations": _ratio(_sum(result.dose for result in violations), len(violations)),
+        "dose_successes": _ratio(_sum(result.dose for result in successes), len(successes)),
+        "intervened_frames": _ratio(frames, total),
+        "fix_loose": _percent(unharmed, len(violations)),
+        "delta_e_loose": _difference(unharmed, len(violations), degraded, len(successes)),
+        "stopped": _percent(stopped, len(violations)),
+        "goal_lost": _percent(lost, len(successes)),
+        "untouched": _percent(sum(result.frames == 0 for result in successes), len(successes)),
+        "peak_deceleration": _ratio(_sum(result.peak_deceleration for result in results), total),
+        "peak_jerk": _ratio(_sum(result.peak_jerk for result in results), total),
+    }
+    figures["intervals"] = {
+        "fix": _share_interval(fixed, len(violations)),
+        "deg": _share_interval(degraded, len(successes)),
+        "delta_e": _difference_interval(fixed, len(violations), degraded, len(successes)),
+        "fix_loose": _share_interval(unharmed, len(violations)),
+        "stopped": _share_interval(stopped, len(violations)),
+        "goal_lost": _share_interval(lost, len(successes)),
+        **_bootstraps(split),
+    }
+    return figures
+
+
+def advantage(results: Sequence[CaseResult], others: Sequence[CaseResult]) -> Figures:
+    """By how much ``delta_e`` and ``dose`` of a method exceed another's on the same cases.
+
+    With the intervals of the paired bootstrap: cases are drawn, and both methods are read on what was drawn.
+
+    Raises:
+        ValueError: the two were not run on the same cases.
+    """
+    if [result.case for result in results] != [other.case for other in others]:
+        raise ValueError("results of different cases cannot be paired")
+    pairs = list(zip(results, others, strict=True))
+    violations = np.array(
+        [(a.reached_goal - b.reached_goal, a.dose - b.dose) for a, b in pairs if a.violation], dtype=np.float64
+    ).reshape(-1, 2)
+    successes = np.array(
+        [(a.collided - b.collided, a.dose - b.dose) for a, b in pairs if not a.violation], dtype=np.float64
+    ).reshape(-1, 2)
+    strata = violations, successes
+
+    def delta_e(sums: tuple[Floats, ...]) -> Floats:
+        return 100.0 * (_share(sums[0][:, 0], len(violations)) - _share(sums[1][:, 0], len(successes)))
+
+    def dose(sums: tuple[Floats, ...]) -> Floats:
+        return (sums[0][:, 1] + sums[1][:, 1]) / max(1, len(pairs))
+
+    whole = violations.sum(axis=0, keepdims=True), successes.sum(axis=0, keepdims=True)
+    return {
+        "delta_e": _finite(float(delta_e(whole)[0])),
+        "dose": _finite(float(dose(whole)[0])),
+        "intervals": {
+            "delta_e": _bounds(bootstrap(strata, delta_e), 1.0),
+            "dose": _bounds(bootstrap(strata, dose), 1.0),
+        },
+    }
+
+
+def share_of_bound(results: Sequence[CaseResult], bound: Mapping[str, CaseResult]) -> Figures:
+    """A method against the hindsight bound, on the violations for which there is one.
+
+    Args:
+        results: of the method.
+        bound: by case, the least intervention known that reaches the goal; or the best attempt where none does.
+
+    Returns:
+        ``repairable``: violations that the bound repairs. ``fix_share``: percent of those that the method fixes.
+        ``dose_ratio``: dose of the method over dose of the bound on the violations that both repair, sums of both;
+        ``dose_ratio_all``: the same on all that the bound repairs, fixed by the method or not.
+    """
+    pairs = [(result, bound[result.case]) for result in results if result.violation and result.case in bound]
+    pairs = [(result, best) for result, best in pairs if best.reached_goal]
+    both = [(result, best) for result, best in pairs if result.reached_goal]
+    return {
+        "repairable": len(pairs),
+        "fix_share": _percent(len(both), len(pairs)),
+        "dose_ratio": _ratio(_sum(result.dose for result, _ in both), _sum(best.dose for _, best in both)),
+        "dose_ratio_all": _ratio(_sum(result.dose for result, _ in pairs), _sum(best.dose for _, best in pairs)),
+    }
+
+
+def _bootstraps(split: Split) -> dict[str, list[float] | None]:
+    tables = tuple(
+        np.array([(1.0, result.change, result.frames) for result in results], dtype=np.float64).reshape(-1, 3)
+        for results in (split.violations, split.successes)
+    )
+    cases = max(1, sum(len(table) for table in tables))
+
+    def intensity(sums: tuple[Floats, ...]) -> Floats:
+        frames = sums[0][:, 2] + sums[1][:, 2]
+        return np.where(frames > 0.0, (sums[0][:, 1] + sums[1][:, 1]) / np.maximum(frames, 1.0), math.nan)
+
+    def dose(sums: tuple[Floats, ...]) -> Floats:
+        return (sums[0][:, 1] + sums[1][:, 1]) * INTERVAL / cases
+
+    def intervened(sums: tuple[Floats, ...]) -> Floats:
+        return (sums[0][:, 2] + sums[1][:, 2]) / cases
+
+    return {
+        "intensity": _bounds(bootstrap(tables, intensity), 1.0),
+        "dose": _bounds(bootstrap(tables, dose), 1.0),
+        "intervened_frames": _bounds(bootstrap(tables, intervened), 1.0),
+    }
+
+
+def _sum(values: Any) -> float:
+    """Exact, so that it does not depend on the order."""
+    return math.fsum(values)
+
+
+def _share(counts: Floats, trials: int) -> Floats:
+    return counts / trials if trials else np.full(counts.shape, math.nan)
+
+
+def _ratio(value: float, by: float) -> float | None:
+    return value / by if by else None
+
+
+def _percent(count: int, trials: int) -> float | None:
+    return 100.0 * count / trials if trials else None
+
+
+def _difference(count: int, trials: int, others: int, other_trials: int) -> float | None:
+    if not trials or not other_trials:
+        return None
+    return 100.0 * count / trials - 100.0 * others / other_trials
+
+
+def _share_interval(count: int, trials: int) -> list[float] | None:
+    return _bounds(wilson(count, trials), 100.0) if trials else None
+
+
+def _difference_interval(count: int, trials: int, others: int, other_trials: int) -> list[float] | None:
+    if not trials or not other_trials:
+        return None
+    return _bounds(newcombe(count, trials, others, other_trials), 100.0)
+
+
+def _bounds(interval: tuple[float, float], factor: float) -> list[float] | None:
+    low, high = interval
+    return [factor * low, factor * high] if math.isfinite(low) and math.isfinite(high) else None
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

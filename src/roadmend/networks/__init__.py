@@ -1,0 +1,1 @@
+"""Networks: encoders and heads, their compiled twins, and model files."""

@@ -1,0 +1,94 @@
+"""What another repair method would have done at every tick of a recorded run, beside what was done. Open loop."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from roadmend.core.command import Command
+from roadmend.core.errors import InputError
+from roadmend.core.repair import Repair, RepairStatus
+from roadmend.core.route import Route
+from roadmend.recording.ticks import BagTick, BagTicks
+from roadmend.repair.guard import GuardedRepairer
+from roadmend.world.ego import VehicleParameters
+
+
+@dataclass(frozen=True, slots=True)
+class ShadowSummary:
+    """What was done (then) against what would have been done (now)."""
+
+    ticks: int
+    interventions_then: int
+    interventions_now: int
+    agreement: float  # share of the ticks with the same throttle and brake
+    first_difference: float | None  # [s] simulation time; None where all agree
+    acceleration_difference: float  # [m/s2] mean of |asked now - asked then|, before lag and drag
+
+
+Watcher = Callable[[BagTick, Repair], None]
+
+
+def run_shadow(
+    ticks: BagTicks, repairer: GuardedRepairer, watcher: Watcher = lambda _tick, _repair: None
+) -> ShadowSummary:
+    """Let a method judge every recorded tick. What it answers moves nothing: each scene is the recorded one.
+
+    What was done is what the repair node sent; in a bag without one, what the policy asked.
+
+    Args:
+        ticks: the recorded run.
+        repairer: the other method.
+        watcher: called with each tick that was judged and the answer to it.
+
+    Raises:
+        InputError: the bag is corrupt, or no tick of it can be judged.
+    """
+    count = then = now = same = 0
+    first: float | None = None
+    difference = 0.0
+    route: Route | None = None
+    repaired = "repair/command" in ticks.topics
+    for tick in ticks:
+        if tick.route is not None:
+            route = tick.route
+            repairer.reset(route)
+        done = tick.driven if repaired else tick.command
+        if route is None or done is None or tick.final is not None:
+            continue  # nobody drives on the answer to the final tick
+        answer = _answer(repairer, route, tick)
+        watcher(tick, answer)
+        count += 1
+        then += tick.repair is not None and tick.repair.intervened
+        now += answer.intervened
+        if (answer.command.throttle, answer.command.brake) == (done.throttle, done.brake):
+            same += 1
+        elif first is None:
+            first = tick.stamp * 1e-9
+        speed = 0.0 if tick.ego is None else tick.ego.speed
+        change = abs(asked_acceleration(answer.command, speed) - asked_acceleration(done, speed))
+        difference += change if math.isfinite(change) else 0.0
+    if not count:
+        raise InputError(
+            str(ticks.path), "holds no command of a policy or a repair node", "name a bag of a run that was driven"
+        )
+    return ShadowSummary(count, then, now, same / count, first, difference / count)
+
+
+def asked_acceleration(command: Command, speed: float) -> float:
+    """Acceleration [m/s2] that a command asks of the ego at ``speed`` [m/s], before lag, grip and resistance."""
+    ego = VehicleParameters()
+    drive = min(ego.acceleration_max, ego.power_per_mass / max(speed, 1.0))
+    return drive * command.throttle - ego.brake_max * command.brake
+
+
+def _answer(repairer: GuardedRepairer, route: Route, tick: BagTick) -> Repair:
+    scene, decision = tick.scene(route), tick.decision
+    if scene is None:
+        return repairer.controlled_stop(
+            RepairStatus.STALE_OBJECTS, "the bag lacks odometry or objects of this tick", None, decision
+        )
+    if decision is None:
+        return repairer.controlled_stop(
+            RepairStatus.STALE_COMMAND, "the bag lacks the policy's command or trajectory of this tick", scene
+        )
+    return repairer.step(scene, decision)

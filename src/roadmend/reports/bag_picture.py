@@ -1,0 +1,95 @@
+"""A recorded episode drawn straight from its bag: the scene at a moment and the time line, as a picture or a page."""
+
+import bisect
+from pathlib import Path
+
+import numpy as np
+
+from roadmend.core.errors import InputError
+from roadmend.core.scene import ObjectList
+from roadmend.core.whole_file import written_beside
+from roadmend.recording.episode import BagEpisode, read_episode
+from roadmend.reports.bag_page import page_of
+from roadmend.reports.scene_picture import SceneView, draw_scene
+from roadmend.reports.scene_timeline import Timeline
+
+BEFORE_THE_END_S = 1.0  # [s] the moment shown where nothing was repaired
+SLACK_S = 0.5  # [s] by which a moment asked for may lie outside the recording
+DPI = 120
+_PICTURES = frozenset({".png", ".svg", ".pdf"})
+_PAGES = frozenset({".html", ".htm"})
+
+
+def draw_bag(bag: Path, out: Path, at: float | None = None, span: float = 70.0) -> float:
+    """Draw one moment of a bag into a file.
+
+    Args:
+        bag: the bag's folder or its .mcap file.
+        out: where to write; .png, .svg, .pdf, or .html for a page that shows each tick's values under the pointer.
+        at: simulation time [s]; None picks the middle of the longest intervention, or the last second but one where
+            there was none.
+        span: width of the scene [m].
+
+    Returns:
+        Simulation time of the tick that was drawn [s].
+
+    Raises:
+        InputError: the bag is unusable, ``at`` lies outside it, or ``out`` cannot be written.
+    """
+    if out.suffix not in _PICTURES | _PAGES:
+        raise InputError(
+            str(out), f"{out.suffix or 'no ending'} is no format for a picture", "write .png, .svg, .pdf or .html"
+        )
+    episode = read_episode(bag)
+    timeline = episode.timeline()
+    stamp = _tick_at(episode, interesting_moment(timeline) if at is None else at)
+    view = view_of(episode, stamp, timeline)
+    try:
+        figure = draw_scene(view, span)
+    except ValueError as error:
+        raise InputError(str(bag), str(error), "name another moment") from error
+    with written_beside(out) as beside:
+        if out.suffix in _PAGES:
+            beside.write_text(page_of(episode, timeline, figure, view.time), encoding="utf-8")
+        else:
+            figure.savefig(beside, dpi=DPI, format=out.suffix[1:])
+    return view.time
+
+
+def interesting_moment(timeline: Timeline) -> float:
+    """The middle of the longest intervention [s]; without any, a second before the end."""
+    spans = timeline.spans()
+    if spans:
+        begin, end = max(spans, key=lambda span: span[1] - span[0])
+        return 0.5 * (begin + end)
+    return float(max(timeline.time[-1] - BEFORE_THE_END_S, timeline.time[0]))
+
+
+def view_of(episode: BagEpisode, stamp: int, timeline: Timeline | None = None) -> SceneView:
+    """What a picture of the tick with this stamp [ns] shows."""
+    route = episode.route
+    return SceneView(
+        scenario=route.scenario if route is not None and route.scenario else episode.path.stem,
+        time=stamp * 1e-9,
+        ego=episode.ego[stamp],
+        objects=episode.objects.get(stamp, ObjectList.empty()),
+        lanes=episode.lanes,
+        route=route,
+        trajectory=episode.trajectories.get(stamp),
+        repair=episode.repairs.get(stamp),
+        trail=episode.trail(stamp),
+        timeline=timeline,
+        outcome=episode.outcome,
+    )
+
+
+def _tick_at(episode: BagEpisode, time: float) -> int:
+    """Stamp [ns] of the tick nearest to a time [s]."""
+    stamps = episode.stamps
+    first, last = stamps[0] * 1e-9, stamps[-1] * 1e-9
+    if not first - SLACK_S <= time <= last + SLACK_S:
+        raise InputError("at", f"{time:g} s is outside the recording", f"name a time from {first:.2f} to {last:.2f} s")
+    wanted = round(time * 1e9)
+    place = bisect.bisect_left(stamps, wanted)
+    near = stamps[max(place - 1, 0) : place + 1]
+    return near[int(np.argmin([abs(stamp - wanted) for stamp in near]))]

@@ -1,0 +1,28 @@
+import numpy as np
+import pytest
+
+from roadmend.measures.monitor import Confusion, summarise_monitor
+
+
+def test_frames_are_counted_and_pooled():
+    labels = np.array([True, True, True, False, False, False])
+    first = Confusion.of(labels, np.array([True, True, False, True, False, False]))
+    assert first == Confusion(hits=2, false_alarms=1, misses=1, quiet=2)
+    second = Confusion.of(~labels, np.zeros(6, dtype=np.bool_))
+    figures = summarise_monitor([first, second])
+    assert (figures["frames"], figures["critical_frames"]) == (12, 6)
+    assert figures["precision"] == pytest.approx(100.0 * 2 / 3)
+    assert figures["recall"] == pytest.approx(100.0 * 2 / 6)
+    assert figures["f1"] == pytest.approx(100.0 * 4 / (4 + 1 + 4))
+
+
+def test_labels_and_alarms_must_be_of_the_same_frames():
+    with pytest.raises(ValueError, match="3 labels for 2 frames"):
+        Confusion.of(np.zeros(3, dtype=np.bool_), np.zeros(2, dtype=np.bool_))
+
+
+def test_a_monitor_that_never_speaks_has_no_precision():
+    figures = summarise_monitor([Confusion(0, 0, 5, 10)])
+    assert figures["precision"] is None
+    assert (figures["recall"], figures["f1"]) == (0.0, 0.0)
+    assert figures["intervals"]["precision"] is None

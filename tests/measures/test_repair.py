@@ -1,0 +1,87 @@
+import pytest
+
+from roadmend.measures.case_result import CaseResult, peaks
+from roadmend.measures.repair import advantage, share_of_bound, summarise
+
+from .results import result, run
+
+
+def test_figures_by_hand():
+    results = [
+        result("a", True, "GOAL", 10, 8.0),
+        result("b", True, "TIMEOUT", 30, 12.0),
+        result("c", True, "COLLISION"),
+        result("d", True, "OFF_ROUTE", 10, 20.0, deceleration=6.0),
+        result("e", False, "GOAL"),
+        result("f", False, "COLLISION", 5, 5.0),
+        result("g", False, "TIMEOUT", 5, 5.0),
+        result("h", False, "GOAL"),
+    ]
+    figures = summarise(results)
+    assert {name: figures[name] for name in ("violations", "successes", "fix", "fix_loose", "deg", "delta_e")} == {
+        "violations": 4,
+        "successes": 4,
+        "fix": 25.0,
+        "fix_loose": 75.0,
+        "deg": 25.0,
+        "delta_e": 0.0,
+    }
+    assert figures["delta_e_loose"] == 50.0
+    assert (figures["stopped"], figures["goal_lost"], figures["untouched"]) == (25.0, 50.0, 50.0)
+    assert figures["intensity"] == pytest.approx(50.0 / 60.0)  # over frames, not over cases
+    assert figures["dose"] == pytest.approx(50.0 * 0.05 / 8)
+    assert figures["dose_violations"] == pytest.approx(40.0 * 0.05 / 4)
+    assert figures["dose_successes"] == pytest.approx(10.0 * 0.05 / 4)
+    assert figures["intervened_frames"] == pytest.approx(60 / 8)
+    assert figures["peak_deceleration"] == pytest.approx((7 * 2.0 + 6.0) / 8)
+    for name, (low, high) in figures["intervals"].items():
+        assert low <= figures[name] <= high
+
+
+def test_a_car_that_only_stops_has_fixed_nothing():
+    figures = summarise(run("TTTTTTTT"))
+    assert (figures["fix"], figures["fix_loose"], figures["deg"], figures["goal_lost"]) == (0.0, 100.0, 0.0, 100.0)
+
+
+def test_what_has_no_value_is_none_and_no_zero():
+    figures = summarise([result("a", True, "COLLISION")])
+    assert figures["deg"] is None
+    assert figures["delta_e"] is None
+    assert figures["intensity"] is None
+    assert figures["intervals"]["intensity"] is None
+
+
+def test_one_method_against_another_on_the_same_cases():
+    more = advantage(run("GGGCGGGG", 2, 2.0), run("GCCCGGGC", 4, 4.0))
+    assert more["delta_e"] == pytest.approx(50.0 + 25.0)
+    assert more["dose"] == pytest.approx(-0.1)
+    assert more["intervals"]["dose"] == pytest.approx([-0.1, -0.1])
+    low, high = more["intervals"]["delta_e"]
+    assert low < 75.0 < high
+    with pytest.raises(ValueError, match="different cases"):
+        advantage(run("GGGGGGGG"), run("GGGGGGGG")[::-1])
+
+
+def test_shares_of_the_bound_look_only_at_what_it_repairs():
+    bound = {each.case: each for each in run("GGCGGGGG", 5, 2.0)}
+    share = share_of_bound(run("GTGGGGGG", 10, 6.0), bound)
+    assert share["repairable"] == 3
+    assert share["fix_share"] == pytest.approx(200.0 / 3)
+    assert share["dose_ratio"] == pytest.approx(3.0)  # on two cases
+    assert share["dose_ratio_all"] == pytest.approx(3.0)  # on three
+
+
+def test_peaks_of_a_constant_deceleration():
+    speeds = [20.0] * 20 + [20.0 - 4.0 * 0.05 * tick for tick in range(1, 60)]
+    deceleration, jerk = peaks(speeds)
+    assert deceleration == pytest.approx(4.0)
+    assert jerk == pytest.approx(4.0 / 0.2)  # from nothing to 4 m/s2 within one window
+    assert peaks([10.0, 9.0]) == (0.0, 0.0)
+    assert peaks([float(tick) for tick in range(30)])[0] == 0.0
+
+
+def test_a_result_survives_its_dump():
+    one = result("a", True, "GOAL", 3, 0.1 + 0.2)
+    assert CaseResult.parse(one.dump()) == one
+    with pytest.raises(ValueError, match="unexpected"):
+        CaseResult.parse({**one.dump(), "other": 1})
