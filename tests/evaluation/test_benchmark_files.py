@@ -10,7 +10,6 @@ import pytest
 from roadmend.core.errors import InputError
 from roadmend.evaluation.benchmark_content import build_content, case_table, differences, dump_json, unequal
 from roadmend.evaluation.benchmark_files import read_json, write_benchmark
-
 from tests.measures.results import CASES, MADE, measured
 
 COST = {"adreft": {"median_ms": 0.25, "p99_ms": 0.5, "ratio": 0.2}, "rule": {"median_ms": 0.02, "p99_ms": 0.05}}

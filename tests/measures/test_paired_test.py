@@ -1,8 +1,11 @@
 """Student's t against the tables."""
 
+import math
+import statistics
+
 import pytest
 
-from roadmend.measures.paired_test import mean_interval, paired_p_value, share_within
+from roadmend.measures.paired_test import mean_interval, paired_p_value
 
 
 @pytest.mark.parametrize(
@@ -10,8 +13,15 @@ from roadmend.measures.paired_test import mean_interval, paired_p_value, share_w
     [(1, 12.706), (2, 4.3027), (3, 3.1824), (4, 2.7764), (5, 2.5706), (9, 2.2622), (30, 2.0423)],
 )
 def test_the_critical_values_of_the_tables(freedom, t):
-    assert share_within(t, freedom) == pytest.approx(0.95, abs=1e-5)
-    assert share_within(0.0, freedom) == 0.0
+    values = [float(value) for value in range(freedom + 1)]
+    low, high = mean_interval(values)
+    error = statistics.stdev(values) / math.sqrt(len(values))
+    assert (high - low) / (2.0 * error) == pytest.approx(t, rel=1e-4)
+    # Two samples whose differences have just this t are apart at 5 %.
+    mean = statistics.fmean(values)
+    assert paired_p_value([value - mean + t * error for value in values], [0.0] * len(values)) == pytest.approx(
+        0.05, abs=1e-5
+    )
 
 
 def test_paired_differences():
@@ -27,3 +37,4 @@ def test_the_interval_of_a_mean():
     low, high = mean_interval([1.0, 2.0, 3.0, 2.0, 2.0])
     assert (low, high) == (pytest.approx(2.0 - 0.8780, abs=1e-3), pytest.approx(2.0 + 0.8780, abs=1e-3))
     assert mean_interval([1.0]) is None
+    assert mean_interval([2.0, 2.0]) == (2.0, 2.0)

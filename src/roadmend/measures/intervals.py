@@ -5,12 +5,12 @@ from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
+import scipy  # scipy.stats takes seconds to import, and is only when it is first used
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Interval = tuple[float, float]
 
-Z = 1.959963984540054  # the normal distribution's 97.5 % point
 RESAMPLES = 2000
 _DIGITS = 9  # of what the bootstrap gives; matrix products differ in the last bits between CPUs
 SEED = 20260715  # of every bootstrap: the same results give the same intervals
@@ -24,10 +24,8 @@ def wilson(successes: int, trials: int) -> Interval:
     """
     if trials < 1:
         raise ValueError("no trials")
-    share = successes / trials
-    centre = (share + Z * Z / (2 * trials)) / (1 + Z * Z / trials)
-    half = Z / (1 + Z * Z / trials) * math.sqrt(share * (1 - share) / trials + Z * Z / (4 * trials * trials))
-    return max(0.0, centre - half), min(1.0, centre + half)
+    low, high = scipy.stats.binomtest(successes, trials).proportion_ci(0.95, method="wilson")
+    return float(low), float(high)
 
 
 def newcombe(successes: int, trials: int, others: int, other_trials: int) -> Interval:
