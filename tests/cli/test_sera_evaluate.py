@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from roadmend.cli.main import main
-from roadmend.measures.driving import measure_bag
+from roadmend.measures.driving import MeasuresObserver
 from roadmend.recording.reader import BagReader
 from roadmend.recording.ticks import BagTicks
 from roadmend.world.corpus import load_corpus, save_corpus
@@ -39,12 +39,22 @@ def evaluate(corpus, tmp_path, capsys):
     return run
 
 
+def measures_of(ticks):
+    """What the observer of a run makes of the scenes in its bag."""
+    observer = None
+    for tick in ticks:
+        if tick.route is not None:
+            route, observer = tick.route, MeasuresObserver(tick.route)
+        observer.see(tick.scene(route))
+    return observer.measures(tick.final, tick.final_text, tick.final_ids)
+
+
 def test_bags_tell_the_same_measures_as_the_runs_and_an_interrupted_call_goes_on(evaluate, capsys):
     told, out = evaluate("--record", "all")
     assert sorted(one["measures"]["outcome"] for one in told["episodes"]) == ["COLLISION", "GOAL"]
     for one in told["episodes"]:
         bag = BagReader(out / "bags" / one["bag"])
-        measured = measure_bag(BagTicks(bag))
+        measured = measures_of(BagTicks(bag))
         assert asdict(measured) == one["measures"] | {"infractions": tuple(one["measures"]["infractions"])}
         assert bag.metadata["roadmend"]["outcome"] == one["measures"]["outcome"]
     assert told["summary"]["success_rate"]["mean"] == 50.0

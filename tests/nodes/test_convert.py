@@ -2,6 +2,7 @@
 
 import math
 from array import array
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +16,8 @@ from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
 from roadmend.core.scene import EgoState, ObjectList
 from roadmend.nodes import convert
 from roadmend.nodes.odometry import OdometryWriter
-from roadmend.world.map_view import DrawnLane, LaneKind
+from roadmend.world.map_view import LaneKind, LaneMap, lanes_of
+from roadmend.world.road_network import RoadNetwork
 
 COLUMNS = ("x", "y", "yaw", "speed", "acceleration", "yaw_rate", "length", "width")
 NUMBERS = np.random.default_rng(4)
@@ -187,15 +189,16 @@ def test_an_event_arrives_complete(kind):
 
 
 def test_a_map_arrives_complete():
-    shapes = [NUMBERS.normal(size=(points, 2)) for points in (2, 5, 3)]
-    lanes = [DrawnLane(kind, 3.0 + kind, shape) for kind, shape in zip(LaneKind, shapes, strict=True)]
+    x, y = NUMBERS.normal(size=(2, 10))
+    kinds = np.array([*LaneKind], dtype=np.uint8)
+    lanes = LaneMap(np.array([0, 2, 7]), kinds, 3.0 + kinds, x, y)
     back = sent(convert.map_message_of(lanes, header()))
     assert list(back.lane_begin) == [0, 2, 7]
     assert list(back.lane_kind) == [msg.Map.KIND_ROAD, msg.Map.KIND_JUNCTION, msg.Map.KIND_WALK]
     assert list(back.lane_width) == [3.0, 4.0, 5.0]
-    assert np.column_stack([back.x, back.y]).tobytes() == np.concatenate(shapes).tobytes()
+    assert (back.x.tobytes(), back.y.tobytes()) == (x.tobytes(), y.tobytes())
 
 
 def test_a_map_without_lanes_is_empty():
-    back = sent(convert.map_message_of([], header()))
+    back = sent(convert.map_message_of(lanes_of(RoadNetwork(Path("empty.net.xml"), {}, {}, {})), header()))
     assert len(back.lane_begin) == len(back.x) == 0

@@ -15,7 +15,7 @@ from roadmend.core.repair import RepairStatus
 from roadmend.recording import definitions
 from roadmend.recording.episode import read_episode
 from roadmend.recording.writer import BagWriter
-from roadmend.reports.bag_picture import draw_bag, interesting_moment, view_of
+from roadmend.reports.bag_picture import draw_bag, interesting_moment, timeline_of, view_of
 
 TICKS = 100
 TYPES = {
@@ -154,7 +154,7 @@ def test_episode_is_read_as_it_was_written(tmp_path):
     assert episode.route.scenario == "car ahead"
     assert episode.ego[0].length == 4.0
     assert len(episode.lanes.lines(0)[0]) == 2
-    timeline = episode.timeline()
+    timeline = timeline_of(episode)
     assert timeline.spans() == [(pytest.approx(2.0), pytest.approx(2.95))]
     assert timeline.distance[10] == pytest.approx(50.0 - 2.0 - (4.0 + 2.0))
     assert timeline.final_action[50] == pytest.approx(-0.8)
@@ -175,8 +175,8 @@ def test_first_intervention_is_the_moment_shown(tmp_path):
 
 def test_without_intervention_the_moment_is_a_second_before_the_end(tmp_path):
     episode = read_episode(record(tmp_path / "bag", intervene=range(0), with_state=False))
-    assert interesting_moment(episode.timeline()) == pytest.approx(3.95)
-    assert np.isnan(episode.timeline().score).all()
+    assert interesting_moment(timeline_of(episode)) == pytest.approx(3.95)
+    assert np.isnan(timeline_of(episode).score).all()
     assert draw_bag(tmp_path / "bag", tmp_path / "scene.svg") == pytest.approx(3.95)
 
 

@@ -18,9 +18,10 @@ from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import Repair, RepairStatus, Trigger
 from roadmend.core.route import RightOfWay, Route, Stage, Zone
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
-from roadmend.reports.scene_layers import ASPHALT, JUNCTION, ROAD, WALK, LaneMap, Trail
+from roadmend.reports.scene_layers import ASPHALT, Trail
 from roadmend.reports.scene_picture import SceneView, draw_scene
 from roadmend.reports.scene_timeline import SILENT, Band, Timeline, draw_timeline, rows_of
+from roadmend.world.map_view import LaneKind, LaneMap
 
 Pixels = NDArray[np.uint8]
 
@@ -47,7 +48,7 @@ def view() -> SceneView:
     """The ego on a road with a car ahead and a pedestrian beside it."""
     lanes = LaneMap(
         np.array([0, 2, 4, 6]),
-        np.array([ROAD, ROAD, JUNCTION, WALK], dtype=np.uint8),
+        np.array([LaneKind.ROAD, LaneKind.ROAD, LaneKind.JUNCTION, LaneKind.WALK], dtype=np.uint8),
         np.array([3.2, 3.2, 3.2, 2.0]),
         np.array([-50.0, 20.0, -50.0, 20.0, 20.0, 50.0, -50.0, 50.0]),
         np.array([0.0, 0.0, 3.2, 3.2, 0.0, 0.0, -3.0, -3.0]),

@@ -1,7 +1,7 @@
-"""The four measures of Bench2Drive (Jia et al. 2024, section 4) of one episode, from a run in this process or a bag.
+"""The four measures of Bench2Drive (Jia et al. 2024, section 4) of one episode.
 
 Driving Score is route completion times infraction penalty, Success that the goal was reached without an infraction,
-Efficiency the ego's speed against that of the traffic around it, Comfortness as ``evaluation.comfort`` has it.
+Efficiency the ego's speed against that of the traffic around it, Comfortness as ``measures.comfort`` has it.
 
 The factors are those of Bench2Drive's leaderboard. It knows more infractions than this world: running a stop sign, not
 yielding to an emergency vehicle, scenario time-outs and static obstacles are not looked for here. A collision ends the
@@ -16,13 +16,11 @@ from typing import Any, Self
 
 import numpy as np
 
-from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
 from roadmend.core.route import RightOfWay, Route
 from roadmend.core.scene import ObjectKind, Scene, Signal
 from roadmend.measures.comfort import comfort
 from roadmend.measures.route_progress import RoutePlace, RouteProgress
-from roadmend.recording.ticks import BagTicks
 from roadmend.world.blame import Blame, is_at_fault
 
 PENALTIES = {"collision_pedestrian": 0.5, "collision_vehicle": 0.6, "red_light": 0.7}
@@ -123,23 +121,3 @@ class MeasuresObserver:
             and scene.signals[zone.signal] == Signal.RED
             for zone in self._route.zones
         )
-
-
-def measure_bag(ticks: BagTicks) -> DrivingMeasures:
-    """The measures of a recorded episode.
-
-    Raises:
-        InputError: the bag is corrupt, or the episode in it has no end.
-    """
-    route: Route | None = None
-    observer: MeasuresObserver | None = None
-    for tick in ticks:
-        if tick.route is not None:
-            route, observer = tick.route, MeasuresObserver(tick.route)
-        scene = None if route is None else tick.scene(route)
-        if observer is None or scene is None:
-            continue
-        observer.see(scene)
-        if tick.final is not None:
-            return observer.measures(tick.final, tick.final_text, tick.final_ids)
-    raise InputError(str(ticks.path), "holds no end of an episode", "take the bag of a run that was driven to its end")

@@ -3,7 +3,6 @@
 import itertools
 import math
 from array import array
-from collections.abc import Sequence
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -17,7 +16,7 @@ from roadmend.core.outcome import Event
 from roadmend.core.repair import Repair
 from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
 from roadmend.core.scene import EgoState, ObjectList
-from roadmend.world.map_view import DrawnLane
+from roadmend.world.map_view import LaneMap
 
 MAP_FRAME = "map"
 BASE_FRAME = "base_link"
@@ -234,15 +233,13 @@ def event_message_of(event: Event) -> msg.ScenarioEvent:
     )
 
 
-def map_message_of(lanes: Sequence[DrawnLane], header: Header) -> msg.Map:
+def map_message_of(lanes: LaneMap, header: Header) -> msg.Map:
     """The road network as a message."""
-    begins = np.cumsum([0, *(len(lane.shape) for lane in lanes[:-1])]) if lanes else np.empty(0)
-    points = np.concatenate([lane.shape for lane in lanes]) if lanes else np.empty((0, 2))
     return msg.Map(
         header=header,
-        lane_begin=array("I", begins.astype(np.uint32).tobytes()),
-        lane_kind=array("B", [int(lane.kind) for lane in lanes]),
-        lane_width=array("f", [lane.width for lane in lanes]),
-        x=_doubles(np.ascontiguousarray(points[:, 0])),
-        y=_doubles(np.ascontiguousarray(points[:, 1])),
+        lane_begin=array("I", lanes.begin.astype(np.uint32).tobytes()),
+        lane_kind=array("B", lanes.kind.tobytes()),
+        lane_width=array("f", lanes.width.astype(np.float32).tobytes()),
+        x=_doubles(lanes.x),
+        y=_doubles(lanes.y),
     )

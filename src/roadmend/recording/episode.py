@@ -1,17 +1,14 @@
 """A recorded episode as core types, read from its bag. Needs no ROS."""
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from roadmend.core.command import Trajectory
 from roadmend.core.errors import InputError
-from roadmend.core.geometry import nearest_distance
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
@@ -27,10 +24,7 @@ from roadmend.recording.values import (
     stamp_of,
     trajectory_of,
 )
-from roadmend.reports.scene_layers import LaneMap, Trail
-from roadmend.reports.scene_timeline import SILENT, Timeline
-
-Floats = NDArray[np.float64]
+from roadmend.world.map_view import LaneMap
 
 _TOPICS = {
     "ego": "nav_msgs/msg/Odometry",
@@ -62,38 +56,6 @@ class BagEpisode:
     def stamps(self) -> list[int]:
         """Stamps of the ticks [ns], rising."""
         return sorted(self.ego)
-
-    def timeline(self) -> Timeline:
-        """One value a tick."""
-        stamps = self.stamps
-        repairs = [self.repairs.get(stamp) for stamp in stamps]
-        return Timeline(
-            np.array(stamps, dtype=np.float64) * 1e-9,
-            np.array([self.ego[stamp].speed for stamp in stamps]),
-            np.array([self._distance(stamp) for stamp in stamps]),
-            _column(repairs, "score"),
-            _column(repairs, "threshold"),
-            _column(repairs, "policy_action"),
-            _column(repairs, "final_action"),
-            np.array([repair is not None and repair.intervened for repair in repairs], dtype=np.bool_),
-            np.array([SILENT if repair is None else repair.status for repair in repairs], dtype=np.int64),
-            tuple(self.events),
-        )
-
-    def trail(self, until: int) -> Trail:
-        """The way driven up to a stamp [ns]."""
-        stamps = [stamp for stamp in self.stamps if stamp <= until]
-        repairs = [self.repairs.get(stamp) for stamp in stamps]
-        return Trail(
-            np.array([self.ego[stamp].x for stamp in stamps]),
-            np.array([self.ego[stamp].y for stamp in stamps]),
-            np.array([repair is not None and repair.intervened for repair in repairs], dtype=np.bool_),
-        )
-
-    def _distance(self, stamp: int) -> float:
-        ego, objects = self.ego[stamp], self.objects.get(stamp)
-        distance = math.inf if objects is None else nearest_distance(ego, objects)
-        return distance if math.isfinite(distance) else math.nan
 
 
 def read_episode(path: Path) -> BagEpisode:
@@ -171,7 +133,3 @@ def _take_event(episode: BagEpisode, stamp: int, value: Any) -> None:
         episode.outcome = ""
     elif kind.is_final:
         episode.outcome = kind.name.lower().replace("_", " ")
-
-
-def _column(repairs: list[Repair | None], name: str) -> Floats:
-    return np.array([math.nan if repair is None else getattr(repair, name) for repair in repairs], dtype=np.float64)

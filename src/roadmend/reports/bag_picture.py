@@ -1,17 +1,24 @@
 """A recorded episode drawn straight from its bag: the scene at a moment and the time line, as a picture or a page."""
 
 import bisect
+import math
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from roadmend.core.errors import InputError
+from roadmend.core.geometry import nearest_distance
+from roadmend.core.repair import Repair
 from roadmend.core.scene import ObjectList
 from roadmend.core.whole_file import written_beside
 from roadmend.recording.episode import BagEpisode, read_episode
 from roadmend.reports.bag_page import page_of
+from roadmend.reports.scene_layers import Trail
 from roadmend.reports.scene_picture import SceneView, draw_scene
-from roadmend.reports.scene_timeline import Timeline
+from roadmend.reports.scene_timeline import SILENT, Timeline
+
+Floats = NDArray[np.float64]
 
 BEFORE_THE_END_S = 1.0  # [s] the moment shown where nothing was repaired
 SLACK_S = 0.5  # [s] by which a moment asked for may lie outside the recording
@@ -41,7 +48,7 @@ def draw_bag(bag: Path, out: Path, at: float | None = None, span: float = 70.0) 
             str(out), f"{out.suffix or 'no ending'} is no format for a picture", "write .png, .svg, .pdf or .html"
         )
     episode = read_episode(bag)
-    timeline = episode.timeline()
+    timeline = timeline_of(episode)
     stamp = _tick_at(episode, interesting_moment(timeline) if at is None else at)
     view = view_of(episode, stamp, timeline)
     try:
@@ -77,10 +84,49 @@ def view_of(episode: BagEpisode, stamp: int, timeline: Timeline | None = None) -
         route=route,
         trajectory=episode.trajectories.get(stamp),
         repair=episode.repairs.get(stamp),
-        trail=episode.trail(stamp),
+        trail=trail_of(episode, stamp),
         timeline=timeline,
         outcome=episode.outcome,
     )
+
+
+def timeline_of(episode: BagEpisode) -> Timeline:
+    """One value a tick."""
+    stamps = episode.stamps
+    repairs = [episode.repairs.get(stamp) for stamp in stamps]
+    return Timeline(
+        np.array(stamps, dtype=np.float64) * 1e-9,
+        np.array([episode.ego[stamp].speed for stamp in stamps]),
+        np.array([_distance(episode, stamp) for stamp in stamps]),
+        _column(repairs, "score"),
+        _column(repairs, "threshold"),
+        _column(repairs, "policy_action"),
+        _column(repairs, "final_action"),
+        np.array([repair is not None and repair.intervened for repair in repairs], dtype=np.bool_),
+        np.array([SILENT if repair is None else repair.status for repair in repairs], dtype=np.int64),
+        tuple(episode.events),
+    )
+
+
+def trail_of(episode: BagEpisode, until: int) -> Trail:
+    """The way driven up to a stamp [ns]."""
+    stamps = [stamp for stamp in episode.stamps if stamp <= until]
+    repairs = [episode.repairs.get(stamp) for stamp in stamps]
+    return Trail(
+        np.array([episode.ego[stamp].x for stamp in stamps]),
+        np.array([episode.ego[stamp].y for stamp in stamps]),
+        np.array([repair is not None and repair.intervened for repair in repairs], dtype=np.bool_),
+    )
+
+
+def _distance(episode: BagEpisode, stamp: int) -> float:
+    ego, objects = episode.ego[stamp], episode.objects.get(stamp)
+    distance = math.inf if objects is None else nearest_distance(ego, objects)
+    return distance if math.isfinite(distance) else math.nan
+
+
+def _column(repairs: list[Repair | None], name: str) -> Floats:
+    return np.array([math.nan if repair is None else getattr(repair, name) for repair in repairs], dtype=np.float64)
 
 
 def _tick_at(episode: BagEpisode, time: float) -> int:

@@ -23,10 +23,9 @@ from roadmend.core.command import Trajectory
 from roadmend.core.geometry import fill_corners
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
+from roadmend.world.map_view import LaneKind, LaneMap
 
 Floats = NDArray[np.float64]
-
-ROAD, JUNCTION, WALK = 0, 1, 2  # mirror roadmend_msgs/Map.KIND_*
 
 INK, MUTED = "#22252b", "#5d636e"
 LAND, KERB, ASPHALT, PAINT = "#f3f2ec", "#a3a9b2", "#d5d8dd", "#ffffff"
@@ -36,24 +35,6 @@ LANE_LINE = 0.16  # [m]
 KERB_WIDTH = 0.35  # [m]
 SEAM = 0.3  # [m] by which junctions reach over the lanes that end there, or a pale line stays between them
 BAR_HALF = 1.6  # [m] half length of stop and goal lines
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class LaneMap:
-    """Lane centre lines: L lanes with P points altogether, frame map."""
-
-    begin: NDArray[np.int64]  # index of the first point of each lane, shape (L,)
-    kind: NDArray[np.uint8]  # ROAD, JUNCTION or WALK, shape (L,)
-    width: Floats  # [m] shape (L,)
-    x: Floats  # [m] shape (P,)
-    y: Floats  # [m] shape (P,)
-
-    def lines(self, kind: int) -> tuple[list[Floats], Floats]:
-        """Centre lines (shape (p, 2) each) and widths [m] of all lanes of one kind that have two points or more."""
-        ends = np.append(self.begin[1:], len(self.x))
-        points = np.column_stack((self.x, self.y))
-        chosen = [index for index in np.flatnonzero(self.kind == kind) if ends[index] - self.begin[index] > 1]
-        return [points[self.begin[index] : ends[index]] for index in chosen], self.width[chosen]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,9 +75,9 @@ class Canvas:
 
 def draw_lanes(canvas: Canvas, lanes: LaneMap) -> None:
     """Kerbs under lane lines under asphalt: neighbouring lanes grow together and keep a line between them."""
-    walks, walk_widths = lanes.lines(WALK)
-    roads, road_widths = lanes.lines(ROAD)
-    inner, inner_widths = lanes.lines(JUNCTION)
+    walks, walk_widths = lanes.lines(LaneKind.WALK)
+    roads, road_widths = lanes.lines(LaneKind.ROAD)
+    inner, inner_widths = lanes.lines(LaneKind.JUNCTION)
     canvas.strokes(walks, walk_widths + 0.2, PAVING_EDGE, 1.0)
     canvas.strokes(walks, walk_widths, PAVING, 1.1)
     canvas.strokes(roads, road_widths + 2.0 * KERB_WIDTH, KERB, 1.2)

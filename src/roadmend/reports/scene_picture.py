@@ -25,8 +25,9 @@ from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, ObjectList
 from roadmend.reports import scene_layers
-from roadmend.reports.scene_layers import INK, MUTED, Canvas, LaneMap, Trail
+from roadmend.reports.scene_layers import INK, MUTED, Canvas, Trail
 from roadmend.reports.scene_timeline import Timeline, draw_timeline, rows_of
+from roadmend.world.map_view import LaneMap
 
 Floats = NDArray[np.float64]
 

@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 
 from roadmend.core.whole_file import written_beside
-from roadmend.reports.scene_layers import LaneMap, Trail
+from roadmend.reports.scene_layers import Trail
 from roadmend.reports.scene_picture import SceneView, draw_scene
 from roadmend.safe.trial import Trial
 from roadmend.world.map_view import lanes_of
 from roadmend.world.network import network_file
-from roadmend.world.road_network import RoadNetwork, read_network
+from roadmend.world.road_network import read_network
 from roadmend.world.scenario import Scenario
 from roadmend.world.simulation import INTERVAL
 
@@ -31,7 +31,7 @@ def draw_trial(scenario: Scenario, trial: Trial, out: Path) -> None:
         time=tick * INTERVAL,
         ego=trial.film.ego[tick],
         objects=trial.film.objects[tick],
-        lanes=_map_of(read_network(network_file(scenario.network))),
+        lanes=lanes_of(read_network(network_file(scenario.network))),
         route=trial.route,
         trail=Trail(
             np.array([ego.x for ego in before]), np.array([ego.y for ego in before]), np.zeros(len(before), np.bool_)
@@ -40,16 +40,3 @@ def draw_trial(scenario: Scenario, trial: Trial, out: Path) -> None:
     )
     with written_beside(out) as beside:
         draw_scene(view, _SPAN).savefig(beside, dpi=_DPI, format="png")
-
-
-def _map_of(network: RoadNetwork) -> LaneMap:
-    lanes = lanes_of(network)
-    points = np.concatenate([lane.shape for lane in lanes])
-    counts = [len(lane.shape) for lane in lanes]
-    return LaneMap(
-        np.concatenate(([0], np.cumsum(counts)[:-1])).astype(np.int64),
-        np.array([lane.kind for lane in lanes], dtype=np.uint8),
-        np.array([lane.width for lane in lanes]),
-        points[:, 0],
-        points[:, 1],
-    )
