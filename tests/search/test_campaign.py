@@ -2,6 +2,7 @@
 
 import json
 import random
+from functools import partial
 
 import numpy as np
 import pytest
@@ -16,7 +17,6 @@ from roadmend.search.danger import CLOSING_WEIGHT, FARTHEST, HORIZON, Danger
 from roadmend.search.evaluation import BEST, CRASH, CRASH_FITNESS, Evaluation, Subject, evaluate, evaluate_scenario
 from roadmend.search.ledger import Ledger
 from roadmend.search.registry import TECHNIQUES, read_technique_parameters
-from roadmend.search.workers import open_evaluator
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario_file import load_scenario
 from roadmend.world.space import sample
@@ -132,8 +132,8 @@ def test_a_violation_reproduces_from_its_file(tmp_path, monkeypatch):
     point = sample(FAMILIES[family].space, random.Random(f"roadmend/{family}/{seed}"))
     monkeypatch.setattr("roadmend.search.random_draws.sample", lambda *_: point)
     planned = plan("random", family, seed)
-    with Ledger(tmp_path, planned.settings) as ledger, open_evaluator(planned.subject, 1) as evaluator:
-        run_campaign(planned, ledger, evaluator, 1)
+    with Ledger(tmp_path, planned.settings) as ledger:
+        run_campaign(planned, ledger, partial(map, partial(evaluate, planned.subject)), 1)
     [entry] = ledger.entries
     assert entry.evaluation.fitness == BEST
     again = load_scenario(tmp_path / entry.reproduction.scenario)

@@ -3,7 +3,6 @@
 import itertools
 import json
 import random
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -57,24 +56,19 @@ def world(monkeypatch):
     """Counts of points that were searched and cases that were run again."""
     counts = {"searched": 0, "rerun": 0}
 
-    @contextmanager
-    def evaluator(subject, workers):
-        def evaluate(points):
-            for point in points:
-                counts["searched"] += 1
-                used = used_parameters(FAMILIES[subject.family].build, point, subject.seed)
-                outcome, digest = made_up(subject.family, used, subject.seed)
-                fitness = BEST if float(digest) < 0.2 else -float(digest)
-                yield Evaluation(outcome, text_of(digest), digest, fitness, 1.5, (float(digest),))
-
-        yield evaluate
+    def evaluate(subject, point):
+        counts["searched"] += 1
+        used = used_parameters(FAMILIES[subject.family].build, point, subject.seed)
+        outcome, digest = made_up(subject.family, used, subject.seed)
+        fitness = BEST if float(digest) < 0.2 else -float(digest)
+        return Evaluation(outcome, text_of(digest), digest, fitness, 1.5, (float(digest),))
 
     def again(policy, case):
         counts["rerun"] += 1
         outcome, digest = made_up(case.family, case.parameters, case.seed)
         return Rerun(outcome, digest, text_of(digest), 1.5, 12.5)
 
-    monkeypatch.setattr("roadmend.search.gather.open_evaluator", evaluator)
+    monkeypatch.setattr("roadmend.search.gather.evaluate", evaluate)
     monkeypatch.setattr("roadmend.search.rerun.rerun", again)
     return counts
 

@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from roadmend.core.errors import InputError
+from roadmend.core.fanout import fan_out
 from roadmend.training.adreft import gathering
 from roadmend.training.adreft.case_frames import CaseFrames
 from roadmend.training.adreft.frames import FrameSet
 from roadmend.training.adreft.gathering import Recipe, gather_frames
 from roadmend.training.adreft.labels import make_scheme
 from roadmend.training.closed_loop import evaluate_cases
-from roadmend.training.workers import open_mapper
 
 from .cases import Drawn
 
@@ -39,7 +39,7 @@ def test_what_is_gathered_is_the_episode(tmp_path):
 
 
 def test_neither_workers_nor_interruptions_change_what_is_gathered(tmp_path, monkeypatch):
-    with open_mapper(2) as mapper:
+    with fan_out(2) as mapper:
         gather_frames(CASES, RECIPE, tmp_path / "two", mapper)
     gather_frames(CASES[:1], RECIPE, tmp_path / "one", map)
     gather_frames(CASES, RECIPE, tmp_path / "one", map)

@@ -15,6 +15,7 @@ from roadmend.cli.progress import counting
 from roadmend.cli.resources import config_folder
 from roadmend.cli.table import wide_console
 from roadmend.core.errors import InputError, RoadmendError
+from roadmend.core.fanout import fan_out
 from roadmend.policies.registry import POLICIES
 from roadmend.search.corpus_plan import LAST_FRESH, fresh_plan, read_corpus_plan
 from roadmend.search.gather import Gathered, Progress, Report, gather, gather_fresh
@@ -159,7 +160,7 @@ def verify(policy: str, file: Path | None, count: int | None, workers: int, *, a
     every = loaded.cases
     chosen = every if count is None else spread(every, count)[:count]
     differing: list[dict[str, str]] = []
-    with counting() as bar, Rerunner(loaded.policy, workers) as rerunner:
+    with counting() as bar, fan_out(workers) as mapper, Rerunner(loaded.policy, mapper) as rerunner:
         task = bar.add_task("run again", total=len(chosen))
         for case, found in zip(chosen, rerunner(chosen), strict=True):
             bar.advance(task)

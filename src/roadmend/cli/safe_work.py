@@ -10,11 +10,11 @@ import click
 from roadmend.cli.options import WORKERS
 from roadmend.cli.progress import counting
 from roadmend.core.errors import InputError
+from roadmend.core.fanout import fan_out
 from roadmend.measures.result_store import ResultStore
 from roadmend.policies.registry import POLICIES
 from roadmend.safe.cases import Case, gather_cases
 from roadmend.safe.driving import Job, Result, do
-from roadmend.search.workers import open_map
 
 WORK = ".work"  # folder for finished jobs in the output
 policies_option = click.option(
@@ -78,8 +78,8 @@ def work_through(jobs: Sequence[Job], out: Path, workers: int, label: str) -> li
     with ResultStore(out / WORK) as store, counting() as progress:
         open_ends = [(key, job) for key, job in zip(keys, jobs, strict=True) if not _is_done(store, key, out)]
         task = progress.add_task(label, total=len(jobs), completed=len(jobs) - len(open_ends))
-        with open_map(do, workers) as mapped:
-            for (key, _), result in zip(open_ends, mapped(job for _, job in open_ends), strict=True):
+        with fan_out(workers, len(open_ends)) as mapper:
+            for (key, _), result in zip(open_ends, mapper(do, [job for _, job in open_ends]), strict=True):
                 store.add(key, result.as_dict())
                 progress.advance(task)
         found = [store.get(key) for key in keys]

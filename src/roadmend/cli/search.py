@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +14,13 @@ from roadmend.cli.options import WORKERS
 from roadmend.cli.progress import counting
 from roadmend.cli.table import wide_console
 from roadmend.core.errors import InputError
+from roadmend.core.fanout import fan_out
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.registry import METHODS
 from roadmend.search.campaign import Campaign, Tally, run_campaign, tally
-from roadmend.search.evaluation import Subject
+from roadmend.search.evaluation import Subject, evaluate
 from roadmend.search.ledger import Entry, Ledger
 from roadmend.search.registry import TECHNIQUES, read_technique_parameters
-from roadmend.search.workers import open_evaluator
 from roadmend.world.families import FAMILIES
 
 _FAMILY_HELP = "; ".join(f"{family.name} {family.title}" for family in FAMILIES.values())
@@ -82,8 +83,8 @@ def search(
                 violations += entry.evaluation.is_violation
                 progress.update(task, advance=1, description=_label(violations))
 
-            with open_evaluator(campaign.subject, workers) as evaluator:
-                run_campaign(campaign, ledger, evaluator, budget, report)
+            with fan_out(workers) as mapper:
+                run_campaign(campaign, ledger, partial(mapper, partial(evaluate, campaign.subject)), budget, report)
         found = tally(ledger.entries)
     if as_json:
         click.echo(json.dumps({**campaign.settings, **asdict(found), "folder": str(out)}, indent=2))

@@ -13,12 +13,12 @@ from roadmend.cli.options import WORKERS
 from roadmend.cli.sera_language import keeping_exchanges, open_backend, show_usage
 from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError
+from roadmend.core.fanout import fan_out
 from roadmend.core.whole_file import write_text
 from roadmend.sera.analysis import Analysis, analyse, find_bags, read_incidents
 from roadmend.sera.analysis_report import NOTHING, pattern_rows, report
 from roadmend.sera.backends import BACKENDS
 from roadmend.sera.pattern_file import dump_patterns
-from roadmend.training.workers import open_mapper
 
 
 @click.command("analyse")
@@ -53,7 +53,7 @@ def analyse_bags(
     opened = open_backend(backend, settings, recording, attempts, out)
     readings = []
     with (
-        open_mapper(min(workers, len(found))) as mapper,
+        fan_out(workers, len(found)) as mapper,
         Progress(console=Console(stderr=True), transient=True) as progress,
     ):
         task = progress.add_task("bags", total=len(found))

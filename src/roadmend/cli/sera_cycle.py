@@ -16,6 +16,7 @@ from roadmend.cli.resources import config_folder
 from roadmend.cli.sera_evaluate import chosen_set, drive_jobs
 from roadmend.cli.sera_options import EMBEDDER, JSON, set_options
 from roadmend.cli.table import show_rows
+from roadmend.core.fanout import fan_out
 from roadmend.core.whole_file import write_text, written_beside
 from roadmend.networks.shipped import find_model
 from roadmend.nodes.evaluation_episode import EvaluationJob, identity_of
@@ -29,7 +30,6 @@ from roadmend.sera.cycle import Cycle, CycleOptions, Evaluation, Generation, Tun
 from roadmend.sera.describe import entry_of
 from roadmend.sera.evaluation_set import disjoint, known_in
 from roadmend.training.few_shot_settings import FewShotSettings, read_few_shot_settings
-from roadmend.training.workers import open_mapper
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario import Scenario
 
@@ -178,7 +178,7 @@ class _Steps:
     def read(self, bags: Sequence[Path]) -> Iterator[Reading]:
         if not bags:
             return
-        with open_mapper(min(self._workers, len(bags))) as mapper:
+        with fan_out(self._workers, len(bags)) as mapper:
             for done, reading in enumerate(mapper(read_incidents, bags), 1):
                 self._told("bags", done, len(bags))
                 yield reading

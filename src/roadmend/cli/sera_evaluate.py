@@ -14,6 +14,7 @@ from roadmend.cli.options import WORKERS
 from roadmend.cli.sera_options import set_options
 from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError
+from roadmend.core.fanout import fan_out
 from roadmend.measures.driving import DrivingMeasures
 from roadmend.measures.result_store import ResultStore
 from roadmend.measures.summary import summarise, summary_rows
@@ -23,7 +24,6 @@ from roadmend.policies.registry import POLICIES
 from roadmend.repair.registry import METHODS
 from roadmend.reports.result_files import provenance, write_report
 from roadmend.sera.evaluation_set import corpus_set, disjoint, known_in, sampled_set
-from roadmend.training.workers import open_mapper
 from roadmend.world.scenario import Scenario
 
 _BAGS = "bags"
@@ -133,7 +133,7 @@ def drive_jobs(
         missing = [job for job in jobs if job.key not in done]
         before = len(jobs) - len(missing)
         told(before, len(jobs))
-        with open_mapper(max(1, min(workers, len(missing)))) as mapper:
+        with fan_out(workers, len(missing)) as mapper:
             for number, (job, episode) in enumerate(zip(missing, mapper(drive, missing), strict=True), before + 1):
                 done[job.key] = episode
                 if not episode.fault:

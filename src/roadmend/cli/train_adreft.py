@@ -13,6 +13,7 @@ from roadmend.cli.corpus_choice import corpus_of
 from roadmend.cli.options import WORKERS
 from roadmend.cli.resources import config_folder
 from roadmend.core.errors import InputError
+from roadmend.core.fanout import fan_out
 from roadmend.policies.registry import POLICIES
 from roadmend.training.adreft.configuration import TrainingConfiguration, read_training_configuration
 from roadmend.training.adreft.pipeline import (
@@ -26,7 +27,6 @@ from roadmend.training.adreft.pipeline import (
     Trained,
 )
 from roadmend.training.device import choose_torch_device
-from roadmend.training.workers import open_mapper
 from roadmend.world.corpus import Corpus
 
 _ABLATIONS: dict[str, tuple[Only, dict[str, dict[str, Any]]]] = {  # which stage alone, and what is set
@@ -152,7 +152,7 @@ def adreft(
         TimeRemainingColumn(),
         TextColumn("{task.fields[how]}"),
     )
-    with Progress(*columns, console=Console(stderr=True)) as progress, open_mapper(workers) as mapper:
+    with Progress(*columns, console=Console(stderr=True)) as progress, fan_out(workers) as mapper:
         tasks: dict[str, Any] = {}
 
         def report(what: str, done: int, total: int, how: str) -> None:

@@ -13,6 +13,7 @@ from roadmend.cli.corpus_choice import corpus_of
 from roadmend.cli.options import WORKERS
 from roadmend.cli.progress import counting, stages_of
 from roadmend.core.errors import InputError
+from roadmend.core.fanout import fan_out
 from roadmend.core.whole_file import write_text
 from roadmend.networks.checkpoint import load_checkpoint
 from roadmend.networks.shipped import SUFFIX, models_folder
@@ -20,7 +21,6 @@ from roadmend.policies.registry import POLICIES
 from roadmend.repair.self_oracle import KIND
 from roadmend.training.tuning import FORMAT, Tuned, Tuning
 from roadmend.training.tuning_grid import rivals_of
-from roadmend.training.workers import open_mapper
 from roadmend.world.corpus import Case
 
 _RIVALS = tuple(rival.name for rival in rivals_of(""))
@@ -59,7 +59,7 @@ def self_oracle(policy: str, corpus_file: Path | None, out: Path, seed: int, epo
     with counting() as progress:
         driving = progress.add_task("driving", total=len(cases))
         learning = progress.add_task("learning", total=epochs)
-        with open_mapper(min(workers, max(1, len(cases)))) as mapper:
+        with fan_out(workers, len(cases)) as mapper:
             vectors = gather_vectors(cases, policy, settings.stride, mapper, lambda: progress.advance(driving))
 
         def report(epoch: int, loss: float) -> None:
@@ -129,7 +129,7 @@ def rivals(
     }
     found = _written(out, header)
     identity = {"corpus": corpus.digest, "roadmend": __version__}
-    with counting() as progress, open_mapper(workers) as mapper:
+    with counting() as progress, fan_out(workers) as mapper:
         report = stages_of(progress)
         for rival in chosen:
             of_model = {"model": model} if rival.method == "model" else {}

@@ -3,10 +3,7 @@
 import hashlib
 import json
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
-from multiprocessing import get_context
 from typing import Any, Protocol
 
 import numpy as np
@@ -14,11 +11,11 @@ from numpy.typing import NDArray
 
 from roadmend.core.command import Decision
 from roadmend.core.errors import SimulationError
+from roadmend.core.fanout import fan_out
 from roadmend.core.interfaces import Repairer
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
-from roadmend.core.worker_process import begin_worker
 from roadmend.measures.case_result import CaseWatcher
 from roadmend.measures.contenders import Contender
 from roadmend.measures.monitor import Confusion
@@ -140,27 +137,10 @@ def _monitor(job: Job, labels: Labels) -> tuple[dict[str, Any], ...]:
 
 
 def run_jobs(jobs: Sequence[Job], workers: int) -> Iterator[Outcome]:
-    """Do all the work, side by side; what comes out does not depend on the number of workers, only its order does.
+    """Do all the work, side by side; what comes out, in the order of the jobs, does not depend on the number of workers.
 
     Raises:
         SimulationError: a worker process died.
     """
-    if workers == 1:
-        yield from map(run_job, jobs)
-        return
-    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=begin_worker)
-    waiting = iter(jobs)
-    running: set[Future[Outcome]] = set()
-    try:
-        while True:
-            while len(running) < 4 * workers and (job := next(waiting, None)) is not None:
-                running.add(pool.submit(run_job, job))
-            if not running:
-                return
-            done, running = wait(running, return_when="FIRST_COMPLETED")
-            for future in done:
-                yield future.result()
-    except BrokenProcessPool:
-        raise SimulationError("a worker process died; run the same command again to go on") from None
-    finally:
-        pool.shutdown(cancel_futures=True)
+    with fan_out(workers, len(jobs)) as mapper:
+        yield from mapper(run_job, jobs)

@@ -1,4 +1,8 @@
-"""Node processes: forked from a server that has everything imported, watched, restarted, gone with the launcher."""
+"""Node processes: forked from a server that has everything imported, watched, restarted, gone with the launcher.
+
+These are no workers (``core.fanout``): each is a program of its own that runs until it is stopped, and nobody waits for
+an answer from it.
+"""
 
 import importlib
 import multiprocessing

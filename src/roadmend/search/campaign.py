@@ -1,21 +1,22 @@
 """A search from its first point to its budget, over as many calls as it takes."""
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from roadmend import __version__
 from roadmend.core.errors import InputError
-from roadmend.search.evaluation import CRASH, Subject, Trial, parameters_digest
+from roadmend.search.evaluation import CRASH, Evaluation, Subject, Trial, parameters_digest
 from roadmend.search.ledger import FOUND, Entry, Ledger, Reproduction
 from roadmend.search.policy_model import policy_model
 from roadmend.search.registry import make_technique
 from roadmend.search.technique import TechniqueParameters
-from roadmend.search.workers import Evaluator
 from roadmend.world.families import FAMILIES
 from roadmend.world.scenario_file import save_scenario
 from roadmend.world.space import Parameters
+
+Evaluate = Callable[[Sequence[Parameters]], Iterator[Evaluation]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +78,7 @@ def tally(entries: Sequence[Entry]) -> Tally:
 def run_campaign(
     campaign: Campaign,
     ledger: Ledger,
-    evaluator: Evaluator,
+    evaluate: Evaluate,
     budget: int,
     report: Callable[[Entry], None] = lambda _entry: None,
 ) -> list[Trial]:
@@ -88,7 +89,7 @@ def run_campaign(
     Args:
         campaign: what to do.
         ledger: where to keep it, opened with the campaign's settings.
-        evaluator: runs the points.
+        evaluate: runs points; one evaluation each, in their order.
         budget: evaluations in all, earlier calls included.
         report: called for every new entry.
 
@@ -107,7 +108,7 @@ def run_campaign(
         points = technique.propose()
         known = _known(ledger, start, points)
         fresh = points[known : budget - start]
-        for index, (point, evaluation) in enumerate(zip(fresh, evaluator(fresh), strict=True), start + known):
+        for index, (point, evaluation) in enumerate(zip(fresh, evaluate(fresh), strict=True), start + known):
             trial = Trial(point, evaluation)
             ledger.add(_entry(campaign, ledger, index, trial))
             report(ledger.entries[-1])

@@ -2,17 +2,18 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
+from roadmend.core.fanout import Mapper, fan_out
 from roadmend.core.outcome import EventKind
 from roadmend.search.campaign import Campaign, run_campaign
 from roadmend.search.corpus_plan import CorpusPlan, SplitPlan, fresh_plan
-from roadmend.search.evaluation import Trial
+from roadmend.search.evaluation import Trial, evaluate
 from roadmend.search.ledger import SETTINGS, Entry, InUseError, Ledger
 from roadmend.search.policy_model import policy_model
 from roadmend.search.rerun import Rerunner
 from roadmend.search.selection import Picker, shares
-from roadmend.search.workers import open_evaluator
 from roadmend.world.corpus import Case, Corpus, sorted_cases
 from roadmend.world.families import FAMILIES
 from roadmend.world.point_text import used_parameters
@@ -59,7 +60,14 @@ class Gatherer:
     """Fills splits, one family after the other."""
 
     def __init__(
-        self, plan: CorpusPlan, policy: str, folder: Path, rerunner: Rerunner, workers: int, *, is_partial: bool = False
+        self,
+        plan: CorpusPlan,
+        policy: str,
+        folder: Path,
+        rerunner: Rerunner,
+        mapper: Mapper,
+        *,
+        is_partial: bool = False,
     ) -> None:
         """Start without cases.
 
@@ -68,11 +76,11 @@ class Gatherer:
             policy: who drives.
             folder: of the policy's searches; each is in FAMILY/SPLIT-NUMBER below it.
             rerunner: runs candidates again.
-            workers: processes for a search.
+            mapper: runs the points of a search side by side.
             is_partial: make do with what the searches that are there hold, and search nothing.
         """
-        self._plan, self._policy, self._folder, self._workers = plan, policy, folder, workers
-        self._rerunner = rerunner
+        self._plan, self._policy, self._folder = plan, policy, folder
+        self._rerunner, self._mapper = rerunner, mapper
         self._is_partial = is_partial
         self._digests: set[str] = set()
         self.cases: list[Case] = []
@@ -137,8 +145,8 @@ class Gatherer:
                 def report(entry: Entry) -> None:
                     self._tell(stage, entry.index + 1, end)
 
-                with open_evaluator(campaign.subject, self._workers) as evaluator:
-                    return _Source(campaign, run_campaign(campaign, ledger, evaluator, end, report))
+                run = partial(self._mapper, partial(evaluate, campaign.subject))
+                return _Source(campaign, run_campaign(campaign, ledger, run, end, report))
         except InUseError:
             if self._is_partial:
                 return None
@@ -236,8 +244,8 @@ def gather(
         SimulationError: a worker process died.
     """
     own = folder / policy
-    with Rerunner(policy, workers, own / RERUNS) as rerunner:
-        gatherer = Gatherer(plan, policy, own, rerunner, workers, is_partial=is_partial)
+    with fan_out(workers) as mapper, Rerunner(policy, mapper, own / RERUNS) as rerunner:
+        gatherer = Gatherer(plan, policy, own, rerunner, mapper, is_partial=is_partial)
         gatherer.gather(families, report)
     corpus = Corpus(
         policy,

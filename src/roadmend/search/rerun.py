@@ -14,11 +14,11 @@ from typing import Any, Self
 
 from roadmend import __version__
 from roadmend.core.errors import InputError
+from roadmend.core.fanout import Mapper
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.search.evaluation import CRASH
 from roadmend.search.policy_model import policy_model
-from roadmend.search.workers import Mapped, open_map
 from roadmend.world.corpus import METHOD, Case
 from roadmend.world.runner import run_episode
 
@@ -58,24 +58,24 @@ class Rerunner:
     The file serves one process at a time. Its lines hold for one version of roadmend and one model of the policy.
     """
 
-    def __init__(self, policy: str, workers: int, file: Path | None = None) -> None:
-        """Open the file and the workers.
+    def __init__(self, policy: str, mapper: Mapper, file: Path | None = None) -> None:
+        """Open the file.
 
         Args:
             policy: who drives.
-            workers: processes.
+            mapper: runs cases side by side.
             file: where to keep results; nowhere if not given.
 
         Raises:
             InputError: there is no such policy, or the file is in use or cannot be written.
         """
+        self._policy, self._mapper = policy, mapper
         self._identity = f"{__version__} {policy} {policy_model(policy)}"
         self._known: dict[str, Rerun] = {}
         with ExitStack() as stack:
             self._file = None if file is None else stack.enter_context(_open(file))
             if self._file is not None:
                 self._known = _read(self._file)
-            self._run: Mapped[Case, Rerun] = stack.enter_context(open_map(partial(rerun, policy), workers))
             self._stack = stack.pop_all()
 
     def __enter__(self) -> Self:
@@ -98,7 +98,8 @@ class Rerunner:
         """
         keys = [self._key(case) for case in cases]
         known = [self._known.get(key) for key in keys]
-        results = self._run([case for case, found in zip(cases, known, strict=True) if found is None])
+        missing = [case for case, found in zip(cases, known, strict=True) if found is None]
+        results = self._mapper(partial(rerun, self._policy), missing)
         for key, kept in zip(keys, known, strict=True):
             found = kept or next(results)
             if kept is None and self._file is not None:

@@ -6,10 +6,10 @@ from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any, Protocol
 
+from roadmend.core.fanout import Mapper, fan_out
 from roadmend.core.outcome import EventKind
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
-from roadmend.training.workers import Mapper, open_mapper
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Scenario
 
@@ -114,7 +114,7 @@ def evaluate_cases(
     make_repairer(method, parameters)  # a fault in what was given is said before the first process starts
     work = partial(_evaluate, policy=policy, method=method, parameters=dict(parameters or {}))
     results: list[CaseResult] = []
-    with nullcontext(mapper) if mapper is not None else open_mapper(min(workers, max(1, len(cases)))) as chosen:
+    with nullcontext(mapper) if mapper is not None else fan_out(workers, len(cases)) as chosen:
         for result in chosen(work, cases):
             results.append(result)
             report(result)

@@ -16,12 +16,12 @@ import torch
 from torch.utils.tensorboard import SummaryWriter
 
 from roadmend.core.errors import InputError
+from roadmend.core.fanout import fan_out
 from roadmend.networks.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from roadmend.training.imitation import Losses, NeuralNetwork, fit, load_network, tensors_of
 from roadmend.training.imitation_configuration import ImitationConfiguration
 from roadmend.training.imitation_rollout import gather, ordinary_lesson
 from roadmend.training.samples import Samples, load_samples, samples_digest, save_samples
-from roadmend.training.workers import open_mapper
 
 Report = Callable[[str, int, int], None]  # what is being done, how much of it is done, how much there is
 
@@ -81,7 +81,7 @@ class Training:
         if path.exists():
             return load_samples(path, made_by)
         parts = []
-        with open_mapper(self.workers) as mapper:
+        with fan_out(self.workers) as mapper:
             for part in mapper(gather, lessons):
                 parts.append(part)
                 self.report(f"round {number}: driving", len(parts), len(lessons))

@@ -18,6 +18,7 @@ import torch
 from numpy.typing import NDArray
 
 from roadmend.core.errors import InputError
+from roadmend.core.fanout import Mapper, fan_out
 from roadmend.measures.driving import DrivingMeasures
 from roadmend.measures.measured_run import measured_run
 from roadmend.networks.checkpoint import Checkpoint, Tensors, load_checkpoint, save_checkpoint
@@ -29,7 +30,6 @@ from roadmend.training.imitation import NeuralNetwork, batches, learn, load_netw
 from roadmend.training.imitation_rollout import Lesson, gather, ordinary_lesson
 from roadmend.training.repair_guard import Candidate, Guard, Trial, mixture
 from roadmend.training.samples import Samples, samples_digest
-from roadmend.training.workers import Mapper, open_mapper
 from roadmend.world.families import sample_scenario
 from roadmend.world.scenario import Scenario
 
@@ -96,7 +96,7 @@ def few_shot_repair(
     if not scenarios:
         raise InputError("scenarios", "there is none to learn from", "select at least one")
     parent = load_model(model)
-    with open_mapper(workers) as mapper:
+    with fan_out(workers) as mapper:
         work = _Work(
             model, parent, settings, seed, gathering or _gathering(mapper), driving or _driving(mapper), report
         )

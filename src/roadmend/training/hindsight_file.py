@@ -9,9 +9,9 @@ from typing import Any
 
 from roadmend import __version__
 from roadmend.core.errors import InputError
+from roadmend.core.fanout import fan_out
 from roadmend.policies.registry import make_policy
 from roadmend.training.hindsight import BUDGET, Bound, Episode, PulseSearch
-from roadmend.training.workers import open_mapper
 
 FORMAT = "roadmend-hindsight/1"
 
@@ -48,7 +48,7 @@ def hindsight_bound(
     keys = [_key(case) for case in cases]
     missing = {key: case for key, case in zip(keys, cases, strict=True) if key not in known}
     bounds: list[Bound] = []
-    with open_mapper(min(workers, max(1, len(missing)))) as mapper:
+    with fan_out(workers, len(missing)) as mapper:
         searched = iter(mapper(partial(_search, policy=policy, budget=budget), list(missing.values())))
         for key in keys:
             if key not in known:  # a case may be given twice

@@ -13,6 +13,7 @@ from torch.nn import functional
 
 from roadmend.core.command import Decision
 from roadmend.core.errors import InputError
+from roadmend.core.fanout import Mapper
 from roadmend.core.repair import Repair
 from roadmend.networks.encoder import Head
 from roadmend.networks.shape import HeadShape
@@ -21,7 +22,6 @@ from roadmend.repair.registry import make_repairer
 from roadmend.repair.self_oracle import CLIP, KIND, Configuration, SelfOracleModel
 from roadmend.repair.state_vector import SIZE, VERSION, state_vector
 from roadmend.training.closed_loop import EpisodeCase
-from roadmend.training.workers import Mapper
 from roadmend.world.runner import run_episode
 from roadmend.world.simulation import Tick
 

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from roadmend.core.errors import InputError
+from roadmend.core.fanout import Mapper
 from roadmend.training.closed_loop import CaseResult, EpisodeCase, Summary, evaluate_cases, summarise
 from roadmend.training.tuning_grid import Rival, Values
-from roadmend.training.workers import Mapper
 
 FORMAT = "roadmend-tuning/1"
 PART = 3  # the first round drives every so many-th case of each family and kind

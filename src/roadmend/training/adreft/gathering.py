@@ -11,6 +11,7 @@ import numpy as np
 
 from roadmend.core.command import Decision
 from roadmend.core.errors import InputError
+from roadmend.core.fanout import Mapper
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
@@ -20,7 +21,6 @@ from roadmend.repair.adreft.tokenizer import Tokenizer, TokenSet
 from roadmend.repair.registry import make_repairer
 from roadmend.training.adreft.case_frames import CaseFrames
 from roadmend.training.closed_loop import EpisodeCase
-from roadmend.training.workers import Mapper
 from roadmend.world.runner import run_episode
 from roadmend.world.simulation import Tick
 

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.errors import InputError
+from roadmend.core.fanout import Mapper
 from roadmend.core.outcome import EventKind
 from roadmend.repair.actions import ACTIONS
 from roadmend.training.adreft.case_frames import CaseFrames
 from roadmend.training.closed_loop import EpisodeCase
-from roadmend.training.workers import Mapper
 
 NEAR = 1.0  # [m] delta_d: nearer than this to somebody is critical
 BEFORE_COLLISION = 3.0  # [s] delta_t: so long before a collision everything is critical

@@ -15,6 +15,7 @@ from torch.nn import functional
 from torch.utils.tensorboard import SummaryWriter
 
 from roadmend.core.errors import InputError, RoadmendError
+from roadmend.core.fanout import Mapper
 from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
 from roadmend.networks.encoder import Head
 from roadmend.repair.adreft.configuration import ModelConfiguration
@@ -26,7 +27,6 @@ from roadmend.training.adreft.replay import ReplayMemory
 from roadmend.training.adreft.supervised import check_identity
 from roadmend.training.closed_loop import EpisodeCase, Summary, evaluate_cases, summarise
 from roadmend.training.optimizer_state import load_optimizer, optimizer_tensors
-from roadmend.training.workers import Mapper
 
 KIND = "adreft-reinforcement-state"
 _ADAPTER = "adapter."

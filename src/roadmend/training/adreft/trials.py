@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from roadmend.core.command import Command, Decision
 from roadmend.core.errors import InputError
+from roadmend.core.fanout import Mapper
 from roadmend.core.outcome import EventKind
 from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.route import Route
@@ -38,7 +39,6 @@ from roadmend.training.adreft.blinding import BlindedPolicy, Blindness, draw_bli
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.adreft.trial_plan import Hold, TrialPlan
 from roadmend.training.closed_loop import EpisodeCase
-from roadmend.training.workers import Mapper
 from roadmend.world.runner import EpisodeSummary, run_episode
 from roadmend.world.simulation import INTERVAL, Tick
 
