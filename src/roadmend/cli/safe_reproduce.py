@@ -8,9 +8,10 @@ import click
 from roadmend.cli.safe_work import open_cases, policies_option, shared_options, work_through
 from roadmend.cli.table import show_rows
 from roadmend.core.whole_file import write_texts
+from roadmend.reports.crash_tests import report_of_reproductions
+from roadmend.reports.trial_picture import draw_trial
 from roadmend.safe.driving import Task
 from roadmend.safe.planning import plan
-from roadmend.safe.result_pages import reproduction_report
 from roadmend.safe.tally import tally_reproductions
 
 
@@ -37,12 +38,12 @@ def reproduce(
     into the other that the report gives, as far as it gives them.
     """
     cases = open_cases(paths)
-    jobs = plan(Task.REPRODUCE, cases, policies, out, budget=budget, seed=seed, pictures=pictures)
+    jobs = plan(Task.REPRODUCE, cases, policies, out, budget=budget, seed=seed, draw=draw_trial if pictures else None)
     results = work_through(jobs, out, workers, "roles")
     tallies = {
         policy: tally_reproductions(cases, [each for each in results if each.policy == policy]) for policy in policies
     }
-    write_texts(out, reproduction_report(cases, tallies, results, out))
+    write_texts(out, report_of_reproductions(cases, tallies, results, out))
     if as_json:
         click.echo(json.dumps({policy: found.as_dict() for policy, found in tallies.items()}, indent=2))
         return 0

@@ -8,9 +8,10 @@ import click
 from roadmend.cli.safe_work import open_cases, policies_option, shared_options, work_through
 from roadmend.cli.table import show_rows
 from roadmend.core.whole_file import write_texts
+from roadmend.reports.crash_tests import report_of_tests
+from roadmend.reports.trial_picture import draw_trial
 from roadmend.safe.driving import Task
 from roadmend.safe.planning import plan
-from roadmend.safe.result_pages import test_report
 from roadmend.safe.tally import tally_tests
 
 
@@ -35,10 +36,10 @@ def safe_test(
     PATHS as in 'roadmend safe build'. Exit code 1 if a report gave no scenario that runs.
     """
     cases = open_cases(paths)
-    jobs = plan(Task.TEST, cases, policies, out, samples=samples, seed=seed, pictures=pictures)
+    jobs = plan(Task.TEST, cases, policies, out, samples=samples, seed=seed, draw=draw_trial if pictures else None)
     results = work_through(jobs, out, workers, "episodes")
     tallies = {policy: tally_tests(cases, [each for each in results if each.policy == policy]) for policy in policies}
-    write_texts(out, test_report(cases, tallies, results, out))
+    write_texts(out, report_of_tests(cases, tallies, results, out))
     content = {policy: found.as_dict() for policy, found in tallies.items()}
     if as_json:
         click.echo(json.dumps(content, indent=2))

@@ -3,21 +3,16 @@
 One file that needs nothing else: the picture is inline SVG, the values are JSON, and the script is a few lines.
 """
 
-import html
-import io
-import json
 import math
-from importlib.resources import files
 from typing import Any
 
-import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from roadmend.core.outcome import EventKind
 from roadmend.recording.episode import BagEpisode
+from roadmend.reports.page import inline_svg, render
 from roadmend.reports.scene_timeline import Band, Timeline
 
-_TEMPLATE = "bag_page.html"
 _INTERVENTIONS_MAX = 10  # that get a button
 
 
@@ -30,33 +25,18 @@ def page_of(episode: BagEpisode, timeline: Timeline, figure: Figure, now: float)
         figure: the scene with the time line under it, as ``draw_scene`` draws them.
         now: the moment that the scene shows [s].
     """
-    title = figure.texts[0].get_text() if figure.texts else episode.path.stem
-    parts = {
-        "TITLE": html.escape(title),
-        "PICTURE": _svg_of(figure),
-        "MOMENTS": _moments(timeline),
-        "ACCOUNT": "\n".join(
-            f"<tr><th>{html.escape(name)}</th><td>{html.escape(value)}</td></tr>"
-            for name, value in sorted(episode.account.items())
-        ),
-        "DATA": _json_of(_data(episode, timeline, figure, now)),
-    }
-    page = files("roadmend.reports").joinpath(_TEMPLATE).read_text(encoding="utf-8")
-    # Part by part from the left: what is put in may hold anything, the name of another part too.
-    pieces = page.split("@@")
-    return "".join(parts[piece] if place % 2 else piece for place, piece in enumerate(pieces))
+    return render(
+        "bag.html",
+        title=figure.texts[0].get_text() if figure.texts else episode.path.stem,
+        picture=inline_svg(figure),
+        moments=_moments(timeline),
+        account=sorted(episode.account.items()),
+        data=_data(episode, timeline, figure, now),
+    )
 
 
-def _svg_of(figure: Figure) -> str:
-    # Texts stay texts, and equal pictures are equal to the byte.
-    with io.StringIO() as buffer, mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "roadmend"}):
-        figure.savefig(buffer, format="svg", metadata={"Date": None})
-        text = buffer.getvalue()
-    return text[text.index("<svg") :]  # without the XML declaration, which has no place inside a page
-
-
-def _moments(timeline: Timeline) -> str:
-    """Buttons that lead to the longest interventions and to the events."""
+def _moments(timeline: Timeline) -> list[tuple[float, str]]:
+    """Times [s] of the longest interventions and of the events, with what happened, for buttons that lead there."""
     longest = sorted(timeline.spans(), key=lambda span: span[0] - span[1])[:_INTERVENTIONS_MAX]
     found = [(begin, f"intervened {begin:.2f} to {end:.2f} s") for begin, end in longest]
     found += [
@@ -64,9 +44,7 @@ def _moments(timeline: Timeline) -> str:
         for event in timeline.events
         if event.kind is not EventKind.STARTED
     ]
-    return "\n".join(
-        f'<button type="button" data-time="{time:.6f}">{html.escape(text)}</button>' for time, text in sorted(found)
-    )
+    return sorted(found)
 
 
 def _data(episode: BagEpisode, timeline: Timeline, figure: Figure, now: float) -> dict[str, Any]:
@@ -99,8 +77,3 @@ def _data(episode: BagEpisode, timeline: Timeline, figure: Figure, now: float) -
 
 def _rounded(values: Any, digits: int = 3) -> list[float | None]:
     return [round(value, digits) if math.isfinite(value) else None for value in values.tolist()]
-
-
-def _json_of(data: dict[str, Any]) -> str:
-    """JSON that cannot end the script element that it stands in."""
-    return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")

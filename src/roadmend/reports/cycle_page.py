@@ -1,26 +1,18 @@
 """The four measures over the generations of a policy: a chart, and a page that needs nothing but itself."""
 
-import html
-import io
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from roadmend.measures.summary import MEASURES, summary_rows
 from roadmend.reports.chart_style import INK, MUTED, bare, new_figure
+from roadmend.reports.page import inline_svg, render
 
 _TITLES = ("Driving Score", "Success Rate [%]", "Efficiency [%]", "Comfortness [%]")
 _COLOUR = "#0072b2"
-_STYLE = """
-body { margin: 0 auto; max-width: 1120px; padding: 32px 24px 64px; color: #1f2328; font: 16px/1.55 system-ui, sans-serif; }
-h1 { font-size: 1.7rem; } h2 { font-size: 1.15rem; margin: 32px 0 6px; } svg { width: 100%; height: auto; }
-table { border-collapse: collapse; font-size: .86rem; } td, th { padding: 5px 10px; border-bottom: 1px solid #d9dde1; }
-td, th { text-align: left; } .note, footer { color: #626a72; font-size: .88rem; }
-"""
 Generations = Sequence[Mapping[str, Any]]  # as plain data, each with number, summary and what was learned
 
 
@@ -65,35 +57,13 @@ def cycle_page(generations: Generations, made: str) -> str:
         generations: to show.
         made: one line about what made it.
     """
-    with io.StringIO() as buffer, mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "roadmend"}):
-        cycle_chart(generations).savefig(buffer, format="svg", metadata={"Date": None})
-        picture = buffer.getvalue()
-    picture = picture[picture.index("<svg") :]
-    return (
-        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>Generations of a policy</title>\n'
-        f"<style>{_STYLE}</style>\n</head>\n<body>\n<h1>Generations of a policy</h1>\n{picture}\n"
-        f"{_table(measure_rows(generations))}\n{''.join(map(_section, generations))}"
-        f"<footer>{html.escape(made)}</footer>\n</body>\n</html>\n"
+    head, *rows = measure_rows(generations)
+    return render(
+        "cycle.html",
+        title="Generations of a policy",
+        chart=inline_svg(cycle_chart(generations)),
+        head=head,
+        rows=rows,
+        generations=generations,
+        made=made,
     )
-
-
-def _section(generation: Mapping[str, Any]) -> str:
-    learned = [
-        ("Failure patterns", generation["patterns"]),
-        ("Selected", generation["selected"]),
-        ("Notes", [*generation["notes"], *generation["faults"]]),
-    ]
-    lists = "".join(
-        f"<h3>{title}</h3>\n<ul>{''.join(f'<li>{html.escape(each)}</li>' for each in items)}</ul>\n"
-        for title, items in learned
-        if items
-    )
-    return f"<h2>Generation {generation['number']}: {html.escape(generation['policy'])}</h2>\n{lists}"
-
-
-def _table(rows: Sequence[Sequence[str]]) -> str:
-    head, *body = (
-        "".join(f"<{cell}>{html.escape(text)}</{cell}>" for text in row)
-        for cell, row in zip(["th", *["td"] * len(rows)], rows, strict=False)
-    )
-    return f"<table><tr>{head}</tr>{''.join(f'<tr>{row}</tr>' for row in body)}</table>"

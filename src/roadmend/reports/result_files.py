@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from roadmend.core.whole_file import write_texts
+from roadmend.reports.markdown import table_text
 
 
 def provenance(command: str) -> dict[str, Any]:
@@ -34,9 +35,8 @@ def write_report(
     Raises:
         InputError: the folder cannot be written.
     """
-    lines = [f"# {title}", "", _line(rows[0]), _line(["---"] * len(rows[0])), *map(_line, rows[1:]), ""]
-    lines.append(origin(content["provenance"]))
-    write_texts(folder, {f"{name}.json": json.dumps(content, indent=2) + "\n", f"{name}.md": "\n".join(lines) + "\n"})
+    text = f"# {title}\n\n{table_text(rows)}\n\n{origin(content['provenance'])}\n"
+    write_texts(folder, {f"{name}.json": json.dumps(content, indent=2) + "\n", f"{name}.md": text})
 
 
 def origin(made: Mapping[str, Any]) -> str:
@@ -47,10 +47,6 @@ def origin(made: Mapping[str, Any]) -> str:
         f"Made by `{made['command']}` at commit {made['commit'][:12]}{changed} on {machine['processor']}, "
         f"{machine['cores']} cores, Python {machine['python']}."
     )
-
-
-def _line(cells: Sequence[str]) -> str:
-    return "| " + " | ".join(cells) + " |"
 
 
 def _git(*arguments: str) -> str:

@@ -11,7 +11,6 @@ from typing import Any, Self
 from roadmend.core.errors import RoadmendError
 from roadmend.core.source_digest import source_digest
 from roadmend.safe.construction import Role, draw_scenario
-from roadmend.safe.picture import draw_trial
 from roadmend.safe.reproduction import reproduce
 from roadmend.safe.trial import Trial, run_trial
 from roadmend.search.policy_model import policy_model
@@ -21,6 +20,8 @@ from roadmend.world.simulation import Simulation
 
 SCENARIOS = "scenarios"  # folders in the output
 PICTURES = "pictures"
+
+Drawing = Callable[[Scenario, Trial, Path], None]  # draws an episode into a file; a function that a worker can import
 
 
 class Task(StrEnum):
@@ -43,7 +44,7 @@ class Job:
         index: of the scenario among those of the role, from 0; 0 for a reproduction.
         budget: episodes of a reproduction.
         out: folder for scenarios and pictures.
-        pictures: whether to draw one.
+        draw: draws an episode that was driven; None where no picture is wanted.
     """
 
     task: Task
@@ -53,12 +54,13 @@ class Job:
     index: int
     budget: int
     out: Path
-    pictures: bool
+    draw: Drawing | None
 
     @property
     def key(self) -> str:
         """Digest of everything that decides the result, the code included."""
         modules = [__name__, *([f"roadmend.policies.{self.policy}"] if self.policy else [])]
+        modules += [self.draw.__module__] if self.draw is not None else []
         model = policy_model(self.policy) if self.policy else None
         decided = (
             self.task,
@@ -68,7 +70,6 @@ class Job:
             self.seed,
             self.index,
             self.budget,
-            self.pictures,
             source_digest(modules),
         )
         return hashlib.sha256(repr(decided).encode()).hexdigest()
@@ -165,9 +166,10 @@ _WORK: dict[Task, Callable[[Job, Result], Result]] = {
 
 def _driven(job: Job, blank: Result, scenario: Scenario, trial: Trial) -> Result:
     """The result of an episode, its scenario and picture written."""
-    picture = f"{PICTURES}/{scenario.name}-{job.policy}.png" if job.pictures else ""
-    if picture:
-        draw_trial(scenario, trial, job.out / picture)
+    picture = ""
+    if job.draw is not None:
+        picture = f"{PICTURES}/{scenario.name}-{job.policy}.png"
+        job.draw(scenario, trial, job.out / picture)
     return replace(
         blank,
         scenario=_save(job, scenario),

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from roadmend.safe.cases import Case
 from roadmend.safe.construction import Role
-from roadmend.safe.driving import Job, Task
+from roadmend.safe.driving import Drawing, Job, Task
 
 
 def plan(
@@ -20,11 +20,11 @@ def plan(
     samples: int = 1,
     budget: int = 0,
     seed: int = 0,
-    pictures: bool = False,
+    draw: Drawing | None = None,
 ) -> list[Job]:
     """The jobs: every vehicle of every case takes the ego's place in turn."""
     return [
-        Job(task, Role(case.name, case.crash, ego), policy, seed, index, budget, out, pictures)
+        Job(task, Role(case.name, case.crash, ego), policy, seed, index, budget, out, draw)
         for policy in policies
         for case in cases
         if case.crash is not None

@@ -1,0 +1,61 @@
+"""The reports of SAFE's tests: Markdown and a page that say the same."""
+
+from html.parser import HTMLParser
+
+from roadmend.language.chat import Image
+from roadmend.reports.crash_tests import report_of_reproductions, report_of_tests
+from roadmend.safe.cases import Case
+from roadmend.safe.driving import Result
+from roadmend.safe.tally import tally_reproductions, tally_tests
+from tests.safe.crashes import crash, vehicle
+
+CASES = [
+    Case("head-on", crash("Straight", vehicle("W2E"), vehicle("E2W")), Image(b"sketch", "image/png")),
+    Case("empty", None, problem="summary.txt: is empty"),
+]
+RESULTS = [
+    Result("head-on", 1, "modular", "scenarios/a.yaml", "pictures/a.png", "COLLISION", "hit <b> | it", collision=True),
+    Result("head-on", 2, "modular", text="no lane & no way"),
+]
+
+
+class Cells(HTMLParser):
+    def __init__(self):
+        super().__init__()
+        self.rows, self.images = [], []
+
+    def handle_starttag(self, tag, attributes):
+        if tag == "tr":
+            self.rows.append([])
+        if tag == "img":
+            self.images.append(dict(attributes))
+
+    def handle_data(self, data):
+        if self.get_starttag_text() in {"<th>", "<td>"} and data.strip():
+            self.rows[-1].append(data)
+
+
+def cells_of(page):
+    parser = Cells()
+    parser.feed(page)
+    return parser
+
+
+def test_the_page_has_the_table_of_the_markdown_and_a_picture_of_each_crash(tmp_path):
+    files = report_of_tests(CASES, {"modular": tally_tests(CASES, RESULTS)}, RESULTS, tmp_path)
+    page = cells_of(files["report.html"])
+    lines = [line for line in files["report.md"].splitlines() if line.startswith("| ")]
+    assert ["| " + " | ".join(row) + " |" for row in page.rows] == [lines[0], *lines[2 : len(page.rows) + 1]]
+    assert [image["src"] for image in page.images] == ["pictures/sketch-head-on.png", "pictures/a.png"]
+    assert page.images[1]["alt"] == "modular as vehicle 1: hit <b> | it"
+    assert (tmp_path / "pictures" / "sketch-head-on.png").read_bytes() == b"sketch"
+    assert "modular as vehicle 2: no lane &amp; no way</li>" in files["report.html"]
+    assert "not read: summary.txt: is empty" in files["report.html"]
+    assert "Not read:\n\n- empty: summary.txt: is empty\n" in files["report.md"]
+    assert r"hit <b> \| it |" in files["report.md"]
+
+
+def test_a_reproduction_has_its_own_table(tmp_path):
+    files = report_of_reproductions(CASES, {"modular": tally_reproductions(CASES, RESULTS)}, RESULTS, tmp_path)
+    assert cells_of(files["reproduction.html"]).rows[0][:3] == ["policy", "reports", "reproduced"]
+    assert "# Crashes reproduced" in files["reproduction.md"]
