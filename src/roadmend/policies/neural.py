@@ -11,6 +11,7 @@ from pydantic import Field
 
 from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.errors import InputError
+from roadmend.core.parameters import Parameters
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.networks.checkpoint import Checkpoint, load_checkpoint
@@ -19,7 +20,6 @@ from roadmend.networks.shipped import find_model
 from roadmend.policies.neural_kinds import KINDS, shapes_of
 from roadmend.policies.neural_observer import Observer
 from roadmend.policies.neural_tokens import may_change
-from roadmend.policies.parameters import Parameters
 
 _AROUND = 2  # bins to either side of the most probable one that the action is the mean over
 _STOP = Decision(Command(0.0, 0.6), Trajectory.empty())  # where the ego's own state is unusable

@@ -2,13 +2,9 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-
-class Parameters(BaseModel):
-    """Base of all: frozen, strict, and deaf to unknown names."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+from roadmend.core.parameters import Parameters
 
 
 class ModularParameters(Parameters):

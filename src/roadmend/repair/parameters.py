@@ -2,17 +2,13 @@
 
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
+
+from roadmend.core.parameters import Parameters
 
 FullBrake = Annotated[float, Field(ge=2.0, le=12.0, description="deceleration of the ego at brake 1 [m/s2]")]
 Hold = Annotated[float, Field(ge=0.0, le=2.0, description="least duration of an intervention [s]")]
 Clear = Annotated[float, Field(ge=0.0, le=2.0, description="how long the scene must be clear before release [s]")]
-
-
-class Parameters(BaseModel):
-    """Base of all: frozen, strict, and deaf to unknown names."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
 
 class GuardParameters(Parameters):

@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from roadmend.core.errors import InputError
+from roadmend.core.parameters import Parameters
 from roadmend.repair.adreft.method import AdreftRepair
 from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.method import RepairMethod
@@ -16,7 +17,6 @@ from roadmend.repair.parameters import (
     GuardParameters,
     ModelParameters,
     NoParameters,
-    Parameters,
     PredictiveParameters,
     RandomParameters,
     RssParameters,

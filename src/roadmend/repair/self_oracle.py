@@ -13,10 +13,11 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from roadmend.core.command import Decision
 from roadmend.core.errors import InputError
+from roadmend.core.parameters import Parameters
 from roadmend.core.repair import Proposal
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
@@ -31,10 +32,8 @@ KIND = "self_oracle"
 CLIP = 5.0  # standardised inputs beyond this are taken as this
 
 
-class Configuration(BaseModel):
+class Configuration(Parameters):
     """Saved in every model's header: what it is built from."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
     vector_version: int = Field(ge=1, description="version of the state vector that the model was trained with")
     autoencoder: HeadShape = Field(description="shape of the autoencoder, encoder and decoder in one")

@@ -5,11 +5,12 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from roadmend.training.imitation_configuration import Section, read_section
+from roadmend.core.parameters import Parameters
+from roadmend.training.imitation_configuration import read_section
 from roadmend.world.families import FAMILIES
 
 
-class FewShotSettings(Section):
+class FewShotSettings(Parameters):
     """How a neural policy is fine-tuned on a few scenarios."""
 
     epochs: int = Field(4, ge=1, le=100, description="passes through the demonstrations")

@@ -1,12 +1,13 @@
 """Every hyper-parameter of a neural policy's training: the single source of default, range and meaning."""
 
 from pathlib import Path
-from typing import Any, Literal, Self, TypeVar
+from typing import Literal, Self, TypeVar
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from roadmend.core.errors import InputError
+from roadmend.core.parameters import Parameters
 from roadmend.networks.shape import EncoderShape, ExcerptShape, HeadShape, SetShape
 from roadmend.policies.neural_kinds import KINDS, AnyShape
 from roadmend.policies.neural_tokens import COLUMNS, OWN
@@ -16,21 +17,10 @@ from roadmend.world.scenario_file import describe
 SEEDS_A_ROUND = 1000  # apart
 
 
-class Section(BaseModel):
-    """Base of all: frozen, strict, and deaf to unknown names."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-
-    @field_validator("*", mode="before")
-    @classmethod
-    def _from_list(cls, value: Any) -> Any:
-        return tuple(value) if isinstance(value, list) else value  # YAML has no tuples
+AnySection = TypeVar("AnySection", bound=Parameters)
 
 
-AnySection = TypeVar("AnySection", bound=Section)
-
-
-class Round(Section):
+class Round(Parameters):
     """One round of gathering and learning: behaviour cloning first, DAgger after it (Ross et al. 2011)."""
 
     episodes: int = Field(60, ge=1, le=900, description="new episodes of each family")
@@ -39,7 +29,7 @@ class Round(Section):
     learning_rate: float = Field(1e-3, gt=0.0, le=0.1, description="at the beginning; falls to 2 % along a cosine")
 
 
-class ImitationConfiguration(Section):
+class ImitationConfiguration(Parameters):
     """How a neural policy is trained."""
 
     kind: Literal["neural", "ego_mlp", "deep_sets"] = Field("neural", description="of policy")

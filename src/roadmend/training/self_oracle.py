@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 from torch.nn import functional
 
 from roadmend.core.command import Decision
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
+from roadmend.core.parameters import Parameters
 from roadmend.core.repair import Repair
 from roadmend.networks.encoder import Head
 from roadmend.networks.shape import HeadShape
@@ -32,10 +33,8 @@ _HELD_OUT = 5  # every so many-th case is kept for the gamma fit
 Vectors = NDArray[np.float32]
 
 
-class SelfOracleSettings(BaseModel):
+class SelfOracleSettings(Parameters):
     """How to train."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
     hidden: tuple[int, ...] = Field((64, 16, 64), description="hidden widths; the middle one is the bottleneck")
     epochs: int = Field(100, ge=1, le=10_000)

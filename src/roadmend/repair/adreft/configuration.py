@@ -4,9 +4,10 @@ import json
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from roadmend.core.errors import InputError
+from roadmend.core.parameters import Parameters
 from roadmend.networks.shape import EncoderShape, HeadShape
 from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.weighing import OUTPUTS, Weighing
@@ -14,10 +15,8 @@ from roadmend.repair.adreft.weighing import OUTPUTS, Weighing
 Width = Annotated[int, Field(ge=1, le=4096)]
 
 
-class Deciding(BaseModel):
+class Deciding(Parameters):
     """How monitor and adapter are built, and how a choice comes of what they say."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
     monitor: tuple[Width, ...] = Field((64,), description="hidden widths of the state monitor")
     adapter: tuple[Width, ...] = Field((64,), description="hidden widths of the decision adapter")

@@ -10,8 +10,9 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from roadmend.core.parameters import Parameters
 from roadmend.repair.actions import ACTIONS
 
 Floats = NDArray[np.float32]
@@ -25,10 +26,8 @@ _ACTIONS = np.array(ACTIONS)
 MILDEST = 1  # index of the first action that trials hold: the one before hardly ever intervenes; nothing is known of it
 
 
-class Weighing(BaseModel):
+class Weighing(Parameters):
     """The prices; saved in a model's header."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
     collision: float = Field(10.0, gt=0.0, le=1000.0, description="price of a collision")
     strength: float = Field(0.4, ge=0.0, le=1000.0, description="price of an intervention of strength 1")

@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from roadmend.core.errors import InputError
+from roadmend.core.parameters import Parameters
 from roadmend.networks.shape import EncoderShape
 from roadmend.repair.adreft.configuration import Deciding, ModelConfiguration
 from roadmend.repair.adreft.registry import make_tokenizer
@@ -19,13 +20,7 @@ from roadmend.world.scenario_file import describe
 LearningRate = Annotated[float, Field(gt=0.0, le=1.0, description="learning rate")]
 
 
-class Section(BaseModel):
-    """Base of all: frozen, strict, and deaf to unknown names."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-
-
-class ModelSection(Section, Deciding):
+class ModelSection(Deciding):
     """The networks (ADReFT section 3.1)."""
 
     tokenizer: str = Field("paper", description="name of the tokenizer")
@@ -34,11 +29,6 @@ class ModelSection(Section, Deciding):
     heads: int = Field(4, ge=1, le=64, description="attention heads of a layer")
     feed_forward: int = Field(128, ge=4, le=4096, description="width of a layer's feed-forward part")
     activation: Literal["relu", "gelu"] = Field("relu", description="of the feed-forward part")
-
-    @field_validator("monitor", "adapter", mode="before")
-    @classmethod
-    def _from_list(cls, value: Any) -> Any:
-        return tuple(value) if isinstance(value, list) else value  # YAML has no tuples
 
     def configuration(self) -> ModelConfiguration:
         """The configuration of such a model.
@@ -66,7 +56,7 @@ class ModelSection(Section, Deciding):
         )
 
 
-class FramesSection(Section):
+class FramesSection(Parameters):
     """Which frames are learned from, and their labels."""
 
     labels: str = Field("weak", description="label scheme of the supervised stage")
@@ -74,7 +64,7 @@ class FramesSection(Section):
     validation_stride: int = Field(1, ge=1, le=100, description="the same for validation cases")
 
 
-class SupervisedSection(Section):
+class SupervisedSection(Parameters):
     """The supervised stage (ADReFT section 3.2.1)."""
 
     epochs: int = Field(200, ge=0, le=10_000, description="passes over the frames; 0 leaves the stage out")
@@ -100,7 +90,7 @@ class SupervisedSection(Section):
     save_every: int = Field(1, ge=1, le=1000, description="epochs between two states from which training can go on")
 
 
-class PracticeSection(Section):
+class PracticeSection(Parameters):
     """Practice on trials, ours: values of random interventions instead of labels (see ``practice``)."""
 
     epochs: int = Field(0, ge=0, le=10_000, description="passes over the trials; 0 leaves the stage out")
@@ -172,7 +162,7 @@ class PracticeSection(Section):
         return self.model_copy(update={**changes, "blinded": self.later_blinded, "random_blinded": self.later_blinded})
 
 
-class ReinforcementSection(Section):
+class ReinforcementSection(Parameters):
     """Reinforcement fine-tuning (ADReFT section 3.2.2)."""
 
     episodes: int = Field(300, ge=0, le=1_000_000, description="episodes driven in all; 0 leaves the stage out")
@@ -229,7 +219,7 @@ class ReinforcementSection(Section):
     intensity_weight: float = Field(0.0, ge=0.0, le=1000.0, description="the same for an intensity of 1")
 
 
-class TrainingConfiguration(Section):
+class TrainingConfiguration(Parameters):
     """All of it."""
 
     model: ModelSection = ModelSection()
