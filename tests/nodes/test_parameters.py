@@ -1,12 +1,16 @@
 """Declared parameters: their range, their meaning, and a reason when a value is refused."""
 
+from typing import Literal
+
 import pytest
 import rclpy
+from pydantic import Field
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from roadmend.core.errors import InputError
-from roadmend.nodes.parameters import declare
+from roadmend.core.parameters import Parameters
+from roadmend.nodes.parameters import declare, declare_parameters
 
 
 @pytest.fixture
@@ -105,3 +109,28 @@ def test_read_only_is_refused_at_run_time_and_the_rest_obeys_its_range(node):
     assert "read-only" in results[0].reason
     assert "out of range" in results[1].reason
     assert tested.get_parameter("free").value == 0.5
+
+
+class Settings(Parameters):
+    rate: float = Field(2.0, ge=0.5, le=4.0, description="beats a second")
+    clock: Literal["wall", "sim"] = Field("wall", description="of the run")
+    names: tuple[str, ...] = Field((), description="who is waited for")
+
+
+def test_a_model_declares_its_fields_with_meaning_range_and_choices(node):
+    tested = node("clock:=sim", "names:=[a, b]")
+    assert declare_parameters(tested, Settings) == Settings(clock="sim", names=("a", "b"))
+    told = tested.describe_parameter("rate")
+    assert (told.description, told.floating_point_range[0].to_value, told.read_only) == ("beats a second", 4.0, True)
+    assert tested.describe_parameter("clock").additional_constraints == "one of wall, sim"
+
+
+def test_a_model_that_nobody_sets_is_its_defaults(node):
+    tested = node()
+    assert declare_parameters(tested, Settings, is_fixed=False) == Settings()
+    assert not tested.describe_parameter("rate").read_only
+
+
+@pytest.mark.parametrize("given", ["rate:=5.0", "clock:=sundial", "names:=3"])
+def test_a_model_refuses_what_its_fields_refuse(node, given):
+    assert refusal(lambda: declare_parameters(node(given), Settings)).where == f"parameter {given.split(':')[0]}"

@@ -3,22 +3,24 @@
 import sys
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass
 from typing import Any
 
 import foxglove
 from foxglove.websocket import Capability, ChannelView, Client, ServerListener, WebSocketServer
+from pydantic import Field
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from roadmend.core.errors import InputError
+from roadmend.core.parameters import Parameters
 from roadmend.nodes import qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.discovery import look_up, request_for
 from roadmend.nodes.foxglove_parameters import ParameterBridge
 from roadmend.nodes.origin_gate import OriginGate, hidden_address
-from roadmend.nodes.parameters import declare
+from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.spinning import run_node
 from roadmend.recording.timekeeper import Timekeeper
 
@@ -27,21 +29,17 @@ DISCOVERY_PERIOD_S = 0.2  # [s] between two looks at the graph
 DEPTH = 100  # messages of a topic that may wait for this node
 
 
-@dataclass(frozen=True, slots=True)
-class FoxgloveParameters:
-    """Parameters of the node, read once at start; the metadata hold the meaning."""
+class FoxgloveParameters(Parameters):
+    """Parameters of the node, read once at start."""
 
-    address: str = field(
-        default="127.0.0.1",
-        metadata={"text": "where to listen; elsewhere than on loopback, others may look and change parameters"},
+    address: str = Field(
+        "127.0.0.1", description="where to listen; elsewhere than on loopback, others may look and change parameters"
     )
-    port: int = field(default=8765, metadata={"text": "where to listen; 0 takes a free one"})
-    allowed_origins: tuple[str, ...] = field(
-        default=("https://app.foxglove.dev",), metadata={"text": "web pages that may connect; programs always may"}
+    port: int = Field(8765, ge=0, le=65535, description="where to listen; 0 takes a free one")
+    allowed_origins: tuple[str, ...] = Field(
+        ("https://app.foxglove.dev",), description="web pages that may connect; programs always may"
     )
-    nodes: tuple[str, ...] = field(
-        default=("repair_node", "viz_node"), metadata={"text": "nodes whose parameters are shown"}
-    )
+    nodes: tuple[str, ...] = Field(("repair_node", "viz_node"), description="nodes whose parameters are shown")
 
 
 @dataclass(slots=True)
@@ -62,7 +60,7 @@ class FoxgloveNode(Node):
 
     def __init__(self) -> None:
         super().__init__("foxglove_node")
-        settings = self._declare()
+        settings = declare_parameters(self, FoxgloveParameters)
         self._timekeeper = Timekeeper()
         self._bridged: dict[str, _Bridged] = {}
         self._skipped: dict[str, str] = {}  # topic and why
@@ -99,14 +97,6 @@ class FoxgloveNode(Node):
         """Let the clients go."""
         self._gate.close()
         self._server.stop()
-
-    def _declare(self) -> FoxgloveParameters:
-        values: dict[str, Any] = {}
-        for entry in fields(FoxgloveParameters):
-            default = list(entry.default) if isinstance(entry.default, tuple) else entry.default
-            low, high = (0, 65535) if isinstance(default, int) else (None, None)
-            values[entry.name] = declare(self, entry.name, default, entry.metadata["text"], low=low, high=high)
-        return FoxgloveParameters(**values)
 
     def _discover(self) -> None:
         for name, types in self.get_topic_names_and_types():

@@ -1,13 +1,15 @@
 """Declare ROS parameters with a description, a range and a reason when a value is refused."""
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, TypeVar, get_args, get_origin
 
+from pydantic.fields import FieldInfo
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
 
 from roadmend.core.errors import InputError
+from roadmend.core.parameters import Parameters
 
 
 def declare(
@@ -66,3 +68,56 @@ def _set_range(descriptor: ParameterDescriptor, default: Any, low: float | None,
                 step=0.0,
             )
         ]
+
+
+AnyParameters = TypeVar("AnyParameters", bound=Parameters)
+
+
+def declare_parameters(
+    node: Node, model: type[AnyParameters], *, choices: Mapping[str, Sequence[str]] | None = None, is_fixed: bool = True
+) -> AnyParameters:
+    """Declare every field of a parameter model and return the values as such a model.
+
+    Descriptions and bounds (``ge``, ``le``) are the fields', and a Literal's values are the choices.
+
+    Args:
+        node: the node that owns them.
+        model: names, defaults, ranges and meanings.
+        choices: the texts allowed in fields whose type does not say it.
+        is_fixed: whether the parameters keep the values they had at the start.
+
+    Raises:
+        InputError: a value is of another type, outside its range or not among the choices.
+    """
+    values = {
+        name: declare_field(node, name, info, (choices or {}).get(name, ()), is_fixed=is_fixed)
+        for name, info in model.model_fields.items()
+    }
+    return model.model_validate(values)
+
+
+def declare_field(node: Node, name: str, info: FieldInfo, choices: Sequence[str] = (), *, is_fixed: bool = True) -> Any:
+    """Declare one field of a parameter model under ``name`` and return its value; see :func:`declare_parameters`.
+
+    Raises:
+        InputError: the value is of another type, outside its range or not among the choices.
+    """
+    default = info.get_default(call_default_factory=True)
+    is_list = isinstance(default, tuple)
+    is_number = isinstance(default, int | float) and not isinstance(default, bool)
+    value = declare(
+        node,
+        name,
+        (list(default) or [""]) if is_list else default,  # ROS takes an empty list for one of no type
+        info.description or name,
+        low=_bound(info, "ge") if is_number else None,
+        high=_bound(info, "le") if is_number else None,
+        choices=choices or (get_args(info.annotation) if get_origin(info.annotation) is Literal else ()),
+        read_only=is_fixed,
+    )
+    return tuple(filter(None, value)) if is_list else value
+
+
+def _bound(info: FieldInfo, name: str) -> float | None:
+    """A bound of a field: what its constraints give under ``ge`` or ``le``."""
+    return next((getattr(entry, name) for entry in info.metadata if getattr(entry, name, None) is not None), None)

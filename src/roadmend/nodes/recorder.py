@@ -4,12 +4,12 @@ import re
 import sys
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from pydantic import Field
 from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
@@ -21,9 +21,11 @@ from roadmend_msgs.msg import ScenarioEvent
 from roadmend.core.claim import check_name
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
+from roadmend.core.parameters import Parameters
 from roadmend.nodes import qos
 from roadmend.nodes.discovery import look_up, request_for
 from roadmend.nodes.offers import offer_from
+from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.spinning import run_node
 from roadmend.recording.definitions import Definition
 from roadmend.recording.enclosure import Attachment, metadata_from_file
@@ -41,58 +43,37 @@ _NANOSECONDS = 1_000_000_000
 Callback = Callable[[bytes], None]
 
 
-@dataclass(frozen=True, slots=True)
-class RecorderParameters:
-    """Parameters of the node, read once at start; the metadata hold the meaning and the range."""
+class RecorderParameters(Parameters):
+    """Parameters of the node, read once at start."""
 
-    output: str = field(default="bags", metadata={"text": "folder in which the bag's folder is made"})
-    name: str = field(default="recording", metadata={"text": "name of the bag and of its folder"})
-    claimed: bool = field(
-        default=False, metadata={"text": "the bag's folder is there, empty, made for this bag by who starts the node"}
+    output: str = Field("bags", description="folder in which the bag's folder is made")
+    name: str = Field("recording", description="name of the bag and of its folder")
+    claimed: bool = Field(
+        default=False, description="the bag's folder is there, empty, made for this bag by who starts the node"
     )
-    include: str = field(default="", metadata={"text": "regular expression found in each topic to record"})
-    exclude: str = field(
-        default="^/parameter_events$",
-        metadata={"text": "regular expression found in each topic not to record; empty for none"},
+    include: str = Field("", description="regular expression found in each topic to record")
+    exclude: str = Field(
+        "^/parameter_events$", description="regular expression found in each topic not to record; empty for none"
     )
-    time_source: str = field(
-        default="simulation",
-        metadata={"text": "simulation (/clock rules) or system (wall time for messages without header)"},
+    time_source: Literal["simulation", "system"] = Field(
+        "simulation", description="simulation (/clock rules) or system (wall time for messages without header)"
     )
-    compression: str = field(default="zstd", metadata={"text": "of the chunks: zstd, lz4 or none"})
-    chunk_size: int = field(
-        default=1 << 20, metadata={"text": "size at which a chunk is written [bytes]", "low": 1 << 12, "high": 1 << 26}
+    compression: str = Field("zstd", description="of the chunks: zstd, lz4 or none")
+    chunk_size: int = Field(1 << 20, ge=1 << 12, le=1 << 26, description="size at which a chunk is written [bytes]")
+    max_bagfile_size: int = Field(
+        0, ge=0, le=1 << 50, description="size on disk at which the next file begins [bytes]; 0 for one file"
     )
-    max_bagfile_size: int = field(
-        default=0,
-        metadata={
-            "text": "size on disk at which the next file begins [bytes]; 0 for one file",
-            "low": 0,
-            "high": 1 << 50,
-        },
+    max_bagfile_duration: float = Field(
+        0.0, ge=0.0, le=1e9, description="message time after which the next file begins [s]; 0 for one file"
     )
-    max_bagfile_duration: float = field(
-        default=0.0,
-        metadata={
-            "text": "message time after which the next file begins [s]; 0 for one file",
-            "low": 0.0,
-            "high": 1e9,
-        },
+    flush_interval: float = Field(
+        0.25, ge=0.01, le=10.0, description="wall time after which a chunk is written even if small [s]"
     )
-    flush_interval: float = field(
-        default=0.25,
-        metadata={"text": "wall time after which a chunk is written even if small [s]", "low": 0.01, "high": 10.0},
+    drain_limit: float = Field(
+        5.0, ge=0.2, le=60.0, description="wall time after which the bag is closed even if messages still come [s]"
     )
-    drain_limit: float = field(
-        default=5.0,
-        metadata={
-            "text": "wall time after which the bag is closed even if messages still come [s]",
-            "low": 0.2,
-            "high": 60.0,
-        },
-    )
-    metadata: str = field(default="", metadata={"text": "JSON file with an object that goes into the bag's metadata"})
-    attachments: tuple[str, ...] = field(default=("",), metadata={"text": "files that go into the bag"})
+    metadata: str = Field("", description="JSON file with an object that goes into the bag's metadata")
+    attachments: tuple[str, ...] = Field((), description="files that go into the bag")
 
 
 @dataclass(slots=True)
@@ -118,16 +99,14 @@ class RecorderNode(Node):
 
     def __init__(self) -> None:
         super().__init__("recorder_node")
-        settings = self._declare()
+        settings = declare_parameters(self, RecorderParameters, choices={"compression": list(Compression)})
         self._include = _pattern("include", settings.include)
         self._exclude = _pattern("exclude", settings.exclude or "$^")
-        source = _choice("time_source", settings.time_source, ("simulation", "system"))
-        compression = Compression(_choice("compression", settings.compression, list(Compression)))
-        self._timekeeper = Timekeeper(simulated=source == "simulation")
+        self._timekeeper = Timekeeper(simulated=settings.time_source == "simulation")
         self._metadata = metadata_from_file(Path(settings.metadata)) if settings.metadata else {}
         attachments = [Attachment.from_file(Path(path)) for path in settings.attachments if path]
         options = BagOptions(
-            compression,
+            Compression(settings.compression),
             settings.chunk_size,
             settings.flush_interval,
             settings.max_bagfile_size,
@@ -171,19 +150,6 @@ class RecorderNode(Node):
         finally:
             self._writer.close()
         self.get_logger().info(f"{self._writer.folder}: {self._writer.count} messages of {len(self._recorded)} topics")
-
-    def _declare(self) -> RecorderParameters:
-        values: dict[str, Any] = {}
-        for entry in fields(RecorderParameters):
-            descriptor = ParameterDescriptor(description=entry.metadata["text"], read_only=True)
-            span = {"from_value": entry.metadata.get("low", 0), "to_value": entry.metadata.get("high", 0)}
-            if isinstance(entry.default, float):
-                descriptor.floating_point_range = [FloatingPointRange(**span)]
-            elif isinstance(entry.default, int):
-                descriptor.integer_range = [IntegerRange(**span)]
-            default = list(entry.default) if isinstance(entry.default, tuple) else entry.default
-            values[entry.name] = self.declare_parameter(entry.name, default, descriptor).value
-        return RecorderParameters(**values)
 
     def _discover(self) -> None:
         for name, types in self.get_topic_names_and_types():
@@ -334,12 +300,6 @@ def _pattern(name: str, text: str) -> re.Pattern[str]:
         return re.compile(text)
     except re.error as error:
         raise InputError(name, f"{text!r} is not a regular expression ({error})", "correct it") from error
-
-
-def _choice(name: str, value: str, choices: Sequence[str]) -> str:
-    if value not in choices:
-        raise InputError(name, f"{value!r} is unknown", f"choose one of {', '.join(choices)}")
-    return value
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -7,9 +7,10 @@ import time
 from collections.abc import Sequence
 from enum import Enum
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from nav_msgs.msg import Odometry
+from pydantic import Field
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
@@ -18,6 +19,7 @@ from roadmend_msgs import msg
 
 from roadmend.core.command import Decision
 from roadmend.core.errors import InputError
+from roadmend.core.parameters import Parameters
 from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
@@ -26,7 +28,7 @@ from roadmend.nodes import convert, qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.odometry import ego_of_bytes, stamp_of_bytes
 from roadmend.nodes.pairing import TickPairing
-from roadmend.nodes.parameters import declare
+from roadmend.nodes.parameters import declare_field, declare_parameters
 from roadmend.nodes.spinning import run_node
 from roadmend.nodes.tally import RepairTally
 from roadmend.repair.guard import GuardedRepairer
@@ -39,9 +41,27 @@ _PARTS = ("ego", "objects", "command", "trajectory")
 _COMPLAINTS = frozenset({RepairStatus.STALE_COMMAND, RepairStatus.STALE_OBJECTS, RepairStatus.MODEL_FAULT})
 
 
-def _bound(constraints: Sequence[Any], name: str) -> float | None:
-    """A bound of a parameter model's field: what its constraints give under ``ge`` or ``le``."""
-    return next((getattr(entry, name) for entry in constraints if getattr(entry, name, None) is not None), None)
+class RepairNodeParameters(Parameters):
+    """Parameters of the node, read once at start; those of the methods can be changed while it runs."""
+
+    method: str = Field("rss", description="repair method to run")
+    clock: Literal["lockstep", "realtime"] = Field("lockstep", description="how the simulator keeps time")
+    seed: int = Field(0, ge=0, le=2**31 - 1, description="seed of methods that draw numbers")
+    input_timeout: float = Field(
+        0.0,
+        ge=0.0,
+        le=60.0,
+        description="[s] of wall time after which an input counts as late; 0: 2.0 in lockstep, 0.04 in real time",
+    )
+    time_budget: float = Field(
+        0.0,
+        ge=0.0,
+        le=10.0,
+        description="[s] a method may take for a tick before the guard decides; 0: no limit in lockstep, "
+        "0.03 in real time",
+    )
+    autostart: bool = Field(default=True, description="configure and activate without being asked")
+    summary: str = Field("", description="file for the tally of this run, written at the end; none if empty")
 
 
 class RepairNode(LifecycleNode):
@@ -86,46 +106,17 @@ class RepairNode(LifecycleNode):
     # -- configuration ------------------------------------------------------------------------------------------------
 
     def _declare_parameters(self) -> None:
-        self._method = declare(self, "method", "rss", "repair method to run", choices=sorted(METHODS))
-        self._lockstep = (
-            declare(self, "clock", "lockstep", "how the simulator keeps time", choices=("lockstep", "realtime"))
-            == "lockstep"
-        )
-        self._seed = declare(self, "seed", 0, "seed of methods that draw numbers", low=0, high=2**31 - 1)
-        self._timeout = declare(
-            self,
-            "input_timeout",
-            0.0,
-            "[s] of wall time after which an input counts as late; 0: 2.0 in lockstep, 0.04 in real time",
-            low=0.0,
-            high=60.0,
-        ) or (2.0 if self._lockstep else 0.04)
-        self._budget = declare(
-            self,
-            "time_budget",
-            0.0,
-            "[s] a method may take for a tick before the guard decides; 0: no limit in lockstep, 0.03 in real time",
-            low=0.0,
-            high=10.0,
-        ) or (None if self._lockstep else 0.03)
-        self._autostart = declare(self, "autostart", True, "configure and activate without being asked")
-        self._summary = declare(
-            self, "summary", "", "file for the tally of this run, written at the end; none if empty"
-        )
+        settings = declare_parameters(self, RepairNodeParameters, choices={"method": sorted(METHODS)})
+        self._method, self._seed = settings.method, settings.seed
+        self._lockstep = settings.clock == "lockstep"
+        self._timeout = settings.input_timeout or (2.0 if self._lockstep else 0.04)
+        self._budget = settings.time_budget or (None if self._lockstep else 0.03)
+        self._autostart, self._summary = settings.autostart, settings.summary
         for name, entry in METHODS.items():
             for field, info in entry.parameters.model_fields.items():
                 default = info.get_default(call_default_factory=True)
                 if isinstance(default, bool | int | float | str) and not isinstance(default, Enum):
-                    numeric = not isinstance(default, bool | str)
-                    declare(
-                        self,
-                        f"{name}.{field}",
-                        default,
-                        info.description or field,
-                        low=_bound(info.metadata, "ge") if numeric else None,
-                        high=_bound(info.metadata, "le") if numeric else None,
-                        read_only=False,
-                    )
+                    declare_field(self, f"{name}.{field}", info, is_fixed=False)
 
     def _method_parameters(self, changed: Sequence[Parameter] = ()) -> dict[str, Any]:
         prefix = f"{self._method}."

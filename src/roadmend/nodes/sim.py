@@ -6,8 +6,10 @@ import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Literal
 
 from nav_msgs.msg import Odometry
+from pydantic import Field
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from roadmend_msgs import msg
@@ -15,11 +17,12 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 
 from roadmend.core.command import Command
 from roadmend.core.outcome import Event, EventKind
+from roadmend.core.parameters import Parameters
 from roadmend.core.whole_file import write_text
 from roadmend.nodes import convert, qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.odometry import OdometryWriter
-from roadmend.nodes.parameters import declare
+from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.spinning import run_node
 from roadmend.world.map_view import lanes_of
 from roadmend.world.runner import EpisodeSummary, TrajectoryDigest, add_tick
@@ -49,6 +52,21 @@ _LISTENERS = {
 }
 
 
+class SimParameters(Parameters):
+    """Parameters of the node, read once at start."""
+
+    scenario: str = Field("", description="scenario file to run")
+    clock: Literal["lockstep", "realtime"] = Field("lockstep", description="how time passes")
+    rate: float = Field(1.0, ge=0.01, le=100.0, description="real time: simulated seconds per wall second")
+    command_timeout: float = Field(
+        5.0, ge=0.05, le=600.0, description="[s] lockstep: wall time without a command after which the watchdog brakes"
+    )
+    wait_for: tuple[str, ...] = Field(
+        ("policy_node", "repair_node"), description="nodes that must have joined before the episode begins"
+    )
+    summary: str = Field("", description="file for the summary of the episode; none if empty")
+
+
 class SimNode(Node):
     """One episode: waits for the graph, ticks until a final event, then finishes."""
 
@@ -56,24 +74,13 @@ class SimNode(Node):
         super().__init__("sim_node")
         self.finished = False
         self.exit_code = 0
-        path = declare(self, "scenario", "", "scenario file to run")
-        self._lockstep = (
-            declare(self, "clock", "lockstep", "how time passes", choices=("lockstep", "realtime")) == "lockstep"
-        )
-        self._rate = declare(self, "rate", 1.0, "real time: simulated seconds per wall second", low=0.01, high=100.0)
-        self._timeout = declare(
-            self,
-            "command_timeout",
-            5.0,
-            "[s] lockstep: wall time without a command after which the watchdog brakes",
-            low=0.05,
-            high=600.0,
-        )
-        self._wait_for: list[str] = declare(
-            self, "wait_for", ["policy_node", "repair_node"], "nodes that must have joined before the episode begins"
-        )
-        self._summary_path = declare(self, "summary", "", "file for the summary of the episode; none if empty")
-        self._simulation = Simulation(load_scenario(Path(path)))
+        settings = declare_parameters(self, SimParameters)
+        self._lockstep = settings.clock == "lockstep"
+        self._rate = settings.rate
+        self._timeout = settings.command_timeout
+        self._wait_for = settings.wait_for
+        self._summary_path = settings.summary
+        self._simulation = Simulation(load_scenario(Path(settings.scenario)))
         self._summary = EpisodeSummary(self._simulation.scenario.name)
         self._digest = TrajectoryDigest()
         self._tick: Tick | None = None

@@ -4,12 +4,12 @@ import math
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
 from functools import partial
 from typing import Any
 
 import numpy as np
 from nav_msgs.msg import Odometry
+from pydantic import Field
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -21,6 +21,7 @@ from visualization_msgs.msg import MarkerArray
 from roadmend.core.command import Trajectory
 from roadmend.core.geometry import nearest_distance
 from roadmend.core.outcome import EventKind
+from roadmend.core.parameters import Parameters
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, ObjectList, Scene
 from roadmend.nodes import qos
@@ -29,7 +30,7 @@ from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.drawing import DRAWINGS, MARKERS_MAP, draw_tick
 from roadmend.nodes.marker_map import map_markers
 from roadmend.nodes.marker_ticks import NANOSECONDS, Cadence, TickMemory
-from roadmend.nodes.parameters import declare
+from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.spinning import run_node
 
 DEFAULT_SIZE = (4.8, 1.8)  # [m] of the ego until its route has told
@@ -43,19 +44,13 @@ _TICK_TOPICS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class VizParameters:
-    """Parameters of the node with their defaults; the metadata hold the range and the meaning."""
+class VizParameters(Parameters):
+    """Parameters of the node; all can be changed while it runs."""
 
-    rate: float = field(
-        default=10.0, metadata={"low": 0.1, "high": 100.0, "text": "drawings a second of simulation time [Hz]"}
-    )
-    load: float = field(
-        default=0.5, metadata={"low": 0.01, "high": 1.0, "text": "share of one processor that drawing may take at most"}
-    )
-    text_radius: float = field(
-        default=40.0,
-        metadata={"low": 0.0, "high": 1000.0, "text": "how near to the ego an object carries its id and speed [m]"},
+    rate: float = Field(10.0, ge=0.1, le=100.0, description="drawings a second of simulation time [Hz]")
+    load: float = Field(0.5, ge=0.01, le=1.0, description="share of one processor that drawing may take at most")
+    text_radius: float = Field(
+        40.0, ge=0.0, le=1000.0, description="how near to the ego an object carries its id and speed [m]"
     )
 
 
@@ -68,7 +63,9 @@ class VizNode(Node):
 
     def __init__(self) -> None:
         super().__init__("viz_node")
-        self._settings = self._declare()
+        self._settings = declare_parameters(self, VizParameters, is_fixed=False)
+        self.add_on_set_parameters_callback(_refuse_non_finite)
+        self.add_post_set_parameters_callback(self._on_parameters)
         self._memory = TickMemory(tuple(_TICK_TOPICS))
         self._cadence = Cadence(self._settings.rate, self._settings.load)
         self._route: Route | None = None
@@ -92,25 +89,8 @@ class VizNode(Node):
         self._outputs = {topic: self.create_publisher(kind, topic, qos.STREAM) for topic, kind in DRAWINGS.items()}
         self._to_map = self.create_publisher(MarkerArray, MARKERS_MAP, qos.LATCHED)
 
-    def _declare(self) -> VizParameters:
-        values = {
-            entry.name: declare(
-                self,
-                entry.name,
-                entry.default,
-                entry.metadata["text"],
-                low=entry.metadata["low"],
-                high=entry.metadata["high"],
-                read_only=False,
-            )
-            for entry in fields(VizParameters)
-        }
-        self.add_on_set_parameters_callback(_refuse_non_finite)
-        self.add_post_set_parameters_callback(self._on_parameters)
-        return VizParameters(**values)
-
     def _on_parameters(self, changed: list[Parameter]) -> None:
-        names = {entry.name for entry in fields(VizParameters)}
+        names = VizParameters.model_fields
         if any(parameter.name in names for parameter in changed):
             self._settings = VizParameters(**{name: self.get_parameter(name).value for name in names})
             self._cadence.set(self._settings.rate, self._settings.load)
