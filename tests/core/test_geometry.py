@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from roadmend.core.geometry import corner_distance, fill_corners, outline_distances, wrap_angle
+from roadmend.core.scene import OBJECT, EgoState, ObjectList
 
 coordinate = st.floats(-20.0, 20.0)
 angle = st.floats(-math.pi, math.pi)
@@ -38,9 +39,10 @@ def test_a_small_outline_inside_a_large_one_touches_it():
 
 
 def test_far_outlines_get_a_lower_bound_of_their_distance():
-    others = [np.array([value]) for value in (40.0, 0.0, 0.5, 4.0, 2.0)]
-    bound = outline_distances(0.0, 0.0, 0.0, 4.0, 2.0, *others, 10.0)[0]
-    exact = outline_distances(0.0, 0.0, 0.0, 4.0, 2.0, *others, 1000.0)[0]
+    own = EgoState.from_yaw(0.0, 0.0, 0.0, 0.0, 0.0, 4.0, 2.0)
+    place = {"x": 40.0, "y": 0.0, "yaw": 0.5, "length": 4.0, "width": 2.0}
+    other = ObjectList(np.ones(1, dtype=OBJECT)).with_columns(**place).table
+    bound, exact = outline_distances(own, other, 10.0)[0], outline_distances(own, other, 1000.0)[0]
     assert 10.0 <= bound <= exact
 
 

@@ -14,8 +14,18 @@ FRONT, STOOD = "the ego (9.0 m/s) and x collided: the ego's front hit it", "a an
 
 
 def objects(kind=ObjectKind.CAR, speed=8.0):
-    columns = [np.array([value]) for value in (120.0, 9.0, 0.0, speed, 0.0, 0.0, 4.0, 2.0)]
-    return ObjectList(np.array([7], dtype=np.uint32), np.array([kind], dtype=np.uint8), *columns)
+    return ObjectList.of(
+        id=[7],
+        kind=kind,
+        x=120.0,
+        y=9.0,
+        yaw=0.0,
+        speed=speed,
+        acceleration=0.0,
+        yaw_rate=0.0,
+        length=4.0,
+        width=2.0,
+    )
 
 
 def driven(to, speed=10.0, around=None, signal=Signal.GREEN, zones=(ZONE,), begin=0.0):

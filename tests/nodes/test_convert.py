@@ -13,13 +13,12 @@ from roadmend.core.command import Command, Trajectory
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import Repair, RepairStatus, Trigger
 from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
-from roadmend.core.scene import EgoState, ObjectList
+from roadmend.core.scene import COLUMNS, EgoState, ObjectList
 from roadmend.nodes import convert
 from roadmend.nodes.odometry import OdometryWriter
 from roadmend.world.map_view import LaneKind, LaneMap, lanes_of
 from roadmend.world.road_network import RoadNetwork
 
-COLUMNS = ("x", "y", "yaw", "speed", "acceleration", "yaw_rate", "length", "width")
 NUMBERS = np.random.default_rng(4)
 
 
@@ -33,11 +32,8 @@ def header():
 
 
 def objects_of_random(count):
-    return ObjectList(
-        np.arange(1, count + 1, dtype=np.uint32),
-        (np.arange(count) % 7).astype(np.uint8),
-        *NUMBERS.normal(size=(len(COLUMNS), count)),
-    )
+    columns = dict(zip(COLUMNS[2:], NUMBERS.normal(size=(len(COLUMNS) - 2, count)), strict=True))
+    return ObjectList.of(id=np.arange(1, count + 1), kind=np.arange(count) % 7, **columns)
 
 
 def route():
@@ -73,13 +69,13 @@ def test_the_ego_is_the_same_after_the_journey(yaw):
 def test_objects_are_the_same_after_the_journey(count):
     objects, signals = objects_of_random(count), np.array([2, 0, 3], dtype=np.uint8)
     back, back_signals = convert.objects_of(sent(convert.object_message_of(objects, signals, header())))
-    for name in ("id", "kind", *COLUMNS):
+    for name in COLUMNS:
         mine, other = getattr(objects, name), getattr(back, name)
         assert (mine.dtype, mine.tobytes()) == (other.dtype, other.tobytes()), name
     assert back_signals.tolist() == [2, 0, 3]
 
 
-@pytest.mark.parametrize("column", ["id", "kind", *COLUMNS])
+@pytest.mark.parametrize("column", COLUMNS)
 @pytest.mark.parametrize("change", [-1, 1])
 def test_objects_with_an_array_of_another_length_raise(column, change):
     message = convert.object_message_of(objects_of_random(3), np.empty(0, dtype=np.uint8), header())

@@ -34,16 +34,18 @@ EGO = EgoState.from_yaw(3.0, 4.0, 0.7, 8.0, 0.0, 4.8, 1.8)
 
 def objects_at(*rows: tuple[int, ObjectKind, float, float, float]) -> ObjectList:
     """Objects given by id, kind, x, y and yaw; 4 m by 2 m at 5 m/s."""
-    count = len(rows)
-    return ObjectList(
-        np.array([row[0] for row in rows], dtype=np.uint32),
-        np.array([row[1] for row in rows], dtype=np.uint8),
-        *(np.array([row[column] for row in rows], dtype=np.float64) for column in (2, 3, 4)),
-        np.full(count, 5.0),
-        np.zeros(count),
-        np.zeros(count),
-        np.full(count, 4.0),
-        np.full(count, 2.0),
+    number, kind, x, y, yaw = np.array(rows, dtype=np.float64).reshape(-1, 5).T
+    return ObjectList.of(
+        id=number,
+        kind=kind,
+        x=x,
+        y=y,
+        yaw=yaw,
+        speed=5.0,
+        acceleration=0.0,
+        yaw_rate=0.0,
+        length=4.0,
+        width=2.0,
     )
 
 

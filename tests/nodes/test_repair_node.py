@@ -105,18 +105,17 @@ class Bench:
 def objects_message(rows):
     """Rows of (id, x, y, speed, length)."""
     columns = np.array(rows, dtype=np.float64).reshape(-1, 5).T
-    zero = np.zeros(columns.shape[1])
-    objects = ObjectList(
-        columns[0].astype(np.uint32),
-        np.ones(columns.shape[1], dtype=np.uint8),
-        columns[1],
-        columns[2],
-        zero,
-        columns[3],
-        zero,
-        zero,
-        columns[4],
-        zero + 1.8,
+    objects = ObjectList.of(
+        id=columns[0],
+        kind=1,
+        x=columns[1],
+        y=columns[2],
+        yaw=0.0,
+        speed=columns[3],
+        acceleration=0.0,
+        yaw_rate=0.0,
+        length=columns[4],
+        width=1.8,
     )
     return convert.object_message_of(objects, np.empty(0, dtype=np.uint8), convert.header_of(0.0))
 

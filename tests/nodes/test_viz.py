@@ -86,18 +86,17 @@ class Theatre:
         ego = EgoState.from_yaw(float(number), 0.0, 0.0, 5.0, 0.0, 4.0, 2.0)
         self.to[qos.EGO].publish(OdometryWriter().fill(ego, header))
         if objects:
-            one, zero = np.ones(1), np.zeros(1)
-            cars = ObjectList(
-                np.array([7], dtype=np.uint32),
-                np.array([ObjectKind.CAR], dtype=np.uint8),
-                np.array([number + 14.0]),
-                zero,
-                zero,
-                one,
-                zero,
-                zero,
-                4.0 * one,
-                2.0 * one,
+            cars = ObjectList.of(
+                id=[7],
+                kind=ObjectKind.CAR,
+                x=number + 14.0,
+                y=0.0,
+                yaw=0.0,
+                speed=1.0,
+                acceleration=0.0,
+                yaw_rate=0.0,
+                length=4.0,
+                width=2.0,
             )
             self.to[qos.OBJECTS].publish(object_message_of(cars, np.empty(0, dtype=np.uint8), header))
         points = np.array([1.0, 2.0])

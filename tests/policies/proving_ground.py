@@ -9,7 +9,7 @@ import numpy as np
 from roadmend.core.command import Decision
 from roadmend.core.interfaces import Policy
 from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
-from roadmend.core.scene import EgoState, ObjectKind, ObjectList, Scene
+from roadmend.core.scene import COLUMNS, EgoState, ObjectKind, ObjectList, Scene
 
 TICK = 0.05  # [s]
 
@@ -42,21 +42,8 @@ def walker(number: int, x: float, y: float, yaw: float, speed: float) -> Body:
 
 
 def object_list(bodies: Sequence[Body]) -> ObjectList:
-    def column(name: str) -> np.ndarray:
-        return np.array([getattr(body, name) for body in bodies], dtype=np.float64)
-
-    return ObjectList(
-        np.array([body.id for body in bodies], dtype=np.uint32),
-        np.array([int(body.kind) for body in bodies], dtype=np.uint8),
-        column("x"),
-        column("y"),
-        column("yaw"),
-        column("speed"),
-        column("acceleration"),
-        np.zeros(len(bodies)),
-        column("length"),
-        column("width"),
-    )
+    columns = {name: [getattr(body, name) for body in bodies] for name in COLUMNS if name != "yaw_rate"}
+    return ObjectList.of(**columns, yaw_rate=0.0)
 
 
 def scene_at(

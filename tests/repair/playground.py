@@ -10,7 +10,7 @@ from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.interfaces import Repairer
 from roadmend.core.repair import Repair
 from roadmend.core.route import RightOfWay, Route, Stage, Zone
-from roadmend.core.scene import EgoState, ObjectList, Scene
+from roadmend.core.scene import COLUMNS, EgoState, ObjectList, Scene
 
 TICK = 0.05  # [s]
 FULL_BRAKE = 8.0  # [m/s2]
@@ -43,21 +43,8 @@ class Box:
 
 
 def object_list(boxes: Sequence[Box]) -> ObjectList:
-    def column(name: str) -> np.ndarray:
-        return np.array([getattr(box, name) for box in boxes], dtype=np.float64)
-
-    return ObjectList(
-        np.array([box.id for box in boxes], dtype=np.uint32),
-        np.ones(len(boxes), dtype=np.uint8),
-        column("x"),
-        column("y"),
-        column("yaw"),
-        column("speed"),
-        column("acceleration"),
-        column("yaw_rate"),
-        column("length"),
-        column("width"),
-    )
+    columns = {name: [getattr(box, name) for box in boxes] for name in COLUMNS if name != "kind"}
+    return ObjectList.of(**columns, kind=1)
 
 
 def ego_at(x: float = 0.0, y: float = 0.0, yaw: float = 0.0, speed: float = 10.0) -> EgoState:
@@ -171,10 +158,7 @@ def drive(
         run.repairs.append(repair)
         run.positions.append(x)
         run.speeds.append(speed)
-        objects = scene.objects
-        gaps = outline_distances(
-            x, 0.0, 0.0, 4.5, 1.8, objects.x, objects.y, objects.yaw, objects.length, objects.width, 10.0
-        )
+        gaps = outline_distances(ego, scene.objects.table, 10.0)
         run.gaps.append(float(gaps.min()) if boxes else math.inf)
         final = repair.final_action
         speed = max(0.0, speed + TICK * (final * FULL_BRAKE if final < 0.0 else final * FULL_THROTTLE))

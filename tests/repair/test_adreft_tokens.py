@@ -53,7 +53,7 @@ def moved_scene(scene, by):
     x, y, yaw = moved(ego.x, ego.y, ego.yaw, by)
     pose = dict(zip(("x", "y", "yaw"), moved(objects.x, objects.y, objects.yaw, by), strict=True))
     new = EgoState.from_yaw(x, y, wrap_angle(yaw), ego.speed, ego.yaw_rate, ego.length, ego.width)
-    return replace(scene, ego=new, objects=replace(objects, **pose))
+    return replace(scene, ego=new, objects=objects.with_columns(**pose))
 
 
 def moved_decision(decision, by):

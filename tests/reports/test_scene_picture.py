@@ -54,17 +54,17 @@ def view() -> SceneView:
         np.array([0.0, 0.0, 3.2, 3.2, 0.0, 0.0, -3.0, -3.0]),
     )
     stage = Stage(np.array([-50.0, 50.0]), np.zeros(2), np.full(2, 13.9))
-    objects = ObjectList(
-        np.array([4, 5], dtype=np.uint32),
-        np.array([ObjectKind.CAR, ObjectKind.PEDESTRIAN], dtype=np.uint8),
-        np.array([15.0, 5.0]),
-        np.array([0.0, -3.0]),
-        np.array([0.0, 1.0]),
-        np.zeros(2),
-        np.zeros(2),
-        np.zeros(2),
-        np.array([4.5, 0.5]),
-        np.array([1.8, 0.6]),
+    objects = ObjectList.of(
+        id=[4, 5],
+        kind=[ObjectKind.CAR, ObjectKind.PEDESTRIAN],
+        x=[15.0, 5.0],
+        y=[0.0, -3.0],
+        yaw=[0.0, 1.0],
+        speed=0.0,
+        acceleration=0.0,
+        yaw_rate=0.0,
+        length=[4.5, 0.5],
+        width=[1.8, 0.6],
     )
     repair = Repair(
         Command(0.0, 0.8), RepairStatus.REPAIRED, 0.9, 0.5, 0.4, -0.8, True, 0, (Trigger(4, 1.0),), "car 4 ahead"

@@ -174,18 +174,17 @@ def ego(speed):
 
 
 def scene(ego_speed, other_x, other_speed):
-    one = np.array
-    other = ObjectList(
-        one([1], np.uint32),
-        one([1], np.uint8),
-        one([other_x]),
-        one([0.0]),
-        one([0.0]),
-        one([other_speed]),
-        one([0.0]),
-        one([0.0]),
-        one([4.0]),
-        one([2.0]),
+    other = ObjectList.of(
+        id=[1],
+        kind=1,
+        x=other_x,
+        y=0.0,
+        yaw=0.0,
+        speed=other_speed,
+        acceleration=0.0,
+        yaw_rate=0.0,
+        length=4.0,
+        width=2.0,
     )
     return Scene(0.0, ego(ego_speed), other, np.empty(0, np.uint8))
 

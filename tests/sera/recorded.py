@@ -40,22 +40,13 @@ def track(x, y, yaw, speed, kind=ObjectKind.CAR, acceleration=0.0, interval=TICK
 
 def objects_at(tracks, number):
     """Everybody at a tick."""
-    rows = [
-        (
-            one.x[number],
-            one.y[number],
-            one.yaw[number],
-            one.speed[number],
-            one.acceleration[number],
-            0.0,
-            one.length,
-            one.width,
-        )
-        for one in tracks
-    ]
-    columns = np.array(rows, dtype=float).reshape(len(tracks), 8).T
-    ids = np.array([7 + place for place in range(len(tracks))], dtype=np.uint32)
-    return ObjectList(ids, np.array([one.kind for one in tracks], dtype=np.uint8), *columns)
+    moving = ("x", "y", "yaw", "speed", "acceleration")
+    return ObjectList.of(
+        id=7 + np.arange(len(tracks)),
+        yaw_rate=0.0,
+        **{name: [getattr(one, name)[number] for one in tracks] for name in moving},
+        **{name: [getattr(one, name) for one in tracks] for name in ("kind", "length", "width")},
+    )
 
 
 def repair(policy=0.5, final=0.5, status=None):

@@ -9,18 +9,17 @@ from roadmend.training.collision import describe_collision
 
 
 def scene_with(x, y, yaw, speed=3.0):
-    one = lambda value: np.array([float(value)])
-    objects = ObjectList(
-        np.array([7], dtype=np.uint32),
-        np.array([ObjectKind.CAR], dtype=np.uint8),
-        one(x),
-        one(y),
-        one(yaw),
-        one(speed),
-        one(0.0),
-        one(0.0),
-        one(4.0),
-        one(2.0),
+    objects = ObjectList.of(
+        id=[7],
+        kind=ObjectKind.CAR,
+        x=x,
+        y=y,
+        yaw=yaw,
+        speed=speed,
+        acceleration=0.0,
+        yaw_rate=0.0,
+        length=4.0,
+        width=2.0,
     )
     ego = EgoState.from_yaw(100.0, 50.0, 0.5 * math.pi, 8.0, 0.0, 4.0, 2.0)  # heads north
     return Scene(1.0, ego, objects, np.zeros(0, dtype=np.uint8))

@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 import pytest
 
 from roadmend.core.scene import EgoState, ObjectList
@@ -19,8 +18,18 @@ def other(along, across, heading, speed, yaw=0.0):
     """Somebody of the ego's size, placed relative to it."""
     cosine, sine = math.cos(yaw), math.sin(yaw)
     x, y = 10.0 + along * cosine - across * sine, 20.0 + along * sine + across * cosine
-    columns = [np.array([value]) for value in (x, y, yaw + heading, speed, 0.0, 0.0, LENGTH, WIDTH)]
-    return ObjectList(np.ones(1, dtype=np.uint32), np.zeros(1, dtype=np.uint8), *columns)
+    return ObjectList.of(
+        id=[1],
+        kind=0,
+        x=x,
+        y=y,
+        yaw=yaw + heading,
+        speed=speed,
+        acceleration=0.0,
+        yaw_rate=0.0,
+        length=LENGTH,
+        width=WIDTH,
+    )
 
 
 @pytest.mark.parametrize("yaw", [0.0, 2.0, -3.0])

@@ -1,7 +1,6 @@
 """Nobody drives into a car that stands before them, and nobody waits longer than it stands."""
 
 import math
-from dataclasses import replace
 
 import libsumo
 import numpy as np
@@ -24,7 +23,7 @@ from roadmend.world.scenario import (
 from roadmend.world.simulation import Simulation
 
 STANDS = EgoState.from_yaw(0.0, 0.0, 0.0, 0.0, 0.0, 4.7, 1.85)
-DRIVES = replace(STANDS, speed=STANDING)
+DRIVES = STANDS._replace(speed=STANDING)
 
 
 class Drivers:
@@ -50,18 +49,17 @@ def drivers(monkeypatch):
 def others(*rows, kind=ObjectKind.CAR):
     """Rows of x, y, yaw, speed, yaw rate."""
     x, y, yaw, speed, turn = np.array(rows, dtype=np.float64).reshape(-1, 5).T.copy()
-    count = len(x)
-    return ObjectList(
-        np.arange(1, count + 1, dtype=np.uint32),
-        np.full(count, int(kind), dtype=np.uint8),
-        x,
-        y,
-        yaw,
-        speed,
-        np.zeros(count),
-        turn,
-        np.full(count, 4.5),
-        np.full(count, 1.8),
+    return ObjectList.of(
+        id=np.arange(1, len(x) + 1),
+        kind=kind,
+        x=x,
+        y=y,
+        yaw=yaw,
+        speed=speed,
+        acceleration=0.0,
+        yaw_rate=turn,
+        length=4.5,
+        width=1.8,
     )
 
 

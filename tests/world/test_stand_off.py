@@ -3,7 +3,6 @@
 import math
 
 import libsumo
-import numpy as np
 import pytest
 
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
@@ -31,18 +30,17 @@ def ego(x=0.0):
 
 
 def one(place, speed=0.0, kind=ObjectKind.BUS):
-    column = np.ones(1)
-    return ObjectList(
-        np.ones(1, dtype=np.uint32),
-        np.full(1, int(kind), dtype=np.uint8),
-        place[0] * column,
-        place[1] * column,
-        0.5 * math.pi * column,
-        speed * column,
-        0.0 * column,
-        0.0 * column,
-        4.5 * column,
-        1.8 * column,
+    return ObjectList.of(
+        id=[1],
+        kind=kind,
+        x=place[0],
+        y=place[1],
+        yaw=0.5 * math.pi,
+        speed=speed,
+        acceleration=0.0,
+        yaw_rate=0.0,
+        length=4.5,
+        width=1.8,
     )
 
 

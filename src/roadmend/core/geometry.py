@@ -1,14 +1,16 @@
 """Exact geometry of vehicle outlines: oriented rectangles in the map frame (ENU, metres, radians)."""
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.jit import compiled
-from roadmend.core.scene import EgoState, ObjectList
+from roadmend.core.scene import EgoState, ObjectList, Objects
 
 Floats = NDArray[np.float64]
+Outline = Any  # what has x, y [m], yaw [rad], length and width [m]: the ego's state, or a participant's record
 
 DISTANCE_EXACT = 60.0  # [m] up to which the nearest distance is that between outlines
 
@@ -30,6 +32,12 @@ def fill_corners(corners: Floats, x: float, y: float, yaw: float, length: float,
     corners[1, 0], corners[1, 1] = x - along_x + across_x, y - along_y + across_y
     corners[2, 0], corners[2, 1] = x - along_x - across_x, y - along_y - across_y
     corners[3, 0], corners[3, 1] = x + along_x - across_x, y + along_y - across_y
+
+
+@compiled
+def fill_outline(corners: Floats, body: Outline) -> None:
+    """Write the four corners of a body's outline into ``corners`` (shape 4 x 2), in the order of fill_corners."""
+    fill_corners(corners, body.x, body.y, body.yaw, body.length, body.width)
 
 
 @compiled
@@ -92,55 +100,30 @@ def corner_distance(first: Floats, second: Floats) -> float:
 
 
 @compiled
-def outline_distances(
-    x: float,
-    y: float,
-    yaw: float,
-    length: float,
-    width: float,
-    other_x: Floats,
-    other_y: Floats,
-    other_yaw: Floats,
-    other_length: Floats,
-    other_width: Floats,
-    near: float,
-) -> Floats:
+def outline_distances(own: Outline, others: Objects, near: float) -> Floats:
     """Distances [m] from one outline to each of N others, shape (N,).
 
     Exact where the gap between the circumscribed circles is below ``near`` [m]; elsewhere that gap itself, which is
     a lower bound no smaller than ``near``.
     """
-    count = other_x.shape[0]
+    count = others.shape[0]
     distances = np.empty(count, dtype=np.float64)
-    own = np.empty((4, 2), dtype=np.float64)
+    corners = np.empty((4, 2), dtype=np.float64)
     their = np.empty((4, 2), dtype=np.float64)
-    fill_corners(own, x, y, yaw, length, width)
-    own_radius = 0.5 * math.hypot(length, width)
+    fill_outline(corners, own)
+    own_radius = 0.5 * math.hypot(own.length, own.width)
     for index in range(count):
-        gap = math.hypot(other_x[index] - x, other_y[index] - y)
-        gap -= own_radius + 0.5 * math.hypot(other_length[index], other_width[index])
+        other = others[index]
+        gap = math.hypot(other.x - own.x, other.y - own.y)
+        gap -= own_radius + 0.5 * math.hypot(other.length, other.width)
         if gap < near:
-            fill_corners(
-                their, other_x[index], other_y[index], other_yaw[index], other_length[index], other_width[index]
-            )
-            gap = corner_distance(own, their)
+            fill_outline(their, other)
+            gap = corner_distance(corners, their)
         distances[index] = gap
     return distances
 
 
 def nearest_distance(ego: EgoState, objects: ObjectList) -> float:
     """Gap [m] between the ego's outline and the nearest other, exact up to DISTANCE_EXACT; infinite where is none."""
-    distances = outline_distances(
-        ego.x,
-        ego.y,
-        ego.yaw,
-        ego.length,
-        ego.width,
-        objects.x,
-        objects.y,
-        objects.yaw,
-        objects.length,
-        objects.width,
-        DISTANCE_EXACT,
-    )
+    distances = outline_distances(ego, objects.table, DISTANCE_EXACT)
     return float(np.nanmin(distances)) if np.isfinite(distances).any() else math.inf

@@ -3,12 +3,13 @@
 import math
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
+Objects = NDArray[np.void]  # a table of participants, see OBJECT
 
 
 class ObjectKind(IntEnum):
@@ -32,8 +33,7 @@ class Signal(IntEnum):
     OFF = 3
 
 
-@dataclass(frozen=True, slots=True)
-class EgoState:
+class EgoState(NamedTuple):
     """Pose and motion of the ego's centre in the map frame.
 
     The heading is held as the quaternion's z and w because that is what travels in nav_msgs/Odometry: yaw is computed
@@ -74,55 +74,114 @@ class EgoState:
         return cls.from_quaternion(x, y, math.sin(0.5 * yaw), math.cos(0.5 * yaw), speed, yaw_rate, length, width)
 
 
+OBJECT = np.dtype(
+    [
+        ("id", np.uint32),
+        ("kind", np.uint8),  # ObjectKind
+        ("x", np.float64),  # [m] centre of the outline
+        ("y", np.float64),  # [m]
+        ("yaw", np.float64),  # [rad]
+        ("speed", np.float64),  # [m/s] along yaw
+        ("acceleration", np.float64),  # [m/s2] along yaw
+        ("yaw_rate", np.float64),  # [rad/s]
+        ("length", np.float64),  # [m]
+        ("width", np.float64),  # [m]
+    ],
+    align=True,
+)
+COLUMNS = OBJECT.names or ()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ObjectList:
-    """N participants as a structure of arrays, each of shape (N,), in the map frame."""
+    """N participants in the map frame: a table of one record each, as kernels read it, and its columns for the rest."""
 
-    id: NDArray[np.uint32]
-    kind: NDArray[np.uint8]
-    x: Floats  # [m] centre of the outline
-    y: Floats  # [m]
-    yaw: Floats  # [rad]
-    speed: Floats  # [m/s] along yaw
-    acceleration: Floats  # [m/s2] along yaw
-    yaw_rate: Floats  # [rad/s]
-    length: Floats  # [m]
-    width: Floats  # [m]
+    table: Objects  # of OBJECT, shape (N,)
 
     def __len__(self) -> int:
-        return len(self.id)
+        return len(self.table)
+
+    @classmethod
+    def of(cls, **columns: ArrayLike) -> Self:
+        """Put a list together from its COLUMNS; a single number in place of a column holds for all participants.
+
+        Raises:
+            ValueError: the columns differ in length.
+            TypeError: a column is missing or unknown.
+        """
+        if columns.keys() != set(COLUMNS):
+            raise TypeError(f"the columns are {', '.join(COLUMNS)}, not {', '.join(columns)}")
+        arrays = {name: np.asarray(column) for name, column in columns.items()}
+        count = len(arrays["id"])
+        if any(array.shape not in {(count,), ()} for array in arrays.values()):
+            raise ValueError("object list: the arrays differ in length")
+        return cls(np.empty(count, dtype=OBJECT)).with_columns(**arrays)
 
     @classmethod
     def empty(cls) -> Self:
         """A list without participants."""
-        none = np.empty(0, dtype=np.float64)
-        return cls(
-            np.empty(0, dtype=np.uint32),
-            np.empty(0, dtype=np.uint8),
-            none,
-            none,
-            none,
-            none,
-            none,
-            none,
-            none,
-            none,
-        )
+        return cls(np.empty(0, dtype=OBJECT))
 
-    def select(self, keep: NDArray[np.bool_] | NDArray[np.intp]) -> "ObjectList":
+    def select(self, keep: NDArray[np.bool_] | NDArray[np.intp]) -> Self:
         """The participants that a mask or an index array names."""
-        return ObjectList(
-            self.id[keep],
-            self.kind[keep],
-            self.x[keep],
-            self.y[keep],
-            self.yaw[keep],
-            self.speed[keep],
-            self.acceleration[keep],
-            self.yaw_rate[keep],
-            self.length[keep],
-            self.width[keep],
-        )
+        return type(self)(self.table[keep])
+
+    def with_columns(self, **columns: ArrayLike) -> Self:
+        """The same list with other numbers in some of its columns."""
+        table = self.table.copy()
+        for name, column in columns.items():
+            table[name] = column
+        return type(self)(table)
+
+    @property
+    def id(self) -> NDArray[np.uint32]:
+        """Number of each participant."""
+        return self.table["id"]
+
+    @property
+    def kind(self) -> NDArray[np.uint8]:
+        """ObjectKind of each participant."""
+        return self.table["kind"]
+
+    @property
+    def x(self) -> Floats:
+        """Centre of the outline [m]."""
+        return self.table["x"]
+
+    @property
+    def y(self) -> Floats:
+        """Centre of the outline [m]."""
+        return self.table["y"]
+
+    @property
+    def yaw(self) -> Floats:
+        """Heading [rad]."""
+        return self.table["yaw"]
+
+    @property
+    def speed(self) -> Floats:
+        """Speed along the heading [m/s]."""
+        return self.table["speed"]
+
+    @property
+    def acceleration(self) -> Floats:
+        """Acceleration along the heading [m/s2]."""
+        return self.table["acceleration"]
+
+    @property
+    def yaw_rate(self) -> Floats:
+        """Yaw rate [rad/s]."""
+        return self.table["yaw_rate"]
+
+    @property
+    def length(self) -> Floats:
+        """Length of the outline [m]."""
+        return self.table["length"]
+
+    @property
+    def width(self) -> Floats:
+        """Width of the outline [m]."""
+        return self.table["width"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

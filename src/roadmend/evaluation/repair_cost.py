@@ -173,18 +173,17 @@ def _crowd(count: int, ego: EgoState, rng: np.random.Generator) -> ObjectList:
     """Cars around a place, none of them upon it."""
     angle = rng.uniform(-np.pi, np.pi, count)
     distance = _RADIUS * np.sqrt(rng.uniform(0.02, 1.0, count))
-    still = np.zeros(count)
-    return ObjectList(
-        np.arange(_FIRST_ADDED, _FIRST_ADDED + count, dtype=np.uint32),
-        np.full(count, ObjectKind.CAR, dtype=np.uint8),
-        ego.x + distance * np.cos(angle),
-        ego.y + distance * np.sin(angle),
-        rng.uniform(-np.pi, np.pi, count),
-        rng.uniform(0.0, 12.0, count),
-        still,
-        still,
-        np.full(count, 4.5),
-        np.full(count, 1.8),
+    return ObjectList.of(
+        id=np.arange(_FIRST_ADDED, _FIRST_ADDED + count),
+        kind=ObjectKind.CAR,
+        x=ego.x + distance * np.cos(angle),
+        y=ego.y + distance * np.sin(angle),
+        yaw=rng.uniform(-np.pi, np.pi, count),
+        speed=rng.uniform(0.0, 12.0, count),
+        acceleration=0.0,
+        yaw_rate=0.0,
+        length=4.5,
+        width=1.8,
     )
 
 
@@ -196,6 +195,5 @@ def _populate(scene: Scene, crowd: ObjectList, count: int) -> ObjectList:
         return found.select(np.sort(np.argsort(distance, kind="stable")[:count]))
     added = crowd.select(np.arange(count - len(found)))
     way = added.speed * scene.time
-    added = replace(added, x=added.x + way * np.cos(added.yaw), y=added.y + way * np.sin(added.yaw))
-    fields = ObjectList.__dataclass_fields__
-    return ObjectList(*(np.concatenate([getattr(found, name), getattr(added, name)]) for name in fields))
+    added = added.with_columns(x=added.x + way * np.cos(added.yaw), y=added.y + way * np.sin(added.yaw))
+    return ObjectList(np.concatenate([found.table, added.table]))

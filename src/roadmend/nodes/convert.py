@@ -15,7 +15,7 @@ from roadmend.core.command import Command, Trajectory
 from roadmend.core.outcome import Event
 from roadmend.core.repair import Repair
 from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
-from roadmend.core.scene import EgoState, ObjectList
+from roadmend.core.scene import COLUMNS, EgoState, ObjectList
 from roadmend.world.map_view import LaneMap
 
 MAP_FRAME = "map"
@@ -79,25 +79,8 @@ def objects_of(message: msg.ObjectList) -> tuple[ObjectList, NDArray[np.uint8]]:
     Raises:
         ValueError: the arrays differ in length.
     """
-    count = len(message.id)
-    columns = [
-        _floats(column)
-        for column in (
-            message.x,
-            message.y,
-            message.yaw,
-            message.speed,
-            message.acceleration,
-            message.yaw_rate,
-            message.length,
-            message.width,
-        )
-    ]
-    if len(message.kind) != count or any(len(column) != count for column in columns):
-        raise ValueError("object list: the arrays differ in length")
-    identity = np.array(message.id, dtype=np.uint32)
-    kind = np.array(message.kind, dtype=np.uint8)
-    return ObjectList(identity, kind, *columns), np.array(message.signal, dtype=np.uint8)
+    objects = ObjectList.of(**{name: getattr(message, name) for name in COLUMNS})
+    return objects, np.array(message.signal, dtype=np.uint8)
 
 
 def command_message_of(command: Command, header: Header) -> msg.Command:

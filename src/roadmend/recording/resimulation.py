@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import fields
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.interfaces import Repairer
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
-from roadmend.core.scene import Scene
+from roadmend.core.scene import COLUMNS, Scene
 from roadmend.recording.ticks import BagTick, BagTicks
 
 _NANOSECONDS = 1_000_000_000
@@ -75,8 +74,7 @@ class Switchover:
         if scene.ego != then.ego:
             away = math.hypot(scene.ego.x - then.ego.x, scene.ego.y - then.ego.y)
             raise self._differs(scene, f"the ego is {away:.3g} m from where it was")
-        columns = [field.name for field in fields(scene.objects)]
-        for name in columns:
+        for name in COLUMNS:
             if not np.array_equal(getattr(scene.objects, name), getattr(then.objects, name)):
                 raise self._differs(scene, f"the {name} of the {len(scene.objects)} objects is not what it was")
         if not np.array_equal(scene.signals, then.signals):

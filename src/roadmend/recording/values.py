@@ -10,7 +10,7 @@ from roadmend.core.appearance import status_of
 from roadmend.core.command import Command, Trajectory
 from roadmend.core.repair import Repair, Trigger
 from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
-from roadmend.core.scene import EgoState, ObjectList
+from roadmend.core.scene import COLUMNS, EgoState, ObjectList
 
 Floats = NDArray[np.float64]
 
@@ -44,22 +44,7 @@ def objects_of(value: Any) -> ObjectList:
     Raises:
         ValueError: the arrays differ in length.
     """
-    columns = [
-        floats_of(column)
-        for column in (
-            value.x,
-            value.y,
-            value.yaw,
-            value.speed,
-            value.acceleration,
-            value.yaw_rate,
-            value.length,
-            value.width,
-        )
-    ]
-    if any(len(column) != len(value.id) for column in (value.kind, *columns)):
-        raise ValueError("the arrays differ in length")
-    return ObjectList(np.asarray(value.id, dtype=np.uint32), np.asarray(value.kind, dtype=np.uint8), *columns)
+    return ObjectList.of(**{name: getattr(value, name) for name in COLUMNS})
 
 
 def repair_of(value: Any) -> Repair:

@@ -9,13 +9,13 @@ import numpy as np
 from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.repair import Proposal, Repair, RepairStatus
 from roadmend.core.route import Route, Stage
-from roadmend.core.scene import EgoState, ObjectList, Scene
+from roadmend.core.scene import OBJECT, EgoState, ObjectList, Scene
 from roadmend.repair.merger import merge, proposal_fault
 from roadmend.repair.method import RepairMethod
 from roadmend.repair.none import NO_OPINION
 from roadmend.repair.parameters import GuardParameters
 from roadmend.repair.rss import RssRepair
-from roadmend.repair.sanitise import UNEVEN, is_usable_ego, is_usable_plan, mark_usable, sanitise_command
+from roadmend.repair.sanitise import is_usable_ego, is_usable_plan, mark_usable, sanitise_command
 
 GRAVITY = (  # from the least grave to the gravest; a repair reports the gravest that holds
     RepairStatus.PASS,
@@ -65,22 +65,9 @@ class GuardedRepairer:
         To be called between episodes: the guard then waits for a ``reset``.
         """
         x = np.array([0.0, 50.0, 100.0])
-        rest = np.zeros(1)
-        size = np.full(1, 2.0)
         stage = Stage(x, np.zeros(3), np.full(3, 10.0))
         self.reset(Route("warm-up", 4.5, 1.8, 90.0, 1.0, (stage,), (), ()))
-        objects = ObjectList(
-            np.ones(1, dtype=np.uint32),
-            np.ones(1, dtype=np.uint8),
-            np.full(1, 30.0),
-            rest,
-            rest,
-            rest,
-            rest,
-            rest,
-            size,
-            size,
-        )
+        objects = ObjectList(np.ones(1, dtype=OBJECT)).with_columns(x=30.0, y=0.0)
         ego = EgoState.from_yaw(10.0, 0.0, 0.0, 5.0, 0.0, 4.5, 1.8)
         scene = Scene(0.0, ego, objects, np.zeros(0, dtype=np.uint8))
         self.step(scene, Decision(Command(0.1, 0.0), _EMPTY))
@@ -153,34 +140,14 @@ class GuardedRepairer:
             self._method_fault += f" rss could not be reset: {error!r}"
 
     def _usable(self, scene: Scene) -> tuple[Scene, int]:
-        """The scene with its usable objects only, and how many were dropped.
-
-        Raises:
-            ValueError: the arrays of the objects do not fit together.
-        """
+        """The scene with its usable objects only, and how many were dropped."""
         objects, bounds = scene.objects, self.parameters
         size = len(objects)
         if size > len(self._keep):
             self._keep = np.zeros(2 * size, dtype=np.bool_)
-        dropped = mark_usable(
-            self._keep,
-            objects.id,
-            objects.x,
-            objects.y,
-            objects.yaw,
-            objects.speed,
-            objects.acceleration,
-            objects.yaw_rate,
-            objects.length,
-            objects.width,
-            bounds.max_length,
-            bounds.max_width,
-            bounds.max_speed,
-        )
-        if dropped == 0 and len(objects.kind) == size:
+        dropped = mark_usable(self._keep, objects.table, bounds.max_length, bounds.max_width, bounds.max_speed)
+        if dropped == 0:
             return scene, 0
-        if dropped == UNEVEN or len(objects.kind) != size:
-            raise ValueError("the arrays of the object list differ in length")
         return replace(scene, objects=objects.select(self._keep[:size])), dropped
 
     def _valid(self, decision: Decision) -> tuple[Decision, str]:

@@ -7,13 +7,12 @@ from numpy.typing import NDArray
 
 from roadmend.core.command import Command
 from roadmend.core.jit import compiled
-from roadmend.core.scene import EgoState
+from roadmend.core.scene import EgoState, Objects
 
 Floats = NDArray[np.float64]
 
 FAR = 1e8  # [m] no map is larger; beyond it the squares of distances lose all precision
 WILD = 1e4  # accelerations [m/s2], yaw rates [rad/s] and yaws [rad] beyond this are noise
-UNEVEN = -1  # arrays that belong together differ in length
 
 
 def sanitise_command(command: Command, stop_brake: float) -> Command:
@@ -61,55 +60,33 @@ def is_usable_plan(interval: float, x: Floats, y: Floats, yaw: Floats, speed: Fl
 
 @compiled
 def mark_usable(
-    keep: NDArray[np.bool_],
-    number: NDArray[np.uint32],
-    x: Floats,
-    y: Floats,
-    yaw: Floats,
-    speed: Floats,
-    acceleration: Floats,
-    yaw_rate: Floats,
-    length: Floats,
-    width: Floats,
-    max_length: float,
-    max_width: float,
-    max_speed: float,
+    keep: NDArray[np.bool_], objects: Objects, max_length: float, max_width: float, max_speed: float
 ) -> int:
-    """Mark in ``keep`` which of N objects can be used; returns how many cannot, or UNEVEN.
+    """Mark in ``keep`` which of N objects can be used; returns how many cannot.
 
     Unusable is what has a value that is not finite or out of all reason, no size, or the id of a usable object that
     stands before it in the list.
     """
-    size = number.shape[0]
-    if not (
-        x.shape[0] == size
-        and y.shape[0] == size
-        and yaw.shape[0] == size
-        and speed.shape[0] == size
-        and acceleration.shape[0] == size
-        and yaw_rate.shape[0] == size
-        and length.shape[0] == size
-        and width.shape[0] == size
-    ):
-        return UNEVEN
+    size = objects.shape[0]
     slots = 16
     while slots < 2 * size:
         slots *= 2
     seen = np.full(slots, -1, dtype=np.int64)  # open addressing: linear in N, however long the list is
     dropped = 0
     for index in range(size):
+        one = objects[index]
         keep[index] = (
-            abs(x[index]) < FAR
-            and abs(y[index]) < FAR
-            and abs(yaw[index]) < WILD
-            and abs(speed[index]) <= max_speed
-            and abs(acceleration[index]) < WILD
-            and abs(yaw_rate[index]) < WILD
-            and 0.0 < length[index] <= max_length
-            and 0.0 < width[index] <= max_width
+            abs(one.x) < FAR
+            and abs(one.y) < FAR
+            and abs(one.yaw) < WILD
+            and abs(one.speed) <= max_speed
+            and abs(one.acceleration) < WILD
+            and abs(one.yaw_rate) < WILD
+            and 0.0 < one.length <= max_length
+            and 0.0 < one.width <= max_width
         )
         if keep[index]:
-            key = np.int64(number[index])
+            key = np.int64(one.id)
             slot = (key * 2654435761) & (slots - 1)
             while seen[slot] >= 0:
                 if seen[slot] == key:

@@ -3,37 +3,26 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from roadmend.core.geometry import outline_distances
 from roadmend.core.jit import compiled
-from roadmend.core.scene import Scene
+from roadmend.core.scene import EgoState, Objects, Scene
 
 FARTHEST = 50.0  # [m] objects beyond this are no danger
 HORIZON = 5.0  # [s] times to collision beyond this count as this
 CLOSING_WEIGHT = 1.0  # [m/s] metres that a second to collision is worth
 
-Floats = NDArray[np.float64]
-
 
 @compiled
-def _least(
-    gaps: Floats,
-    ego_x: float,
-    ego_y: float,
-    ego_vx: float,
-    ego_vy: float,
-    x: Floats,
-    y: Floats,
-    yaw: Floats,
-    speed: Floats,
-) -> float:
-    """Least danger [m] of N others, all arrays of shape (N,)."""
+def _least(ego: EgoState, ego_vx: float, ego_vy: float, others: Objects) -> float:
+    """Least danger [m] of N others; the ego's velocity [m/s] comes in the map frame."""
+    gaps = outline_distances(ego, others, FARTHEST)
     least = np.inf
-    for index in range(gaps.shape[0]):
-        away_x, away_y = x[index] - ego_x, y[index] - ego_y
-        relative_x = speed[index] * math.cos(yaw[index]) - ego_vx
-        relative_y = speed[index] * math.sin(yaw[index]) - ego_vy
+    for index in range(others.shape[0]):
+        other = others[index]
+        away_x, away_y = other.x - ego.x, other.y - ego.y
+        relative_x = other.speed * math.cos(other.yaw) - ego_vx
+        relative_y = other.speed * math.sin(other.yaw) - ego_vy
         closing = -(away_x * relative_x + away_y * relative_y) / max(math.hypot(away_x, away_y), 1e-6)
         seconds = HORIZON
         if closing > 1e-3:
@@ -54,31 +43,7 @@ class Danger:
 
     def watch(self, scene: Scene) -> None:
         """Count one tick."""
-        ego, others = scene.ego, scene.objects
-        if not len(others):
-            return
-        gaps = outline_distances(
-            ego.x,
-            ego.y,
-            ego.yaw,
-            ego.length,
-            ego.width,
-            others.x,
-            others.y,
-            others.yaw,
-            others.length,
-            others.width,
-            FARTHEST,
-        )
-        danger = _least(
-            gaps,
-            ego.x,
-            ego.y,
-            ego.speed * math.cos(ego.yaw),
-            ego.speed * math.sin(ego.yaw),
-            others.x,
-            others.y,
-            others.yaw,
-            others.speed,
-        )
-        self.least = min(self.least, danger)
+        if len(scene.objects):
+            ego = scene.ego
+            velocity = ego.speed * math.cos(ego.yaw), ego.speed * math.sin(ego.yaw)
+            self.least = min(self.least, _least(ego, *velocity, scene.objects.table))

@@ -122,19 +122,7 @@ def plan_gap(episode: BagEpisode, stamp: int) -> tuple[float, int] | None:
         if objects is None or not 0.0 <= ahead <= times[-1] or not len(objects):
             continue
         x, y, yaw = (float(np.interp(ahead, times, column)) for column in (xs, ys, yaws))
-        gaps = outline_distances(
-            x,
-            y,
-            yaw,
-            ego.length,
-            ego.width,
-            objects.x,
-            objects.y,
-            objects.yaw,
-            objects.length,
-            objects.width,
-            _NEAR,
-        )
+        gaps = outline_distances(ego._replace(x=x, y=y, yaw=yaw), objects.table, _NEAR)
         gaps[[number in behind for number in objects.id.tolist()]] = np.inf
         index = int(np.argmin(gaps))
         if np.isfinite(gaps[index]) and (best is None or gaps[index] < best[0]):

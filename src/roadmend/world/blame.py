@@ -9,7 +9,7 @@ from enum import Enum
 
 import numpy as np
 
-from roadmend.core.geometry import corner_distance, fill_corners
+from roadmend.core.geometry import corner_distance, fill_corners, fill_outline
 from roadmend.core.scene import EgoState, ObjectList
 from roadmend.world.ego import STANDING
 
@@ -51,9 +51,7 @@ def find_blame(ego: EgoState, others: ObjectList, index: int, *, changing: bool)
     if others.speed[index] < STANDING:
         return Blame.OTHER_STOOD
     corners, edge = np.empty((4, 2)), np.empty((4, 2))
-    fill_corners(
-        corners, others.x[index], others.y[index], others.yaw[index], others.length[index], others.width[index]
-    )
+    fill_outline(corners, others.table[index])
     reach = 0.5 * (ego.length - _BUMPER)
     along_x, along_y = reach * math.cos(ego.yaw), reach * math.sin(ego.yaw)
     fill_corners(edge, ego.x + along_x, ego.y + along_y, ego.yaw, _BUMPER, ego.width)

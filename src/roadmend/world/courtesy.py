@@ -11,9 +11,9 @@ import libsumo
 import numpy as np
 from numpy.typing import NDArray
 
-from roadmend.core.geometry import corner_distance, fill_corners
+from roadmend.core.geometry import Outline, corner_distance, fill_corners, fill_outline
 from roadmend.core.jit import compiled
-from roadmend.core.scene import EgoState, ObjectKind, ObjectList
+from roadmend.core.scene import EgoState, ObjectKind, ObjectList, Objects
 
 Floats = NDArray[np.float64]
 
@@ -28,23 +28,22 @@ _BRAKING = 8.0  # [m/s^2] an emergency for who drives; SUMO's comfortable decele
 
 
 @compiled
-def _will_touch(
-    x: float, y: float, yaw: float, speed: float, turn: float, length: float, width: float, ego: Floats
-) -> bool:
-    """Whether a vehicle that keeps its speed [m/s] and yaw rate [rad/s] comes to touch the ego's corners (4 x 2)."""
+def _will_touch(other: Outline, ego: Floats) -> bool:
+    """Whether a vehicle that keeps its speed and yaw rate comes to touch the ego's corners (4 x 2)."""
+    x, y, yaw, speed = other.x, other.y, other.yaw, other.speed
     corners = np.empty((4, 2), dtype=np.float64)
-    fill_corners(corners, x, y, yaw, length, width)
+    fill_outline(corners, other)
     before = corner_distance(corners, ego)
     # At walking pace the measured yaw rate says little about the bend; keep its curvature instead.
     pace = max(speed, _START_SPEED)
-    curvature = min(0.25, max(-0.25, turn / max(speed, 0.5)))
+    curvature = min(0.25, max(-0.25, other.yaw_rate / max(speed, 0.5)))
     step = pace * _LOOK_AHEAD / _STEPS
     for _ in range(_STEPS):
         yaw += 0.5 * curvature * step
         x += step * math.cos(yaw)
         y += step * math.sin(yaw)
         yaw += 0.5 * curvature * step
-        fill_corners(corners, x, y, yaw, length, width)
+        fill_corners(corners, x, y, yaw, other.length, other.width)
         gap = corner_distance(corners, ego)
         if gap < _MARGIN and gap < before:
             return True
@@ -52,34 +51,16 @@ def _will_touch(
 
 
 @compiled
-def _who_waits(
-    ego_x: float,
-    ego_y: float,
-    ego_yaw: float,
-    ego_length: float,
-    ego_width: float,
-    kind: NDArray[np.uint8],
-    x: Floats,
-    y: Floats,
-    yaw: Floats,
-    speed: Floats,
-    turn: Floats,
-    length: Floats,
-    width: Floats,
-) -> NDArray[np.intp]:
+def _who_waits(ego: EgoState, others: Objects) -> NDArray[np.intp]:
     """Indices of those who would touch the ego if it stood and they drove on."""
     corners = np.empty((4, 2), dtype=np.float64)
-    fill_corners(corners, ego_x, ego_y, ego_yaw, ego_length, ego_width)
-    found = np.empty(x.shape[0], dtype=np.intp)
+    fill_outline(corners, ego)
+    found = np.empty(others.shape[0], dtype=np.intp)
     count = 0
-    for index in range(x.shape[0]):
-        if (
-            kind[index] != PEDESTRIAN
-            and math.hypot(x[index] - ego_x, y[index] - ego_y) < _REACH
-            and _will_touch(
-                x[index], y[index], yaw[index], speed[index], turn[index], length[index], width[index], corners
-            )
-        ):
+    for index in range(others.shape[0]):
+        other = others[index]
+        near = other.kind != PEDESTRIAN and math.hypot(other.x - ego.x, other.y - ego.y) < _REACH
+        if near and _will_touch(other, corners):
             found[count] = index
             count += 1
     return found[:count]
@@ -102,21 +83,7 @@ class Courtesy:
             if self._waiting:
                 self._release([*self._waiting], names)
             return
-        indices = _who_waits(
-            ego.x,
-            ego.y,
-            ego.yaw,
-            ego.length,
-            ego.width,
-            around.kind,
-            around.x,
-            around.y,
-            around.yaw,
-            around.speed,
-            around.yaw_rate,
-            around.length,
-            around.width,
-        )
+        indices = _who_waits(ego, around.table)
         wait = {names[index] for index in indices if names[index] not in heedless}
         for name in sorted(wait - self._waiting.keys()):
             usual = self._waiting[name] = libsumo.vehicle.getDecel(name)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from roadmend.core.geometry import outline_distances, wrap_angle
 from roadmend.core.jit import compiled
-from roadmend.core.scene import EgoState, ObjectKind, ObjectList
+from roadmend.core.scene import OBJECT, EgoState, ObjectKind, ObjectList, Objects
 from roadmend.world.drivers import KINDS, PEDESTRIAN_LENGTH, PEDESTRIAN_WIDTH
 
 Floats = NDArray[np.float64]
@@ -19,42 +19,20 @@ AROUND = 40.0  # [m] centre to centre; everybody within is watched for contact, 
 
 
 @compiled
-def _measure(
-    raw: Floats,
-    lengths: Floats,
-    widths: Floats,
-    before: Floats,
-    interval: float,
-    ego_x: float,
-    ego_y: float,
-    ego_yaw: float,
-    ego_length: float,
-    ego_width: float,
-    out: Floats,
-) -> float:
-    """SUMO's rows into columns of the project's frame; returns the smallest distance to the ego [m].
+def _measure(raw: Floats, objects: Objects, interval: float) -> None:
+    """Bring ``objects`` from the last tick to this one; a newcomer's yaw is NaN there.
 
-    ``raw`` (N x 4) holds front bumper x and y [m], degrees clockwise from north and speed [m/s]. ``out`` (7 x N)
-    receives centre x and y [m], yaw [rad], speed, acceleration [m/s2], yaw rate [rad/s] and distance [m]; ``before``
-    (2 x N) holds yaw and speed of the last tick, NaN for newcomers.
+    ``raw`` (N x 4) holds SUMO's rows: front bumper x and y [m], degrees clockwise from north and speed [m/s].
     """
     for index in range(raw.shape[0]):
+        one = objects[index]
         heading = wrap_angle(math.radians(90.0 - raw[index, 2]))
-        out[0, index] = raw[index, 0] - 0.5 * lengths[index] * math.cos(heading)
-        out[1, index] = raw[index, 1] - 0.5 * lengths[index] * math.sin(heading)
-        out[2, index] = heading
-        out[3, index] = raw[index, 3]
-        is_new = math.isnan(before[0, index])
-        out[4, index] = 0.0 if is_new else (raw[index, 3] - before[1, index]) / interval
-        out[5, index] = 0.0 if is_new else wrap_angle(heading - before[0, index]) / interval
-    distances = outline_distances(
-        ego_x, ego_y, ego_yaw, ego_length, ego_width, out[0], out[1], out[2], lengths, widths, NEAR
-    )
-    nearest = np.inf
-    for index in range(raw.shape[0]):
-        out[6, index] = distances[index]
-        nearest = min(nearest, distances[index])
-    return nearest
+        is_new = math.isnan(one.yaw)
+        one.acceleration = 0.0 if is_new else (raw[index, 3] - one.speed) / interval
+        one.yaw_rate = 0.0 if is_new else wrap_angle(heading - one.yaw) / interval
+        one.x = raw[index, 0] - 0.5 * one.length * math.cos(heading)
+        one.y = raw[index, 1] - 0.5 * one.length * math.sin(heading)
+        one.yaw, one.speed = heading, raw[index, 3]
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,8 +66,7 @@ class Participants:
         self._with_persons = with_persons
         self._fixed: dict[str, _Fixed] = {}
         self._names: tuple[str, ...] = ()
-        self._static = (np.empty(0, np.uint32), np.empty(0, np.uint8), np.empty(0), np.empty(0))
-        self._before = np.empty((2, 0))  # yaw [rad] and speed [m/s] at the last tick
+        self._objects = ObjectList.empty()  # at the last tick, in the order of the names
 
     def number_of(self, name: str) -> int:
         """The object id of a participant."""
@@ -104,20 +81,13 @@ class Participants:
         names, values = self._read(ego.x, ego.y)
         if names != self._names:
             self._renew(names)
-        count = len(names)
-        raw = np.array(values).reshape(count, 4)
-        number, kind, length, width = self._static
-        columns = np.empty((7, count))
-        nearest = _measure(
-            raw, length, width, self._before, self._interval, ego.x, ego.y, ego.yaw, ego.length, ego.width, columns
-        )
-        x, y, yaw, speed, acceleration, turn, distances = columns
-        self._before = columns[2:4]
-        around = ObjectList(number, kind, x, y, yaw, speed, acceleration, turn, length, width)
-        objects = around
+        table = self._objects.table.copy()
+        _measure(np.array(values).reshape(len(names), 4), table, self._interval)
+        around = objects = self._objects = ObjectList(table)
         if self._range < AROUND:
-            objects = around.select(np.hypot(x - ego.x, y - ego.y) <= self._range)
-        return Observation(objects, around, self._names, distances, nearest)
+            objects = around.select(np.hypot(around.x - ego.x, around.y - ego.y) <= self._range)
+        distances = outline_distances(ego, table, NEAR)
+        return Observation(objects, around, self._names, distances, float(distances.min(initial=math.inf)))
 
     def _read(self, x: float, y: float) -> tuple[tuple[str, ...], list[float]]:
         """Names and SUMO's values (four each) of those within reach of a point [m]."""
@@ -142,22 +112,17 @@ class Participants:
     def _renew(self, names: tuple[str, ...]) -> None:
         """Somebody came or went: look up newcomers and carry the rest over; a number stays with its name."""
         before = {name: place for place, name in enumerate(self._names)}
-        for name in names:
-            if name not in self._fixed:
-                self._fixed[name] = self._look_up(name)
-        fixed = [self._fixed[name] for name in names]
-        self._static = (
-            np.array([entry.number for entry in fixed], dtype=np.uint32),
-            np.array([entry.kind for entry in fixed], dtype=np.uint8),
-            np.array([entry.length for entry in fixed], dtype=np.float64),
-            np.array([entry.width for entry in fixed], dtype=np.float64),
-        )
-        carried = np.full((2, len(names)), math.nan)
+        table = np.empty(len(names), dtype=OBJECT)
         for place, name in enumerate(names):
             if name in before:
-                carried[:, place] = self._before[:, before[name]]
-        self._before = carried
-        self._names = names
+                table[place] = self._objects.table[before[name]]
+                continue
+            if name not in self._fixed:
+                self._fixed[name] = self._look_up(name)
+            fixed, one = self._fixed[name], table[place]
+            one["id"], one["kind"], one["length"], one["width"] = fixed.number, fixed.kind, fixed.length, fixed.width
+            one["yaw"] = math.nan
+        self._objects, self._names = ObjectList(table), names
 
     def _look_up(self, name: str) -> _Fixed:
         number = len(self._fixed) + 1

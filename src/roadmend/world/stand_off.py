@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection
 import libsumo
 import numpy as np
 
-from roadmend.core.geometry import corner_distance, fill_corners
+from roadmend.core.geometry import corner_distance, fill_corners, fill_outline
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
 from roadmend.world.courtesy import STANDING
 
@@ -71,10 +71,11 @@ class StandOff:
 
 
 def _blocks(ego: EgoState, way: Way, around: ObjectList, index: int) -> bool:
-    if math.hypot(around.x[index] - ego.x, around.y[index] - ego.y) > _NEAR:
+    blocker = around.table[index]
+    if math.hypot(blocker["x"] - ego.x, blocker["y"] - ego.y) > _NEAR:
         return False
     other, own = np.empty((4, 2)), np.empty((4, 2))
-    fill_corners(other, around.x[index], around.y[index], around.yaw[index], around.length[index], around.width[index])
+    fill_outline(other, blocker)
     for distance in _AHEAD:
         fill_corners(own, *way(distance), ego.length, ego.width)
         if corner_distance(own, other) < _MARGIN:
