@@ -1,15 +1,13 @@
 """Frames of one case: what the model would have seen while the policy drove alone. On disk as one .npz file."""
 
-import zipfile
-import zlib
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from roadmend.core.whole_file import written_beside
+from roadmend.core.array_file import load_record, save_record
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,9 +35,7 @@ class CaseFrames:
         Raises:
             InputError: the place cannot be written.
         """
-        content: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
-        with written_beside(path) as beside, beside.open("wb") as file:
-            np.savez(file, allow_pickle=False, **content)
+        save_record(path, self)
 
     @classmethod
     def load(cls, path: Path) -> Self:
@@ -49,12 +45,4 @@ class CaseFrames:
             OSError: there is no such file.
             ValueError: it is damaged.
         """
-        try:
-            with np.load(path, allow_pickle=False) as content:
-                name, family, outcome = (str(content[key]) for key in ("name", "family", "outcome"))
-                arrays: dict[str, Any] = {
-                    key: content[key] for key in ("time", "action", "distance", "counts", "tokens")
-                }
-                return cls(name, family, outcome, end=float(content["end"]), **arrays)
-        except (ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-            raise ValueError(f"{path} is damaged: {error!r}") from None
+        return load_record(path, cls)

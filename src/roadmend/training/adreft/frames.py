@@ -1,6 +1,5 @@
 """A set of labelled frames in memory, and the batches that are drawn from it."""
 
-import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Self
@@ -10,8 +9,7 @@ from numpy.typing import NDArray
 
 from roadmend.training.adreft.case_frames import CaseFrames
 from roadmend.training.adreft.labels import Labels
-
-_POOL = 16  # batches whose frames are sorted by size together
+from roadmend.training.adreft.token_rows import TokenRows
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,11 +26,9 @@ class Batch:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FrameSet:
-    """F labelled frames; frame f has the tokens ``tokens[offsets[f] : offsets[f + 1]]``."""
+class FrameSet(TokenRows):
+    """F labelled frames with their tokens, float32."""
 
-    tokens: NDArray[np.float32]  # shape (M, c)
-    offsets: NDArray[np.int64]  # shape (F + 1,)
     action: NDArray[np.float32]  # shape (F,), as are all below
     critical: NDArray[np.float32]
     critical_weight: NDArray[np.float32]
@@ -54,42 +50,14 @@ class FrameSet:
             np.concatenate([empty, *(entry.action_weight for entry in labels)]),
         )
 
-    def __len__(self) -> int:
-        return len(self.action)
-
-    @property
-    def sizes(self) -> NDArray[np.int64]:
-        """Tokens of each frame, shape (F,)."""
-        return np.diff(self.offsets)
-
     @property
     def digest(self) -> str:
         """SHA-256 over all that is learned from, hexadecimal."""
-        value = hashlib.sha256()
-        for array in (
-            self.tokens,
-            self.offsets,
-            self.action,
-            self.critical,
-            self.critical_weight,
-            self.best,
-            self.best_weight,
-        ):
-            value.update(f"{array.dtype.str}{array.shape}".encode())
-            value.update(np.ascontiguousarray(array).tobytes())
-        return value.hexdigest()
+        return self.digest_of()
 
     def batch(self, chosen: NDArray[np.int64]) -> Batch:
         """Some frames as one batch, in the order chosen."""
-        starts, sizes = self.offsets[chosen], self.sizes[chosen]
-        width = max(1, int(sizes.max(initial=0)))
-        mask = np.arange(width)[None, :] < sizes[:, None]
-        rows = np.where(mask, starts[:, None] + np.arange(width)[None, :], 0)
-        tokens = (
-            np.where(mask[:, :, None], self.tokens[rows], np.float32(0.0))
-            if len(self.tokens)
-            else (np.zeros((*mask.shape, self.tokens.shape[1]), dtype=np.float32))
-        )
+        tokens, mask = self.padded(chosen)
         return Batch(
             tokens,
             mask,
@@ -122,18 +90,8 @@ class FrameSet:
 
     def batches(self, chosen: NDArray[np.int64], size: int, generator: np.random.Generator) -> Iterator[Batch]:
         """Batches of ``size`` frames in random order; frames with like numbers of tokens meet, which saves padding."""
-        sizes = self.sizes
-        cuts: list[NDArray[np.int64]] = []
-        for start in range(0, len(chosen), _POOL * size):
-            pool = chosen[start : start + _POOL * size]
-            pool = pool[np.argsort(sizes[pool], kind="stable")]
-            cuts += [pool[begin : begin + size] for begin in range(0, len(pool), size)]
-        for index in generator.permutation(len(cuts)):
-            yield self.batch(cuts[index])
+        return map(self.batch, self.batches_of(chosen, size, generator))
 
     def sorted_batches(self, size: int) -> Iterator[tuple[NDArray[np.int64], Batch]]:
         """All frames once, by number of tokens, with their indices: for judging, where order does not matter."""
-        order = np.argsort(self.sizes, kind="stable")
-        for start in range(0, len(order), size):
-            chosen = order[start : start + size]
-            yield chosen, self.batch(chosen)
+        return ((chosen, self.batch(chosen)) for chosen in self.sorted_batches_of(np.arange(len(self)), size))

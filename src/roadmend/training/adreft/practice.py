@@ -132,7 +132,7 @@ class PracticeStage:
         best = np.zeros(len(trials), dtype=np.float32)
         self.network.eval()
         with torch.no_grad():
-            for chosen in trials.by_size(np.unique(following[following >= 0]), _JUDGED):
+            for chosen in trials.sorted_batches_of(np.unique(following[following >= 0]), _JUDGED):
                 batch = trials.batch(chosen)
                 _, values = self.network(self._to(batch.tokens), self._to(batch.mask), self._to(batch.action))
                 best[chosen] = values.max(dim=1).values.cpu().numpy()
@@ -151,7 +151,7 @@ class PracticeStage:
         steps = math.ceil(len(drawn) / size)
         value_total, monitor_total, count = 0.0, 0.0, 0
         self.network.train()
-        for chosen in trials.batches(drawn, size, generator):
+        for chosen in trials.batches_of(drawn, size, generator):
             for group in self._optimizer.param_groups:
                 group["lr"] = self._rate(self.epoch + count / steps)
             batch = trials.batch(chosen)

@@ -1,7 +1,6 @@
 """Trials of many cases in memory: what a decision came to, and the batches that are drawn."""
 
-import hashlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -11,13 +10,13 @@ from numpy.typing import NDArray
 from roadmend.core.outcome import EventKind
 from roadmend.repair.actions import ACTIONS
 from roadmend.training.adreft.configuration import PracticeSection
+from roadmend.training.adreft.token_rows import TokenRows
 from roadmend.training.adreft.trials import PASS, CaseTrials
 from roadmend.world.simulation import INTERVAL
 
 Floats = NDArray[np.float32]
 
 _ACTIONS = np.array(ACTIONS, dtype=np.float32)
-_POOL = 16  # batches whose decisions are sorted by size together
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,11 +29,9 @@ class TrialBatch:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class TrialSet:
-    """F decisions of many episodes; decision f has the tokens ``tokens[offsets[f] : offsets[f + 1]]``."""
+class TrialSet(TokenRows):
+    """F decisions of many episodes with their tokens, float16."""
 
-    tokens: NDArray[np.float16]  # shape (M, c)
-    offsets: NDArray[np.int64]  # shape (F + 1,)
     action: Floats  # shape (F,), as are all below but ``alike``
     critical: Floats  # weak label of what was really driven
     judged: Floats  # 1 where that label speaks of the policy, 0 where an intervention may have made it harmless
@@ -43,9 +40,6 @@ class TrialSet:
     following: NDArray[np.int64]  # the decision ``steps`` later, -1 where the episode has ended by then
     total: Floats  # discounted sum to the end of the episode
     alike: NDArray[np.bool_]  # the actions that would have done the same, perhaps none, shape (F, actions)
-
-    def __len__(self) -> int:
-        return len(self.action)
 
     @classmethod
     def join(cls, trials: Sequence[CaseTrials], section: PracticeSection) -> Self:
@@ -83,53 +77,17 @@ class TrialSet:
     @property
     def digest(self) -> str:
         """SHA-256 over all that is learned from, hexadecimal."""
-        value = hashlib.sha256()
-        for array in (
-            self.tokens,
-            self.offsets,
-            self.action,
-            self.critical,
-            self.judged,
-            self.reward,
-            self.total,
-            self.alike,
-        ):
-            value.update(f"{array.dtype.str}{array.shape}".encode())
-            value.update(np.ascontiguousarray(array).tobytes())
-        return value.hexdigest()
+        return self.digest_of("discount", "following")
 
     def batch(self, chosen: NDArray[np.int64]) -> TrialBatch:
         """Some decisions as one batch, in the order chosen."""
-        starts, sizes = self.offsets[chosen], self.offsets[chosen + 1] - self.offsets[chosen]
-        width = max(1, int(sizes.max(initial=0)))
-        mask = np.arange(width)[None, :] < sizes[:, None]
-        tokens = np.zeros((*mask.shape, self.tokens.shape[1]), dtype=np.float32)
-        tokens[mask] = self.tokens[(starts[:, None] + np.arange(width)[None, :])[mask]]
+        tokens, mask = self.padded(chosen)
         return TrialBatch(tokens, mask, self.action[chosen])
 
     def draw(self, number: int, generator: np.random.Generator) -> NDArray[np.int64]:
         """Indices of ``number`` decisions in random order, none twice; 0 stands for all."""
         order = generator.permutation(len(self))
         return order[:number] if number else order
-
-    def batches(
-        self, drawn: NDArray[np.int64], size: int, generator: np.random.Generator
-    ) -> Iterator[NDArray[np.int64]]:
-        """Indices of batches that hold what was drawn; decisions with like numbers of tokens meet."""
-        sizes = np.diff(self.offsets)
-        cuts: list[NDArray[np.int64]] = []
-        for start in range(0, len(drawn), _POOL * size):
-            pool = drawn[start : start + _POOL * size]
-            pool = pool[np.argsort(sizes[pool], kind="stable")]
-            cuts += [pool[begin : begin + size] for begin in range(0, len(pool), size)]
-        for index in generator.permutation(len(cuts)):
-            yield cuts[index]
-
-    def by_size(self, chosen: NDArray[np.int64], size: int) -> Iterator[NDArray[np.int64]]:
-        """Indices of batches that hold what was chosen, by number of tokens: for judging."""
-        order = chosen[np.argsort(np.diff(self.offsets)[chosen], kind="stable")]
-        for start in range(0, len(order), size):
-            yield order[start : start + size]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,18 +10,17 @@ In later rounds a model drives along: what it does not hold at random is its own
 comes of its own interventions, and where they are too few or too many.
 """
 
-import zipfile
-import zlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import partial
 from itertools import chain
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from roadmend.core.array_file import load_record, save_record
 from roadmend.core.command import Command, Decision
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
@@ -29,7 +28,6 @@ from roadmend.core.outcome import EventKind
 from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
-from roadmend.core.whole_file import written_beside
 from roadmend.policies.registry import make_policy
 from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.model import AdreftModel
@@ -68,9 +66,7 @@ class CaseTrials:
         Raises:
             InputError: the place cannot be written.
         """
-        content: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
-        with written_beside(path) as beside, beside.open("wb") as file:
-            np.savez(file, allow_pickle=False, **content)
+        save_record(path, self)
 
     @classmethod
     def load(cls, path: Path) -> Self:
@@ -80,12 +76,7 @@ class CaseTrials:
             OSError: there is no such file.
             ValueError: it is damaged.
         """
-        try:
-            with np.load(path, allow_pickle=False) as content:
-                arrays: dict[str, Any] = {key.name: content[key.name] for key in fields(cls) if key.name != "name"}
-                return cls(str(content["name"]), **arrays)
-        except (ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-            raise ValueError(f"{path} is damaged: {error!r}") from None
+        return load_record(path, cls)
 
 
 class _Trial:
