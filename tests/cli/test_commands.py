@@ -58,7 +58,7 @@ def test_help_lists_every_command_without_loading_one():
     assert "roadmend.cli.run" not in done.stderr.split()
 
 
-@pytest.mark.parametrize("command", ["run", "demo", "sample", "schema", "bench", "bag", "replay"])
+@pytest.mark.parametrize("command", ["run", "demo", "sample", "schema", "bag", "replay"])
 def test_every_command_has_a_help_page(command, capsys):
     assert main([command, "--help"]) == 0
     assert f"Usage: roadmend {command} " in capsys.readouterr().out
@@ -171,7 +171,7 @@ def test_both_or_neither_of_scenario_and_sumo_configuration(scenario, complaint)
         (["run", "--scenario", "s.yaml", "--seed", "seven"], "'seven' is not a valid integer"),
         (["run", "--scenario", "s.yaml", "--quick"], "--quick"),
         (["run", "--scenario", "s.yaml", "surplus"], "surplus"),
-        (["bench", "sleep"], "No such command 'sleep'"),
+        (["bag", "sleep"], "No such command 'sleep'"),
     ],
 )
 def test_an_unknown_command_option_or_value(arguments, words, complaint, tmp_path, monkeypatch):

@@ -1,4 +1,4 @@
-"""The commands build, test, reproduce and export of ``roadmend safe``, and bench safe, as a user calls them."""
+"""The commands build, test, reproduce and export of ``roadmend safe``, as a user calls them."""
 
 import json
 
@@ -8,36 +8,12 @@ from PIL import Image
 from roadmend.cli.main import main
 from roadmend.world.scenario_file import load_scenario
 
-HEAD_ON = {
-    "road_type": "Straight",
-    "num_lanes": 2,
-    "stem_direction": None,
-    "vehicles": [
-        {"model": "Sedan", "initial_position": "W2E", "action": "Move Forward", "speed_limit_mph": 35},
-        {
-            "model": "SUV",
-            "initial_position": "E2W",
-            "action": "Move Forward",
-            "speed_limit_mph": 35,
-            "manoeuvre": "Enter the Wrong Way",
-        },
-    ],
-    "env": {"time": "Daytime", "weather": None},
-}
-SUMMARY = (
-    "Vehicle one, a 2001 Ford Taurus four-door sedan, was traveling east on a two-lane, two-way road. Vehicle two, a "
-    "2003 Dodge Ram pickup truck, was traveling west on the same road. It was daylight and the weather was clear. The "
-    "posted speed limit was 35 mph. Vehicle two crossed the centerline and its front struck the front of Vehicle one."
-)
+from .head_on import HEAD_ON, write_report
 
 
 @pytest.fixture
 def report(tmp_path):
-    folder = tmp_path / "reports" / "head-on"
-    folder.mkdir(parents=True)
-    (folder / "summary.txt").write_text(SUMMARY, encoding="utf-8")
-    Image.new("RGB", (40, 30), "white").save(folder / "sketch.png")
-    return folder.parent
+    return write_report(tmp_path / "reports")
 
 
 @pytest.fixture
@@ -102,37 +78,6 @@ def test_export_writes_both_formats(crash, tmp_path, capsys):
     assert code == 0
     assert {*json.loads(text)} == {"openscenario", "opendrive"}
     assert (out / "head-on-v1-0.xosc").is_file()
-
-
-def test_bench_writes_the_figures_with_the_papers_beside(report, tmp_path, capsys):
-    (report / "head-on" / "oracle.json").write_text(json.dumps(HEAD_ON), encoding="utf-8")
-    code, _, _ = run(
-        capsys,
-        "bench",
-        "safe",
-        report,
-        "--policy",
-        "modular",
-        "--samples",
-        1,
-        "--budget",
-        12,
-        "--workers",
-        1,
-        "--work",
-        tmp_path / "work",
-        "--out",
-        tmp_path / "bench",
-    )
-    assert code == 0
-    content = json.loads((tmp_path / "bench" / "safe.json").read_text(encoding="utf-8"))
-    assert {*content["extraction"]} >= {"road", "actors", "env", "overall"}
-    assert content["extraction"]["actors"] == 0.0, "the oracle says SUV, the report Pickup"
-    assert (content["reports"], content["built"], content["scenarios"]) == (1, 1, 2)
-    assert {*content["violations"]} == {*content["reproduced"]} == {"modular"}
-    assert content["seconds_per_scenario"] > 0.0
-    assert content["paper"]["reproduced"]["IDM"] == 15
-    assert "15 of 50" in (tmp_path / "bench" / "safe.md").read_text(encoding="utf-8")
 
 
 def test_a_report_that_cannot_be_read_is_named_and_the_others_are_built(report, tmp_path, capsys):

@@ -1,9 +1,6 @@
-"""A small set of made-up results, for the tests of the benchmark's figures and reports."""
+"""A small set of made-up cases and their results."""
 
-from roadmend.evaluation.benchmark_run import Entrants, Measured
 from roadmend.measures.case_result import CaseResult
-from roadmend.measures.contenders import Absence, Contender
-from roadmend.measures.monitor import Confusion
 from roadmend.world.corpus import Case
 
 
@@ -39,37 +36,3 @@ def run(outcomes, frames=0, change=0.0):
         result(each.name, each.is_violation, names[letter], frames, change, each.family)
         for each, letter in zip(CASES, outcomes, strict=True)
     )
-
-
-def contender(name, title, group, policy="modular"):
-    return Contender(name, title, group, policy, name, {"margin": 0.5} if group == "rival" else {}, code="c" * 64)
-
-
-def measured(policy="modular"):
-    contenders = (
-        contender("none", "no repair", "reference", policy),
-        contender("rule", "RuleRepair", "rival", policy),
-        contender("adreft", "ADReFT", "adreft", policy),
-        contender("hindsight", "hindsight bound", "bound", policy),
-    )
-    absences = (Absence("wo_sr", policy, "there is no model <wo_sr>"),)
-    entrants = Entrants(policy, "", "d" * 64, tuple(CASES), contenders, contenders[1:3], absences)
-    results = {
-        "none": run("CCCCGGGG"),
-        "rule": run("GTCCGGGC", 20, 24.0),
-        "adreft": run("GGGTGGGG", 10, 6.0),
-        "hindsight": run("GGGCGGGG", 5, 4.0),
-    }
-    confusions = {
-        "rule": (Confusion(1, 1, 9, 89),) * len(CASES),
-        "adreft": (Confusion(8, 4, 2, 86),) * len(CASES),
-    }
-    return Measured(entrants, results, confusions)
-
-
-MADE = {
-    "command": "./roadmend bench adreft",
-    "commit": "0123456789abcdef",
-    "dirty": False,
-    "machine": {"processor": "a <processor>", "cores": 2, "system": "Linux 6", "python": "3.11.7"},
-}

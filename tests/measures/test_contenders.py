@@ -8,7 +8,7 @@ from roadmend.core.errors import InputError
 from roadmend.measures.contenders import read_plan, resolve, resolve_monitors
 
 CONFIG = Path(__file__).parents[2] / "config"
-PLAN = CONFIG / "benchmarks" / "adreft.yaml"
+PLAN = CONFIG.parent / "tests" / "benchmarks" / "adreft.yaml"
 
 
 def test_the_plan_names_all_methods_of_the_paper_and_the_rivals():

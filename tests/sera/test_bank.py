@@ -6,12 +6,12 @@ import sqlite3
 import numpy as np
 import pytest
 
+from harness.generated import generate
 from roadmend.core.errors import InputError
 from roadmend.sera.bank import Bank, Built, build_bank
 from roadmend.sera.describe import entry_of
 from roadmend.sera.descriptor import OutcomeStatistics
 from roadmend.sera.facets import Filters
-from roadmend.sera.generated import generate
 from roadmend.sera.pattern import FailurePattern, Where, Who, Why
 from roadmend.sera.terms import features
 from roadmend.world.families import sample_scenario

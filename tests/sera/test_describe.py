@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from harness.generated import generate
 from roadmend.sera.describe import describe, entry_of_case
 from roadmend.sera.descriptor import Hazard, OutcomeStatistics
-from roadmend.sera.generated import generate
 from roadmend.sera.terms import features
 from roadmend.sera.words import words_of
 from roadmend.world.corpus import load_corpus

@@ -4,10 +4,10 @@ import dataclasses
 
 import pytest
 
+from harness.generated import generate
 from roadmend.core.errors import InputError
 from roadmend.sera.bank import Bank, build_bank
 from roadmend.sera.facets import Filters
-from roadmend.sera.generated import generate
 from roadmend.sera.pattern import Evidence, FailurePattern
 from roadmend.sera.recommendation import recommend, shares
 from roadmend.sera.reflection import difficulty_of

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from roadmend.sera.generated import generate
+from harness.generated import generate
+from harness.retrieval import draw_patterns
 from roadmend.sera.latent import fit_latent
-from roadmend.sera.retrieval import draw_patterns
 from roadmend.sera.vector_index import VectorIndex
 
 COUNT, QUERIES = 20_000, 60

@@ -14,7 +14,6 @@ _COMMANDS: Table = {
     "demo": ("roadmend.cli.demo", "demo", "See a collision repaired: the main job, end to end."),
     "sample": ("roadmend.cli.scenario", "sample", "Draw a scenario of one of the five families."),
     "schema": ("roadmend.cli.scenario", "schema", "Print the JSON schema of a scenario file."),
-    "bench": ("roadmend.cli.bench", "bench", "Measure, in ratios."),
     "search": ("roadmend.cli.search", "search", "Find scenarios in which a policy collides by its own fault."),
     "corpus": ("roadmend.cli.corpus", "corpus", "Gather, verify and show what policies are trained and measured on."),
     "safe": ("roadmend.cli.safe", "safe", "Turn crash reports into scenarios, and test a policy with them."),
@@ -28,7 +27,10 @@ _COMMANDS: Table = {
 @click.group(
     cls=LazyGroup,
     table=_COMMANDS,
-    also=[("test", "Check the project itself: import rules, lint, types, tests.")],
+    also=[
+        ("bench", "Make this repository's own figures again, in ratios."),
+        ("test", "Check the project itself: import rules, lint, types, tests."),
+    ],
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
 )
 @click.version_option(__version__, prog_name="roadmend")
@@ -37,21 +39,30 @@ def cli() -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; every error is one line.
+    """Run the command line, with what it was called with unless arguments are given; the exit code is the process's."""
+    return run_group(cli, "roadmend", sys.argv[1:] if arguments is None else arguments)
+
+
+def run_group(group: click.Group, name: str, arguments: Sequence[str]) -> int:
+    """Run a command of a group; every error is one line.
+
+    Args:
+        group: the commands.
+        name: what the group is called on the command line.
+        arguments: behind that name.
 
     Returns:
         0, 1 for a failure, 2 for bad input, 130 after an interrupt.
     """
-    given = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        code = cli.main(given, prog_name="roadmend", standalone_mode=False)
+        code = group.main([*arguments], prog_name=name, standalone_mode=False)
     except InputError as error:
         return _complain(str(error), 2)
     except RoadmendError as error:
         return _complain(str(error), 130 if str(error) == "interrupted" else 1)
     except click.UsageError as error:
-        name = error.ctx.command_path if error.ctx is not None else "roadmend"
-        return _complain(f"{error.format_message()} (see '{name} --help')", 2)
+        asked = error.ctx.command_path if error.ctx is not None else name
+        return _complain(f"{error.format_message()} (see '{asked} --help')", 2)
     except click.ClickException as error:
         return _complain(error.format_message(), 1)
     except (click.Abort, KeyboardInterrupt):

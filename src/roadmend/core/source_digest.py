@@ -4,64 +4,70 @@ import ast
 import hashlib
 from collections.abc import Iterable, Iterator
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 
-_PACKAGE = Path(__file__).parents[1]
 _TABLES = {"roadmend.policies.registry", "roadmend.repair.registry"}  # know everybody, and decide nothing themselves
 
 
 def source_digest(modules: Iterable[str]) -> str:
-    """SHA-256 of modules of roadmend and of all that they import from it; deaf to comments, docstrings and layout.
+    """SHA-256 of modules and of all that they import from their packages and from roadmend.
+
+    It is deaf to comments, docstrings and layout.
 
     The tables of policies and methods are not followed, so that another method's code does not count: name the modules
     of the policy and of the method themselves.
 
     Args:
-        modules: full names.
+        modules: full names, of roadmend or of another package.
     """
     return _digest(tuple(sorted(modules)))
 
 
 @cache
 def _digest(modules: tuple[str, ...]) -> str:
+    packages = frozenset({"roadmend", *(name.partition(".")[0] for name in modules)})
     open_ends, closed = [*modules], set[str]()
     while open_ends:
         name = open_ends.pop()
         if name not in closed and name not in _TABLES:
             closed.add(name)
-            open_ends += _read(name)[1]
+            open_ends += _read(name, packages)[1]
     digest = hashlib.sha256()
     for name in sorted(closed):
-        digest.update(f"\0{name}\0{_read(name)[0]}".encode())
+        digest.update(f"\0{name}\0{_read(name, packages)[0]}".encode())
     return digest.hexdigest()
 
 
 @cache
-def _read(name: str) -> tuple[str, tuple[str, ...]]:
-    """What a module says, shortened, and which modules of roadmend it imports."""
+def _read(name: str, packages: frozenset[str]) -> tuple[str, tuple[str, ...]]:
+    """What a module says, shortened, and which modules of some packages it imports."""
     path = _path(name)
     assert path is not None, name
     source = path.read_text(encoding="utf-8")
-    return hashlib.sha256(meaning(source).encode()).hexdigest(), tuple(sorted(set(_imports(source))))
+    imported = {each for each in _imports(source) if each.partition(".")[0] in packages and _path(each) is not None}
+    return hashlib.sha256(meaning(source).encode()).hexdigest(), tuple(sorted(imported))
 
 
 def _imports(source: str) -> Iterator[str]:
+    """The names that may be those of modules."""
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
-            for name in (node.module, *(f"{node.module}.{alias.name}" for alias in node.names)):
-                if _path(name) is not None:
-                    yield name
+            yield from (node.module, *(f"{node.module}.{alias.name}" for alias in node.names))
         elif isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names if _path(alias.name) is not None)
+            yield from (alias.name for alias in node.names)
 
 
+@cache
 def _path(name: str) -> Path | None:
-    """The file of a module of roadmend, None for everything else."""
+    """The file of a module, None where there is none of this name."""
     first, *others = name.split(".")
-    if first != "roadmend":
+    spec = find_spec(first)
+    if spec is None or spec.origin is None:
         return None
-    place = _PACKAGE.joinpath(*others)
-    for path in (place.with_suffix(".py"), place / "__init__.py") if others else (place / "__init__.py",):
+    package = Path(spec.origin)
+    place = package.parent.joinpath(*others)
+    for path in (place.with_suffix(".py"), place / "__init__.py") if others else (package,):
         if path.is_file():
             return path
     return None

@@ -58,7 +58,7 @@ class WatchedEntry(_Part):
 
 
 class BenchmarkPlan(_Part):
-    """config/benchmarks/adreft.yaml."""
+    """tests/benchmarks/adreft.yaml."""
 
     policies: list[str]
     tuned: str

@@ -1,1 +1,0 @@
-"""Metrics, benchmark tables and pictures."""

@@ -1,0 +1,286 @@
+"""``roadmend bench adreft``: the paper's protocol, all methods on both policies."""
+
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from harness.adreft_cost import cost_of
+from harness.adreft_entrants import Choice, find_entrants
+from harness.adreft_labels import weak_labels
+from harness.bench_robustness import run_robustness
+from harness.benchmark_content import build_content, case_table, differences, dump_json, unequal
+from harness.benchmark_files import read_json, write_benchmark
+from harness.benchmark_run import Measured, drive, find_jobs, read_results
+from harness.benchmark_tables import headline
+from harness.options import CACHED_WORK, COMMITTED, PLANS
+from roadmend.cli.options import WORKERS
+from roadmend.cli.resources import config_folder
+from roadmend.cli.table import show_rows
+from roadmend.core.errors import InputError
+from roadmend.measures.contenders import BenchmarkPlan, read_plan
+from roadmend.measures.result_store import ResultStore, default_work_folder
+from roadmend.reports.result_files import provenance
+from roadmend.search.corpus_plan import LAST_FRESH
+from roadmend.world.families import FAMILIES
+
+_COLUMNS = (
+    TextColumn("{task.description}"),
+    BarColumn(),
+    MofNCompleteColumn(),
+    TimeElapsedColumn(),
+    TimeRemainingColumn(),
+)
+_SHOWN = 10  # differences that --verify prints
+_TABLE = ("reference", "rival", "adreft")  # groups of methods without which there is no table
+
+
+@dataclass(frozen=True)
+class _Options:
+    """How to go about it, beside what is measured."""
+
+    work: Path
+    workers: int
+    out: Path | None
+    committed: Path  # folder
+    command: str
+    as_json: bool
+
+
+@click.command()
+@click.option("--policy", "policies", multiple=True, help="Policy under repair, may be repeated.  [default: all]")
+@click.option("--methods", help="Methods, separated by commas.  [default: all]")
+@click.option("--families", help="Families, separated by commas.  [default: all]")
+@click.option(
+    "--cases", type=click.IntRange(1, 10_000), help="Violations, and successes, of each family.  [default: all]"
+)
+@click.option(
+    "--split",
+    default="test",
+    show_default=True,
+    type=click.Choice(["validation", "test"]),
+    help="Cases of the corpora: the test cases are for the final figures only.",
+)
+@click.option("--quick", is_flag=True, help="The main methods on a few cases, in about three minutes.")
+@click.option(
+    "--fresh-seed",
+    type=click.IntRange(0, LAST_FRESH),
+    help="Gather cases that nobody has seen with this seed, and hold the table against them (with --cases).",
+)
+@click.option("--robustness", is_flag=True, help="Set the testing techniques upon the policies instead (long).")
+@click.option(
+    "--budget",
+    default=100,
+    show_default=True,
+    type=click.IntRange(1, 100_000),
+    help="With --robustness: scenarios of each search.",
+)
+@click.option("--verify", is_flag=True, help="Drive everything again; exit code 1 if it differs from the committed.")
+@click.option("--cost/--no-cost", default=True, show_default=True, help="Measure the cost of a frame.")
+@click.option(
+    "--corpora", type=click.Path(path_type=Path, file_okay=False), help="Folder of the corpora.  [default: config's]"
+)
+@COMMITTED
+@CACHED_WORK
+@click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Folder for JSON, Markdown and the page.")
+@WORKERS
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def adreft(
+    policies: tuple[str, ...],
+    methods: str | None,
+    families: str | None,
+    cases: int | None,
+    split: str,
+    fresh_seed: int | None,
+    budget: int,
+    corpora: Path | None,
+    committed: Path,
+    work: Path | None,
+    out: Path | None,
+    workers: int,
+    *,
+    quick: bool,
+    robustness: bool,
+    verify: bool,
+    cost: bool,
+    as_json: bool,
+) -> int:
+    """Measure every repair method on the test cases of every policy (ADReFT's tables 1 to 5 and figure 3).
+
+    Finished episodes are kept, by all that decides them, and not driven again. A method whose model is missing is
+    listed as not run.
+    """
+    config = config_folder()
+    plan = read_plan(PLANS / "adreft.yaml")
+    if fresh_seed is not None and cases is None:
+        raise click.UsageError("--fresh-seed needs --cases")
+    if fresh_seed is not None and split != "test":
+        raise click.UsageError("fresh cases have no other split than test")
+    if verify and (fresh_seed is not None or robustness or split != "test"):
+        raise click.UsageError("--verify goes with the committed cases only")
+    choice = Choice(
+        _names(policies or plan.policies, plan.policies, "--policy"),
+        _list(methods, _usual_methods(plan, committed, quick=quick, verify=verify), plan.methods, "--methods"),
+        _list(families, FAMILIES, FAMILIES, "--families"),
+        cases if cases is not None or not quick else plan.quick.cases,
+        split,
+        fresh_seed,
+        corpora or config / "corpora",
+        is_quick=quick,
+    )
+    options = _Options(
+        work or default_work_folder(), workers, out, committed, _command(choice, corpora, verify=verify), as_json
+    )
+    if robustness:
+        command = options.command + f" --robustness --budget {budget}"
+        return run_robustness(
+            plan, config, choice, budget, options.work / "robustness", workers, out, command, as_json=as_json
+        )
+    if verify:
+        return _verify(plan, config, choice, options)
+    return _measure(plan, config, choice, options, with_cost=cost)
+
+
+def _measure(plan: BenchmarkPlan, config: Path, choice: Choice, options: _Options, *, with_cost: bool) -> int:
+    measured = _run(plan, config, choice, options.work, options.workers)
+    content = _content(measured, choice, options.command)
+    if with_cost:
+        most = max(measured, key=lambda each: len(each.entrants.contenders))
+        content["cost"] = cost_of(most.entrants.contenders, is_quick=choice.is_quick)
+    if choice.fresh_seed is not None:
+        content["difference_to_table"] = _to_table(content, options.committed / "adreft.json")
+    if options.out is not None:
+        path = options.out / "adreft-robustness.json"
+        content["robustness"] = read_json(path) if path.is_file() else None
+        stem = _stem(plan, choice)
+        if stem == "adreft":
+            content["not_run"] += _not_asked_for(plan, choice)
+        write_benchmark(options.out, stem, content, case_table(measured))
+    if options.as_json:
+        click.echo(dump_json(content))
+    else:
+        _show(content)
+    return 0
+
+
+def _verify(plan: BenchmarkPlan, config: Path, choice: Choice, options: _Options) -> int:
+    """Drive in a folder of its own, so that nothing is read that an earlier run has found."""
+    kept, kept_cases = (read_json(options.committed / name) for name in ("adreft.json", "adreft-cases.json"))
+    folder = options.work.with_name(f"{options.work.name}-verify")
+    measured = _run(plan, config, choice, folder, options.workers)
+    content = _content(measured, choice, options.command)
+    found = differences(case_table(measured), kept_cases)
+    if all(kept["settings"].get(name) == content["settings"][name] for name in ("families", "cases")):
+        for part in ("summary", "families", "monitor"):
+            found += unequal(content[part], kept[part], part)
+    shutil.rmtree(folder)
+    for line in found[:_SHOWN]:
+        click.echo(line)
+    episodes = sum(len(results) for each in measured for results in each.results.values())
+    click.echo(f"{episodes} episodes driven again, {len(found)} differences")
+    return 1 if found else 0
+
+
+def _run(plan: BenchmarkPlan, config: Path, choice: Choice, work: Path, workers: int) -> list[Measured]:
+    """Drive what is missing, read what is there."""
+    with ResultStore(work) as store, Progress(*_COLUMNS, console=Console(stderr=True)) as progress:
+        everybody = find_entrants(plan, config, choice, work, workers, progress)
+        jobs = [job for entrants in everybody for job in find_jobs(entrants, store, weak_labels)]
+        task = progress.add_task("episodes", total=len(jobs))
+        drive(jobs, store, workers, lambda _job: progress.advance(task))
+        return [read_results(entrants, store, weak_labels) for entrants in everybody]
+
+
+def _content(measured: Sequence[Measured], choice: Choice, command: str) -> dict[str, Any]:
+    return build_content(measured, provenance(command), choice.settings)
+
+
+def _to_table(content: dict[str, Any], path: Path) -> dict[str, dict[str, float]]:
+    """By how much ΔE differs from the committed table's; empty where there is no table."""
+    if not path.is_file():
+        return {}
+    table = read_json(path)["summary"]
+    return {
+        policy: {
+            method: figures["delta_e"] - table[policy][method]["delta_e"]
+            for method, figures in methods.items()
+            if table.get(policy, {}).get(method, {}).get("delta_e") is not None and figures["delta_e"] is not None
+        }
+        for policy, methods in content["summary"].items()
+    }
+
+
+def _show(content: dict[str, Any]) -> None:
+    show_rows(headline(content))
+    for policy, methods in content.get("difference_to_table", {}).items():
+        for method, value in methods.items():
+            click.echo(f"{policy}, {method}: ΔE {value:+.1f} against the committed table")
+    for policy, corpus in content["corpora"].items():
+        if corpus["not_reproduced"]:
+            click.echo(f"{policy}: {len(corpus['not_reproduced'])} cases do not run as their corpus says", err=True)
+    for absence in content["not_run"]:
+        click.echo(f"not run: {absence['policy']}, {absence['method']}: {absence['reason']}", err=True)
+
+
+def _stem(plan: BenchmarkPlan, choice: Choice) -> str:
+    if choice.fresh_seed is not None:
+        return f"adreft-fresh-{choice.fresh_seed}"
+    if choice.is_quick:
+        return "adreft-quick"
+    if choice.split != "test":
+        return f"adreft-{choice.split}"
+    needed = {name for name, method in plan.methods.items() if method.group in _TABLE}
+    whole = [*choice.policies] == plan.policies and needed <= {*choice.methods}
+    return "adreft" if whole and [*choice.families] == [*FAMILIES] and choice.cases is None else "adreft-part"
+
+
+def _not_asked_for(plan: BenchmarkPlan, choice: Choice) -> list[dict[str, str]]:
+    """The methods that --methods left out of a whole table, as its readers should know."""
+    left = [name for name in plan.methods if name not in choice.methods]
+    return [
+        {"policy": policy, "method": name, "reason": "not asked for"} for policy in choice.policies for name in left
+    ]
+
+
+def _usual_methods(plan: BenchmarkPlan, committed: Path, *, quick: bool, verify: bool) -> Sequence[str]:
+    """The methods where none are named: all of the plan, or those of the committed table where that is verified."""
+    if verify:
+        summary = read_json(committed / "adreft.json")["summary"]
+        return [name for name in plan.methods if any(name in methods for methods in summary.values())]
+    return plan.quick.methods if quick else [*plan.methods]
+
+
+def _command(choice: Choice, corpora: Path | None, *, verify: bool) -> str:
+    """The command again; with nothing of this machine in it but what was given."""
+    context = click.get_current_context()
+    given = {
+        name for name in context.params if context.get_parameter_source(name) == click.core.ParameterSource.COMMANDLINE
+    }
+    parts = ["./roadmend bench adreft"]
+    parts += [f"--policy {policy}" for policy in choice.policies if "policies" in given]
+    parts += [f"--methods {','.join(choice.methods)}"] * ("methods" in given)
+    parts += [f"--families {','.join(choice.families)}"] * ("families" in given)
+    parts += [f"--cases {choice.cases}"] * ("cases" in given)
+    parts += [f"--split {choice.split}"] * ("split" in given)
+    parts += ["--quick"] * choice.is_quick
+    parts += [f"--fresh-seed {choice.fresh_seed}"] * (choice.fresh_seed is not None)
+    parts += [f"--corpora {corpora}"] * (corpora is not None)
+    parts += ["--no-cost"] * ("cost" in given and not context.params["cost"])
+    return " ".join(parts + ["--verify"] * verify)
+
+
+def _list(text: str | None, default: Sequence[str] | dict[str, Any], known: Any, where: str) -> tuple[str, ...]:
+    return _names([part.strip() for part in text.split(",")] if text is not None else [*default], known, where)
+
+
+def _names(chosen: Sequence[str], known: Any, where: str) -> tuple[str, ...]:
+    """In the order of what is known, each once."""
+    for name in chosen:
+        if name not in known:
+            raise InputError(where, f"there is no {name!r}", f"choose from {', '.join(known)}")
+    return tuple(name for name in known if name in chosen)

@@ -1,0 +1,143 @@
+"""``roadmend bench adreft --robustness``: how many violations testing techniques find with and without repair."""
+
+import hashlib
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TaskID,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+
+from harness.adreft_entrants import Choice
+from harness.benchmark_content import dump_json
+from roadmend.core.errors import RoadmendError
+from roadmend.core.source_digest import source_digest
+from roadmend.core.whole_file import write_texts
+from roadmend.measures.contenders import BenchmarkPlan, Contender, resolve
+from roadmend.reports.result_files import provenance
+from roadmend.search.campaign import Campaign, run_campaign
+from roadmend.search.evaluation import CRASH, Subject, evaluate
+from roadmend.search.ledger import Entry, Ledger
+from roadmend.search.policy_model import policy_model
+from roadmend.search.registry import read_technique_parameters
+from roadmend.search.workers import open_map
+
+_COLUMNS = (
+    TextColumn("{task.description}"),
+    BarColumn(),
+    MofNCompleteColumn(),
+    TimeElapsedColumn(),
+    TimeRemainingColumn(),
+)
+RUNS = 3
+_SEARCH = "roadmend.search.campaign"
+FIRST_SEED = 7_000_000  # beyond those of every corpus
+POINTS = 50  # of each curve, at most
+
+
+def run_robustness(
+    plan: BenchmarkPlan,
+    config: Path,
+    choice: Choice,
+    budget: int,
+    work: Path,
+    workers: int,
+    out: Path | None,
+    command: str,
+    *,
+    as_json: bool,
+) -> int:
+    """Search with every technique against every policy, with and without repair; write and show the curves."""
+    methods = [name for name in plan.robustness.methods if name in choice.methods]
+    content: dict[str, Any] = {
+        "format": "roadmend-robustness/1",
+        "provenance": provenance(command),
+        "techniques": plan.robustness.techniques,
+        "families": [*choice.families],
+        "runs": RUNS,
+        "budget": budget,
+        "policies": {},
+        "not_run": [],
+    }
+    with Progress(*_COLUMNS, console=Console(stderr=True)) as progress:
+        for policy in choice.policies:
+            contenders, absences = resolve(plan, config, policy, methods)
+            content["not_run"] += [{"policy": policy, "method": each.name, "reason": each.reason} for each in absences]
+            if contenders:
+                searcher = _Searcher(policy, choice.families, budget, work, workers, progress)
+                content["policies"][policy] = {
+                    technique: {contender.name: searcher.curves(contender, technique) for contender in contenders}
+                    for technique in plan.robustness.techniques
+                }
+    if out is not None:
+        write_texts(out, {"adreft-robustness.json": dump_json(content) + "\n"})
+    if as_json:
+        click.echo(dump_json(content))
+        return 0
+    for policy, techniques in content["policies"].items():
+        for technique, curves in techniques.items():
+            for method, curve in curves.items():
+                found = [run[-1] for run in curve["found"]]
+                click.echo(
+                    f"{policy}, {technique}, {method}: {found} violations in {curve['evaluations'][-1]} scenarios"
+                )
+    for absence in content["not_run"]:
+        click.echo(f"not run: {absence['policy']}, {absence['method']}: {absence['reason']}", err=True)
+    return 0
+
+
+class _Searcher:
+    """Runs the searches against one policy."""
+
+    def __init__(
+        self, policy: str, families: Sequence[str], budget: int, work: Path, workers: int, progress: Progress
+    ) -> None:
+        self._policy, self._families, self._budget, self._workers = policy, families, budget, workers
+        decided = f"{source_digest([_SEARCH])}{policy_model(policy)}"
+        self._folder = work / hashlib.sha256(decided.encode()).hexdigest()[:16] / policy
+        self._progress = progress
+
+    def curves(self, contender: Contender, technique: str) -> dict[str, Any]:
+        """Violations found so far, of each run, over scenarios run; the families go on side by side."""
+        task = self._progress.add_task(
+            f"{self._policy}, {technique}, {contender.name}", total=RUNS * len(self._families) * self._budget
+        )
+        points = np.unique(np.linspace(0, self._budget, min(POINTS, self._budget) + 1).round().astype(int))
+        found = []
+        for run in range(RUNS):
+            hits = np.zeros(self._budget + 1, dtype=np.int64)
+            for family in self._families:
+                hits[1:] += np.cumsum(self._search(contender, technique, family, FIRST_SEED + run, task))
+            found.append(hits[points].tolist())
+        self._progress.update(task, visible=False)
+        return {"evaluations": (points * len(self._families)).tolist(), "found": found}
+
+    def _search(self, contender: Contender, technique: str, family: str, seed: int, task: TaskID) -> list[bool]:
+        """Whether each evaluation of one search found a violation."""
+        subject = Subject(family, self._policy, contender.method, seed)
+        campaign = Campaign(subject, technique, read_technique_parameters(technique))
+        folder = self._folder / f"{contender.name}-{contender.key[:16]}" / technique / f"{family}-{seed}"
+        work = partial(evaluate, subject, repair=contender.parameters)
+        with Ledger(folder, campaign.settings) as ledger, open_map(work, self._workers) as evaluator:
+            self._progress.advance(task, min(self._budget, len(ledger.entries)))
+
+            def report(_entry: Entry) -> None:
+                self._progress.advance(task)
+
+            run_campaign(campaign, ledger, evaluator, self._budget, report)
+            entries = ledger.entries[: self._budget]
+        crashes = [entry for entry in entries if entry.evaluation.outcome == CRASH]
+        if crashes:
+            raise RoadmendError(f"{folder}: a scenario could not be run: {crashes[0].evaluation.text}")
+        return [entry.evaluation.is_violation for entry in entries]
