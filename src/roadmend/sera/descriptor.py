@@ -7,7 +7,8 @@ from typing import Literal, Self, cast, get_args
 from pydantic import ConfigDict
 
 from roadmend.core.outcome import EventKind
-from roadmend.world.scenario import DriverName, FamilyName, Scenario, VehicleKind, Weather
+from roadmend.world.families import FamilyName
+from roadmend.world.scenario import DriverName, Scenario, VehicleKind, Weather
 
 RoadKind = Literal["intersection", "tee_junction", "highway_exit", "on_ramp", "road_network"]
 Control = Literal["priority", "right_before_left", "allway_stop", "traffic_light"]

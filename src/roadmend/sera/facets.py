@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 
 from roadmend.core.errors import InputError
 from roadmend.sera.descriptor import PARTICIPANTS, Descriptor, HazardKind, Light, OutcomeName, RoadKind
-from roadmend.world.scenario import FamilyName, Weather
+from roadmend.world.families import FAMILIES
+from roadmend.world.scenario import Weather
 
 Bits = NDArray[np.uint64]
 NONE = "none"  # no family, no hazard, never run
 _VALUES: dict[str, tuple[str, ...]] = {
-    "family": (*get_args(FamilyName), NONE),
+    "family": (*FAMILIES, NONE),
     "road": get_args(RoadKind),
     "weather": get_args(Weather),
     "light": get_args(Light),

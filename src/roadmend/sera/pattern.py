@@ -15,7 +15,8 @@ from roadmend.sera.descriptor import (
     RoadKind,
     Side,
 )
-from roadmend.world.scenario import DriverName, FamilyName, Weather
+from roadmend.world.families import FamilyName
+from roadmend.world.scenario import DriverName, Weather
 
 _STRICT = ConfigDict(extra="forbid")
 

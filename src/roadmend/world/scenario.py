@@ -13,7 +13,6 @@ Seconds = Annotated[float, Field(ge=0.0, le=86_400.0, allow_inf_nan=False)]
 Speed = Annotated[float, Field(ge=0.0, le=70.0, allow_inf_nan=False, description="[m/s]")]
 EdgeList = Annotated[list[str], Field(min_length=1, description="road network edges in driving order")]
 
-FamilyName = Literal["S1", "S2", "S3", "S4", "S5"]
 VehicleKind = Literal[
     "car",
     "suv",
@@ -292,7 +291,7 @@ class Scenario(Model):
 
     format: Literal["roadmend-scenario/1"] = FORMAT
     name: Identifier
-    family: FamilyName | None = None
+    family: Identifier | None = None
     seed: int = Field(default=0, ge=0, le=2_147_483_647, strict=True)
     time_limit: float = Field(default=60.0, gt=0.0, le=86_400.0, allow_inf_nan=False, description="[s]")
     network: Network

@@ -30,20 +30,20 @@ from roadmend.sera.descriptor import (
 )
 from roadmend.world.families import FAMILIES, highway, intersection
 from roadmend.world.families.traffic import count_of
-from roadmend.world.scenario import DriverName, Environment, FamilyName, Weather
+from roadmend.world.scenario import DriverName, Environment, Weather
 from roadmend.world.space import Choice, Dimension, Uniform, Whole
 
 _BATCH = 500
 _POLICY = "generated"
 _SHARE_RUN = 0.5  # of the scenarios have outcome statistics
-_MANOEUVRES: dict[FamilyName, EgoManoeuvre] = {
+_MANOEUVRES: dict[str, EgoManoeuvre] = {
     "S1": "left_turn",
     "S2": "right_turn",
     "S3": "straight",
     "S4": "exit",
     "S5": "merge",
 }
-_TARGETS: dict[FamilyName, str] = {"S1": "west", "S2": "east", "S3": "north"}
+_TARGETS: dict[str, str] = {"S1": "west", "S2": "east", "S3": "north"}
 _SIDES: dict[str, Side] = {"east": "right", "north": "oncoming", "west": "left"}
 _ACTIONS = {"none": [], "brake": ["brake"], "cut_in": ["cut_in"], "swoop": ["cut_in", "brake"], "run": ["run"]}
 Row = Mapping[str, Any]  # values by dimension; those of slots are arrays over the slots
@@ -52,7 +52,7 @@ Row = Mapping[str, Any]  # values by dimension; those of slots are arrays over t
 def generate(count: int, seed: int) -> Iterator[Entry]:
     """Descriptions of ``count`` scenarios, the families taking turns; the same seed gives the same ones."""
     generator = np.random.default_rng(seed)
-    names: tuple[FamilyName, ...] = get_args(FamilyName)
+    names = tuple(_MANOEUVRES)
     done = 0
     while done < count:
         name = names[done // _BATCH % len(names)]
@@ -119,7 +119,7 @@ def _draw_outcomes(count: int, generator: np.random.Generator) -> list[tuple[Out
     return result
 
 
-def _intersection(name: FamilyName, row: Row, outcomes: tuple[OutcomeStatistics, ...]) -> Descriptor:
+def _intersection(name: str, row: Row, outcomes: tuple[OutcomeStatistics, ...]) -> Descriptor:
     arms = ["south", "east", "north", "west"]
     if row["layout"] == "tee":
         spare = [arm for arm in ("east", "north", "west") if arm != _TARGETS[name]]
@@ -150,7 +150,7 @@ def _intersection(name: FamilyName, row: Row, outcomes: tuple[OutcomeStatistics,
     return _descriptor(name, row, road, participants, drivers, hazards, row["speed_limit"], outcomes)
 
 
-def _highway(name: FamilyName, row: Row, outcomes: tuple[OutcomeStatistics, ...]) -> Descriptor:
+def _highway(name: str, row: Row, outcomes: tuple[OutcomeStatistics, ...]) -> Descriptor:
     lanes = row["lanes"]
     ego_lane = min(int(row["ego_lane"] * lanes), lanes - 1, 1)
     participants, drivers = Counter[ParticipantKind](), Counter[DriverName]()
@@ -179,7 +179,7 @@ def _vehicle_hazard(row: Row, slot: int, side: Side) -> list[Hazard]:
 
 
 def _descriptor(
-    name: FamilyName,
+    name: str,
     row: Row,
     road: Road,
     participants: Counter[ParticipantKind],

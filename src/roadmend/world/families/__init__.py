@@ -4,6 +4,9 @@ import random
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import Annotated
+
+from pydantic import AfterValidator, WithJsonSchema
 
 from roadmend.core.errors import InputError
 from roadmend.world.families.highway import EXIT_SPACE, RAMP_SPACE, build_exit, build_ramp
@@ -29,6 +32,15 @@ FAMILIES: dict[str, Family] = {
     "S4": Family("S4", "highway exit", EXIT_SPACE, build_exit),
     "S5": Family("S5", "on-ramp merging", RAMP_SPACE, build_ramp),
 }
+
+
+def _known(name: str) -> str:
+    if name not in FAMILIES:
+        raise ValueError(f"there is no family {name!r}")
+    return name
+
+
+FamilyName = Annotated[str, AfterValidator(_known), WithJsonSchema({"type": "string", "enum": list(FAMILIES)})]
 
 
 def sample_scenario(family: str, seed: int) -> Scenario:
