@@ -46,7 +46,7 @@ def measures_of(ticks):
         if tick.route is not None:
             route, observer = tick.route, MeasuresObserver(tick.route)
         observer.see(tick.scene(route))
-    return observer.measures(tick.final, tick.final_text, tick.final_ids)
+    return observer.measures(tick.final)
 
 
 def test_bags_tell_the_same_measures_as_the_runs_and_an_interrupted_call_goes_on(evaluate, capsys):

@@ -10,10 +10,10 @@ from rclpy.serialization import deserialize_message, serialize_message
 from roadmend_msgs import msg
 
 from roadmend.core.command import Command, Trajectory
-from roadmend.core.outcome import Event, EventKind
+from roadmend.core.outcome import Blame, Event, EventKind
 from roadmend.core.repair import Repair, RepairStatus, Trigger
 from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
-from roadmend.core.scene import COLUMNS, EgoState, ObjectList
+from roadmend.core.scene import COLUMNS, EgoState, ObjectKind, ObjectList
 from roadmend.nodes import convert
 from roadmend.nodes.odometry import OdometryWriter
 from roadmend.world.map_view import LaneKind, LaneMap, lanes_of
@@ -178,10 +178,23 @@ def test_states_mirror_the_message(status):
 
 @pytest.mark.parametrize("kind", EventKind)
 def test_an_event_arrives_complete(kind):
-    back = sent(convert.event_message_of(Event(2.5, kind, "bang", (3, 4), ("v1", "v2"))))
+    kinds = ObjectKind.CAR, ObjectKind.PEDESTRIAN
+    back = sent(convert.event_message_of(Event(2.5, kind, "bang", (3, 4), ("v1", "v2"), kinds, Blame.SIDE, 7.25)))
     assert back.kind == getattr(msg.ScenarioEvent, kind.name) == kind
     assert (back.header.stamp.sec, back.text) == (2, "bang")
     assert (list(back.object_id), list(back.object_name)) == ([3, 4], ["v1", "v2"])
+    assert (list(back.object_kind), back.blame, back.impact_speed) == ([*kinds], Blame.SIDE, 7.25)
+
+
+def test_an_event_without_a_collision_blames_nobody():
+    back = sent(convert.event_message_of(Event(2.5, EventKind.GOAL, "there")))
+    assert (list(back.object_kind), back.blame) == ([], msg.ScenarioEvent.BLAME_UNKNOWN)
+    assert math.isnan(back.impact_speed)
+
+
+@pytest.mark.parametrize("blame", Blame)
+def test_blames_mirror_the_message(blame):
+    assert getattr(msg.ScenarioEvent, f"BLAME_{blame.name}") == blame
 
 
 def test_a_map_arrives_complete():

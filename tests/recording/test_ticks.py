@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from roadmend.core.errors import InputError
-from roadmend.core.outcome import EventKind
+from roadmend.core.outcome import Blame, Event, EventKind
+from roadmend.core.scene import ObjectKind
 from roadmend.recording import ticks as bag_ticks
 from roadmend.recording.encoder import Encoder
 from roadmend.recording.reader import BagReader
 from roadmend.recording.ticks import BagTicks
+from roadmend.recording.values import event_of
 from roadmend.recording.writer import BagWriter
 
 TICK_NS = 50_000_000
@@ -131,13 +133,21 @@ def test_a_route_whose_rule_is_unknown_is_refused(bag):
 
 
 def test_the_final_event_is_told(bag):
-    event = SimpleNamespace(kind=2, object_id=[], object_name=[], text="hit bus_1")
-    other = SimpleNamespace(kind=99, object_id=[], object_name=[], text="")
+    contact = {"object_id": [7], "object_name": ["bus_1"], "object_kind": [3], "blame": 4, "impact_speed": 6.5}
+    event, other = (SimpleNamespace(kind=kind, text=text, **contact) for kind, text in ((2, "hit bus_1"), (99, "")))
     first, last = bag(
         ("route", 0, route()), ("ego", 0, EGO), ("objects", 0, objects(1)), ("events", 0, other), ("events", 1, event)
     )
     assert first.final is None
-    assert (last.final, last.final_text) == (EventKind.COLLISION, "hit bus_1")
+    assert last.final == Event(
+        0.05, EventKind.COLLISION, "hit bus_1", (7,), ("bus_1",), (ObjectKind.BUS,), Blame.REAR, 6.5
+    )
+
+
+def test_bags_of_earlier_versions_do_not_say_who_is_to_blame():
+    stamp = SimpleNamespace(sec=1, nanosec=0)
+    value = SimpleNamespace(header=SimpleNamespace(stamp=stamp), kind=2, object_id=[7], object_name=["a"], text="hit a")
+    assert event_of(value) == Event(1.0, EventKind.COLLISION, "hit a", (7,), ("a",))
 
 
 def test_a_bag_without_an_episode_is_refused(bag):

@@ -9,6 +9,7 @@ import pytest
 
 from roadmend.cli.main import main
 from roadmend.core.errors import InputError
+from roadmend.core.outcome import Blame
 from roadmend.core.scene import EgoState, ObjectList, Scene
 from roadmend.search import campaign as module
 from roadmend.search.behaviour import FEATURES, BehaviourRecorder
@@ -20,8 +21,6 @@ from roadmend.search.registry import TECHNIQUES, read_technique_parameters
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario_file import load_scenario
 from roadmend.world.space import sample
-
-from .toy import AT_FAULT
 
 SUSPECTS = [("S5", seed) for seed in (1182, 1133, 1161, *range(300))]  # collisions are found in a few tries
 
@@ -36,7 +35,7 @@ def made_up(points):
         value = sum(number for number in point.values() if isinstance(number, float)) % 7.0
         outcome = "COLLISION" if value < 1.0 else "GOAL"
         features = tuple(float(point[f"v{slot}.lane"]) for slot in range(6))
-        yield Evaluation(outcome, AT_FAULT, f"{value}", BEST if value < 1.0 else -value, value, features)
+        yield Evaluation(outcome, "", f"{value}", BEST if value < 1.0 else -value, value, Blame.FRONT, features)
 
 
 def search(folder, technique, budget, evaluator=made_up, seed=1):

@@ -9,17 +9,15 @@ import pytest
 import yaml
 
 from roadmend.core.errors import InputError
+from roadmend.core.outcome import Blame
 from roadmend.search.corpus_plan import FRESH_SEED, CorpusPlan, fresh_plan, read_corpus_plan
 from roadmend.search.evaluation import BEST, Evaluation
 from roadmend.search.gather import gather, gather_fresh
 from roadmend.search.ledger import Ledger
 from roadmend.search.rerun import Rerun
-from roadmend.world.blame import is_at_fault
 from roadmend.world.corpus import dump_corpus
 from roadmend.world.families import FAMILIES
 from roadmend.world.point_text import used_parameters
-
-from .toy import AT_FAULT, BLAMELESS
 
 CONFIG = Path(__file__).parents[2] / "config" / "search" / "corpus.yaml"
 CYCLE = ["random", "avfuzzer"]
@@ -31,8 +29,8 @@ def made_up(family, parameters, seed):
     return ("COLLISION" if value < 0.25 else "GOAL" if value < 0.9 else "TIMEOUT"), f"{value}"
 
 
-def text_of(digest):
-    return AT_FAULT if float(digest) < 0.2 else BLAMELESS
+def blame_of(digest):
+    return Blame.FRONT if float(digest) < 0.2 else Blame.EGO_STOOD
 
 
 def plan(**changes):
@@ -61,12 +59,12 @@ def world(monkeypatch):
         used = used_parameters(FAMILIES[subject.family].build, point, subject.seed)
         outcome, digest = made_up(subject.family, used, subject.seed)
         fitness = BEST if float(digest) < 0.2 else -float(digest)
-        return Evaluation(outcome, text_of(digest), digest, fitness, 1.5, (float(digest),))
+        return Evaluation(outcome, "", digest, fitness, 1.5, blame_of(digest), (float(digest),))
 
     def again(policy, case):
         counts["rerun"] += 1
         outcome, digest = made_up(case.family, case.parameters, case.seed)
-        return Rerun(outcome, digest, text_of(digest), 1.5, 12.5)
+        return Rerun(outcome, digest, "", 1.5, 12.5, blame_of(digest).name)
 
     monkeypatch.setattr("roadmend.search.gather.evaluate", evaluate)
     monkeypatch.setattr("roadmend.search.rerun.rerun", again)
@@ -96,7 +94,7 @@ def test_every_split_is_filled_from_its_own_searches(tmp_path):
     assert len({case.digest for case in corpus.cases}) == len(corpus.cases) == 2 * plan().wanted
     assert len({case.name for case in corpus.cases}) == len(corpus.cases)
     assert {case.duration for case in corpus.cases} == {12.5}
-    assert all(is_at_fault(case.text) for case in corpus.cases if case.is_violation)
+    assert all(Blame[case.blame].is_egos for case in corpus.cases if case.is_violation)
     assert list((tmp_path / "modular" / "S1" / "test-0" / "found").iterdir())
 
 

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from roadmend.core.errors import InputError
+from roadmend.core.outcome import Blame
 from roadmend.search.evaluation import Evaluation
 from roadmend.search.ledger import Entry, Ledger, Reproduction
 
@@ -12,7 +13,9 @@ SETTINGS = {"family": "S3", "seed": 1}
 
 
 def entry(index):
-    evaluation = Evaluation("GOAL", "route completed", "abc", -1.0 / 3.0, None if index else 0.1, (0.1, 2.0 / 3.0))
+    evaluation = Evaluation(
+        "GOAL", "route completed", "abc", -1.0 / 3.0, None if index else 0.1, Blame.SIDE, (0.1, 2.0 / 3.0)
+    )
     return Entry(index, f"point-{index}", evaluation, Reproduction("a", "b", "c", "d") if index == 1 else None)
 
 
@@ -39,7 +42,7 @@ def test_entries_come_back_to_the_bit(folder):
 def test_every_line_is_json(folder):
     lines = [json.loads(line) for line in (folder / "ledger.jsonl").read_text().splitlines()]
     assert [line["index"] for line in lines] == [0, 1, 2]
-    assert json.loads((folder / "settings.json").read_text()) == {"format": "roadmend-search/1", **SETTINGS}
+    assert json.loads((folder / "settings.json").read_text()) == {"format": "roadmend-search/2", **SETTINGS}
     assert sorted(path.name for path in folder.iterdir()) == ["ledger.jsonl", "settings.json"]
 
 

@@ -6,12 +6,13 @@ import pytest
 import yaml
 
 from roadmend.core.errors import InputError
+from roadmend.core.outcome import Blame
 from roadmend.search.avfuzzer import AvFuzzerParameters
 from roadmend.search.clusters import LeaderClusters
 from roadmend.search.evaluation import CRASH, CRASH_FITNESS, Evaluation, Trial
 from roadmend.search.registry import TECHNIQUES, make_technique, read_technique_parameters
 
-from .toy import AT_FAULT, SPACE, drive, toy_evaluation
+from .toy import SPACE, drive, toy_evaluation
 
 CONFIG = Path(__file__).parents[2] / "config" / "search"
 
@@ -64,14 +65,17 @@ def test_behavexplor_meets_more_behaviour_than_it_keeps_alike():
 @pytest.mark.parametrize("name", TECHNIQUES)
 @pytest.mark.parametrize("outcome", ["COLLISION", CRASH])
 def test_a_world_where_all_is_alike_stops_nobody(name, outcome):
-    crash = Evaluation(CRASH, "broken", "", CRASH_FITNESS, None, (0.0, 0.0))
+    crash = Evaluation(CRASH, "broken", "", CRASH_FITNESS, None, Blame.UNKNOWN, (0.0, 0.0))
     technique = make_technique(name, SPACE, 1)
     for _ in range(15):
         points = technique.propose()
         assert points
         technique.learn(
             [
-                Trial(point, crash if outcome == CRASH else Evaluation(outcome, AT_FAULT, "d", 0.0, 0.0, (0.0, 0.0)))
+                Trial(
+                    point,
+                    crash if outcome == CRASH else Evaluation(outcome, "", "d", 0.0, 0.0, Blame.FRONT, (0.0, 0.0)),
+                )
                 for point in points
             ]
         )

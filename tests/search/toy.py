@@ -1,7 +1,7 @@
 """A small space and a made-up world for it, so that techniques are tested without SUMO."""
 
+from roadmend.core.outcome import Blame
 from roadmend.search.evaluation import BEST, Evaluation, Trial, parameters_digest
-from roadmend.world.blame import Blame
 from roadmend.world.space import Choice, Uniform, Whole
 
 SPACE = {
@@ -13,9 +13,6 @@ SPACE = {
     **{f"v{slot}.{name}": Uniform(-5.0, 5.0) for slot in range(4) for name in ("x", "y")},
 }
 
-AT_FAULT = f"the ego (5.0 m/s) and v0 collided: {Blame.FRONT.value}"
-BLAMELESS = f"the ego (0.0 m/s) and v0 collided: {Blame.EGO_STOOD.value}"
-
 
 def toy_evaluation(parameters):
     """A valley: violations lie where every other stands near its place; random draws seldom get there."""
@@ -24,7 +21,7 @@ def toy_evaluation(parameters):
     fitness = BEST if away < 9.0 else -away
     outcome = "COLLISION" if fitness == BEST else "GOAL"
     features = (parameters["speed"] / 10.0, parameters["v0.x"] / 5.0)
-    return Evaluation(outcome, AT_FAULT, parameters_digest(parameters), fitness, away, features)
+    return Evaluation(outcome, "", parameters_digest(parameters), fitness, away, Blame.FRONT, features)
 
 
 def toy_evaluator(points):

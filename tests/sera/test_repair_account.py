@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from roadmend.core.outcome import Blame
 from roadmend.core.repair import RepairStatus
 from roadmend.sera.repair_account import (
     Intervention,
@@ -12,11 +13,10 @@ from roadmend.sera.repair_account import (
     interventions_of,
     plan_gap,
 )
-from roadmend.world.blame import Blame
 
 from .recorded import TICK_NS, ego, episode, repair, straight_plan, track
 
-FRONT = Blame.FRONT.value
+FRONT = Blame.FRONT
 EGOS = [ego(0.5 * number) for number in range(200)]
 END = 199 * TICK_NS
 
@@ -38,8 +38,8 @@ def failure(repairs, blame=FRONT, avoidable=1.0, method="rss"):
         (braking(*range(185, 199)), FRONT, 1.0, "rss", "too_late"),
         (braking(*range(150, 199)), FRONT, None, "rss", "too_late"),
         (braking(*range(179, 199), brake=-0.1), FRONT, 1.0, "rss", "too_weak"),
-        (braking(*range(170, 199)), Blame.REAR.value, None, "rss", "struck_while_braking"),
-        (braking(*range(170, 199)), Blame.EGO_STOOD.value, None, "rss", "struck_while_braking"),
+        (braking(*range(170, 199)), Blame.REAR, None, "rss", "struck_while_braking"),
+        (braking(*range(170, 199)), Blame.EGO_STOOD, None, "rss", "struck_while_braking"),
         (braking(*range(10)), FRONT, 1.0, "rss", "not_at_all"),  # long before
     ],
 )

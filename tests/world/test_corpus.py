@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from roadmend.core.errors import InputError
-from roadmend.world.blame import is_at_fault
+from roadmend.core.outcome import Blame
 from roadmend.world.corpus import Case, Corpus, dump_corpus, load_corpus, save_corpus, sorted_cases
 from roadmend.world.families import FAMILIES
 from roadmend.world.point_text import used_parameters
@@ -20,7 +20,7 @@ SHIPPED = Path(__file__).parents[2] / "config" / "corpora"
 def case(family="S3", split="test", index=0, outcome="COLLISION", seed=7):
     point = sample(FAMILIES[family].space, random.Random(f"{family} {index}"))
     used = used_parameters(FAMILIES[family].build, point, seed)
-    text = "the ego (5.2 m/s) and v0 collided" if outcome == "COLLISION" else "route completed after 9.50 s"
+    text = "bang" if outcome == "COLLISION" else "route completed after 9.50 s"
     return Case(
         f"{family}-{split}-{index}",
         family,
@@ -35,6 +35,7 @@ def case(family="S3", split="test", index=0, outcome="COLLISION", seed=7):
         text,
         None if index else 1.0 / 3.0,
         0.1 + 0.2,
+        *(("FRONT", "truck", 5.2) if outcome == "COLLISION" else ()),
     )
 
 
@@ -93,14 +94,17 @@ def test_cases_are_selected(corpus):
         corpus.select(split="tests")
 
 
-def test_a_case_knows_whom_the_ego_hit():
-    hit = case()
-    assert hit.is_violation
-    assert hit.partner == hit.parameters["v0.kind"]
-    assert hit.impact_speed == 5.2
-    assert dataclasses.replace(hit, text="the ego (0.3 m/s) and p2 collided").partner == "pedestrian"
-    reached = case(outcome="GOAL")
-    assert (reached.is_violation, reached.partner, reached.impact_speed) == (False, "", 0.0)
+def test_what_is_told_of_collisions_is_kept_and_leaves_the_digest_as_it_was(corpus, tmp_path):
+    known = [dataclasses.replace(one, blame="UNKNOWN", partner="", impact_speed=None) for one in corpus.cases]
+    before = dataclasses.replace(corpus, cases=tuple(known))
+    assert before.digest == corpus.digest
+    save_corpus(corpus, tmp_path / "a.jsonl")
+    loaded = load_corpus(tmp_path / "a.jsonl")
+    assert {(one.blame, one.partner, one.impact_speed) for one in loaded.select(violation=True)} == {
+        ("FRONT", "truck", 5.2)
+    }
+    (tmp_path / "old.jsonl").write_text(dump_corpus(corpus, ("blame", "partner", "impact_speed")))
+    assert load_corpus(tmp_path / "old.jsonl") == before
 
 
 def refusal(path):
@@ -161,5 +165,5 @@ def test_what_ships_is_whole_and_its_violations_are_the_egos_fault(path):
         for split, count in (("test", 40), ("validation", 20), ("training", 200)):
             violations = corpus.select(family, split, violation=True)
             assert len(violations) == len(corpus.select(family, split, violation=False)) == count
-            assert all(is_at_fault(case.text) for case in violations)
+            assert all(Blame[case.blame].is_egos for case in violations)
     assert len({case.digest for case in corpus.cases}) == len(corpus.cases)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from roadmend.core.command import Command
+from roadmend.core.tick import INTERVAL
 from roadmend.world.scenario import (
     Arm,
     Brake,
@@ -20,7 +21,7 @@ from roadmend.world.scenario import (
     Trigger,
     Vehicle,
 )
-from roadmend.world.simulation import INTERVAL, Simulation
+from roadmend.world.simulation import Simulation
 
 LANE_WIDTH = 3.2  # [m]
 NOW = Trigger(time=1.0)

@@ -11,10 +11,11 @@ from roadmend.core.errors import InputError, SimulationError
 from roadmend.core.outcome import EventKind
 from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.scene import ObjectKind, Signal
+from roadmend.core.tick import INTERVAL
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Brake, IntersectionNetwork, NetworkFile, Trigger
-from roadmend.world.simulation import INTERVAL, Simulation
+from roadmend.world.simulation import Simulation
 
 
 class Cruise:

@@ -202,14 +202,15 @@ def show(policy: str, file: Path | None, *, as_json: bool) -> None:
 
 def _count(cases: list[Case]) -> dict[str, Any]:
     violations = [case for case in cases if case.is_violation]
+    speeds = [case.impact_speed for case in violations if case.impact_speed is not None]
     return {
         "violations": len(violations),
         "successes": len(cases) - len(violations),
         "searches": len({case.search_seed for case in cases}),
         "techniques": dict(Counter(case.technique for case in violations).most_common()),
-        "partners": dict(Counter(case.partner for case in violations).most_common()),
-        "standing": sum(case.impact_speed < 0.5 for case in violations),
-        "median_impact_speed": statistics.median(case.impact_speed for case in violations) if violations else None,
+        "partners": dict(Counter(case.partner or "unknown" for case in violations).most_common()),
+        "standing": sum(speed < 0.5 for speed in speeds),
+        "median_impact_speed": statistics.median(speeds) if speeds else None,
     }
 
 

@@ -16,6 +16,7 @@ from roadmend.core.interfaces import Repairer
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
+from roadmend.core.tick import Tick
 from roadmend.measures.case_result import CaseWatcher
 from roadmend.measures.contenders import Contender
 from roadmend.measures.monitor import Confusion
@@ -24,7 +25,6 @@ from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.registry import make_repairer
 from roadmend.world.corpus import Case
 from roadmend.world.runner import run_episode
-from roadmend.world.simulation import Tick
 
 Floats = NDArray[np.float64]
 

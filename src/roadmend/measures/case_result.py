@@ -10,8 +10,8 @@ import numpy as np
 from roadmend.core.command import Decision
 from roadmend.core.outcome import EventKind
 from roadmend.core.repair import Repair
+from roadmend.core.tick import INTERVAL, Tick
 from roadmend.world.runner import EpisodeSummary
-from roadmend.world.simulation import INTERVAL, Tick
 
 WINDOW = 4  # ticks (0.2 s) over which accelerations and jerks are means
 

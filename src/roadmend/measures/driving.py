@@ -10,18 +10,17 @@ blame counts unless the ego stood; whose fault it is by nuPlan's rules is said b
 lane cost what is left of the route, and no factor.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
 
-from roadmend.core.outcome import EventKind
+from roadmend.core.outcome import Blame, Event, EventKind
 from roadmend.core.route import RightOfWay, Route
 from roadmend.core.scene import ObjectKind, Scene, Signal
 from roadmend.measures.comfort import comfort
 from roadmend.measures.route_progress import RoutePlace, RouteProgress
-from roadmend.world.blame import Blame, is_at_fault
 
 PENALTIES = {"collision_pedestrian": 0.5, "collision_vehicle": 0.6, "red_light": 0.7}
 CHECKPOINTS = 20  # stretches of the route over which speeds are compared, as Bench2Drive has it
@@ -73,17 +72,12 @@ class MeasuresObserver:
             self._infractions.append("red_light")
         self._place = place
 
-    def measures(self, outcome: EventKind, text: str, object_ids: Iterable[int]) -> DrivingMeasures:
-        """The measures of the episode that was seen.
-
-        Args:
-            outcome: of the final event.
-            text: of it.
-            object_ids: whom it names.
-        """
+    def measures(self, final: Event) -> DrivingMeasures:
+        """The measures of the episode that was seen and that ended with this event."""
         infractions = [*self._infractions]
-        if outcome == EventKind.COLLISION and not text.endswith(f": {Blame.EGO_STOOD.value}"):
-            kind = self._kinds.get(next(iter(object_ids), -1))
+        outcome = final.kind
+        if outcome == EventKind.COLLISION and final.blame != Blame.EGO_STOOD:
+            kind = self._kinds.get(next(iter(final.object_ids), -1))
             infractions.append("collision_pedestrian" if kind == ObjectKind.PEDESTRIAN else "collision_vehicle")
         completion = 1.0 if outcome == EventKind.GOAL else self._completion()
         penalty = float(np.prod([PENALTIES[name] for name in infractions]))
@@ -96,7 +90,7 @@ class MeasuresObserver:
             outcome == EventKind.GOAL and not infractions,
             self._efficiency(),
             None if smooth is None else 100.0 * smooth,
-            outcome == EventKind.COLLISION and is_at_fault(text),
+            final.at_fault,
         )
 
     def _completion(self) -> float:

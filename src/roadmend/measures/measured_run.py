@@ -4,11 +4,11 @@ from roadmend.core.command import Decision
 from roadmend.core.interfaces import Policy
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
+from roadmend.core.tick import Tick
 from roadmend.measures.driving import DrivingMeasures, MeasuresObserver
 from roadmend.repair.registry import make_repairer
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Scenario
-from roadmend.world.simulation import Tick
 
 
 def measured_run(scenario: Scenario, policy: Policy) -> DrivingMeasures:
@@ -39,4 +39,4 @@ class _Run:
 
     def measures(self) -> DrivingMeasures:
         assert self.last.final is not None
-        return self.observer.measures(self.last.final.kind, self.last.final.text, self.last.final.object_ids)
+        return self.observer.measures(self.last.final)

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from roadmend.core.tick import INTERVAL
 from roadmend.measures.case_result import CaseResult
 from roadmend.measures.intervals import bootstrap, newcombe, wilson
-from roadmend.world.simulation import INTERVAL
 
 Floats = NDArray[np.float64]
 Figures = dict[str, Any]

@@ -213,6 +213,9 @@ def event_message_of(event: Event) -> msg.ScenarioEvent:
         object_id=array("I", event.object_ids),
         object_name=list(event.object_names),
         text=event.text,
+        object_kind=array("B", event.object_kinds),
+        blame=int(event.blame),
+        impact_speed=math.nan if event.impact_speed is None else event.impact_speed,
     )
 
 

@@ -7,6 +7,7 @@ from rclpy.serialization import serialize_message
 from roadmend.core.command import Decision
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
+from roadmend.core.tick import Tick
 from roadmend.nodes import convert
 from roadmend.nodes.episode_writer import EpisodeWriter
 from roadmend.recording.writer import BagWriter
@@ -15,7 +16,6 @@ from roadmend.world.network import network_file
 from roadmend.world.road_network import read_network
 from roadmend.world.runner import EpisodeSummary
 from roadmend.world.scenario import Scenario
-from roadmend.world.simulation import Tick
 
 DRAWN = 2  # every second tick is drawn: 10 times a second, as viz_node does
 

@@ -13,6 +13,7 @@ from roadmend.core.outcome import EventKind
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.source_digest import source_digest
+from roadmend.core.tick import Tick
 from roadmend.measures.driving import DrivingMeasures, MeasuresObserver
 from roadmend.nodes.episode_recorder import EpisodeRecorder, account_of, map_data_of
 from roadmend.policies.registry import make_policy
@@ -24,7 +25,6 @@ from roadmend.search.policy_model import policy_model
 from roadmend.world.runner import EpisodeSummary, run_episode
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import dump_scenario
-from roadmend.world.simulation import Tick
 
 Record = Literal["failures", "all", "none"]
 
@@ -134,7 +134,7 @@ class _Run:
         final = None if self._final is None else self._final.final
         assert self._observer is not None
         assert final is not None
-        return self._observer.measures(final.kind, final.text, final.object_ids)
+        return self._observer.measures(final)
 
     def _opened(self, route: Route) -> None:
         self._observer = MeasuresObserver(route)

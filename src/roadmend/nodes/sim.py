@@ -18,6 +18,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 from roadmend.core.command import Command
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.parameters import Parameters
+from roadmend.core.tick import INTERVAL, INTERVAL_NS, Tick
 from roadmend.core.whole_file import write_text
 from roadmend.nodes import convert, qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
@@ -27,7 +28,7 @@ from roadmend.nodes.spinning import run_node
 from roadmend.world.map_view import lanes_of
 from roadmend.world.runner import EpisodeSummary, TrajectoryDigest, add_tick
 from roadmend.world.scenario_file import load_scenario
-from roadmend.world.simulation import INTERVAL, INTERVAL_NS, Simulation, Tick
+from roadmend.world.simulation import Simulation
 
 WATCH_PERIOD_S = 0.01  # how often the lockstep watchdog looks [s]
 REPEAT_S = 0.25  # period in which the first tick is repeated until it is answered [s]

@@ -16,6 +16,7 @@ from roadmend.core.scene import EgoState, ObjectList
 from roadmend.recording.reader import BagReader
 from roadmend.recording.values import (
     ego_of,
+    event_of,
     floats_of,
     objects_of,
     repair_of,
@@ -120,16 +121,14 @@ def _take(episode: BagEpisode, short: str, stamp: int, value: Any) -> None:
                 floats_of(value.y),
             )
         case "events":
-            _take_event(episode, stamp, value)
+            _take_event(episode, event_of(value))
 
 
-def _take_event(episode: BagEpisode, stamp: int, value: Any) -> None:
-    if value.kind not in set(EventKind):
+def _take_event(episode: BagEpisode, event: Event | None) -> None:
+    if event is None:
         return
-    kind = EventKind(value.kind)
-    ids = tuple(int(number) for number in value.object_id)
-    episode.events.append(Event(stamp * 1e-9, kind, value.text, ids, tuple(value.object_name)))
-    if kind is EventKind.STARTED:
+    episode.events.append(event)
+    if event.kind is EventKind.STARTED:
         episode.outcome = ""
-    elif kind.is_final:
-        episode.outcome = kind.name.lower().replace("_", " ")
+    elif event.kind.is_final:
+        episode.outcome = event.kind.name.lower().replace("_", " ")

@@ -99,7 +99,7 @@ def recorded_outcome(ticks: BagTicks, method: str) -> RunOutcome:
         if tick.objects is not None:
             nearest = min(nearest, nearest_distance(sized(tick.ego, *size), tick.objects))
         if tick.final is not None:
-            outcome, text = tick.final, tick.final_text  # nobody drives on the answer to this tick
+            outcome, text = tick.final.kind, tick.final.text  # nobody drives on the answer to this tick
         elif tick.repair is not None:
             interventions += tick.repair.intervened
     if stamp < 0:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.errors import InputError
-from roadmend.core.outcome import EventKind
+from roadmend.core.outcome import Event
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, ObjectList, Scene
@@ -18,6 +18,7 @@ from roadmend.recording.reader import BagReader
 from roadmend.recording.values import (
     command_of,
     ego_of,
+    event_of,
     objects_of,
     repair_of,
     route_of,
@@ -52,9 +53,7 @@ class BagTick:
     trajectory: Trajectory | None = None
     driven: Command | None = None  # what the repair node sent
     repair: Repair | None = None  # its account of that
-    final: EventKind | None = None  # how the episode ended with this tick
-    final_text: str = ""
-    final_ids: tuple[int, ...] = ()  # of the objects in it
+    final: Event | None = None  # how the episode ended with this tick
 
     def scene(self, route: Route) -> Scene | None:
         """The scene as the nodes saw it, the ego as large as the route tells."""
@@ -150,12 +149,8 @@ def _take(tick: BagTick, short: str, value: Any) -> None:
         case "repair/state":
             tick.repair = repair_of(value)
         case "events":
-            _take_event(tick, value)
+            event = event_of(value)
+            if event is not None and event.kind.is_final:
+                tick.final = event
     if tick.repair is not None and tick.driven is not None:
         tick.repair = replace(tick.repair, command=tick.driven)
-
-
-def _take_event(tick: BagTick, value: Any) -> None:
-    if value.kind in set(EventKind) and EventKind(value.kind).is_final:
-        tick.final, tick.final_text = EventKind(value.kind), value.text
-        tick.final_ids = tuple(int(number) for number in value.object_id)

@@ -1,6 +1,7 @@
 """Decoded messages of a bag as core types. Needs no ROS."""
 
 import itertools
+import math
 from typing import Any
 
 import numpy as np
@@ -8,9 +9,10 @@ from numpy.typing import NDArray
 
 from roadmend.core.appearance import status_of
 from roadmend.core.command import Command, Trajectory
+from roadmend.core.outcome import Blame, Event, EventKind
 from roadmend.core.repair import Repair, Trigger
 from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
-from roadmend.core.scene import COLUMNS, EgoState, ObjectList
+from roadmend.core.scene import COLUMNS, EgoState, ObjectKind, ObjectList
 
 Floats = NDArray[np.float64]
 
@@ -99,6 +101,27 @@ def trajectory_of(value: Any) -> Trajectory:
 def command_of(value: Any) -> Command:
     """The command, which need not be a valid one."""
     return Command(float(value.throttle), float(value.brake), bool(value.change_lane))
+
+
+def event_of(value: Any) -> Event | None:
+    """What happened; None where it is of a kind that this version does not know.
+
+    Bags of earlier versions tell neither the kinds of the others nor the blame and the speed of a collision.
+    """
+    if value.kind not in set(EventKind):
+        return None
+    kinds = set(ObjectKind)
+    impact_speed = float(getattr(value, "impact_speed", math.nan))
+    return Event(
+        stamp_of(value) * 1e-9,
+        EventKind(value.kind),
+        value.text,
+        tuple(int(number) for number in value.object_id),
+        tuple(value.object_name),
+        tuple(ObjectKind(kind) if kind in kinds else ObjectKind.UNKNOWN for kind in getattr(value, "object_kind", ())),
+        Blame(value.blame) if getattr(value, "blame", None) in set(Blame) else Blame.UNKNOWN,
+        impact_speed if math.isfinite(impact_speed) else None,
+    )
 
 
 def stamp_of(value: Any) -> int:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from roadmend.core.tick import INTERVAL
 from roadmend.core.whole_file import written_beside
 from roadmend.reports.scene_layers import Trail
 from roadmend.reports.scene_picture import SceneView, draw_scene
@@ -12,7 +13,6 @@ from roadmend.world.map_view import lanes_of
 from roadmend.world.network import network_file
 from roadmend.world.road_network import read_network
 from roadmend.world.scenario import Scenario
-from roadmend.world.simulation import INTERVAL
 
 _DPI = 72
 _SPAN = 90.0  # [m]

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from roadmend.core.errors import RoadmendError
+from roadmend.core.tick import INTERVAL
 from roadmend.safe.construction import Role, build_scenario, generator_of
 from roadmend.safe.described_crash import judge, why_not_played
 from roadmend.safe.layout import lay_out
 from roadmend.safe.open_questions import answer, open_questions
 from roadmend.safe.trial import Trial, run_trial
 from roadmend.world.scenario import Scenario
-from roadmend.world.simulation import INTERVAL
 from roadmend.world.space import Parameters, Space, Uniform, sample
 
 _NEAR = 1.5  # [m] between two places that count as the same when a meeting is looked for

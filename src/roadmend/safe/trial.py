@@ -13,13 +13,13 @@ from roadmend.core.outcome import EventKind
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, ObjectList
+from roadmend.core.tick import Tick
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.safe.dsl import Side
-from roadmend.world.blame import is_at_fault
 from roadmend.world.runner import EpisodeSummary, drive
 from roadmend.world.scenario import Scenario
-from roadmend.world.simulation import Simulation, Tick
+from roadmend.world.simulation import Simulation
 
 Floats = NDArray[np.float64]
 
@@ -91,7 +91,7 @@ class Trial:
     @property
     def is_at_fault(self) -> bool:
         """Whether it did by its own fault."""
-        return self.is_collision and is_at_fault(self.summary.text)
+        return self.summary.events[-1].at_fault
 
 
 def run_trial(scenario: Scenario, policy: str) -> Trial:

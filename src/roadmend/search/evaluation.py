@@ -9,17 +9,16 @@ from typing import Any
 
 from roadmend.core.command import Decision
 from roadmend.core.errors import InputError
-from roadmend.core.outcome import EventKind
+from roadmend.core.outcome import Blame, EventKind
 from roadmend.core.repair import Repair
+from roadmend.core.tick import INTERVAL, Tick
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.search.behaviour import FEATURES, BehaviourRecorder
 from roadmend.search.danger import Danger
-from roadmend.world.blame import is_at_fault
 from roadmend.world.families import FAMILIES
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Scenario
-from roadmend.world.simulation import INTERVAL, Tick
 from roadmend.world.space import Parameters
 
 VIOLATION = EventKind.COLLISION.name
@@ -63,12 +62,13 @@ class Evaluation:
     digest: str  # of the trajectory; empty after a crash
     fitness: float  # of a collision see above, else - (distance + weighted time to collision) at the worst moment [m]
     min_distance: float | None  # [m] between the outlines, over time; none where the ego met nobody
+    blame: Blame  # of a collision
     features: tuple[float, ...]  # the ego's behaviour, see BehaviourRecorder.features
 
     @property
     def is_violation(self) -> bool:
         """Whether the ego collided by its own fault."""
-        return self.outcome == VIOLATION and is_at_fault(self.text)
+        return self.outcome == VIOLATION and self.blame.is_egos
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,11 +111,13 @@ def evaluate_scenario(
         behaviour.watch(tick.scene.ego)
 
     summary = run_episode(scenario, make_policy(policy), make_repairer(method, repair), watch)
-    fitness = min(BEST - 1e-6, -danger.least)
+    fitness, blame = min(BEST - 1e-6, -danger.least), summary.events[-1].blame
     if summary.outcome is EventKind.COLLISION:
-        fitness = BEST if is_at_fault(summary.text) else BLAMELESS_FITNESS
+        fitness = BEST if blame.is_egos else BLAMELESS_FITNESS
     distance = summary.min_distance if math.isfinite(summary.min_distance) else None
-    return Evaluation(summary.outcome.name, summary.text, summary.digest, fitness, distance, behaviour.features())
+    return Evaluation(
+        summary.outcome.name, summary.text, summary.digest, fitness, distance, blame, behaviour.features()
+    )
 
 
 def evaluate(subject: Subject, parameters: Parameters, repair: Mapping[str, Any] | None = None) -> Evaluation:
@@ -128,4 +130,4 @@ def evaluate(subject: Subject, parameters: Parameters, repair: Mapping[str, Any]
         return evaluate_scenario(scenario, subject.policy, subject.method, repair)
     except Exception as error:  # noqa: BLE001 - see above
         text = " ".join(f"{type(error).__name__}: {error}".split())
-        return Evaluation(CRASH, text, "", CRASH_FITNESS, None, (0.0,) * FEATURES)
+        return Evaluation(CRASH, text, "", CRASH_FITNESS, None, Blame.UNKNOWN, (0.0,) * FEATURES)

@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any, Self
 
 from roadmend.core.errors import InputError
+from roadmend.core.outcome import Blame
 from roadmend.core.whole_file import write_text
 from roadmend.search.evaluation import Evaluation
 
-FORMAT = "roadmend-search/1"
+FORMAT = "roadmend-search/2"
 SETTINGS = "settings.json"
 LEDGER = "ledger.jsonl"
 FOUND = "found"
@@ -58,6 +59,7 @@ class Entry:
             content = json.loads(line)
             index, parameters = content.pop("index"), content.pop("parameters")
             given = content.pop("reproduction", None)
+            content["blame"] = Blame(content["blame"])
             content["features"] = tuple(content["features"])
             return cls(index, parameters, Evaluation(**content), Reproduction(**given) if given else None)
         except (AttributeError, KeyError, TypeError) as error:

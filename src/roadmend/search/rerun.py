@@ -15,6 +15,7 @@ from typing import Any, Self
 from roadmend import __version__
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
+from roadmend.core.outcome import Blame
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.search.evaluation import CRASH
@@ -32,6 +33,9 @@ class Rerun:
     text: str
     min_distance: float | None  # [m]
     duration: float  # [s] simulation time
+    blame: str = Blame.UNKNOWN.name  # of a collision
+    partner: str = ""  # in a collision, by kind
+    impact_speed: float | None = None  # [m/s] at a collision, to a tenth
 
     def agrees(self, case: Case) -> bool:
         """Whether it is what the case says."""
@@ -39,7 +43,8 @@ class Rerun:
 
     def complete(self, case: Case) -> Case:
         """The case with what only a run can tell."""
-        return replace(case, text=self.text, min_distance=self.min_distance, duration=self.duration)
+        told = {name: value for name, value in asdict(self).items() if name not in {"outcome", "digest"}}
+        return replace(case, **told)
 
 
 def rerun(policy: str, case: Case) -> Rerun:
@@ -49,7 +54,17 @@ def rerun(policy: str, case: Case) -> Rerun:
     except Exception as error:  # noqa: BLE001 - see above
         return Rerun(CRASH, "", " ".join(f"{type(error).__name__}: {error}".split()), None, 0.0)
     distance = summary.min_distance if math.isfinite(summary.min_distance) else None
-    return Rerun(summary.outcome.name, summary.digest, summary.text, distance, summary.duration)
+    final = summary.events[-1]
+    return Rerun(
+        summary.outcome.name,
+        summary.digest,
+        summary.text,
+        distance,
+        summary.duration,
+        final.blame.name,
+        final.object_kinds[0].name.lower() if final.object_kinds else "",
+        None if final.impact_speed is None else round(final.impact_speed, 1),
+    )
 
 
 class Rerunner:

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from roadmend.core.command import Command
 from roadmend.core.geometry import corner_distance, fill_corners
 from roadmend.core.scene import EgoState
+from roadmend.core.tick import INTERVAL, INTERVAL_NS
 from roadmend.sera.track import Track
 from roadmend.world.ego import STANDING, LongitudinalDynamics, VehicleParameters
-from roadmend.world.simulation import INTERVAL, INTERVAL_NS
 
 Floats = NDArray[np.float64]
 

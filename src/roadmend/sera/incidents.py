@@ -31,7 +31,7 @@ from roadmend.sera.repair_account import (
 )
 from roadmend.sera.track import Track, track_of
 from roadmend.training.collision import describe_collision
-from roadmend.world.blame import Blame, is_at_fault
+from roadmend.world.blame import find_blame
 from roadmend.world.scenario import Environment, Scenario
 
 ENCOUNTER = 4.0  # [s] before an incident in which the other's manoeuvre is read
@@ -105,8 +105,8 @@ class _Finder:
         identity = event.object_ids[0] if event.object_ids else None
         other = None if identity is None else self._other(moment, identity)
         avoidable = None if identity is None else self._avoidable(moment.stamp, identity)
-        blame = next((blame.value for blame in Blame if event.text.endswith(f": {blame.value}")), None)
-        account = account_of_failure(self._episode, moment.stamp, blame, avoidable)
+        event = self._blamed(event, moment)
+        account = account_of_failure(self._episode, moment.stamp, event.blame, avoidable)
         return self._incident(kind, moment, other, account, event, avoidable)
 
     def _incident(
@@ -135,12 +135,23 @@ class _Finder:
             other=other,
             repair=account,
             manner=self._manner(moment.stamp, event) if event is not None and is_collision else "",
-            at_fault=is_at_fault(event.text) if event is not None and is_collision else None,
+            at_fault=event.at_fault if event is not None and is_collision and event.blame else None,
             avoidable=avoidable,
             scenario="" if self._scenario is None else self._scenario.digest,
             policy=self._episode.account.get("policy", ""),
             text="" if event is None else event.text,
         )
+
+    def _blamed(self, event: Event, moment: _Moment) -> Event:
+        """A collision with its blame, which bags of earlier versions do not tell: found again in the scene."""
+        objects = self._episode.objects.get(moment.stamp)
+        if event.blame or objects is None or not event.object_ids:
+            return event
+        (places,) = np.nonzero(objects.id == event.object_ids[0])
+        if not len(places):
+            return event
+        ego = self._episode.ego[moment.stamp]
+        return replace(event, blame=find_blame(ego, objects, int(places[0]), changing=moment.changing))
 
     def _moment(self, stamp: int) -> _Moment:
         """The tick at a stamp, or the last before it."""

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from roadmend.core.geometry import outline_distances
+from roadmend.core.outcome import Blame
 from roadmend.core.repair import Repair, RepairStatus
+from roadmend.core.tick import INTERVAL
 from roadmend.recording.episode import BagEpisode
 from roadmend.sera.incident import RepairAccount, Verdict
-from roadmend.world.blame import Blame
 from roadmend.world.ego import STANDING
-from roadmend.world.simulation import INTERVAL
 
 WATCHED = 8.0  # [s] before a failure
 PAUSE = 0.5  # [s] after which the next intervention is another one
@@ -21,7 +21,7 @@ NONE = "none"  # the method that never steps in
 _HELD = 0.5  # share of the last seconds before a time-out that the ego must have been held by the node
 _CLOSE = 1.0  # [m]
 _NEAR = 10.0  # [m] gap up to which distances are exact
-_BEHIND = frozenset({Blame.EGO_STOOD.value, Blame.REAR.value})
+_BEHIND = frozenset({Blame.EGO_STOOD, Blame.REAR})
 _FAULTS = frozenset(status.name for status in RepairStatus) - {"PASS", "REPAIRED", "RESET"}
 
 
@@ -53,13 +53,13 @@ def interventions_of(episode: BagEpisode) -> Iterator[Intervention]:
         yield Intervention(begin, end)
 
 
-def account_of_failure(episode: BagEpisode, time: int, blame: str | None, avoidable: float | None) -> RepairAccount:
+def account_of_failure(episode: BagEpisode, time: int, blame: Blame, avoidable: float | None) -> RepairAccount:
     """What was done in the seconds before a collision.
 
     Args:
         episode: in which it happened.
         time: when, [ns].
-        blame: the kind of contact, as the event says it (``world.blame.Blame``); None where it does not.
+        blame: the kind of contact.
         avoidable: [s] before the contact at which braking fully would have been enough; None if never.
     """
     account = _account(episode, round(time - WATCHED * 1e9), time)
@@ -130,7 +130,7 @@ def plan_gap(episode: BagEpisode, stamp: int) -> tuple[float, int] | None:
     return best
 
 
-def _before_contact(account: RepairAccount, time: float, blame: str | None, avoidable: float | None) -> Verdict:
+def _before_contact(account: RepairAccount, time: float, blame: Blame, avoidable: float | None) -> Verdict:
     if not _is_at_work(account):
         return "no_method"
     if account.begin is None:

@@ -16,6 +16,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
 from roadmend.core.parameters import Parameters
 from roadmend.core.repair import Repair
+from roadmend.core.tick import Tick
 from roadmend.networks.encoder import Head
 from roadmend.networks.shape import HeadShape
 from roadmend.policies.registry import make_policy
@@ -24,7 +25,6 @@ from roadmend.repair.self_oracle import CLIP, KIND, Configuration, SelfOracleMod
 from roadmend.repair.state_vector import SIZE, VERSION, state_vector
 from roadmend.training.closed_loop import EpisodeCase
 from roadmend.world.runner import run_episode
-from roadmend.world.simulation import Tick
 
 RATES = (0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0001, 0.00001)  # false alarm rates with thresholds
 _LEAST_SCALE = 0.05  # entries that hardly vary are not blown up

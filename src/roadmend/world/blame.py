@@ -5,36 +5,15 @@ the ego's fault if the ego drives its front into somebody, hits somebody who sta
 """
 
 import math
-from enum import Enum
 
 import numpy as np
 
 from roadmend.core.geometry import corner_distance, fill_corners, fill_outline
+from roadmend.core.outcome import Blame
 from roadmend.core.scene import EgoState, ObjectList
 from roadmend.world.ego import STANDING
 
 _BUMPER = 0.02  # [m] depth of the outline that counts as the front or the rear
-
-
-class Blame(Enum):
-    """What kind of contact it was; the value is how an event's text says it."""
-
-    EGO_STOOD = "it hit the standing ego"
-    OTHER_STOOD = "it stood and the ego hit it"
-    FRONT = "the ego's front hit it"
-    REAR = "it hit the ego's rear"
-    SIDE = "it hit the ego's side"
-    CHANGING = "the ego was changing lanes"
-
-    @property
-    def is_egos(self) -> bool:
-        """Whether the ego is at fault."""
-        return self in {Blame.OTHER_STOOD, Blame.FRONT, Blame.CHANGING}
-
-
-def is_at_fault(text: str) -> bool:
-    """Whether the text of a COLLISION event puts the blame on the ego."""
-    return any(text.endswith(f": {blame.value}") for blame in Blame if blame.is_egos)
 
 
 def find_blame(ego: EgoState, others: ObjectList, index: int, *, changing: bool) -> Blame:

@@ -2,9 +2,8 @@
 
 import hashlib
 import json
-import re
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -12,7 +11,7 @@ from typing import Any, Self
 
 from roadmend import __version__
 from roadmend.core.errors import InputError
-from roadmend.core.outcome import EventKind
+from roadmend.core.outcome import Blame, EventKind
 from roadmend.core.whole_file import write_text
 from roadmend.world.families import FAMILIES
 from roadmend.world.point_text import dump_point, parse_point
@@ -23,7 +22,7 @@ FORMAT = "roadmend-corpus/2"
 SPLITS = ("training", "validation", "test")
 METHOD = "none"  # the repair method under which outcomes and digests were taken
 _COLLISION = EventKind.COLLISION.name
-_PARTNER = re.compile(r"the ego \((?P<speed>[\d.]+) m/s\) and (?P<name>[^\s,]+)")
+_OF_COLLISION = ("blame", "partner", "impact_speed")
 _AGAIN = "build it again with 'roadmend corpus build'"
 
 
@@ -44,25 +43,14 @@ class Case:
     text: str  # of the final event
     min_distance: float | None  # [m] between the outlines, over time; none where the ego met nobody
     duration: float  # [s] simulation time
+    blame: str = Blame.UNKNOWN.name  # of the collision
+    partner: str = ""  # whom the ego hit first, by kind; empty without a collision
+    impact_speed: float | None = None  # [m/s] of the ego at the collision, to a tenth; none without one
 
     @property
     def is_violation(self) -> bool:
         """Whether the bare policy collides by its own fault; other collisions are in no corpus."""
         return self.outcome == _COLLISION
-
-    @property
-    def partner(self) -> str:
-        """Whom the ego hit first, by kind of participant; empty without a collision."""
-        found = _PARTNER.match(self.text)
-        if not self.is_violation or found is None:
-            return ""
-        return str(self.parameters.get(f"{found['name']}.kind", "pedestrian"))
-
-    @property
-    def impact_speed(self) -> float:
-        """Speed of the ego at the collision [m/s]; 0 without one."""
-        found = _PARTNER.match(self.text)
-        return float(found["speed"]) if self.is_violation and found is not None else 0.0
 
     def scenario(self) -> Scenario:
         """The scenario, ready to be run.
@@ -75,9 +63,10 @@ class Case:
         except KeyError as error:
             raise InputError(self.name, f"has no parameter {error}", _AGAIN) from None
 
-    def dump(self) -> str:
-        """As a line of JSON."""
-        content = asdict(self)
+    def dump(self, without: Collection[str] = ()) -> str:
+        """As a line of JSON, perhaps without some fields."""
+        left_out = {*without, *(() if self.is_violation else _OF_COLLISION)}
+        content = {name: value for name, value in asdict(self).items() if name not in left_out}
         content["parameters"] = dump_point(FAMILIES[self.family].space, self.parameters)
         return json.dumps(content, separators=(",", ":"), allow_nan=False) + "\n"
 
@@ -112,8 +101,11 @@ class Corpus:
 
     @cached_property
     def digest(self) -> str:
-        """SHA-256 of the corpus as it is written, hexadecimal."""
-        return hashlib.sha256(dump_corpus(self).encode()).hexdigest()
+        """SHA-256 of the corpus, hexadecimal; deaf to what is only told of a collision.
+
+        So the corpora that ship go by the digest under which models were trained before they told it.
+        """
+        return hashlib.sha256(dump_corpus(self, _OF_COLLISION).encode()).hexdigest()
 
     def select(
         self, family: str | None = None, split: str | None = None, *, violation: bool | None = None
@@ -141,8 +133,8 @@ def sorted_cases(cases: Iterable[Case]) -> tuple[Case, ...]:
     )
 
 
-def dump_corpus(corpus: Corpus) -> str:
-    """The corpus as JSON lines: a header, then one case a line."""
+def dump_corpus(corpus: Corpus, without: Collection[str] = ()) -> str:
+    """The corpus as JSON lines: a header, then one case a line, perhaps without some fields."""
     counts = Counter(f"{case.family} {case.split} {case.outcome}" for case in corpus.cases)
     header = {
         "format": FORMAT,
@@ -157,7 +149,7 @@ def dump_corpus(corpus: Corpus) -> str:
         "cases": len(corpus.cases),
         "counts": dict(sorted(counts.items())),
     }
-    return json.dumps(header, separators=(",", ":")) + "\n" + "".join(case.dump() for case in corpus.cases)
+    return json.dumps(header, separators=(",", ":")) + "\n" + "".join(case.dump(without) for case in corpus.cases)
 
 
 def save_corpus(corpus: Corpus, path: Path) -> None:

@@ -72,9 +72,9 @@ class Participants:
         """The object id of a participant."""
         return self._fixed[name].number
 
-    def is_pedestrian(self, name: str) -> bool:
-        """Whether a participant is on foot."""
-        return self._fixed[name].kind == ObjectKind.PEDESTRIAN
+    def kind_of(self, name: str) -> ObjectKind:
+        """The category of a participant."""
+        return ObjectKind(self._fixed[name].kind)
 
     def observe(self, ego: EgoState) -> Observation:
         """Read everybody's state as it is after the last SUMO step."""

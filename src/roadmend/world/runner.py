@@ -12,8 +12,9 @@ from roadmend.core.interfaces import Policy, Repairer
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
+from roadmend.core.tick import INTERVAL, Tick
 from roadmend.world.scenario import Scenario
-from roadmend.world.simulation import INTERVAL, Simulation, Tick
+from roadmend.world.simulation import Simulation
 
 Watcher = Callable[[Tick, Decision, Repair], None]
 

@@ -6,7 +6,6 @@ import os
 import sys
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
@@ -16,9 +15,11 @@ from numpy.typing import NDArray
 
 from roadmend.core.command import Command
 from roadmend.core.errors import InputError, SimulationError
-from roadmend.core.outcome import Event, EventKind
+from roadmend.core.outcome import Event
 from roadmend.core.route import Route
-from roadmend.core.scene import EgoState, Scene, Signal
+from roadmend.core.scene import EgoState, ObjectKind, Scene, Signal
+from roadmend.core.tick import INTERVAL, INTERVAL_NS, Tick
+from roadmend.world import events as happened
 from roadmend.world.blame import find_blame
 from roadmend.world.courtesy import Courtesy
 from roadmend.world.ego import STANDING, LongitudinalDynamics, RouteFollower, VehicleParameters
@@ -30,12 +31,10 @@ from roadmend.world.participants import Observation, Participants
 from roadmend.world.road_network import RoadNetwork, read_network
 from roadmend.world.route_builder import BuiltRoute, build_route
 from roadmend.world.scenario import Pedestrian, Scenario, SumoConfiguration
-from roadmend.world.stand_off import PATIENCE, StandOff
+from roadmend.world.stand_off import StandOff
 from roadmend.world.traffic_file import EGO, traffic_xml
 from roadmend.world.user_configuration import private_copy
 
-INTERVAL_NS = 50_000_000  # [ns] between ticks: 20 Hz
-INTERVAL = INTERVAL_NS * 1e-9  # [s]
 LATERAL_RESOLUTION = 0.8  # [m] SUMO's sublane model: partial overlap, bicycles beside cars, gradual lane changes
 
 _SIGNALS = {
@@ -53,17 +52,6 @@ _SIGNALS = {
 
 
 _NO_SIGNALS = np.empty(0, dtype=np.uint8)
-
-
-@dataclass(frozen=True, slots=True)
-class Tick:
-    """What is known after one step."""
-
-    number: int
-    scene: Scene
-    min_distance: float  # [m] between the ego's outline and the nearest other; exact below participants.NEAR
-    events: tuple[Event, ...]
-    final: Event | None  # set on the last tick
 
 
 class Simulation:
@@ -139,8 +127,7 @@ class Simulation:
     def first(self) -> Tick:
         """The scene before anything has moved."""
         self._step_sumo(0.0)
-        started = Event(0.0, EventKind.STARTED, f"{self.scenario.name}: {self.route.length:.0f} m to go")
-        return self._observe((started,))
+        return self._observe((happened.started(self.scenario.name, self.route.length),))
 
     def step(self, command: Command) -> Tick:
         """Drive the ego on ``command`` for one interval and let everybody else move.
@@ -153,7 +140,7 @@ class Simulation:
         follower, dynamics = self._follower, self._dynamics
         events: tuple[Event, ...] = ()
         if command.change_lane and follower.begin_change(dynamics.speed):
-            events = (Event(self._tick * INTERVAL, EventKind.CHANGE_LANE, f"to stage {follower.stage + 1}"),)
+            events = (happened.change_of_lane(self._tick * INTERVAL, follower.stage + 1),)
         distance = dynamics.step(command, INTERVAL, follower.curvature)
         follower.advance(distance)
         self._tick += 1
@@ -187,16 +174,14 @@ class Simulation:
         self._courtesy.step(ego, seen.names, seen.around, self._script.heedless)
         names = self._hit(seen, ego.speed) if seen.nearest <= 0.0 else ()
         if names:
-            numbers = tuple(self._participants.number_of(name) for name in names)
             blame = find_blame(ego, seen.around, seen.names.index(names[0]), changing=follower.changing)
-            text = f"the ego ({ego.speed:.1f} m/s) and {', '.join(names)} collided: {blame.value}"
-            self._final = Event(time, EventKind.COLLISION, text, numbers, names)
+            self._final = happened.collision(time, [self._who(name) for name in names], blame, ego.speed)
         elif follower.at_goal:
-            self._final = Event(time, EventKind.GOAL, f"route completed after {time:.2f} s")
+            self._final = happened.goal(time)
         elif follower.off_route:
-            self._final = Event(time, EventKind.OFF_ROUTE, "the ego ran past the end of its lane")
+            self._final = happened.off_route(time)
         elif time >= scenario.time_limit - 1e-9:
-            self._final = Event(time, EventKind.TIMEOUT, f"time limit of {scenario.time_limit:g} s passed")
+            self._final = happened.timeout(time, scenario.time_limit)
         else:
             events = (*events, *self._clear(seen, ego, time))
         if self._final is not None:
@@ -210,9 +195,11 @@ class Simulation:
         names = self._stand_off.step(
             ego, lambda ahead: stage.pose(follower.position + ahead), seen.names, seen.around, self._courtesy.waiting
         )
-        text = f"and the ego blocked each other for {PATIENCE:g} s: taken off the road"
-        number_of = self._participants.number_of
-        return [Event(time, EventKind.CLEARED, f"{name} {text}", (number_of(name),), (name,)) for name in names]
+        return [happened.cleared(time, *self._who(name)) for name in names]
+
+    def _who(self, name: str) -> tuple[int, str, ObjectKind]:
+        """The object id, name and kind of a participant."""
+        return self._participants.number_of(name), name, self._participants.kind_of(name)
 
     def _hit(self, seen: Observation, speed: float) -> tuple[str, ...]:
         """Those whose outline meets the ego's.
@@ -222,7 +209,7 @@ class Simulation:
         return tuple(
             name
             for name, gap in zip(seen.names, seen.distances, strict=True)
-            if gap <= 0.0 and (speed > STANDING or not self._participants.is_pedestrian(name))
+            if gap <= 0.0 and (speed > STANDING or self._participants.kind_of(name) != ObjectKind.PEDESTRIAN)
         )
 
     def _signals(self) -> NDArray[np.uint8]:

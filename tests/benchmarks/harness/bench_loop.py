@@ -19,6 +19,7 @@ from harness.bare_stepping import recorded_orders, time_bare_stepping
 from harness.figures import Figures
 from harness.processes import node_environment
 from roadmend.core.errors import RoadmendError
+from roadmend.core.tick import INTERVAL
 from roadmend.nodes.domain import own_domain
 from roadmend.nodes.launcher import GraphOptions, run_graph
 from roadmend.policies.registry import make_policy
@@ -28,7 +29,6 @@ from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import save_scenario
-from roadmend.world.simulation import INTERVAL
 
 # Bytes of one tick's messages on each hop of the graph with 20 objects: scene, decision, repair.
 _HOP_BYTES = (20 * 69 + 900, 4 * 16 * 8 + 200, 300)

@@ -22,11 +22,11 @@ from roadmend.core.interfaces import Policy
 from roadmend.core.outcome import EventKind
 from roadmend.core.repair import Repair
 from roadmend.core.scene import Scene
+from roadmend.core.tick import INTERVAL, Tick
 from roadmend.repair.actions import ACTIONS
 from roadmend.training.collision import Collision, describe_collision
 from roadmend.world.runner import EpisodeSummary, run_episode
 from roadmend.world.scenario import Scenario
-from roadmend.world.simulation import INTERVAL, Tick
 
 BUDGET = 60  # re-simulations of a case
 _LONG = 30.0  # [s] a budget of N tries also ends after N times this much simulation time

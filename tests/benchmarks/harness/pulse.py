@@ -8,7 +8,7 @@ from roadmend.core.command import Command, Decision
 from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
-from roadmend.world.simulation import INTERVAL
+from roadmend.core.tick import INTERVAL
 
 
 class DoseExceededError(Exception):

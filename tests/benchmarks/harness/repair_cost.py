@@ -14,13 +14,13 @@ from roadmend.core.interfaces import Repairer
 from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList, Scene
+from roadmend.core.tick import INTERVAL, Tick
 from roadmend.policies.registry import make_policy
 from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.method import RepairMethod
 from roadmend.repair.none import NoRepair
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.runner import run_episode
-from roadmend.world.simulation import INTERVAL, Tick
 
 Times = NDArray[np.float64]
 

@@ -15,6 +15,7 @@ from roadmend.core.outcome import EventKind
 from roadmend.core.repair import Proposal, Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
+from roadmend.core.tick import INTERVAL, Tick
 from roadmend.policies.registry import make_policy
 from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.configuration import ModelConfiguration
@@ -23,7 +24,6 @@ from roadmend.repair.guard import GuardedRepairer
 from roadmend.training.adreft.configuration import ReinforcementSection
 from roadmend.training.closed_loop import EpisodeCase
 from roadmend.world.runner import run_episode
-from roadmend.world.simulation import INTERVAL, Tick
 
 _ACTIONS = np.array(ACTIONS)
 

@@ -15,6 +15,7 @@ from roadmend.core.fanout import Mapper
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
+from roadmend.core.tick import Tick
 from roadmend.policies.registry import make_policy
 from roadmend.repair.adreft.registry import make_tokenizer
 from roadmend.repair.adreft.tokenizer import Tokenizer, TokenSet
@@ -22,7 +23,6 @@ from roadmend.repair.registry import make_repairer
 from roadmend.training.adreft.case_frames import CaseFrames
 from roadmend.training.closed_loop import EpisodeCase
 from roadmend.world.runner import run_episode
-from roadmend.world.simulation import Tick
 
 _LAYOUT = 1  # of a file with frames; grows with every change
 

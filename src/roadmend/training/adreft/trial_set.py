@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.outcome import EventKind
+from roadmend.core.tick import INTERVAL
 from roadmend.repair.actions import ACTIONS
 from roadmend.training.adreft.configuration import PracticeSection
 from roadmend.training.adreft.token_rows import TokenRows
 from roadmend.training.adreft.trials import PASS, CaseTrials
-from roadmend.world.simulation import INTERVAL
 
 Floats = NDArray[np.float32]
 

@@ -28,6 +28,7 @@ from roadmend.core.outcome import EventKind
 from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
+from roadmend.core.tick import INTERVAL, Tick
 from roadmend.policies.registry import make_policy
 from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.model import AdreftModel
@@ -38,7 +39,6 @@ from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.adreft.trial_plan import Hold, TrialPlan
 from roadmend.training.closed_loop import EpisodeCase
 from roadmend.world.runner import EpisodeSummary, run_episode
-from roadmend.world.simulation import INTERVAL, Tick
 
 PASS = -1  # in the place of an action: the policy's own
 _LEAD = 0.2  # [s] before the first intervention from which a trial is kept: before that it is the episode untouched
