@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from roadmend.cli.main import main
-from roadmend.sera.pattern import Evidence, FailurePattern, Where, Why
-from roadmend.sera.pattern_file import dump_patterns, read_patterns
+from roadmend.sera.pattern import Evidence, FailurePattern, Where, Why, dump_patterns, read_patterns
 
 DEMO = Path(__file__).parents[2] / "config" / "scenarios" / "demo-exit.yaml"
 

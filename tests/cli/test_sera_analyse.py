@@ -5,7 +5,7 @@ import shutil
 from pathlib import Path
 
 from roadmend.cli.main import main
-from roadmend.sera.pattern_file import read_patterns
+from roadmend.sera.pattern import read_patterns
 
 SAMPLES = Path(__file__).parents[2] / "bags" / "samples"
 

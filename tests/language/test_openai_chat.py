@@ -8,8 +8,7 @@ import yaml
 
 from roadmend.cli.resources import config_folder
 from roadmend.core.errors import InputError
-from roadmend.language.chat import Image, Message, Request, Role
-from roadmend.language.errors import AnswerError, RefusalError, UnavailableError
+from roadmend.language.chat import AnswerError, Image, Message, RefusalError, Request, Role, UnavailableError
 from roadmend.language.exchange import RecordingModel, dump_exchanges
 from roadmend.language.openai_chat import OpenAIModel, OpenAISettings, read_openai_settings
 

@@ -17,8 +17,7 @@ from roadmend.nodes.pattern_messages import pattern_message_of, patterns_of
 from roadmend.nodes.sera import SeraNode
 from roadmend.sera.bank import Bank, build_bank
 from roadmend.sera.describe import entry_of
-from roadmend.sera.pattern import Evidence, FailurePattern, Where, Who, Why
-from roadmend.sera.pattern_file import read_patterns
+from roadmend.sera.pattern import Evidence, FailurePattern, Where, Who, Why, read_patterns
 from roadmend.world.families import sample_scenario
 
 from ..language.server import serving  # noqa: TID252 - one server for all rooms

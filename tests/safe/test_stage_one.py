@@ -9,9 +9,8 @@ from PIL import Image
 
 from roadmend.core.errors import InputError
 from roadmend.language.chat import Image as Picture
-from roadmend.language.exchange import dump_exchanges
+from roadmend.language.exchange import ReplayModel, dump_exchanges
 from roadmend.language.openai_chat import OpenAIModel, OpenAISettings
-from roadmend.language.replay import ReplayModel
 from roadmend.safe.backends import BACKENDS, BackendOptions
 from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.extraction import ExtractionError

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from roadmend.core.errors import InputError
-from roadmend.language.errors import AnswerError
+from roadmend.language.chat import AnswerError
 from roadmend.measures.driving import DrivingMeasures
 from roadmend.sera.analysis import Reading
 from roadmend.sera.analysis_report import NOTHING

@@ -5,9 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from roadmend.language.errors import AnswerError, LanguageError
-from roadmend.language.exchange import dump_exchanges
-from roadmend.language.replay import ReplayModel
+from roadmend.language.chat import AnswerError, LanguageError
+from roadmend.language.exchange import ReplayModel, dump_exchanges
 from roadmend.sera.incident import Place
 from roadmend.sera.language_analyser import LanguageAnalyser
 from roadmend.sera.pattern import Where, Who, Why

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from roadmend.language.errors import AnswerError
+from roadmend.language.chat import AnswerError
 from roadmend.sera.bank import Bank, build_bank
 from roadmend.sera.language_reflection import LanguageReflector
 from roadmend.sera.pattern import FailurePattern

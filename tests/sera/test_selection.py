@@ -8,7 +8,7 @@ import pytest
 from roadmend.core.errors import InputError
 from roadmend.sera.bank import Bank, build_bank
 from roadmend.sera.describe import entry_of
-from roadmend.sera.selection import Selection, read_selection, scenarios_of
+from roadmend.sera.recommendation import Selection, read_selection, scenarios_of
 from roadmend.world.families import sample_scenario
 
 SCENARIOS = [sample_scenario("S1", seed) for seed in (1, 2)]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from roadmend.core.errors import InputError
-from roadmend.language.errors import AnswerError, UnavailableError
+from roadmend.language.chat import AnswerError, UnavailableError
 from roadmend.sera.bank import Bank, build_bank
 from roadmend.sera.pattern import FailurePattern
 from roadmend.sera.words import words_of

@@ -18,7 +18,7 @@ from roadmend.core.whole_file import write_text
 from roadmend.sera.analysis import Analysis, analyse, find_bags, read_incidents
 from roadmend.sera.analysis_report import NOTHING, pattern_rows, report
 from roadmend.sera.backends import BACKENDS
-from roadmend.sera.pattern_file import dump_patterns
+from roadmend.sera.pattern import dump_patterns
 
 
 @click.command("analyse")

@@ -19,7 +19,7 @@ from roadmend.sera.describe import entry_of, entry_of_case
 from roadmend.sera.descriptor import Entry
 from roadmend.sera.embedding import DEFAULT, FORMS, inherited_embedder
 from roadmend.sera.exchange import export_bank, read_export
-from roadmend.sera.pattern_file import read_patterns
+from roadmend.sera.pattern import read_patterns
 from roadmend.sera.words import described
 from roadmend.world.corpus import SPLITS, load_corpus
 from roadmend.world.families import FAMILIES, sample_scenario

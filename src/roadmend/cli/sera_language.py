@@ -8,7 +8,7 @@ import click
 
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import write_text
-from roadmend.language.replay import ENDING
+from roadmend.language.exchange import ENDING
 from roadmend.sera.backends import Backend
 
 

@@ -15,7 +15,7 @@ from roadmend.cli.table import wide_console
 from roadmend.core.whole_file import write_text
 from roadmend.sera.backends import BACKENDS
 from roadmend.sera.bank import Bank
-from roadmend.sera.pattern_file import read_patterns
+from roadmend.sera.pattern import read_patterns
 from roadmend.sera.recommendation import content_of
 from roadmend.sera.recommendation import recommend as recommend_from
 from roadmend.world.scenario_file import load_scenario

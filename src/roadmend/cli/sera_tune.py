@@ -17,7 +17,7 @@ from roadmend.core.outcome import EventKind
 from roadmend.networks.shipped import find_model
 from roadmend.sera.bank import Bank
 from roadmend.sera.evaluation_set import corpus_set, disjoint, known_in
-from roadmend.sera.selection import Stage, read_selection, scenarios_of
+from roadmend.sera.recommendation import Stage, read_selection, scenarios_of
 from roadmend.training.device import choose_torch_device
 from roadmend.training.few_shot import Origin, Repair, few_shot_repair
 from roadmend.training.few_shot_settings import read_few_shot_settings

@@ -1,4 +1,4 @@
-"""The interface to a language model: messages with text and images in, text that fits a schema out."""
+"""The interface to a language model: messages with text and images in, text that fits a schema out; and what can fail."""
 
 import hashlib
 import json
@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Protocol
+
+from roadmend.core.errors import RoadmendError
 
 
 class Role(StrEnum):
@@ -101,3 +103,23 @@ class ChatModel(Protocol):
         Raises:
             LanguageError: there is no usable answer.
         """
+
+
+class LanguageError(RoadmendError):
+    """A language model gave no usable answer."""
+
+
+class RefusalError(LanguageError):
+    """The model, or a filter in front of it, declined to answer."""
+
+
+class UnavailableError(LanguageError):
+    """The endpoint did not answer, or answered with an error, as often as it was tried."""
+
+
+class AnswerError(LanguageError):
+    """The answer is cut off or is not what was asked for."""
+
+
+class NotRecordedError(LanguageError):
+    """A replay was asked something that its recording does not hold."""

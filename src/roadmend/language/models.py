@@ -5,7 +5,7 @@ from pathlib import Path
 
 from roadmend.core.errors import InputError
 from roadmend.language.chat import ChatModel
-from roadmend.language.replay import ReplayModel
+from roadmend.language.exchange import ReplayModel
 
 
 def _openai(settings: Path | None, _: Path | None) -> ChatModel:

@@ -14,8 +14,7 @@ from openai.types.chat import ChatCompletion
 from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError
 
 from roadmend.core.errors import InputError
-from roadmend.language.chat import Image, Reply, Request
-from roadmend.language.errors import AnswerError, RefusalError, UnavailableError
+from roadmend.language.chat import AnswerError, Image, RefusalError, Reply, Request, UnavailableError
 
 _LOGGER = logging.getLogger(__name__)
 _ENVIRONMENT = {

@@ -8,7 +8,7 @@ import numpy as np
 import openai
 from numpy.typing import NDArray
 
-from roadmend.language.errors import AnswerError
+from roadmend.language.chat import AnswerError
 from roadmend.language.openai_chat import OpenAISettings, clear_errors, client_of, read_openai_settings
 
 _AT_ONCE = 256  # texts in one request

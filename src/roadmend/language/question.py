@@ -1,4 +1,4 @@
-"""A question about data: asked with a schema, the data in a message of their own, until the answer is accepted."""
+"""A question about data: asked with a schema, the data in a message of their own, again and again within a bound."""
 
 import json
 from collections.abc import Callable, Sequence
@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Generic, TypeVar
 
-from pydantic import TypeAdapter
+from pydantic import TypeAdapter, ValidationError
 
-from roadmend.language.chat import ChatModel, Message, Request, Role
-from roadmend.language.retry import ask_until_accepted, objecting
-from roadmend.language.schema import answer_schema, parse_answer
+from roadmend.language.chat import AnswerError, ChatModel, Message, Request, Role
 
 Answer = TypeVar("Answer")
 
@@ -73,3 +71,86 @@ class Question(Generic[Answer]):
             return answer, objections_to(answer)
 
         return ask_until_accepted(model, f"the {self.purpose.replace('_', ' ')}", request, judge, attempts)
+
+
+def ask_until_accepted(
+    model: ChatModel,
+    what: str,
+    ask: Callable[[Sequence[str]], Request],
+    judge: Callable[[Request, str], tuple[Answer, Sequence[str]]],
+    attempts: int,
+) -> Answer:
+    """The first answer to which there is no objection.
+
+    Args:
+        model: that is asked.
+        what: is asked for, for the error.
+        ask: the request, given the objections to the answer before.
+        judge: what the text of an answer says and the objections to it; may raise AnswerError, which is one.
+        attempts: answers at most.
+
+    Raises:
+        AnswerError: as many answers were rejected.
+        LanguageError: there was no answer.
+    """
+    objections: Sequence[str] = ()
+    for _ in range(attempts):
+        request = ask(objections)
+        try:
+            answer, objections = judge(request, model.ask(request).text)
+        except AnswerError as error:
+            objections = [str(error)]
+            continue
+        if not objections:
+            return answer
+    raise AnswerError(f"{attempts} answers for {what} were rejected, the last one because: {'; '.join(objections)}")
+
+
+def objecting(objections: Sequence[str]) -> tuple[Message, ...]:
+    """What is said after an answer was rejected; nothing if none was."""
+    if not objections:
+        return ()
+    listed = "\n".join(f"- {objection}" for objection in objections)
+    return (Message(Role.USER, (f"An earlier answer to this was rejected. Look again and mend:\n{listed}",)),)
+
+
+_SHOWN = 5  # problems of one answer
+
+
+def answer_schema(adapter: TypeAdapter[Any]) -> dict[str, Any]:
+    """The schema of a type with every field required and none besides, as strict modes demand.
+
+    Args:
+        adapter: of a type whose fields are all to be given, null where they may be None.
+    """
+    schema: dict[str, Any] = _strict(adapter.json_schema())
+    return schema
+
+
+def _strict(node: Any) -> Any:
+    if isinstance(node, list):
+        return [_strict(each) for each in node]
+    if not isinstance(node, dict):
+        return node
+    result = {name: _strict(value) for name, value in node.items() if name not in {"default", "title"}}
+    if node.get("type") == "object" and isinstance(node.get("properties"), dict):
+        # A field may well be called as what is dropped elsewhere.
+        result["properties"] = {name: _strict(value) for name, value in node["properties"].items()}
+        result |= {"required": [*node["properties"]], "additionalProperties": False}
+    return result
+
+
+def parse_answer(adapter: TypeAdapter[Answer], text: str) -> Answer:
+    """An answer as the type that its schema came from.
+
+    Raises:
+        AnswerError: it is broken JSON, or a field is missing, unknown or has a value that it cannot have.
+    """
+    try:
+        return adapter.validate_json(text, strict=True)
+    except ValidationError as error:
+        problems = [
+            f"{'.'.join(str(part) for part in each['loc']) or 'the answer'}: {each['msg']}"
+            for each in error.errors(include_url=False)[:_SHOWN]
+        ]
+        raise AnswerError("; ".join(problems)) from None

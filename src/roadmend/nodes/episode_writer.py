@@ -16,7 +16,7 @@ from roadmend.nodes import convert, qos
 from roadmend.nodes.drawing import MARKERS_MAP, draw_tick
 from roadmend.nodes.marker_map import map_markers
 from roadmend.nodes.odometry import OdometryWriter
-from roadmend.nodes.offers import offer_from
+from roadmend.nodes.qos import offer_from
 from roadmend.recording.encoder import Encoder
 from roadmend.recording.writer import BagWriter
 

@@ -9,8 +9,7 @@ from typing import Any
 from roadmend_msgs import msg
 
 from roadmend.core.errors import InputError
-from roadmend.sera.pattern import FailurePattern, Where, Who, Why
-from roadmend.sera.pattern_file import parse_patterns
+from roadmend.sera.pattern import FailurePattern, Where, Who, Why, parse_patterns
 
 _PARTS = {"where": Where, "who": Who, "why": Why}  # the message has their fields side by side
 _ANY: dict[str, float] = {"lanes": 0, "speed_limit": 0.0, "ego_speed": -1.0}  # of texts it is the empty one

@@ -10,7 +10,7 @@ from rclpy.qos import DurabilityPolicy
 
 from roadmend.core.errors import InputError
 from roadmend.nodes.discovery import look_up
-from roadmend.nodes.offers import profile_of
+from roadmend.nodes.qos import profile_of
 from roadmend.recording.reader import BagReader, Record
 from roadmend.recording.replay import CLOCK_TOPIC, check_definition, offer_of
 

@@ -24,8 +24,8 @@ from roadmend.core.outcome import EventKind
 from roadmend.core.parameters import Parameters
 from roadmend.nodes import qos
 from roadmend.nodes.discovery import look_up, request_for
-from roadmend.nodes.offers import offer_from
 from roadmend.nodes.parameters import declare_parameters
+from roadmend.nodes.qos import offer_from
 from roadmend.nodes.spinning import run_node
 from roadmend.recording.definitions import Definition
 from roadmend.recording.enclosure import Attachment, metadata_from_file

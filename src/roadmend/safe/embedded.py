@@ -9,8 +9,8 @@ from typing import Any
 from roadmend.language.chat import Image
 from roadmend.safe.dsl import CrashScenario
 from roadmend.safe.extraction import Evidence, Extraction, ExtractionError, Step, Watch, unwatched
-from roadmend.safe.reading.finding import Finding
 from roadmend.safe.reading.reader import read_summary
+from roadmend.safe.reading.text import Finding
 from roadmend.safe.report import CrashReport
 from roadmend.safe.sketch_text import SketchText, posted_limit, read_sketch
 

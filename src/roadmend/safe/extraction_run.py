@@ -10,8 +10,7 @@ from typing import Any
 
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.whole_file import write_text
-from roadmend.language.exchange import Usage, dump_exchanges, usage_of
-from roadmend.language.replay import ENDING
+from roadmend.language.exchange import ENDING, Usage, dump_exchanges, usage_of
 from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.dsl_file import load_crash_scenario, save_crash_scenario
 from roadmend.safe.extraction import Extraction, ExtractionError, Extractor

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from roadmend.language.chat import Message, Request, Role
-from roadmend.language.retry import objecting
+from roadmend.language.question import objecting
 from roadmend.safe.dsl import Position, RoadType
 from roadmend.safe.dsl_data import answer_schema, dump_data
 from roadmend.safe.knowledge_base import Template, WorkedExample

@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from roadmend.core.errors import InputError
-from roadmend.language.chat import ChatModel, Request
-from roadmend.language.errors import AnswerError, LanguageError
+from roadmend.language.chat import AnswerError, ChatModel, LanguageError, Request
 from roadmend.language.exchange import RecordingModel
-from roadmend.language.question import ATTEMPTS
-from roadmend.language.retry import ask_until_accepted
+from roadmend.language.question import ATTEMPTS, ask_until_accepted
 from roadmend.safe.dsl import CrashScenario, Position, RoadType
 from roadmend.safe.dsl_data import dump_data, parse_data
 from roadmend.safe.extraction import Evidence, Extraction, ExtractionError, Step, Watch, unwatched

@@ -13,15 +13,14 @@ from typing import Any, Protocol
 
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import write_text
-from roadmend.language.replay import ENDING
+from roadmend.language.exchange import ENDING
 from roadmend.measures.driving import DrivingMeasures
 from roadmend.measures.summary import summarise
 from roadmend.sera.analysis import Reading, analyse
 from roadmend.sera.analysis_report import NOTHING, report
 from roadmend.sera.backends import Backend
 from roadmend.sera.bank import Bank
-from roadmend.sera.pattern import FailurePattern
-from roadmend.sera.pattern_file import PATTERNS, parse_patterns
+from roadmend.sera.pattern import PATTERNS, FailurePattern, parse_patterns
 from roadmend.sera.recommendation import content_of, recommend, shares
 from roadmend.world.scenario import Scenario
 

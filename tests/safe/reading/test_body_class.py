@@ -4,8 +4,7 @@ import pytest
 
 from roadmend.safe.dsl import Model
 from roadmend.safe.reading.body_class import _table, classify, find_names
-from roadmend.safe.reading.numerals import numerals_to_digits
-from roadmend.safe.reading.vehicle_names import name_vehicles
+from roadmend.safe.reading.text import name_vehicles, numerals_to_digits
 
 
 @pytest.mark.parametrize(

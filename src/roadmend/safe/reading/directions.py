@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 
 from roadmend.safe.dsl import Position, Side
 from roadmend.safe.reading.clauses import Clause
-from roadmend.safe.reading.finding import Finding, nothing
+from roadmend.safe.reading.text import Finding, nothing
 
 _OF = {"north": Position.S2N, "south": Position.N2S, "east": Position.W2E, "west": Position.E2W}
 _OPPOSITE = {

@@ -4,8 +4,7 @@ import re
 from collections.abc import Sequence
 
 from roadmend.safe.dsl import Time, Weather
-from roadmend.safe.reading.finding import Finding, nothing
-from roadmend.safe.reading.text import Sentence
+from roadmend.safe.reading.text import Finding, Sentence, nothing
 
 # Light is the surest sign, then the time of day, then words that may mean either; the first in the report counts.
 _LIGHT = (

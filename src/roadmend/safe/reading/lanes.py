@@ -3,8 +3,7 @@
 import re
 from collections.abc import Sequence
 
-from roadmend.safe.reading.finding import Finding, nothing
-from roadmend.safe.reading.text import Sentence
+from roadmend.safe.reading.text import Finding, Sentence, nothing
 
 _COMPASS = r"(?:north|south|east|west)"
 _N = r"(\d{1,2})"

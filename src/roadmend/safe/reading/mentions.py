@@ -5,8 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from roadmend.safe.reading.body_class import BodyClass, Name, classify, find_names
-from roadmend.safe.reading.text import Sentence
-from roadmend.safe.reading.vehicle_names import case_vehicle, name_case_vehicle
+from roadmend.safe.reading.text import Sentence, case_vehicle, name_case_vehicle
 
 REFERENCE = re.compile(r"\bv(\d)\b")
 

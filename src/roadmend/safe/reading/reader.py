@@ -18,18 +18,15 @@ from roadmend.safe.dsl import (
     Vehicle,
 )
 from roadmend.safe.reading.clauses import cut_clauses
-from roadmend.safe.reading.contacts import Contact, read_contacts
-from roadmend.safe.reading.crossing_paths import cross_headings
+from roadmend.safe.reading.contacts import Contact, cross_headings, read_contacts
 from roadmend.safe.reading.directions import heading_of_the_place, read_headings, relate_headings
 from roadmend.safe.reading.environment import read_time, read_weather
-from roadmend.safe.reading.finding import Finding, nothing
 from roadmend.safe.reading.lanes import read_lanes
 from roadmend.safe.reading.mentions import Cast, find_cast
-from roadmend.safe.reading.parked import park_headings
 from roadmend.safe.reading.road_type import read_road_type, read_stem, vehicles_on_ramp
 from roadmend.safe.reading.speed_limits import limit_for, read_limits
-from roadmend.safe.reading.text import read_sentences
-from roadmend.safe.reading.turns import read_manoeuvres, read_turns
+from roadmend.safe.reading.text import Finding, nothing, read_sentences
+from roadmend.safe.reading.turns import park_headings, read_manoeuvres, read_turns
 
 # NMVCCS closes with the investigators' codes, which speak of vehicles in general ("other vehicle stopped").
 _CODES = re.compile(

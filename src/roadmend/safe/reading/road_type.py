@@ -5,8 +5,7 @@ from collections.abc import Mapping, Sequence
 
 from roadmend.safe.dsl import Compass, Position, RoadType, Side
 from roadmend.safe.reading.clauses import Clause
-from roadmend.safe.reading.finding import Finding, nothing
-from roadmend.safe.reading.text import Sentence
+from roadmend.safe.reading.text import Finding, Sentence, nothing
 
 _RAMP = (
     r"(?:on-ramp|entrance[- ]ramp|entry[- ]ramp|access ramp|merg(?:e|ing) (?:ramp|lane)|acceleration lane|"

@@ -5,8 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from roadmend.safe.dsl import MAX_SPEED_LIMIT, Position
-from roadmend.safe.reading.finding import Finding, nothing
-from roadmend.safe.reading.text import Sentence
+from roadmend.safe.reading.text import Finding, Sentence, nothing
 
 KMH_PER_MPH = 1.609344
 _LEAST = 5  # [mph]

@@ -2,9 +2,7 @@
 
 import re
 from dataclasses import dataclass
-
-from roadmend.safe.reading.numerals import numerals_to_digits
-from roadmend.safe.reading.vehicle_names import name_vehicles
+from typing import Generic, TypeVar
 
 MAX_SENTENCE = 1500  # [characters] longer ones are cut: no rule looks that far, and time stays bounded
 
@@ -97,3 +95,115 @@ def _plain(text: str) -> str:
     for pattern, put in _SPELLINGS:
         plain = pattern.sub(put, plain)
     return plain.strip()
+
+
+Value_co = TypeVar("Value_co", covariant=True)
+
+
+@dataclass(frozen=True, slots=True)
+class Finding(Generic[Value_co]):
+    """A value, or why there is none.
+
+    Attributes:
+        value: what was read; None where the report does not say.
+        confidence: from 0 to 1; that of the absence where there is no value.
+        sentence: the sentence it rests on, as the report puts it; None where it rests on none.
+        reason: by which rule it was read, or why there is no value.
+    """
+
+    value: Value_co | None
+    confidence: float
+    sentence: str | None
+    reason: str
+
+
+def nothing(reason: str) -> Finding[Value_co]:
+    """No value, and why."""
+    return Finding(None, 1.0, None, reason)
+
+
+_ONES = (
+    "zero",
+    "one",
+    "two",
+    "three",
+    "four",
+    "five",
+    "six",
+    "seven",
+    "eight",
+    "nine",
+    "ten",
+    "eleven",
+    "twelve",
+    "thirteen",
+    "fourteen",
+    "fifteen",
+    "sixteen",
+    "seventeen",
+    "eighteen",
+    "nineteen",
+)
+_TENS = ("twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety")
+_VALUES = {word: value for value, word in enumerate(_ONES)} | {word: 10 * (i + 2) for i, word in enumerate(_TENS)}
+
+_TEN = "|".join(_TENS)
+_ONE = "|".join(sorted(_ONES, key=len, reverse=True))
+_NUMERAL = re.compile(rf"\b(?:(?:({_TEN})(?:[ -]({'|'.join(_ONES[1:10])}))?)|({_ONE}))\b")
+
+
+def numerals_to_digits(text: str) -> str:
+    """A text in lower case with 'two' as 2 and 'thirty-five' as 35."""
+    return _NUMERAL.sub(_digits, text)
+
+
+def _digits(match: re.Match[str]) -> str:
+    ten, one, alone = match.groups()
+    return str(_VALUES[alone]) if alone else str(_VALUES[ten] + _VALUES.get(one, 0))
+
+
+_WORDS = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
+_NUMBER = rf"(?:\#|no\.?|number)?\s*\#?\s*(?P<number>{'|'.join(_WORDS)}|[1-9](?!\d|\.\d|,\d{1, 3}\b))"
+_KIND = r"(?:vehicle|veh\.?|unit|car|truck|driver|automobile|motorist|operator|v|d)s?"
+_NOT_A_NUMBER = (
+    r"(?!\s*(?:lane|door|mph|km|%|st\b|nd\b|rd\b|th\b|of\b|hundred|quarter|occupant|other|feet|met(?:er|re)|car|"
+    r"passenger|more|seconds?|minutes?|hours?|years?)|-(?!\w*\s*case))"
+)
+_REFERENCE = re.compile(rf"\b{_KIND}[\s-]*{_NUMBER}\b{_NOT_A_NUMBER}")
+_FURTHER = re.compile(
+    rf"(v\d(?:'s)?\s*(?:,\s*and|,\s*or|and|or|&|,)\s*){_NUMBER}\b{_NOT_A_NUMBER}(?=\s*(?:,|\.|;|and\b|or\b|\w+ed\b|"
+    r"were\b|\w+\s+\w+))"
+)
+_LETTER = re.compile(r"\b([Vv]ehicle|[Cc]ar|[Uu]nit|VEHICLE|CAR|UNIT) ([A-F])\b(?![\w'/-])")
+_ORDINAL = re.compile(r"\b(?:the|a) (first|second|third) (?:vehicle|car|automobile)\b")
+_DEFINES_CASE = re.compile(
+    r"\bv(\d)\s*[(,;:/=-]*\s*(?:the\s+)?(?:case|subject)[- ]vehicle|(?:case|subject) vehicle\s*,?\s*\(\s*v(\d)"
+)
+_CASE = re.compile(r"\b(?:the|this) (?:case|subject) vehicle\b(?!\s*\()")
+
+
+def name_vehicles(text: str) -> str:
+    """A text in which every numbered vehicle is called v and its number; the result is in lower case."""
+    plain = _LETTER.sub(lambda match: f"v{'ABCDEF'.index(match[2]) + 1}", text).lower()
+    plain = _REFERENCE.sub(lambda match: f"v{_value(match['number'])}", plain)
+    for _ in _WORDS:  # each turn names one more vehicle of a list
+        longer = _FURTHER.sub(lambda match: f"{match[1]}v{_value(match['number'])}", plain)
+        if longer == plain:
+            break
+        plain = longer
+    return _ORDINAL.sub(lambda match: f"v{('first', 'second', 'third').index(match[1]) + 1}", plain)
+
+
+def case_vehicle(plain: str) -> int:
+    """Number of the vehicle that a text in plain form calls the case vehicle; 1 where it does not say."""
+    match = _DEFINES_CASE.search(plain)
+    return int(match[1] or match[2]) if match else 1
+
+
+def name_case_vehicle(plain: str, number: int) -> str:
+    """A text in plain form in which 'the case vehicle' has its number."""
+    return _CASE.sub(f"v{number}", plain)
+
+
+def _value(numeral: str) -> int:
+    return int(numeral) if numeral.isdigit() else _WORDS.index(numeral) + 1

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import pytest
 from pydantic import ConfigDict, TypeAdapter
 
-from roadmend.language.errors import AnswerError
-from roadmend.language.schema import answer_schema, parse_answer
+from roadmend.language.chat import AnswerError
+from roadmend.language.question import answer_schema, parse_answer
 
 
 @dataclass(frozen=True)

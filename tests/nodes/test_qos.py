@@ -3,7 +3,7 @@
 import pytest
 
 from roadmend.nodes import qos
-from roadmend.nodes.offers import offer_from, profile_of
+from roadmend.nodes.qos import offer_from, profile_of
 from roadmend.recording.qos import INFINITE_NS, Qos
 
 

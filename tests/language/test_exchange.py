@@ -5,10 +5,8 @@ import contextlib
 import pytest
 
 from roadmend.core.errors import InputError
-from roadmend.language.chat import Image, Message, Reply, Request, Role
-from roadmend.language.errors import LanguageError, NotRecordedError, RefusalError
-from roadmend.language.exchange import RecordingModel, dump_exchanges, load_exchanges
-from roadmend.language.replay import ReplayModel
+from roadmend.language.chat import Image, LanguageError, Message, NotRecordedError, RefusalError, Reply, Request, Role
+from roadmend.language.exchange import RecordingModel, ReplayModel, dump_exchanges, load_exchanges
 
 
 def request(text, image=b"1"):
