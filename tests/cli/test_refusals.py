@@ -67,7 +67,7 @@ def test_a_sumo_configuration_without_its_network_names_both(complaint, tmp_path
 def test_an_output_folder_that_cannot_be_written_is_named(scenario, complaint, tmp_path):
     (tmp_path / "file").write_text("")
     line = complaint("--scenario", scenario, "--out", tmp_path / "file" / "bags", "--name", "mine")
-    assert line.startswith(f"roadmend: {tmp_path / 'file' / 'bags' / 'mine'}: cannot be written (")
+    assert line.startswith(f"roadmend: {tmp_path / 'file' / 'bags' / 'mine'}: cannot be made (")
     assert "; choose" in line
 
 

@@ -68,7 +68,7 @@ def test_it_drives_on_where_the_bag_cannot_be_written_any_further(scenario_file,
     obstacle = tmp_path / "bag" / "bag_1.mcap"  # stands where the recorder wants its next file
 
     def obstruct(_text, _elapsed):
-        if obstacle.parent.exists():
+        if (obstacle.parent / "bag_0.mcap").exists():
             obstacle.mkdir(exist_ok=True)
 
     split = ("-p", "recorder_node:max_bagfile_duration:=1.0")

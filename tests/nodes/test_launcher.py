@@ -1,5 +1,7 @@
 """The launcher's judgement about its children, without starting any."""
 
+import json
+import tempfile
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -7,7 +9,7 @@ import pytest
 
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.nodes.children import Child
-from roadmend.nodes.launcher import BAD_INPUT, RESTARTS_MAX, GraphOptions, _as_yaml, _Run, run_graph
+from roadmend.nodes.launcher import BAD_INPUT, RESTARTS_MAX, GraphOptions, _as_yaml, _raise, _Run, run_graph
 
 
 @pytest.fixture
@@ -16,66 +18,46 @@ def run(tmp_path):
     return _Run(options, tmp_path / "bags" / "bag", tmp_path, 7, lambda *_: None)
 
 
-def ended(tmp_path, code, printed, *, may_restart=False):
-    """A child that has ended and printed something."""
-    log = tmp_path / "child.log"
-    log.write_text(printed)
-    child = Child("sim_node", "roadmend.nodes.sim", [], {}, log, may_restart)
+def ended(tmp_path, code, fault=None, *, may_restart=False):
+    """A child that has ended and perhaps left why."""
+    child = Child("sim_node", "roadmend.nodes.sim", [], {}, tmp_path / "child.log", may_restart)
+    child.log.write_text("noise\n")
+    if fault is not None:
+        child.fault_file.write_text(json.dumps(fault))
     child.process = SimpleNamespace(exitcode=code, pid=None)
     child.start = lambda: None
     return child
 
 
-@pytest.mark.parametrize(
-    ("printed", "words"),
-    [
-        ("", ""),
-        ("\n\n", ""),
-        ("roadmend: a.yaml: no such file; make one\n", "a.yaml: no such file; make one"),
-        ("starting\nlast\n\n", "last"),
-        ("Traceback (most recent call last):\n  File x, line 3\n    fail()\nValueError: bad\n", "ValueError: bad"),
-        ("Fatal\n\tat 0x123\n  frame\n", "Fatal"),
-        ("[ERROR] [1795263315.175758146] [repair_node]: refuses: a; b\n", "repair_node: refuses: a; b"),
-        ("[1, 2] is a list\n", "[1, 2] is a list"),
-    ],
-)
-def test_the_last_words_are_the_last_line_meant_for_people(tmp_path, printed, words):
-    assert ended(tmp_path, 1, printed).last_words() == words
+FAULT = {"where": "a.yaml", "what": "field seed: no number; really", "mend": "see the schema"}
 
 
-def test_a_child_that_never_wrote_has_no_last_words(tmp_path):
-    assert Child("a", "b", [], {}, tmp_path / "none.log", False).last_words() == ""
-
-
-def test_last_words_that_are_no_text_do_no_harm(tmp_path):
-    child = ended(tmp_path, 1, "")
-    child.log.write_bytes(b"\xff\xfe broken\n")
-    assert "broken" in child.last_words()
-
-
-@pytest.mark.parametrize(
-    ("printed", "parts"),
-    [
-        ("a.yaml: field seed: no number; see the schema", ("a.yaml", "field seed: no number", "see the schema")),
-        ("ego.lane: a; b; choose", ("ego.lane", "a; b", "choose")),
-        ("parameter x: too large", ("parameter x", "too large", "see the parameters of sim_node")),
-        ("out of order", ("out of order", "", "see the parameters of sim_node")),
-    ],
-)
-def test_a_node_that_refuses_its_input_is_an_input_error_with_its_words(run, tmp_path, printed, parts):
+def test_a_node_that_refuses_its_input_is_an_input_error_with_its_words(tmp_path):
     with pytest.raises(InputError) as caught:
-        run._raise(ended(tmp_path, BAD_INPUT, f"noise\nroadmend: {printed}\n"))
-    assert (caught.value.where, caught.value.what, caught.value.mend) == parts
+        _raise(ended(tmp_path, BAD_INPUT, FAULT))
+    assert (caught.value.where, caught.value.what, caught.value.mend) == tuple(FAULT.values())
 
 
-def test_a_node_that_crashes_is_named_with_code_and_last_words(run, tmp_path):
-    with pytest.raises(RoadmendError, match=r"sim_node failed \(-11\): Segmentation fault") as caught:
-        run._raise(ended(tmp_path, -11, "Segmentation fault\n"))
+@pytest.mark.parametrize(("fault", "words"), [({"what": "ValueError: bad"}, "ValueError: bad"), ({}, ""), ([], "")])
+def test_a_node_that_crashes_is_named_with_code_and_what_it_left_or_its_log(tmp_path, monkeypatch, fault, words):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    with pytest.raises(RoadmendError, match=rf"sim_node failed \(-11\): {words or 'ended'}") as caught:
+        _raise(ended(tmp_path, -11, fault))
     assert not isinstance(caught.value, InputError)
+    kept = [*tmp_path.glob("roadmend-sim_node-*.log")]
+    assert [path.read_text() for path in kept] == ([] if words else ["noise\n"])
+    assert all(str(caught.value).endswith(f"see {path}") for path in kept)
+
+
+def test_a_node_without_a_log_is_named_with_its_code(tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    child = ended(tmp_path, 3)
+    child.log.unlink()
+    assert str(child.fault()) == "ended (3)"
 
 
 def test_a_node_that_keeps_dying_ends_the_run(run, tmp_path):
-    child = ended(tmp_path, 1, "ValueError: still broken\n", may_restart=True)
+    child = ended(tmp_path, 1, {"what": "ValueError: still broken"}, may_restart=True)
     for restarts in range(1, RESTARTS_MAX + 1):
         run._look_after([child])
         assert child.restarts == restarts
@@ -86,7 +68,7 @@ def test_a_node_that_keeps_dying_ends_the_run(run, tmp_path):
 def test_without_a_recorder_it_drives_on_and_says_so_once(run, tmp_path, monkeypatch):
     told = []
     monkeypatch.setattr(run, "_report", lambda text, _time: told.append(text))
-    recorder = ended(tmp_path, -9, "last words\n")
+    recorder = ended(tmp_path, -9, {"what": "last words"})
     recorder.name = "recorder_node"
     (tmp_path / "sim.begun").touch()
     run._look_after([recorder])
@@ -94,20 +76,18 @@ def test_without_a_recorder_it_drives_on_and_says_so_once(run, tmp_path, monkeyp
     assert told == ["recorder_node ended (-9), driving on without it: last words"]
     run._observers = [recorder]
     assert run._recording_error() == "last words"
-    recorder.log.write_text("")
-    assert run._recording_error() == "recorder_node ended (-9)"
     recorder.process.exitcode = 0
     assert run._recording_error() == ""
 
 
 def test_without_a_recorder_that_is_waited_for_nothing_begins(run, tmp_path):
     with pytest.raises(RoadmendError, match=r"sim_node failed \(-9\): last words"):
-        run._look_after([ended(tmp_path, -9, "last words\n")])
+        run._look_after([ended(tmp_path, -9, {"what": "last words"})])
 
 
 def test_a_node_that_refuses_its_input_is_not_restarted(run, tmp_path):
-    child = ended(tmp_path, BAD_INPUT, "roadmend: parameter x: a; b\n", may_restart=True)
-    with pytest.raises(InputError, match="parameter x: a; b"):
+    child = ended(tmp_path, BAD_INPUT, FAULT, may_restart=True)
+    with pytest.raises(InputError, match="field seed"):
         run._look_after([child])
     assert child.restarts == 0
 

@@ -61,10 +61,10 @@ def caller(domain, tmp_path):
 
         def call(kind, name, **request):
             client = node.create_client(kind, f"sera_node/{name}")
-            assert client.wait_for_service(60.0), child.last_words()
+            assert client.wait_for_service(60.0), child.log.read_text()
             future = client.call_async(kind.Request(**request))
             while not future.done():
-                assert child.exit_code is None, child.last_words()
+                assert child.exit_code is None, child.log.read_text()
                 executor.spin_once(timeout_sec=0.1)
             return future.result()
 

@@ -7,9 +7,10 @@ an answer from it.
 import importlib
 import multiprocessing
 import os
-import re
+import shutil
 import signal
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Mapping, Sequence
@@ -18,11 +19,12 @@ from multiprocessing import connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
+from roadmend.core.errors import RoadmendError
+from roadmend.nodes.fault import FAULT_FILE, read_fault
+
 _context = multiprocessing.get_context("forkserver")
 # Imports are most of a node's start. The server does them once; each node, and each restart, is then a fork away.
 _context.set_forkserver_preload([f"roadmend.nodes.{node}" for node in ("sim", "policy", "repair", "recorder", "viz")])
-
-_LOG_HEAD = re.compile(r"^\[[A-Z]+\] \[[0-9.]+\] \[([^]]*)\]: ")  # what ROS puts before a logged line
 
 
 @dataclass
@@ -40,10 +42,16 @@ class Child:
 
     def start(self) -> None:
         """Start the process; what it prints goes to its log."""
+        self.fault_file.unlink(missing_ok=True)
         self.process = _context.Process(
             target=_become_node,
             # All of the environment as it is now: the server's own is that of the day when it started.
-            args=(self.module, [self.name, *self.arguments], {**os.environ, **self.environment}, str(self.log)),
+            args=(
+                self.module,
+                [self.name, *self.arguments],
+                {**os.environ, **self.environment, FAULT_FILE: str(self.fault_file)},
+                str(self.log),
+            ),
             name=self.name,
         )
         self.process.start()
@@ -58,14 +66,24 @@ class Child:
         if self.process is not None and self.process.pid is not None and self.process.exitcode is None:
             os.kill(self.process.pid, signal.SIGINT)
 
-    def last_words(self) -> str:
-        """The last line that the process printed for people."""
+    @property
+    def fault_file(self) -> Path:
+        """Where the process leaves why it ends."""
+        return self.log.with_suffix(".fault")
+
+    def fault(self) -> RoadmendError:
+        """Why the process has ended; its log is kept where it did not say."""
+        said = read_fault(self.fault_file)
+        if said is not None:
+            return said
+        how = f"ended ({self.exit_code})"
         try:
-            lines = self.log.read_text(encoding="utf-8", errors="replace").splitlines()
+            number, kept = tempfile.mkstemp(prefix=f"roadmend-{self.name}-", suffix=".log")
+            os.close(number)
+            shutil.copy(self.log, kept)
         except OSError:
-            return ""
-        spoken = [line for line in lines if line.strip() and not line.startswith((" ", "\t"))]
-        return _LOG_HEAD.sub(r"\1: ", spoken[-1]).removeprefix("roadmend: ") if spoken else ""
+            return RoadmendError(how)
+        return RoadmendError(f"{how}, see {kept}")
 
 
 def stop(children: Sequence[Child], deadline: float) -> None:

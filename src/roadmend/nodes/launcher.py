@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import FrameType
-from typing import Any
+from typing import Any, NoReturn
 
 from roadmend.core.claim import check_name, claim_folder, claim_numbered
 from roadmend.core.errors import InputError, RoadmendError
@@ -217,7 +217,7 @@ class _Run:
                 time.sleep(POLL_S)
             self._stop(interrupted=False)
             if self._sim.exit_code:
-                self._raise(self._sim)
+                _raise(self._sim)
             return self._result()
         except InputError:
             stop(everyone, time.monotonic() + STOP_S)
@@ -230,12 +230,12 @@ class _Run:
             if child.exit_code is None:
                 continue
             if child.exit_code == BAD_INPUT:
-                self._raise(child)
+                _raise(child)
             if not child.may_restart:
                 self._drive_on_without(child)
                 continue
             if child.restarts >= RESTARTS_MAX:
-                raise RoadmendError(f"{child.name} ended {RESTARTS_MAX + 1} times; last: {child.last_words()}")
+                raise RoadmendError(f"{child.name} ended {RESTARTS_MAX + 1} times; last: {child.fault()}")
             child.restarts += 1
             self._report(f"{child.name} ended ({child.exit_code}), restarted", time.monotonic() - self._begun)
             child.start()
@@ -243,21 +243,11 @@ class _Run:
     def _drive_on_without(self, child: Child) -> None:
         """Say once that a node is gone which the vehicle does not need; but the simulator does not begin without it."""
         if not (self._folder / "sim.begun").exists():
-            self._raise(child)
+            _raise(child)
         if child.name not in self._gone:
             self._gone.add(child.name)
-            words = f"{child.name} ended ({child.exit_code}), driving on without it: {child.last_words()}"
+            words = f"{child.name} ended ({child.exit_code}), driving on without it: {child.fault()}"
             self._report(words, time.monotonic() - self._begun)
-
-    def _raise(self, child: Child) -> None:
-        text = child.last_words()
-        if child.exit_code == BAD_INPUT:
-            where, _, rest = text.partition(": ")
-            what, separator, mend = rest.rpartition("; ")
-            if not separator:
-                what, mend = rest, f"see the parameters of {child.name}"
-            raise InputError(where, what, mend)
-        raise RoadmendError(f"{child.name} failed ({child.exit_code}): {text}")
 
     def _stop(self, *, interrupted: bool) -> None:
         deadline = time.monotonic() + STOP_S
@@ -299,7 +289,14 @@ class _Run:
         recorder = next((child for child in self._observers if child.name == "recorder_node"), None)
         if recorder is None or not recorder.exit_code:
             return ""
-        return recorder.last_words() or f"{recorder.name} ended ({recorder.exit_code})"
+        return str(recorder.fault())
+
+
+def _raise(child: Child) -> NoReturn:
+    fault = child.fault()
+    if isinstance(fault, InputError):
+        raise fault
+    raise RoadmendError(f"{child.name} failed ({child.exit_code}): {fault}")
 
 
 def _as_yaml(value: Any) -> str:

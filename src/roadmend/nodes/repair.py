@@ -70,6 +70,7 @@ class RepairNode(LifecycleNode):
     def __init__(self) -> None:
         super().__init__("repair_node")
         self.exit_code = 0
+        self.fault: InputError | None = None  # because of which it did not configure
         self.finished = False
         self._declare_parameters()
         self._repairer: GuardedRepairer | None = None
@@ -163,6 +164,7 @@ class RepairNode(LifecycleNode):
             self._repairer = self._make_repairer()
         except InputError as error:
             self.get_logger().error(f"refuses to configure: {error}")
+            self.fault = error
             return TransitionCallbackReturn.FAILURE
         if self._route is not None:
             self._repairer.reset(self._route)

@@ -16,6 +16,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from roadmend.core.errors import InputError, RoadmendError
+from roadmend.nodes.fault import leave_fault
 
 POLL_S = 0.05  # longest time between two looks at the stop flag [s]
 
@@ -50,6 +51,7 @@ def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> 
     """Run one node until it has finished or is told to stop.
 
     The node may have an attribute ``finished`` (the loop ends when it turns true), an attribute ``exit_code``, an
+    attribute ``fault`` (the error because of which that is not 0, or None), an
     attribute ``stop`` (it is given the flag, to look at during long work) and a method ``close()`` that is called before
     the node is destroyed, while publishing still works.
 
@@ -60,12 +62,17 @@ def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> 
         rclpy.init(args=list(sys.argv if args is None else args), signal_handler_options=SignalHandlerOptions.NO)
         try:
             return _run(factory, stop)
-        except (InputError, ParameterException, InvalidParameterTypeException) as error:
-            print(f"roadmend: {error}", file=sys.stderr)
-            return 2
+        except (ParameterException, InvalidParameterTypeException) as error:
+            return _refuse(InputError("ROS arguments", " ".join(str(error).split()), "correct them"))
+        except InputError as error:
+            return _refuse(error)
         except RoadmendError as error:
             print(f"roadmend: {error}", file=sys.stderr)
+            leave_fault(error)
             return 1
+        except Exception as error:
+            leave_fault(error)
+            raise
         finally:
             rclpy.try_shutdown()
             # Say goodbye to DDS now: a forked process ends without the interpreter's own clean-up, and whoever is not
@@ -73,6 +80,12 @@ def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> 
             rclpy.get_default_context().destroy()
             gc.unfreeze()
             gc.collect()
+
+
+def _refuse(error: InputError) -> int:
+    print(f"roadmend: {error}", file=sys.stderr)
+    leave_fault(error)
+    return 2
 
 
 def _run(factory: Callable[[], Node], stop: StopFlag) -> int:
@@ -96,4 +109,7 @@ def _run(factory: Callable[[], Node], stop: StopFlag) -> int:
         executor.remove_node(node)
         node.destroy_node()
         executor.shutdown()
+    fault = getattr(node, "fault", None)
+    if fault is not None:
+        leave_fault(fault)
     return int(getattr(node, "exit_code", 0))
