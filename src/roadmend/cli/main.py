@@ -14,6 +14,7 @@ _COMMANDS: Table = {
     "demo": ("roadmend.cli.demo", "demo", "See a collision repaired: the main job, end to end."),
     "sample": ("roadmend.cli.scenario", "sample", "Draw a scenario of one of the five families."),
     "schema": ("roadmend.cli.scenario", "schema", "Print the JSON schema of a scenario file."),
+    "evaluate": ("roadmend.cli.evaluate", "evaluate", "Measure policies with repair methods in scenarios of yours."),
     "search": ("roadmend.cli.search", "search", "Find scenarios in which a policy collides by its own fault."),
     "corpus": ("roadmend.cli.corpus", "corpus", "Gather, verify and show what policies are trained and measured on."),
     "safe": ("roadmend.cli.safe", "safe", "Turn crash reports into scenarios, and test a policy with them."),

@@ -18,8 +18,9 @@ from roadmend.cli.sera_options import EMBEDDER, JSON, set_options
 from roadmend.cli.table import show_rows
 from roadmend.core.fanout import fan_out
 from roadmend.core.whole_file import write_text, written_beside
+from roadmend.measures.identity import identity_of
 from roadmend.networks.shipped import find_model
-from roadmend.nodes.evaluation_episode import EvaluationJob, identity_of
+from roadmend.nodes.evaluation_episode import EvaluationJob
 from roadmend.policies.neural import load_model
 from roadmend.reports.cycle_page import cycle_chart, cycle_page, measure_rows
 from roadmend.reports.result_files import origin, provenance

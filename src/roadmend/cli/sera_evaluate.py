@@ -16,9 +16,10 @@ from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
 from roadmend.measures.driving import DrivingMeasures
+from roadmend.measures.identity import identity_of
 from roadmend.measures.result_store import ResultStore
 from roadmend.measures.summary import summarise, summary_rows
-from roadmend.nodes.evaluation_episode import EvaluatedEpisode, EvaluationJob, Record, identity_of
+from roadmend.nodes.evaluation_episode import EvaluatedEpisode, EvaluationJob, Record
 from roadmend.nodes.evaluation_episode import evaluate as drive
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.registry import METHODS

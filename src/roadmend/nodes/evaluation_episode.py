@@ -12,7 +12,6 @@ from roadmend.core.errors import RoadmendError, SimulationError
 from roadmend.core.outcome import EventKind
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
-from roadmend.core.source_digest import source_digest
 from roadmend.core.tick import Tick
 from roadmend.measures.driving import DrivingMeasures, MeasuresObserver
 from roadmend.nodes.episode_recorder import EpisodeRecorder, account_of, map_data_of
@@ -20,8 +19,7 @@ from roadmend.policies.registry import make_policy
 from roadmend.recording.new_bag import new_bag
 from roadmend.recording.recorded_run import RECORD
 from roadmend.recording.writer import BagWriter
-from roadmend.repair.registry import METHODS, make_repairer, read_parameters
-from roadmend.search.policy_model import policy_model
+from roadmend.repair.registry import make_repairer
 from roadmend.world.runner import EpisodeSummary, run_episode
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import dump_scenario
@@ -38,7 +36,7 @@ class EvaluationJob:
     method: str
     folder: Path  # of the bags
     record: Record  # failures: what does not end at the goal, or was repaired on the way
-    identity: str  # see ``identity_of``
+    identity: str  # see ``measures.identity``
 
     @property
     def key(self) -> str:
@@ -55,26 +53,6 @@ class EvaluatedEpisode:
     trajectory: str = ""  # digest
     bag: str = ""  # name of the bag's folder; empty where none was written
     fault: str = ""  # why there are no measures
-
-
-def identity_of(policy: str, method: str) -> str:
-    """Digest of a policy and a repair method: their names, models and code, and the code of the world and the measures.
-
-    Raises:
-        InputError: there is no such policy, model file or method, or a model cannot be read.
-    """
-    entry = METHODS[method]
-    made = entry.make(read_parameters(method, entry.parameters, None), 0)
-    modules = [type(make_policy(policy)).__module__, type(made).__module__]
-    code = source_digest([*modules, "roadmend.repair.guard", "roadmend.world.runner", MeasuresObserver.__module__])
-    content = [
-        Path(policy).stem,
-        policy_model(policy),
-        method,
-        getattr(getattr(made, "model", None), "digest", None),
-        code,
-    ]
-    return hashlib.sha256(json.dumps(content).encode()).hexdigest()
 
 
 def evaluate(job: EvaluationJob) -> EvaluatedEpisode:

@@ -1,7 +1,7 @@
 """Scenarios on disk: YAML in, YAML out, errors in one line."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,8 @@ from pydantic import ValidationError
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import write_text
 from roadmend.world.scenario import NetworkFile, Scenario, SumoConfiguration
+
+SUFFIXES = frozenset({".yaml", ".yml"})
 
 
 def load_scenario(path: Path) -> Scenario:
@@ -38,6 +40,28 @@ def load_scenario(path: Path) -> Scenario:
         raise InputError(str(path), "holds no fields", "see 'roadmend schema' for what a scenario has")
     scenario = parse_scenario(content, str(path))
     return _with_absolute_paths(scenario, path.parent)
+
+
+def load_scenarios(paths: Iterable[Path]) -> list[Scenario]:
+    """Read scenarios from files, and from folders all that lie in them.
+
+    Raises:
+        InputError: a file is missing or unusable, a folder holds none, or two scenarios have one name.
+    """
+    found: dict[str, Path] = {}
+    scenarios = []
+    for given in paths:
+        files = sorted(each for each in given.iterdir() if each.suffix in SUFFIXES) if given.is_dir() else [given]
+        if not files:
+            raise InputError(str(given), "holds no scenario", "'roadmend sample' makes one")
+        for path in files:
+            scenario = load_scenario(path)
+            if scenario.name in found:
+                what = f"has the name {scenario.name!r}, as {found[scenario.name]} has"
+                raise InputError(str(path), what, "give each scenario a name of its own")
+            found[scenario.name] = path
+            scenarios.append(scenario)
+    return scenarios
 
 
 def parse_scenario(content: Mapping[str, Any], where: str) -> Scenario:

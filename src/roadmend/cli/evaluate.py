@@ -1,0 +1,113 @@
+"""``roadmend evaluate``: policies times repair methods times scenarios."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from roadmend.cli.options import WORKERS
+from roadmend.cli.progress import counting
+from roadmend.cli.table import show_rows
+from roadmend.core.errors import InputError
+from roadmend.measures.evaluation import evaluate as figures_of
+from roadmend.measures.evaluation import evaluation_rows, run_trials, trials_of
+from roadmend.measures.result_store import ResultStore
+from roadmend.policies.registry import POLICIES
+from roadmend.repair.registry import METHODS
+from roadmend.reports.result_files import provenance, write_report
+from roadmend.world.corpus import SPLITS, load_corpus
+from roadmend.world.families import FAMILIES, sample_scenario
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_file import load_scenarios
+
+
+@click.command()
+@click.argument("scenarios", nargs=-1, type=click.Path(path_type=Path))
+@click.option(
+    "--policy",
+    "policies",
+    multiple=True,
+    default=["modular"],
+    show_default=True,
+    help=f"One of {', '.join(sorted(POLICIES))}, or the model file of a neural policy. May be repeated.",
+)
+@click.option(
+    "--repair",
+    "methods",
+    multiple=True,
+    default=["adreft"],
+    show_default=True,
+    type=click.Choice(sorted(METHODS)),
+    help="May be repeated; none and random are always beside it.",
+)
+@click.option(
+    "--corpus", type=click.Path(path_type=Path, dir_okay=False), help="The cases of a corpus instead of SCENARIOS."
+)
+@click.option("--split", type=click.Choice(SPLITS), help="Of the corpus.  [default: test]")
+@click.option(
+    "--family", "families", multiple=True, type=click.Choice([*FAMILIES]), help="Random scenarios instead. Repeatable."
+)
+@click.option("--count", type=click.IntRange(1, 100_000), help="Random scenarios of each family.  [default: 20]")
+@click.option("--seed", type=click.IntRange(0, 2**30), help="Of the first random scenario.  [default: 0]")
+@click.option("--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Folder; resumes there.")
+@WORKERS
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def evaluate(
+    policies: tuple[str, ...], methods: tuple[str, ...], out: Path, workers: int, *, as_json: bool, **chosen: object
+) -> int:
+    """Measure policies with repair methods in SCENARIOS (files, or folders of files), in a corpus, or in random ones.
+
+    Every policy is driven alone, with random repair and with every method. What it collides in alone can be fixed, what
+    it completes can be degraded. Finished episodes are kept in the folder and not driven again. The exit code is 1 if
+    an episode could not be driven.
+    """
+    trials = trials_of(_chosen(**chosen), policies, methods)  # type: ignore[arg-type] # as the options have it
+    with ResultStore(out) as store, counting() as progress:
+        task = progress.add_task("episodes", total=len(trials))
+        driven = run_trials(trials, store, workers, lambda done: progress.update(task, completed=done))
+    figures = figures_of(driven)
+    faults = [each.fault for each in driven if each.fault]
+    said = [f"--policy {policy}" for policy in policies] + [f"--repair {method}" for method in methods]
+    content: dict[str, Any] = {
+        "provenance": provenance(f"./roadmend evaluate {' '.join(said)}"),
+        "policies": figures,
+        "faults": faults,
+    }
+    content["episodes"] = [
+        {"policy": each.trial.policy, "repair": each.trial.method, **each.result.dump()}
+        for each in driven
+        if each.result is not None
+    ]
+    rows = evaluation_rows(figures)
+    write_report(out, "evaluation", "Policies with and without repair", content, rows)
+    if as_json:
+        click.echo(json.dumps(content, indent=2))
+    else:
+        show_rows(rows)
+    for fault in faults:
+        click.echo(fault, err=True)
+    return 1 if faults else 0
+
+
+def _chosen(
+    scenarios: tuple[Path, ...],
+    corpus: Path | None,
+    split: str | None,
+    families: tuple[str, ...],
+    count: int | None,
+    seed: int | None,
+) -> list[Scenario]:
+    """The scenarios that the options stand for."""
+    is_drawn = bool(families) or count is not None or seed is not None
+    if bool(scenarios) + (corpus is not None) + is_drawn > 1:
+        raise click.UsageError("give SCENARIOS, or --corpus, or --family, --count and --seed")
+    if split is not None and corpus is None:
+        raise InputError("--split", "is of a corpus, and there is none", "name one with --corpus")
+    if corpus is not None:
+        return [case.scenario() for case in load_corpus(corpus).select(split=split or "test")]
+    if scenarios:
+        return load_scenarios(scenarios)
+    first = seed or 0
+    drawn = range(first, first + (20 if count is None else count))
+    return [sample_scenario(family, number) for family in families or FAMILIES for number in drawn]

@@ -1,0 +1,181 @@
+"""Evaluation: policies times repair methods times scenarios, and what each method makes of what the policy does alone."""
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from roadmend.core.errors import SimulationError
+from roadmend.core.fanout import fan_out
+from roadmend.core.outcome import EventKind
+from roadmend.measures.case_result import CaseResult, CaseWatcher
+from roadmend.measures.identity import identity_of
+from roadmend.measures.intervals import wilson
+from roadmend.measures.repair import summarise
+from roadmend.measures.result_store import ResultStore
+from roadmend.policies.registry import make_policy
+from roadmend.repair.registry import make_repairer
+from roadmend.world.runner import run_episode
+from roadmend.world.scenario import Scenario
+
+ALONE = "none"  # the method that never steps in: what the others are held against
+TRIVIAL = (ALONE, "random")
+_DASH = "\N{EN DASH}"
+_HEAD = ("policy", "repair", "episodes", "goal [%]", "95 %", "collision [%]", "%Fix", "%Deg", "ΔE", "95 %", "dose [s]")
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """One episode to be driven; travels to other processes by pickle."""
+
+    scenario: Scenario
+    policy: str  # name or model file
+    method: str
+    identity: str  # see ``identity.identity_of``
+
+    @property
+    def key(self) -> str:
+        """Digest of all that decides what comes out."""
+        content = ["evaluation", self.scenario.name, self.scenario.digest, self.identity]
+        return hashlib.sha256(json.dumps(content).encode()).hexdigest()
+
+
+@dataclass(frozen=True, slots=True)
+class Driven:
+    """What a trial came to, or why there is nothing."""
+
+    trial: Trial
+    result: CaseResult | None = None
+    fault: str = ""
+
+
+def trials_of(scenarios: Sequence[Scenario], policies: Sequence[str], methods: Sequence[str]) -> list[Trial]:
+    """Every policy with every method, and with the trivial ones, in every scenario.
+
+    Raises:
+        InputError: there is no such policy, model file or method, or a model cannot be read.
+    """
+    chosen = tuple(dict.fromkeys([*TRIVIAL, *methods]))
+    pairs = [(policy, method, identity_of(policy, method)) for policy in policies for method in chosen]
+    return [Trial(scenario, *pair) for pair in pairs for scenario in scenarios]
+
+
+def run_trials(
+    trials: Sequence[Trial], store: ResultStore, workers: int, told: Callable[[int], None] = lambda _done: None
+) -> list[Driven]:
+    """Drive what the store does not hold yet; what comes out does not depend on the number of workers.
+
+    Args:
+        trials: to drive.
+        store: of finished ones.
+        workers: processes.
+        told: hears how many are done.
+
+    Raises:
+        InputError: the store cannot be written.
+        SimulationError: a worker process died.
+    """
+    known = {trial.key: kept for trial in trials if (kept := store.get(trial.key)) is not None}
+    missing = [trial for trial in trials if trial.key not in known]
+    found = {key: CaseResult.parse(kept) for key, kept in known.items()}
+    faults: dict[str, str] = {}
+    told(len(trials) - len(missing))
+    with fan_out(workers, len(missing)) as mapper:
+        for number, driven in enumerate(mapper(drive_trial, missing), len(trials) - len(missing) + 1):
+            if driven.result is None:
+                faults[driven.trial.key] = driven.fault
+            else:
+                store.add(driven.trial.key, driven.result.dump())
+                found[driven.trial.key] = driven.result
+            told(number)
+    return [Driven(trial, found.get(trial.key), faults.get(trial.key, "")) for trial in trials]
+
+
+def drive_trial(trial: Trial) -> Driven:
+    """Drive one episode in this process; whatever goes wrong is a result here."""
+    scenario, watcher = trial.scenario, CaseWatcher()
+    try:
+        repairer = make_repairer(trial.method, seed=_seed_of(scenario))
+        summary = run_episode(scenario, make_policy(trial.policy), repairer, watcher)
+        if not summary.finite:
+            raise SimulationError("a pose or a command was not a number")  # noqa: TRY301
+    except Exception as error:  # noqa: BLE001 - the others shall go on, and this one is reported
+        text = " ".join(f"{type(error).__name__}: {error}".split())
+        return Driven(trial, fault=f"{scenario.name}, policy {trial.policy}, {trial.method}: {text}")
+    return Driven(trial, watcher.result(scenario.name, scenario.family or "", summary, violation=False))
+
+
+def _seed_of(scenario: Scenario) -> int:
+    """Seed for methods that draw numbers: the same for a scenario in every run, another for every scenario."""
+    return int.from_bytes(hashlib.sha256(f"roadmend/evaluate/{scenario.name}".encode()).digest()[:4], "big") >> 1
+
+
+def evaluate(driven: Sequence[Driven]) -> dict[str, dict[str, dict[str, Any]]]:
+    """The figures of every method, by policy and method, as plain values.
+
+    A scenario in which the policy alone collides is a violation, one in which it reaches its goal a success: of these
+    are the figures of ``measures.repair.summarise``, and ``goal`` and ``collision`` [%] of all scenarios.
+    """
+    results: dict[str, dict[str, dict[str, CaseResult]]] = {}
+    for each in driven:
+        if each.result is not None:
+            results.setdefault(each.trial.policy, {}).setdefault(each.trial.method, {})[each.trial.key] = each.result
+    return {
+        policy: {method: _figures([*found.values()], _by_case(methods[ALONE])) for method, found in methods.items()}
+        for policy, methods in results.items()
+        if ALONE in methods
+    }
+
+
+def _by_case(alone: Mapping[str, CaseResult]) -> dict[str, CaseResult]:
+    return {result.case: result for result in alone.values()}
+
+
+def _figures(results: Sequence[CaseResult], alone: Mapping[str, CaseResult]) -> dict[str, Any]:
+    decided = [
+        replace(result, violation=alone[result.case].collided)
+        for result in results
+        if result.case in alone and (alone[result.case].collided or alone[result.case].reached_goal)
+    ]
+    goals, count = sum(result.reached_goal for result in results), len(results)
+    outcomes = {kind.name: sum(result.outcome == kind.name for result in results) for kind in EventKind}
+    return {
+        "episodes": count,
+        "outcomes": {name: number for name, number in outcomes.items() if number},
+        "goal": {"share": 100.0 * goals / count, "interval": [100.0 * bound for bound in wilson(goals, count)]},
+        "collision": 100.0 * sum(result.collided for result in results) / count,
+        "repair": summarise(decided),
+    }
+
+
+def evaluation_rows(figures: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> list[list[str]]:
+    """The figures as a table, the heading first."""
+    rows = [[*_HEAD]]
+    for policy, methods in figures.items():
+        for method, each in methods.items():
+            repair, goal = each["repair"], each["goal"]
+            rows.append(
+                [
+                    policy,
+                    method,
+                    str(each["episodes"]),
+                    _number(goal["share"]),
+                    _span(goal["interval"]),
+                    _number(each["collision"]),
+                    _number(repair["fix"]),
+                    _number(repair["deg"]),
+                    _number(repair["delta_e"]),
+                    _span(repair["intervals"]["delta_e"]),
+                    _number(repair["dose"], 2),
+                ]
+            )
+    return rows
+
+
+def _number(value: float | None, digits: int = 1) -> str:
+    return _DASH if value is None else f"{value:.{digits}f}"
+
+
+def _span(interval: Sequence[float] | None) -> str:
+    return _DASH if interval is None else f"{interval[0]:.1f} .. {interval[1]:.1f}"

@@ -1,0 +1,61 @@
+"""``roadmend evaluate``: real episodes of two short scenarios, kept and put into a table."""
+
+import json
+
+import pytest
+
+from roadmend.cli.main import main
+from roadmend.measures import evaluation
+from roadmend.world.families import sample_scenario
+from roadmend.world.scenario_file import save_scenario
+
+
+@pytest.fixture
+def scenarios(tmp_path):
+    folder = tmp_path / "scenarios"
+    folder.mkdir()
+    for seed in (0, 1):
+        scenario = sample_scenario("S3", seed).model_copy(update={"time_limit": 3.0})
+        save_scenario(scenario, folder / f"{seed}.yaml")
+    return folder
+
+
+def test_a_folder_of_scenarios_is_driven_once_with_the_trivial_methods_beside(scenarios, tmp_path, capsys, monkeypatch):
+    arguments = ["evaluate", str(scenarios), "--repair", "rss", "--out", str(tmp_path / "out"), "--workers", "1"]
+    assert main([*arguments, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert [*told["policies"]] == ["modular"]
+    assert [*told["policies"]["modular"]] == ["none", "random", "rss"]
+    assert all(each["episodes"] == 2 for each in told["policies"]["modular"].values())
+    assert len(told["episodes"]) == 6
+    assert json.loads((tmp_path / "out" / "evaluation.json").read_text())["episodes"] == told["episodes"]
+    monkeypatch.setattr(evaluation, "run_episode", None)  # nothing is driven again
+    assert main(arguments) == 0
+    shown = capsys.readouterr().out
+    assert "modular  rss" in shown
+    assert "ΔE" in (tmp_path / "out" / "evaluation.md").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["missing.yaml"], "no such file"),
+        (["."], "holds no scenario"),
+        (["a.yaml", "--count", "2"], "give SCENARIOS, or --corpus"),
+        (["--split", "test"], "is of a corpus"),
+        (["--policy", "autopilot", "--count", "1"], "there is no 'autopilot'"),
+    ],
+)
+def test_what_cannot_be_measured_is_refused_before_anything_is_written(
+    arguments, complaint, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    assert main(["evaluate", *arguments, "--out", "out"]) == 2
+    assert complaint in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_two_scenarios_of_one_name_are_refused(scenarios, tmp_path, capsys):
+    (scenarios / "again.yaml").write_text((scenarios / "0.yaml").read_text())
+    assert main(["evaluate", str(scenarios), "--out", str(tmp_path / "out")]) == 2
+    assert "has the name" in capsys.readouterr().err

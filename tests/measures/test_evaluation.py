@@ -1,0 +1,52 @@
+"""What is made of a method beside the policy alone."""
+
+from dataclasses import replace
+
+import pytest
+
+from roadmend.measures import evaluation
+from roadmend.measures.evaluation import Driven, Trial, drive_trial, evaluate, evaluation_rows, trials_of
+from roadmend.world.families import sample_scenario
+
+from .results import result
+
+SCENARIOS = [sample_scenario("S3", seed) for seed in range(4)]
+
+
+def driven(method, outcomes):
+    return [
+        Driven(Trial(scenario, "modular", method, method), result(scenario.name, False, outcome))
+        for scenario, outcome in zip(SCENARIOS, outcomes, strict=True)
+    ]
+
+
+def test_what_the_policy_does_alone_decides_what_can_be_fixed_and_degraded():
+    alone = driven("none", ["COLLISION", "COLLISION", "GOAL", "TIMEOUT"])
+    figures = evaluate(alone + driven("rss", ["GOAL", "COLLISION", "COLLISION", "GOAL"]))["modular"]
+    assert (figures["none"]["repair"]["fix"], figures["none"]["repair"]["deg"]) == (0.0, 0.0)
+    assert (figures["rss"]["repair"]["fix"], figures["rss"]["repair"]["deg"]) == (50.0, 100.0)
+    assert figures["rss"]["goal"]["share"] == 50.0
+    assert figures["rss"]["outcomes"] == {"GOAL": 2, "COLLISION": 2}
+    assert evaluation_rows({"modular": figures})[2][:4] == ["modular", "rss", "4", "50.0"]
+
+
+def test_a_policy_that_could_not_be_driven_alone_has_no_figures():
+    assert evaluate([replace(each, result=None) for each in driven("none", ["GOAL"] * 4)]) == {}
+    assert evaluate(driven("rss", ["GOAL"] * 4)) == {}
+
+
+def test_every_method_is_tried_once_with_the_trivial_ones():
+    trials = trials_of(SCENARIOS[:1], ["modular"], ["rss", "none"])
+    assert [trial.method for trial in trials] == ["none", "random", "rss"]
+    assert len({trial.key for trial in trials}) == 3
+
+
+@pytest.mark.parametrize("error", [ValueError("on\npurpose"), KeyError("x")])
+def test_what_goes_wrong_in_an_episode_is_one_line(error, monkeypatch):
+    def fail(*_):
+        raise error
+
+    monkeypatch.setattr(evaluation, "run_episode", fail)
+    fault = drive_trial(Trial(SCENARIOS[0], "modular", "none", "x")).fault
+    assert fault.startswith(f"{SCENARIOS[0].name}, policy modular, none: {type(error).__name__}: ")
+    assert "\n" not in fault
