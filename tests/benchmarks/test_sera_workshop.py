@@ -12,8 +12,7 @@ from harness import sera_workshop
 from harness.sera_workshop import Workshop, kept_epochs
 from roadmend.measures.driving import DrivingMeasures
 from roadmend.measures.result_store import ResultStore
-from roadmend.networks.checkpoint import save_checkpoint
-from roadmend.networks.shipped import find_model
+from roadmend.networks.checkpoint import find_model, save_checkpoint
 from roadmend.policies.neural_tokens import COLUMNS
 from roadmend.training.few_shot import lessons_of
 from roadmend.training.few_shot_settings import FewShotSettings

@@ -5,8 +5,7 @@ import json
 import pytest
 
 from roadmend.cli.main import main
-from roadmend.networks.checkpoint import load_checkpoint
-from roadmend.networks.shipped import find_model
+from roadmend.networks.checkpoint import find_model, load_checkpoint
 from roadmend.policies.registry import make_policy
 
 TINY = "{epochs: 1, replay: 1, validation: 1, every: 10, expert_drives: 1, policy_drives: 0}"

@@ -16,8 +16,7 @@ from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
 from roadmend.core.scene import COLUMNS, EgoState, ObjectKind, ObjectList
 from roadmend.nodes import convert
 from roadmend.nodes.odometry import OdometryWriter
-from roadmend.world.map_view import LaneKind, LaneMap, lanes_of
-from roadmend.world.road_network import RoadNetwork
+from roadmend.world.road_network import LaneKind, LaneMap, RoadNetwork, lanes_of
 
 NUMBERS = np.random.default_rng(4)
 

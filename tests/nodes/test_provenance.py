@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from roadmend import __version__
-from roadmend.networks.shipped import models_folder
+from roadmend.networks.checkpoint import models_folder
 from roadmend.nodes.provenance import provenance
 
 

@@ -11,8 +11,7 @@ import pytest
 
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
-from roadmend.networks.checkpoint import load_checkpoint
-from roadmend.networks.shipped import find_model
+from roadmend.networks.checkpoint import find_model, load_checkpoint
 from roadmend.policies.neural import NeuralPolicy, action_of
 from roadmend.policies.neural_kinds import KINDS
 from roadmend.policies.registry import make_policy

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from roadmend.core.errors import InputError
-from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
-from roadmend.networks.shipped import find_model, models_folder
+from roadmend.networks.checkpoint import find_model, load_checkpoint, models_folder, save_checkpoint
 from roadmend.policies.neural_kinds import KINDS
 from roadmend.policies.registry import make_policy
 from roadmend.world.families import sample_scenario

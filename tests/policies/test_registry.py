@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from roadmend.core.errors import InputError
-from roadmend.networks.shipped import find_model
+from roadmend.networks.checkpoint import find_model
 from roadmend.policies.parameters import ModularParameters
 from roadmend.policies.registry import POLICIES, make_policy
 

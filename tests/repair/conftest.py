@@ -2,7 +2,7 @@
 
 import pytest
 
-from roadmend.networks import shipped
+from roadmend.networks import checkpoint as shipped
 
 from .tiny_model import save_tiny_model
 

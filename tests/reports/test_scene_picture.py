@@ -21,7 +21,7 @@ from roadmend.core.scene import EgoState, ObjectKind, ObjectList
 from roadmend.reports.scene_layers import ASPHALT, Trail
 from roadmend.reports.scene_picture import SceneView, draw_scene
 from roadmend.reports.scene_timeline import SILENT, Band, Timeline, draw_timeline, rows_of
-from roadmend.world.map_view import LaneKind, LaneMap
+from roadmend.world.road_network import LaneKind, LaneMap
 
 Pixels = NDArray[np.uint8]
 

@@ -10,8 +10,7 @@ from roadmend.core.route import Route, Stage
 from roadmend.core.scene import EgoState, ObjectList, Scene
 from roadmend.repair.actions import ACTIONS
 from roadmend.training.adreft.configuration import ReinforcementSection
-from roadmend.training.adreft.exploring import ExploringRepair, link
-from roadmend.training.adreft.replay import ReplayMemory
+from roadmend.training.adreft.exploring import ExploringRepair, ReplayMemory, link
 
 X = np.linspace(0.0, 500.0, 11)
 ROUTE = Route("test", 4.7, 1.85, 480.0, 60.0, (Stage(X, 0.0 * X, np.full(11, 15.0)),), (), ())

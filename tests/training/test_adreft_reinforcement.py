@@ -14,8 +14,7 @@ from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.training.adreft.configuration import ModelSection, ReinforcementSection
 from roadmend.training.adreft.exploring import Rolled, Transitions, explore
-from roadmend.training.adreft.model_file import save_model
-from roadmend.training.adreft.network import AdreftNetwork, tensors_of
+from roadmend.training.adreft.network import AdreftNetwork, save_model, tensors_of
 from roadmend.training.adreft.reinforcement import ReinforcementStage, spread
 from roadmend.training.closed_loop import CaseResult, summarise
 from roadmend.training.device import choose_torch_device

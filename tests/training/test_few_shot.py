@@ -10,8 +10,7 @@ import torch
 
 from roadmend.core.errors import InputError
 from roadmend.measures.driving import DrivingMeasures
-from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
-from roadmend.networks.shipped import find_model
+from roadmend.networks.checkpoint import find_model, load_checkpoint, save_checkpoint
 from roadmend.policies.neural import NeuralPolicy
 from roadmend.training.few_shot import Origin, few_shot_repair, lessons_of, replay_lessons
 from roadmend.training.few_shot_settings import FewShotSettings, read_few_shot_settings

@@ -19,7 +19,7 @@ from roadmend.cli.table import show_rows
 from roadmend.core.fanout import fan_out
 from roadmend.core.whole_file import write_text, written_beside
 from roadmend.measures.identity import identity_of
-from roadmend.networks.shipped import find_model
+from roadmend.networks.checkpoint import find_model
 from roadmend.nodes.evaluation_episode import EvaluationJob
 from roadmend.policies.neural import load_model
 from roadmend.reports.cycle_page import cycle_chart, cycle_page, measure_rows

@@ -14,7 +14,7 @@ from roadmend.cli.sera_options import BANK, JSON
 from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
-from roadmend.networks.shipped import find_model
+from roadmend.networks.checkpoint import find_model
 from roadmend.sera.bank import Bank
 from roadmend.sera.evaluation_set import corpus_set, disjoint, known_in
 from roadmend.sera.recommendation import Stage, read_selection, scenarios_of

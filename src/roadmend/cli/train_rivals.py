@@ -15,8 +15,7 @@ from roadmend.cli.progress import counting, stages_of
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
 from roadmend.core.whole_file import write_text
-from roadmend.networks.checkpoint import load_checkpoint
-from roadmend.networks.shipped import SUFFIX, models_folder
+from roadmend.networks.checkpoint import SUFFIX, load_checkpoint, models_folder
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.self_oracle import KIND
 from roadmend.training.tuning import FORMAT, Tuned, Tuning

@@ -16,7 +16,7 @@ from roadmend.core.outcome import Event
 from roadmend.core.repair import Repair
 from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
 from roadmend.core.scene import COLUMNS, EgoState, ObjectList
-from roadmend.world.map_view import LaneMap
+from roadmend.world.road_network import LaneMap
 
 MAP_FRAME = "map"
 BASE_FRAME = "base_link"

@@ -11,9 +11,8 @@ from roadmend.core.tick import Tick
 from roadmend.nodes import convert
 from roadmend.nodes.episode_writer import EpisodeWriter
 from roadmend.recording.writer import BagWriter
-from roadmend.world.map_view import lanes_of
 from roadmend.world.network import network_file
-from roadmend.world.road_network import read_network
+from roadmend.world.road_network import lanes_of, read_network
 from roadmend.world.runner import EpisodeSummary
 from roadmend.world.scenario import Scenario
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from roadmend import __version__
 from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
-from roadmend.networks.shipped import find_model
+from roadmend.networks.checkpoint import find_model
 from roadmend.policies.neural import NeuralParameters
 from roadmend.policies.neural_kinds import KINDS
 from roadmend.policies.parameters import ModularParameters

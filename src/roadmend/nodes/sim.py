@@ -25,7 +25,7 @@ from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.odometry import OdometryWriter
 from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.spinning import run_node
-from roadmend.world.map_view import lanes_of
+from roadmend.world.road_network import lanes_of
 from roadmend.world.runner import EpisodeSummary, TrajectoryDigest, add_tick
 from roadmend.world.scenario_file import load_scenario
 from roadmend.world.simulation import Simulation

@@ -14,9 +14,8 @@ from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
-from roadmend.networks.checkpoint import Checkpoint, load_checkpoint
+from roadmend.networks.checkpoint import Checkpoint, find_model, load_checkpoint
 from roadmend.networks.compiled_encoder import CompiledHead
-from roadmend.networks.shipped import find_model
 from roadmend.policies.neural_kinds import KINDS, shapes_of
 from roadmend.policies.neural_observer import Observer
 from roadmend.policies.neural_tokens import may_change

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from roadmend.core.errors import InputError
 from roadmend.core.interfaces import Policy
-from roadmend.networks.shipped import SUFFIX, find_model
+from roadmend.networks.checkpoint import SUFFIX, find_model
 from roadmend.policies.modular import ModularPolicy
 from roadmend.policies.neural import NeuralParameters, NeuralPolicy
 from roadmend.policies.neural_kinds import KINDS

@@ -25,7 +25,7 @@ from roadmend.recording.values import (
     stamp_of,
     trajectory_of,
 )
-from roadmend.world.map_view import LaneMap
+from roadmend.world.road_network import LaneMap
 
 _TOPICS = {
     "ego": "nav_msgs/msg/Odometry",

@@ -21,10 +21,9 @@ from roadmend.core.parameters import Parameters
 from roadmend.core.repair import Proposal
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
-from roadmend.networks.checkpoint import load_checkpoint
+from roadmend.networks.checkpoint import find_model, load_checkpoint
 from roadmend.networks.compiled_encoder import CompiledHead
 from roadmend.networks.shape import HeadShape
-from roadmend.networks.shipped import find_model
 from roadmend.repair.parameters import ModelParameters
 from roadmend.repair.state_vector import SIZE, VERSION, state_vector
 

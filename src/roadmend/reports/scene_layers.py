@@ -23,7 +23,7 @@ from roadmend.core.command import Trajectory
 from roadmend.core.geometry import fill_corners
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
-from roadmend.world.map_view import LaneKind, LaneMap
+from roadmend.world.road_network import LaneKind, LaneMap
 
 Floats = NDArray[np.float64]
 

@@ -27,7 +27,7 @@ from roadmend.core.scene import EgoState, ObjectList
 from roadmend.reports import scene_layers
 from roadmend.reports.scene_layers import INK, MUTED, Canvas, Trail
 from roadmend.reports.scene_timeline import Timeline, draw_timeline, rows_of
-from roadmend.world.map_view import LaneMap
+from roadmend.world.road_network import LaneMap
 
 Floats = NDArray[np.float64]
 

@@ -9,9 +9,8 @@ from roadmend.core.whole_file import written_beside
 from roadmend.reports.scene_layers import Trail
 from roadmend.reports.scene_picture import SceneView, draw_scene
 from roadmend.safe.trial import Trial
-from roadmend.world.map_view import lanes_of
 from roadmend.world.network import network_file
-from roadmend.world.road_network import read_network
+from roadmend.world.road_network import lanes_of, read_network
 from roadmend.world.scenario import Scenario
 
 _DPI = 72

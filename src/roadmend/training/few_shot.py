@@ -21,8 +21,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper, fan_out
 from roadmend.measures.driving import DrivingMeasures
 from roadmend.measures.measured_run import measured_run
-from roadmend.networks.checkpoint import Checkpoint, Tensors, load_checkpoint, save_checkpoint
-from roadmend.networks.shipped import find_model
+from roadmend.networks.checkpoint import Checkpoint, Tensors, find_model, load_checkpoint, save_checkpoint
 from roadmend.policies.neural import NeuralPolicy, load_model
 from roadmend.repair.adreft.model import KIND
 from roadmend.training.few_shot_settings import FewShotSettings, ordinary_seeds

@@ -32,7 +32,7 @@ from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.measures.identity import identity_of
 from roadmend.measures.result_store import ResultStore
-from roadmend.networks.shipped import find_model
+from roadmend.networks.checkpoint import find_model
 from roadmend.nodes.evaluation_episode import EvaluatedEpisode, EvaluationJob, evaluate
 from roadmend.reports.result_files import provenance
 from roadmend.search.corpus_plan import LAST_FRESH

@@ -9,7 +9,7 @@ from roadmend.core.command import Decision
 from roadmend.core.repair import Proposal, Trigger
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
-from roadmend.networks.shipped import find_model
+from roadmend.networks.checkpoint import find_model
 from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.adreft.tokenizer import TokenSet

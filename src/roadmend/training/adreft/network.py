@@ -1,6 +1,9 @@
-"""The networks of ADReFT in torch, for training."""
+"""The networks of ADReFT in torch, for training, and the model files that are written of them."""
 
-from collections.abc import Mapping
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,8 +11,11 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from roadmend.networks.checkpoint import save_checkpoint
 from roadmend.networks.encoder import Head, SceneEncoder
 from roadmend.repair.adreft.configuration import ModelConfiguration
+from roadmend.repair.adreft.model import KIND
+from roadmend.training.closed_loop import EpisodeCase
 
 
 class AdreftNetwork(nn.Module):
@@ -56,3 +62,21 @@ def load_tensors(module: nn.Module, tensors: Mapping[str, NDArray[Any]], prefix:
             if name.startswith(prefix)
         }
     )
+
+
+def save_model(
+    path: Path, model: ModelConfiguration, tensors: Mapping[str, NDArray[Any]], threshold: float, **header: Any
+) -> str:
+    """Write a model of ADReFT; ``header`` adds to or replaces what every model's header has. Returns its digest.
+
+    Raises:
+        InputError: the place cannot be written.
+    """
+    configuration = {"model": model.model_dump(mode="json"), **header.pop("configuration", {})}
+    whole = {"kind": KIND, "threshold": threshold, "data_digest": "", "metrics": {}, "ancestry": [], **header}
+    return save_checkpoint(path, tensors, {**whole, "configuration": configuration})
+
+
+def digest_of_cases(cases: Sequence[EpisodeCase]) -> str:
+    """SHA-256 over the names and trajectories of cases, hexadecimal."""
+    return hashlib.sha256(json.dumps([[case.name, case.digest] for case in cases]).encode()).hexdigest()

@@ -24,7 +24,7 @@ from roadmend.training.adreft.counterfactual_stage import CounterfactualStage
 from roadmend.training.adreft.frames import FrameSet
 from roadmend.training.adreft.gathering import Recipe, gather_frames
 from roadmend.training.adreft.labels import make_scheme
-from roadmend.training.adreft.model_file import digest_of_cases, save_model
+from roadmend.training.adreft.network import digest_of_cases, save_model
 from roadmend.training.adreft.practice import PracticeFigures, PracticeStage
 from roadmend.training.adreft.random_case import random_cases
 from roadmend.training.adreft.reinforcement import ReinforcementStage, RoundFigures

@@ -22,8 +22,8 @@ from torch.utils.tensorboard import SummaryWriter
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
 from roadmend.repair.adreft.configuration import ModelConfiguration
+from roadmend.training.adreft.bystanders import forget
 from roadmend.training.adreft.configuration import PracticeSection
-from roadmend.training.adreft.forgetting import forget
 from roadmend.training.adreft.network import AdreftNetwork, load_tensors, tensors_of
 from roadmend.training.adreft.supervised import check_identity
 from roadmend.training.adreft.trial_set import TrialBatch, TrialSet

@@ -20,10 +20,8 @@ from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
 from roadmend.networks.encoder import Head
 from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.training.adreft.configuration import ReinforcementSection
-from roadmend.training.adreft.exploring import Roll, Rolled, Transitions, explore
-from roadmend.training.adreft.model_file import digest_of_cases, save_model
-from roadmend.training.adreft.network import load_tensors, tensors_of
-from roadmend.training.adreft.replay import ReplayMemory
+from roadmend.training.adreft.exploring import ReplayMemory, Roll, Rolled, Transitions, explore
+from roadmend.training.adreft.network import digest_of_cases, load_tensors, save_model, tensors_of
 from roadmend.training.adreft.supervised import check_identity
 from roadmend.training.closed_loop import EpisodeCase, Summary, evaluate_cases, summarise
 from roadmend.training.optimizer_state import load_optimizer, optimizer_tensors

@@ -34,7 +34,7 @@ from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.adreft.registry import make_tokenizer
 from roadmend.repair.adreft.tokenizer import Tokenizer, TokenSet
-from roadmend.training.adreft.blinding import BlindedPolicy, Blindness, draw_blindness
+from roadmend.training.adreft.blinded_policy import BlindedPolicy, Blindness, draw_blindness
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.adreft.trial_plan import Hold, TrialPlan
 from roadmend.training.closed_loop import EpisodeCase

@@ -3,7 +3,7 @@
 import numpy as np
 
 from roadmend.repair.adreft.rich_kernel import ATTRIBUTES, EGO, ENTER, FORECAST, GAP, MANNERS, PARTICIPANT, THEY_ENTER
-from roadmend.training.adreft.forgetting import bystanders, forget
+from roadmend.training.adreft.bystanders import bystanders, forget
 
 
 def scene():
