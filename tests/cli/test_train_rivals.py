@@ -1,14 +1,16 @@
 """``roadmend train self-oracle`` and ``roadmend train rivals`` on a corpus of a few random draws."""
 
 import random
+from dataclasses import replace
 
 import pytest
 import yaml
 
+from roadmend.cli import train_rivals
 from roadmend.cli.main import main
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
-from roadmend.training import tuning_grid
+from roadmend.training.tuning_grid import rivals_of
 from roadmend.world.corpus import Case, Corpus, save_corpus
 from roadmend.world.families import FAMILIES
 from roadmend.world.runner import run_episode
@@ -48,7 +50,9 @@ def corpus(tmp_path_factory):
 
 
 def test_the_autoencoder_and_the_settings_are_written(corpus, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(tuning_grid, "_RATES", (0.1, 0.01))
+    monkeypatch.setattr(
+        train_rivals, "rivals_of", lambda model: [replace(one, grid=one.grid[:2]) for one in rivals_of(model)]
+    )
     model, again, out = tmp_path / "oracle.safetensors", tmp_path / "2" / "oracle.safetensors", tmp_path / "tuned.yaml"
     base = ["train", "self-oracle", "--corpus", str(corpus), "--epochs", "2", "--workers", "1"]
     assert main([*base, "--out", str(model)]) == 0

@@ -156,7 +156,7 @@ def wait_until_driving(bags):
 
 def standing_in(scenario_file):
     """Long enough to break things in."""
-    return scenario_file("S3", 3, time_limit=7.0)
+    return scenario_file("S3", 3, time_limit=5.0)
 
 
 def test_a_killed_policy_means_a_controlled_stop_until_it_is_back(scenario_file, tmp_path):

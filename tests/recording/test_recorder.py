@@ -126,7 +126,7 @@ def test_nothing_is_missing_at_full_speed(record, publish, tmp_path, number):
 
 
 def test_diagnostics_tell_how_it_goes(record, publish, tmp_path):
-    recorder = record(exclude="^/image$")
+    recorder = record(exclude="^/image$", drain_limit=0.5)
     publisher = publish(10, 0)  # waits for ever, but its topics are there
     deadline = time.monotonic() + 30
     seen = []
@@ -215,8 +215,8 @@ def test_bad_parameters_end_with_one_line_and_code_2(record, parameters, line):
 def test_a_full_disk_is_reported_and_the_graph_goes_on(record, publish, tmp_path):
     limit = 2_000_000  # [bytes] that one file may have
     limited = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))}
-    witness = record(name="witness", include="^/diagnostics$")
-    recorder = record(limited, compression="none")
+    witness = record(name="witness", include="^/diagnostics$", drain_limit=0.5)
+    recorder = record(limited, compression="none", drain_limit=0.5)
     publisher = publish(COUNT, 0)
     assert publisher.stdout.readline() == "connected\n"
     assert publisher.stdout.readline() == "published\n"  # nothing holds it up

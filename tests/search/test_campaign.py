@@ -22,7 +22,7 @@ from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario_file import load_scenario
 from roadmend.world.space import sample
 
-SUSPECTS = [("S5", seed) for seed in (1182, 1133, 1161, *range(300))]  # collisions are found in a few tries
+SUSPECTS = [("S5", seed) for seed in (49, *range(300))]  # the first of them collides
 
 
 def plan(technique, family="S5", seed=1):

@@ -8,7 +8,7 @@ from harness.retrieval import draw_patterns
 from roadmend.sera.latent import fit_latent
 from roadmend.sera.vector_index import VectorIndex
 
-COUNT, QUERIES = 20_000, 60
+COUNT, QUERIES = 12_000, 60
 
 
 @pytest.fixture(scope="module")

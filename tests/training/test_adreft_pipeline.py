@@ -28,7 +28,14 @@ QUICK = {
     "model": SMALL,
     "frames": {"stride": 4, "validation_stride": 4},
     "supervised": {"epochs": 3, "learning_rate": 3e-3, "batch": 64},
-    "reinforcement": {"episodes": 4, "round": 2, "warm_up": 20, "validate_every": 2, "learning_rate": 1e-3},
+    "reinforcement": {
+        "episodes": 4,
+        "round": 2,
+        "warm_up": 20,
+        "validate_every": 2,
+        "learning_rate": 1e-3,
+        "updates_per_step": 0.1,
+    },
 }
 
 
@@ -70,13 +77,13 @@ def train(tmp_path, monkeypatch):
 
 
 def test_a_tiny_budget_saves_some_of_those_that_would_collide(train, tmp_path, capsys):
-    corpus = blind_corpus(16, 8)
+    corpus = blind_corpus(8, 4)
     assert train(corpus, LEARNING, "model.safetensors", "--only", "supervised") == 0
     assert "dE " in capsys.readouterr().out
     cases = corpus.select(split="validation")
     before = summarise(evaluate_cases(cases, "blind", "none"))
     after = summarise(evaluate_cases(cases, "blind", "adreft", {"model": str(tmp_path / "model.safetensors")}))
-    assert (before.violations, before.successes) == (8, 8)
+    assert (before.violations, before.successes) == (4, 4)
     assert before.delta_e == before.fix_loose == 0.0
     assert after.delta_e > 20.0
     metrics = load_checkpoint(tmp_path / "model.safetensors").header["metrics"]
@@ -85,7 +92,7 @@ def test_a_tiny_budget_saves_some_of_those_that_would_collide(train, tmp_path, c
 
 
 def test_foreseen_collisions_save_some_too(train, tmp_path):
-    corpus = blind_corpus(16, 8)
+    corpus = blind_corpus(8, 4)
     practice = {
         "method": "counterfactual",
         "epochs": 12,

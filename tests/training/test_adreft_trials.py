@@ -97,12 +97,12 @@ def test_a_case_that_is_driven_otherwise_is_refused():
 
 
 def test_a_blinded_policy_collides_where_it_would_not_and_sees_again_later():
-    case, plan = Drawn("S5", 3), TrialPlan(1, 0, 8, 4, 1)
+    case, plan = Drawn("S5", 3), TrialPlan(1, 0, 4, 4, 1)
     trials = try_case(case, RECIPE, plan)
     assert trials.outcomes[0] == int(EventKind.GOAL)
     collided = int((trials.outcomes[1:] == int(EventKind.COLLISION)).sum())
     assert collided >= 1
-    assert len(trials.outcomes) >= 1 + 8 + 1
+    assert len(trials.outcomes) >= 1 + 4 + 1
     again = try_case(case, RECIPE, plan)
     np.testing.assert_array_equal(again.tokens, trials.tokens)
 

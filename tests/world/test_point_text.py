@@ -32,7 +32,8 @@ def test_what_is_used_gives_the_same_scenario(name):
         used = used_parameters(family.build, point, seed)
         assert family.build(used, "x", seed) == family.build(point, "x", seed)
         assert len(used) < len(point)
-        changed = {key: sample(family.space, random.Random(seed + 1))[key] for key in point if key not in used}
+        other = sample(family.space, random.Random(seed + 1))
+        changed = {key: other[key] for key in point if key not in used}
         assert family.build(point | changed, "x", seed) == family.build(point, "x", seed)
 
 

@@ -86,7 +86,8 @@ def test_collisions_are_those_that_sumo_reports():
     met = shared = 0
     for family in FAMILIES:
         for seed in range(12):
-            with Simulation(sample_scenario(family, seed), report_collisions=True) as simulation:
+            scenario = change(sample_scenario(family, seed), time_limit=35.0)
+            with Simulation(scenario, report_collisions=True) as simulation:
                 tick, reported = simulation.first(), {}
                 while tick.final is None:
                     tick = simulation.step(Command(0.4 if tick.scene.ego.speed < 9.0 else 0.0, 0.0, True))
