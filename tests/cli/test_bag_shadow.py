@@ -116,10 +116,10 @@ def test_the_table_names_both(recorded, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        (["--repair", "rss", "--set", "rho=9"], "rss.rho: Input should be less than or equal to 3, got 9.0"),
+        (["--repair", "rss", "--set", "rho=9"], "rss.rho: input should be less than or equal to 3 (got 9.0)"),
         (["--repair", "rss", "--set", "rho"], "--set rho: is no NAME=VALUE; write for example --set rho=0.4"),
         (["--repair", "rss", "--set", "rho=["], "--set rho=[: is no NAME=VALUE"),
-        (["--repair", "rss", "--model", "m.safetensors"], "rss.model: unknown parameter"),
+        (["--repair", "rss", "--model", "m.safetensors"], "rss.model: is unknown; known are: rho"),
         (["--repair", "adreft", "--model", "m.safetensors"], "m.safetensors: no such model file"),
         (["--repair", "prayer"], "'prayer' is not one of"),
     ],
@@ -127,7 +127,7 @@ def test_the_table_names_both(recorded, tmp_path, capsys):
 def test_a_bad_choice_is_one_line_and_leaves_nothing(recorded, tmp_path, capsys, arguments, line):
     assert main(["bag", "shadow", str(recorded[0]), *arguments, "--out", str(tmp_path / "out")]) == 2
     (said,) = capsys.readouterr().err.splitlines()
-    assert line in said.replace("got 9;", "got 9.0;")
+    assert line in said.replace("(got 9)", "(got 9.0)")
     assert not list(tmp_path.iterdir())
 
 

@@ -87,7 +87,7 @@ def test_counts_are_shown(folder, capsys):
     ("arguments", "said"),
     [
         (["build", "--families", "S1,S9", "--searches", "x", "--out", "y"], "there is no 'S9'"),
-        (["build", "--plan", "nothing.yaml", "--searches", "x", "--out", "y"], "cannot be read"),
+        (["build", "--plan", "nothing.yaml", "--searches", "x", "--out", "y"], "no such file"),
         (["build", "--fresh-seed", "1", "--allow-partial", "--searches", "x", "--out", "y"], "--fresh-seed"),
         (["build", "--fresh-seed", "99999999", "--searches", "x", "--out", "y"], "is not in the range 0<=x<=2137482"),
         (["verify", "--corpus", "nothing.jsonl"], "no such file"),

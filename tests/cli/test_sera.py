@@ -102,9 +102,9 @@ def test_recommend_from_a_pattern_file(bank, tmp_path, capsys):
     [
         (None, "no such file"),
         ("[]", "holds no pattern"),
-        ("{", "cannot be read"),
+        ("{", "broken YAML"),
         ("[{name: x, where: {weather: hail}}]", "field [0].where.weather"),
-        ("[{name: x, colour: red}]", "field [0].colour: unexpected"),
+        ("[{name: x, colour: red}]", "field [0].colour is unknown"),
     ],
 )
 def test_a_bad_pattern_file_is_refused(bank, tmp_path, capsys, content, message):

@@ -156,9 +156,9 @@ class TestSettings:
     @pytest.mark.parametrize(
         ("text", "complaint"),
         [
-            ("[1, 2]", "holds no settings"),
-            ("a: [", "cannot be read"),
-            ("modell: gpt", "field modell"),
+            ("[1, 2]", "holds no fields"),
+            ("a: [", "broken YAML"),
+            ("modell: gpt", "field modell is unknown, did you mean model"),
             ("timeout: 0", "field timeout"),
             ("attempts: 0", "field attempts"),
             ("base_url: ftp://x", "field base_url"),
@@ -172,5 +172,5 @@ class TestSettings:
         assert KEY not in str(caught.value)
 
     def test_a_missing_file(self, tmp_path):
-        with pytest.raises(InputError, match="cannot be read"):
+        with pytest.raises(InputError, match="no such file"):
             read_openai_settings(tmp_path / "missing.yaml", {"OPENAI_API_KEY": KEY})

@@ -64,7 +64,7 @@ def test_an_unknown_method_is_refused_with_the_known_ones(name):
 
 
 def test_an_unknown_parameter_is_refused_with_the_known_ones():
-    with pytest.raises(InputError, match=r"rss\.roh: unknown parameter; known are: rho"):
+    with pytest.raises(InputError, match=r"rss\.roh: is unknown, did you mean rho\?; known are: rho"):
         make_repairer("rss", {"roh": 1.0})
     with pytest.raises(InputError, match="known are: none"):
         make_repairer("none", {"rho": 1.0})

@@ -1,12 +1,14 @@
 """The configuration of the training: its files, its ranges, and what it refuses."""
 
+import re
 from pathlib import Path
 
 import pytest
 import yaml
 
 from roadmend.core.errors import InputError
-from roadmend.training.adreft.configuration import Section, TrainingConfiguration, read_training_configuration
+from roadmend.core.parameters import Parameters
+from roadmend.training.adreft.configuration import TrainingConfiguration, read_training_configuration
 
 FOLDER = Path(__file__).parents[2] / "config" / "training"
 SECTIONS = ("model", "frames", "supervised", "practice", "reinforcement")
@@ -40,7 +42,7 @@ def test_the_papers_file_holds_the_papers_values():
 @pytest.mark.parametrize("section", SECTIONS)
 def test_every_setting_has_a_meaning_and_a_range(section):
     model = TrainingConfiguration.model_fields[section].annotation
-    assert issubclass(model, Section)
+    assert issubclass(model, Parameters)
     for name, info in model.model_fields.items():
         assert info.description, name
         if info.annotation in (int, float):
@@ -52,7 +54,7 @@ def test_every_setting_has_a_meaning_and_a_range(section):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("supervised: {epoch: 3}", "field supervised.epoch is unknown"),
+        ("supervised: {epoch: 3}", "field supervised.epoch is unknown, did you mean epochs?"),
         ("reinforcement: {gamma: 1.5}", "field reinforcement.gamma"),
         ("model: {monitor: [0]}", "field model.monitor"),
         ("practice: {forget: 0.3}", "practice.forget: only rich tokens"),
@@ -63,7 +65,7 @@ def test_every_setting_has_a_meaning_and_a_range(section):
 def test_a_bad_file_is_refused_in_one_line(tmp_path, text, words):
     path = tmp_path / "bad.yaml"
     path.write_text(text)
-    with pytest.raises(InputError, match=words.replace(".", r"\.")) as caught:
+    with pytest.raises(InputError, match=re.escape(words)) as caught:
         read_training_configuration(path)
     assert "\n" not in str(caught.value)
 

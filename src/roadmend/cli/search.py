@@ -4,17 +4,15 @@ import json
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import click
-import yaml
 from rich.table import Table
 
 from roadmend.cli.options import WORKERS
 from roadmend.cli.progress import counting
 from roadmend.cli.table import wide_console
-from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
+from roadmend.core.yaml_file import read_fields
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.registry import METHODS
 from roadmend.search.campaign import Campaign, Tally, run_campaign, tally
@@ -71,7 +69,9 @@ def search(
     The same settings give the same scenarios, whatever the number of workers. Every one that ends in such a collision
     is written to the folder, with the command that shows it again in ledger.jsonl.
     """
-    chosen = read_technique_parameters(technique, _read(file))
+    chosen = read_technique_parameters(
+        technique, read_fields(file, "give names and values, see config/search") if file else None
+    )
     campaign = Campaign(Subject(family, policy, method, seed), technique, chosen)
     with Ledger(out, campaign.settings) as ledger:
         with counting() as progress:
@@ -95,20 +95,6 @@ def search(
 
 def _label(violations: int) -> str:
     return f"{violations} violation{'' if violations == 1 else 's'}"
-
-
-def _read(path: Path | None) -> dict[str, Any]:
-    if path is None:
-        return {}
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(path), f"cannot be read ({error})", "give a readable YAML file") from None
-    except yaml.YAMLError:
-        raise InputError(str(path), "broken YAML", "mend the file") from None
-    if not isinstance(content, dict) or not all(isinstance(name, str) for name in content):
-        raise InputError(str(path), "holds no parameters", "give names and values, see config/search")
-    return content
 
 
 def _show(campaign: Campaign, found: Tally) -> None:

@@ -9,11 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import openai
-import yaml
 from openai.types.chat import ChatCompletion
-from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError
+from pydantic import ConfigDict, Field, SecretStr
 
 from roadmend.core.errors import InputError
+from roadmend.core.parameters import Parameters
+from roadmend.core.settings import check_settings
+from roadmend.core.yaml_file import read_fields
 from roadmend.language.chat import AnswerError, Image, RefusalError, Reply, Request, UnavailableError
 
 _LOGGER = logging.getLogger(__name__)
@@ -23,12 +25,13 @@ _ENVIRONMENT = {
     "embedding_model": "OPENAI_EMBEDDING_MODEL",
     "api_key": "OPENAI_API_KEY",
 }
+_MEND = "see config/language/openai.yaml"
 
 
-class OpenAISettings(BaseModel):
+class OpenAISettings(Parameters):
     """Where the endpoint is and how to ask it; the field's names are those of config/language/openai.yaml."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(strict=False, hide_input_in_errors=True)  # the input may be a key
 
     base_url: str = Field(default="https://api.openai.com/v1", pattern=r"^https?://")
     model: str = Field(default="gpt-4o", min_length=1)
@@ -41,32 +44,18 @@ class OpenAISettings(BaseModel):
 
 
 def read_openai_settings(file: Path | None, environment: Mapping[str, str] = os.environ) -> OpenAISettings:
-    """Settings from a file and the environment, which wins.
+    """Parameters from a file and the environment, which wins.
 
     Raises:
         InputError: the file is unusable, or there is no key.
     """
-    content: Any = {}
-    if file is not None:
-        try:
-            content = yaml.safe_load(file.read_text(encoding="utf-8")) or {}
-        except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-            problem = str(error).splitlines()[0]
-            raise InputError(str(file), f"cannot be read ({problem})", "see config/language/openai.yaml") from None
-        if not isinstance(content, dict):
-            raise InputError(str(file), "holds no settings", "see config/language/openai.yaml")
+    content = read_fields(file, _MEND) if file is not None else {}
     content |= {name: environment[variable] for name, variable in _ENVIRONMENT.items() if environment.get(variable)}
     if not content.get("api_key"):
         raise InputError(
             "OPENAI_API_KEY", "is not set", "set it in the environment; a local server that wants no key takes any word"
         )
-    try:
-        return OpenAISettings.model_validate(content)
-    except ValidationError as error:
-        first = error.errors(include_input=False)[0]  # the input may be a key
-        where = str(file) if file is not None else "environment"
-        name = ".".join(str(part) for part in first["loc"])
-        raise InputError(where, f"field {name}: {first['msg']}", "see config/language/openai.yaml") from None
+    return check_settings(content, OpenAISettings, str(file) if file is not None else "environment", _MEND)
 
 
 def client_of(settings: OpenAISettings) -> openai.OpenAI:

@@ -11,9 +11,10 @@ import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from roadmend.core.errors import InputError
+from roadmend.core.settings import check_parameters
 from roadmend.core.source_digest import source_digest
 from roadmend.policies.registry import POLICIES, make_policy
-from roadmend.repair.registry import METHODS, read_parameters
+from roadmend.repair.registry import METHODS
 
 _ALWAYS = ("roadmend.repair.guard", "roadmend.world.corpus", "roadmend.measures.case_jobs")
 
@@ -171,7 +172,7 @@ def resolve(plan: BenchmarkPlan, config: Path, policy: str, names: list[str]) ->
                 parameters["model"] = str(model)
                 digest = _digest(model.read_bytes())
             maker = METHODS[entry.method]
-            made = maker.make(read_parameters(entry.method, maker.parameters, parameters), 0)
+            made = maker.make(check_parameters(parameters, maker.parameters, entry.method), 0)
             code = source_digest([type(driver).__module__, type(made).__module__, *_ALWAYS])
             is_tuned = entry.tuned and name in tuned
             found.append(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from roadmend.core.source_digest import source_digest
 from roadmend.policies.registry import make_policy
-from roadmend.repair.registry import METHODS, read_parameters
+from roadmend.repair.registry import METHODS
 
 _ALWAYS = (
     "roadmend.repair.guard",
@@ -27,7 +27,7 @@ def identity_of(policy: str, method: str) -> str:
         InputError: there is no such policy, model file or method, or a model cannot be read.
     """
     driver, entry = make_policy(policy), METHODS[method]
-    made = entry.make(read_parameters(method, entry.parameters, None), 0)
+    made = entry.make(entry.parameters(), 0)
     content = [
         Path(policy).stem,
         getattr(driver, "model_digest", None),

@@ -14,6 +14,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
+from roadmend.core.settings import check_parameters
 from roadmend.networks.checkpoint import Checkpoint, find_model, load_checkpoint
 from roadmend.networks.compiled_encoder import CompiledHead
 from roadmend.policies.neural_kinds import KINDS, shapes_of
@@ -31,8 +32,12 @@ class NeuralParameters(Parameters):
 
     @classmethod
     def of(cls, kind: str, values: Mapping[str, Any] | None = None) -> Self:
-        """Those of a kind, whose model ships under the kind's name; ``values`` replace the defaults."""
-        return cls.model_validate({"model": kind, **(values or {})})
+        """Those of a kind, whose model ships under the kind's name; ``values`` replace the defaults.
+
+        Raises:
+            InputError: a name is unknown, or a value cannot be used.
+        """
+        return check_parameters({"model": kind, **(values or {})}, cls, f"policy.{kind}")
 
     @property
     def path(self) -> Path:

@@ -4,10 +4,9 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
-from pydantic import ValidationError
-
 from roadmend.core.errors import InputError
 from roadmend.core.interfaces import Policy
+from roadmend.core.settings import check_parameters
 from roadmend.networks.checkpoint import SUFFIX, find_model
 from roadmend.policies.modular import ModularPolicy
 from roadmend.policies.neural import NeuralParameters, NeuralPolicy
@@ -18,7 +17,7 @@ Values = Mapping[str, Any]
 
 
 def _modular(values: Values) -> Policy:
-    return ModularPolicy(ModularParameters.model_validate(dict(values)))
+    return ModularPolicy(check_parameters(values, ModularParameters, "policy.modular"))
 
 
 def _neural(kind: str, values: Values) -> Policy:
@@ -43,9 +42,4 @@ def make_policy(name: str, parameters: Values | None = None) -> Policy:
         raise InputError(
             "policy", f"there is no {name!r}", f"choose one of {', '.join(POLICIES)}, or give a model file"
         )
-    try:
-        return POLICIES[name](parameters or {})
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(["policy", name, *map(str, first["loc"])])
-        raise InputError(where, first["msg"], f"see config/policies/{name}.yaml for names and defaults") from None
+    return POLICIES[name](parameters or {})

@@ -3,11 +3,10 @@
 import math
 from dataclasses import dataclass
 
-import yaml
-
 from roadmend.core.errors import InputError
 from roadmend.core.geometry import nearest_distance
 from roadmend.core.outcome import EventKind
+from roadmend.core.yaml_file import parse_yaml
 from roadmend.policies.registry import POLICIES
 from roadmend.recording.reader import BagReader
 from roadmend.recording.ticks import BagTicks
@@ -73,8 +72,8 @@ def recorded_scenario(reader: BagReader) -> Scenario | None:
         return None
     where = f"{reader.path}: {name}"
     try:
-        content = yaml.safe_load(attachment.data)
-    except (yaml.YAMLError, UnicodeDecodeError):
+        content = parse_yaml(attachment.data, where)
+    except InputError:
         content = None
     if not isinstance(content, dict):
         raise InputError(where, "is no scenario", _MEND)

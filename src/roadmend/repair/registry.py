@@ -2,12 +2,11 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, TypeVar
-
-from pydantic import ValidationError
+from typing import Any
 
 from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
+from roadmend.core.settings import check_parameters
 from roadmend.repair.adreft.method import AdreftRepair
 from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.method import RepairMethod
@@ -28,8 +27,6 @@ from roadmend.repair.rss import RssRepair
 from roadmend.repair.rule import RuleRepair
 from roadmend.repair.self_oracle import ModelRepair
 
-Model = TypeVar("Model", bound=Parameters)
-
 
 @dataclass(frozen=True, slots=True)
 class MethodEntry:
@@ -48,24 +45,6 @@ METHODS: dict[str, MethodEntry] = {
     "model": MethodEntry(ModelParameters, lambda parameters, _seed: ModelRepair(parameters)),
     "adreft": MethodEntry(AdreftParameters, AdreftRepair),
 }
-
-
-def read_parameters(where: str, model: type[Model], values: Mapping[str, Any] | None) -> Model:
-    """Parameters from plain values.
-
-    Raises:
-        InputError: a name is unknown or a value is out of its range or of the wrong type.
-    """
-    try:
-        return model(**dict(values or {}))
-    except ValidationError as error:
-        first = error.errors()[0]
-        field = ".".join(str(part) for part in first["loc"]) or "parameters"
-        if first["type"] == "extra_forbidden":
-            known = ", ".join(model.model_fields) or "none"
-            raise InputError(f"{where}.{field}", "unknown parameter", f"known are: {known}") from error
-        meaning = model.model_fields[field].description if field in model.model_fields else "see the parameters"
-        raise InputError(f"{where}.{field}", f"{first['msg']}, got {first['input']!r}", f"{meaning}") from error
 
 
 def make_repairer(
@@ -88,5 +67,5 @@ def make_repairer(
     entry = METHODS.get(name)
     if entry is None:
         raise InputError("repair method", f"'{name}' is not available", f"choose one of: {', '.join(METHODS)}")
-    method = entry.make(read_parameters(name, entry.parameters, parameters), seed)
-    return GuardedRepairer(method, read_parameters("guard", GuardParameters, guard))
+    method = entry.make(check_parameters(parameters, entry.parameters, name), seed)
+    return GuardedRepairer(method, check_parameters(guard, GuardParameters, "guard"))

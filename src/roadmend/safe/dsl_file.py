@@ -8,6 +8,7 @@ import yaml
 
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import write_text
+from roadmend.core.yaml_file import parse_yaml
 from roadmend.safe.dsl import CrashScenario
 from roadmend.safe.dsl_data import dump_data, parse_data
 from roadmend.safe.dsl_text import dump_text, parse_text
@@ -84,31 +85,21 @@ def _parse_json(text: str, where: str) -> CrashScenario:
 
 
 def _read_yaml(text: str, where: str) -> tuple[Any, str, dict[str, int]]:
+    content = parse_yaml(text, where)
     lines: dict[str, int] = {}
-    try:
-        node = yaml.compose(text, Loader=yaml.SafeLoader)
-        content = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        place = f"{where}, line {mark.line + 1}" if mark is not None else where
-        problem = getattr(error, "problem", None) or "cannot be parsed"
-        raise InputError(place, f"broken YAML: {problem}", "mend the line") from None
+    node = yaml.compose(text, Loader=yaml.SafeLoader)
     if node is not None:
-        _note_lines(node, "", lines, where)
+        _note_lines(node, "", lines)
     return content, where, lines
 
 
-def _note_lines(node: yaml.Node, path: str, lines: dict[str, int], where: str) -> None:
+def _note_lines(node: yaml.Node, path: str, lines: dict[str, int]) -> None:
     lines.setdefault(path, node.start_mark.line + 1)
     if isinstance(node, yaml.MappingNode):
-        seen: set[str] = set()
         for key, value in node.value:
             name = f"{path}.{key.value}" if path else str(key.value)
-            if name in seen:
-                raise InputError(f"{where}, line {key.start_mark.line + 1}", f"field {name} is there twice", "keep one")
-            seen.add(name)
             lines[name] = key.start_mark.line + 1
-            _note_lines(value, name, lines, where)
+            _note_lines(value, name, lines)
     elif isinstance(node, yaml.SequenceNode):
         for index, value in enumerate(node.value):
-            _note_lines(value, f"{path}[{index}]", lines, where)
+            _note_lines(value, f"{path}[{index}]", lines)

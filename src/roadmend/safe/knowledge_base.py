@@ -4,61 +4,47 @@ import functools
 import importlib.resources
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import Annotated
 
-import yaml
+from pydantic import BeforeValidator, ConfigDict, Field, InstanceOf
 
+from roadmend.core.parameters import Parameters
+from roadmend.core.settings import check_settings
+from roadmend.core.yaml_file import parse_yaml
 from roadmend.safe.dsl import CrashScenario, Position, RoadType
 from roadmend.safe.dsl_data import parse_data
 
 
-@dataclass(frozen=True, slots=True)
-class WorkedExample:
-    """A made-up case with its analysis, step by step.
+class WorkedExample(Parameters):
+    """A made-up case with its analysis, step by step."""
 
-    Attributes:
-        directions: the vehicles' initial positions, by which it is found.
-        summary: the report's text.
-        analysis: how a careful reader gets from the text to the answer.
-        answer: the scenario.
-    """
+    model_config = ConfigDict(strict=False)
 
-    directions: tuple[Position, ...]
-    summary: str
-    analysis: str
-    answer: CrashScenario
+    directions: tuple[Position, ...] = Field(description="the vehicles' initial positions, by which it is found")
+    summary: str = Field(description="the report's text")
+    analysis: str = Field(description="how a careful reader gets from the text to the answer")
+    answer: Annotated[InstanceOf[CrashScenario], BeforeValidator(lambda content: parse_data(content, "answer"))]
 
 
-@dataclass(frozen=True, slots=True)
-class Template:
-    """How to analyse a crash on one type of road."""
+class Template(Parameters):
+    """How to analyse a crash on one type of road; a file of the folder knowledge."""
+
+    model_config = ConfigDict(strict=False)
 
     road_type: RoadType
     guidance: str
-    examples: tuple[WorkedExample, ...]
+    examples: tuple[WorkedExample, ...] = Field(min_length=1)
 
 
 @functools.cache
 def _templates() -> dict[RoadType, Template]:
     folder = importlib.resources.files(__package__).joinpath("knowledge")
     templates = [
-        _read(file.name, file.read_text(encoding="utf-8")) for file in folder.iterdir() if file.name.endswith(".yaml")
+        check_settings(parse_yaml(file.read_text(encoding="utf-8"), file.name), Template, file.name, "mend the file")
+        for file in folder.iterdir()
+        if file.name.endswith(".yaml")
     ]
     return {template.road_type: template for template in templates}
-
-
-def _read(name: str, text: str) -> Template:
-    content = yaml.safe_load(text)
-    examples = tuple(
-        WorkedExample(
-            tuple(Position(direction) for direction in example["directions"]),
-            example["summary"],
-            example["analysis"],
-            parse_data(example["answer"], name),
-        )
-        for example in content["examples"]
-    )
-    return Template(RoadType(content["road_type"]), content["guidance"], examples)
 
 
 def retrieve(road_type: RoadType, directions: Sequence[Position | None]) -> tuple[Template, WorkedExample]:

@@ -1,18 +1,18 @@
 """What a corpus is to hold and which searches are to find it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Literal
 
-import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
+from pydantic import Field, field_validator
 
 from roadmend.core.errors import InputError
+from roadmend.core.parameters import Parameters
+from roadmend.core.settings import read_settings
 from roadmend.search.campaign import Campaign
 from roadmend.search.evaluation import Subject
 from roadmend.search.registry import read_technique_parameters
 from roadmend.world.corpus import METHOD
-from roadmend.world.scenario_file import describe
 
 FRESH_SEED, FRESH_STRIDE = 10_000_000, 1000  # searches of fresh test sets: FRESH_SEED + FRESH_STRIDE * seed + k
 LAST_FRESH = (2**31 - 1 - FRESH_SEED) // FRESH_STRIDE - 1  # the greatest seed of one
@@ -20,11 +20,7 @@ _MEND = "see config/search/corpus.yaml for names and defaults"
 Technique = Literal["random", "avfuzzer", "behavexplor"]
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
-class SplitPlan(_Model):
+class SplitPlan(Parameters):
     """One split of one family: campaigns k = 0, 1, 2, ... until there are violations enough."""
 
     violations: int = Field(ge=0, le=100_000)
@@ -60,7 +56,7 @@ class SplitPlan(_Model):
 _CYCLE: tuple[Technique, ...] = ("avfuzzer", "avfuzzer", "behavexplor", "avfuzzer", "random")
 
 
-class CorpusPlan(_Model):
+class CorpusPlan(Parameters):
     """The splits of every family, in the order in which they take their pick."""
 
     most_campaigns: int = Field(40, ge=1, le=1000, description="of one split of one family")
@@ -109,20 +105,7 @@ def read_corpus_plan(path: Path | None) -> CorpusPlan:
     Raises:
         InputError: the file cannot be read, or a value is unknown or out of range.
     """
-    if path is None:
-        return CorpusPlan()
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(path), f"cannot be read ({error})", "give a readable YAML file") from None
-    except yaml.YAMLError:
-        raise InputError(str(path), "broken YAML", "mend the file") from None
-    if not isinstance(content, Mapping):
-        raise InputError(str(path), "holds no plan", _MEND)
-    try:
-        return CorpusPlan.model_validate(content)
-    except ValidationError as error:
-        raise InputError(str(path), describe(error), _MEND) from None
+    return CorpusPlan() if path is None else read_settings(path, CorpusPlan, _MEND)
 
 
 def fresh_plan(seed: int, cases: int) -> CorpusPlan:

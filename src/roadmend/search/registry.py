@@ -5,14 +5,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import ValidationError
-
 from roadmend.core.errors import InputError
+from roadmend.core.settings import check_parameters
 from roadmend.search.avfuzzer import AvFuzzer, AvFuzzerParameters
 from roadmend.search.behavexplor import BehAVExplor, BehAVExplorParameters
 from roadmend.search.random_draws import RandomDraws, RandomParameters
 from roadmend.search.technique import Technique, TechniqueParameters
-from roadmend.world.scenario_file import describe
 from roadmend.world.space import Space
 
 
@@ -39,11 +37,7 @@ def read_technique_parameters(name: str, values: Mapping[str, Any] | None = None
     """
     if name not in TECHNIQUES:
         raise InputError("technique", f"there is no {name!r}", f"choose one of {', '.join(TECHNIQUES)}")
-    try:
-        return TECHNIQUES[name].parameters.model_validate(dict(values or {}))
-    except ValidationError as error:
-        mend = f"see config/search/{name}.yaml for names and defaults"
-        raise InputError(f"technique {name}", describe(error), mend) from None
+    return check_parameters(values, TECHNIQUES[name].parameters, f"technique {name}")
 
 
 def make_technique(name: str, space: Space, seed: int, parameters: TechniqueParameters | None = None) -> Technique:

@@ -3,16 +3,13 @@
 from collections.abc import Sequence
 from typing import Protocol
 
-from pydantic import BaseModel, ConfigDict
-
+from roadmend.core import parameters
 from roadmend.search.evaluation import Trial
 from roadmend.world.space import Parameters
 
 
-class TechniqueParameters(BaseModel):
-    """Base of all: frozen, strict, and deaf to unknown names."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+class TechniqueParameters(parameters.Parameters):
+    """Base of what can be set."""
 
 
 class Technique(Protocol):

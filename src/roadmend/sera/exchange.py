@@ -8,11 +8,12 @@ from typing import Any
 from pydantic import ValidationError
 
 from roadmend.core.errors import InputError
+from roadmend.core.settings import describe
 from roadmend.core.whole_file import written_beside
 from roadmend.sera.bank import Bank
 from roadmend.sera.bank_file import DESCRIPTOR
-from roadmend.sera.descriptor import Entry
-from roadmend.world.scenario_file import describe, parse_scenario
+from roadmend.sera.descriptor import Descriptor, Entry
+from roadmend.world.scenario_file import parse_scenario
 
 FORMAT = "roadmend-bank-export/1"
 _KEYS = {"digest", "name", "origin", "descriptor", "scenario"}
@@ -83,7 +84,7 @@ def _parse(where: str, line: str) -> Entry:
     try:
         descriptor = DESCRIPTOR.validate_python(content["descriptor"], strict=False)
     except ValidationError as error:
-        raise InputError(where, describe(error), remedy) from None
+        raise InputError(where, describe(error, Descriptor), remedy) from None
     scenario = None if content["scenario"] is None else parse_scenario(content["scenario"], where)
     if scenario is not None and scenario.digest != content["digest"]:
         raise InputError(where, "has another digest than its scenario", remedy)

@@ -5,10 +5,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import yaml
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from roadmend.core.errors import InputError
+from roadmend.core.settings import describe
+from roadmend.core.yaml_file import read_yaml
 from roadmend.sera.descriptor import (
     Control,
     Density,
@@ -22,7 +23,6 @@ from roadmend.sera.descriptor import (
 )
 from roadmend.world.families import FamilyName
 from roadmend.world.scenario import DriverName, Weather
-from roadmend.world.scenario_file import describe
 
 _STRICT = ConfigDict(extra="forbid")
 
@@ -108,12 +108,7 @@ def read_patterns(given: str) -> list[FailurePattern]:
         if not given.strip():
             raise InputError("pattern", "is empty", "give a file or some words, as 'cut-in at an exit in rain'")
         return [FailurePattern(name=given, words=given)]
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(given, "no such file", _REMEDY) from None
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise InputError(given, f"cannot be read ({' '.join(str(error).split())})", _REMEDY) from None
+    content = read_yaml(path, _REMEDY)
     patterns = parse_patterns(content if isinstance(content, list) else [content], given)
     if not patterns:
         raise InputError(given, "holds no pattern", _REMEDY)
@@ -129,7 +124,7 @@ def parse_patterns(content: Sequence[object], where: str) -> list[FailurePattern
     try:
         return PATTERNS.validate_python(content)
     except ValidationError as error:
-        raise InputError(where, describe(error), _REMEDY) from None
+        raise InputError(where, describe(error, FailurePattern), _REMEDY) from None
 
 
 def dump_patterns(patterns: Sequence[FailurePattern]) -> str:

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from roadmend.core.parameters import Parameters
-from roadmend.training.imitation_configuration import read_section
+from roadmend.core.settings import read_settings
 from roadmend.world.families import FAMILIES
 
 
@@ -63,4 +63,4 @@ def read_few_shot_settings(path: Path) -> FewShotSettings:
     Raises:
         InputError: it cannot be read, or a name or value is unknown or out of range.
     """
-    return read_section(path, FewShotSettings, "config/training/few-shot.yaml")
+    return read_settings(path, FewShotSettings, "see config/training/few-shot.yaml")

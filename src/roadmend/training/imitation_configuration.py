@@ -1,23 +1,19 @@
 """Every hyper-parameter of a neural policy's training: the single source of default, range and meaning."""
 
 from pathlib import Path
-from typing import Literal, Self, TypeVar
+from typing import Literal, Self
 
-import yaml
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
+from roadmend.core.settings import read_settings
 from roadmend.networks.shape import EncoderShape, ExcerptShape, HeadShape, SetShape
 from roadmend.policies.neural_kinds import KINDS, AnyShape
 from roadmend.policies.neural_tokens import COLUMNS, OWN
 from roadmend.world.families import FAMILIES
-from roadmend.world.scenario_file import describe
 
 SEEDS_A_ROUND = 1000  # apart
-
-
-AnySection = TypeVar("AnySection", bound=Parameters)
 
 
 class Round(Parameters):
@@ -80,36 +76,13 @@ class ImitationConfiguration(Parameters):
         return range(begin, begin + self.rounds[number].episodes)
 
 
-def read_section(path: Path, section: type[AnySection], example: str) -> AnySection:
-    """Read a YAML file of settings; names that are left out keep their defaults.
-
-    Args:
-        path: the file.
-        section: what it holds.
-        example: a file with all names, for the message.
-
-    Raises:
-        InputError: it cannot be read, or a name or value is unknown or out of range.
-    """
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(path), f"cannot be read ({error})", "give a readable YAML file") from None
-    except yaml.YAMLError:
-        raise InputError(str(path), "broken YAML", "mend the file") from None
-    try:
-        return section.model_validate(content or {})
-    except ValidationError as error:
-        raise InputError(str(path), describe(error), f"see {example}") from None
-
-
 def read_imitation_configuration(path: Path) -> ImitationConfiguration:
     """Read a YAML file; names that are left out keep their defaults.
 
     Raises:
         InputError: it cannot be read, or a name or value is unknown or out of range.
     """
-    configuration = read_section(path, ImitationConfiguration, "config/training/policy-neural.yaml")
+    configuration = read_settings(path, ImitationConfiguration, "see config/training/policy-neural.yaml")
     if unknown := [name for name in configuration.families if name not in FAMILIES]:
         raise InputError(str(path), f"there is no family {unknown[0]!r}", f"choose from {', '.join(FAMILIES)}")
     return configuration

@@ -1,15 +1,15 @@
 """Scenarios on disk: YAML in, YAML out, errors in one line."""
 
-import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import yaml
-from pydantic import ValidationError
 
 from roadmend.core.errors import InputError
+from roadmend.core.settings import check_settings
 from roadmend.core.whole_file import write_text
+from roadmend.core.yaml_file import read_yaml
 from roadmend.world.scenario import NetworkFile, Scenario, SumoConfiguration
 
 SUFFIXES = frozenset({".yaml", ".yml"})
@@ -21,21 +21,7 @@ def load_scenario(path: Path) -> Scenario:
     Raises:
         InputError: the file is missing, is no YAML, or a field of it is unusable.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise InputError(
-            str(path), "no such file", "give the path of a scenario; 'roadmend sample' makes one"
-        ) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(path), f"cannot be read ({error})", "give a readable UTF-8 text file") from None
-    try:
-        content = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        line = f" at line {mark.line + 1}" if mark is not None else ""
-        problem = getattr(error, "problem", None) or "cannot be parsed"
-        raise InputError(str(path), f"broken YAML{line}: {problem}", "mend the line") from None
+    content = read_yaml(path, "give the path of a scenario; 'roadmend sample' makes one")
     if not isinstance(content, Mapping):
         raise InputError(str(path), "holds no fields", "see 'roadmend schema' for what a scenario has")
     scenario = parse_scenario(content, str(path))
@@ -70,36 +56,7 @@ def parse_scenario(content: Mapping[str, Any], where: str) -> Scenario:
     Raises:
         InputError: names the first field at fault.
     """
-    try:
-        return Scenario.model_validate(content)
-    except ValidationError as error:
-        raise InputError(where, describe(error), "see 'roadmend schema' for what is allowed") from None
-
-
-def describe(error: ValidationError) -> str:
-    """The faults of a validation error as one line: the first one, and how many more there are."""
-    faults = error.errors()
-    first = faults[0]
-    place = _place(first["loc"])
-    if first["type"] == "extra_forbidden":
-        text = f"field {place} is unknown"
-    elif first["type"] == "missing":
-        text = f"field {place} is missing"
-    else:
-        message = first["msg"].removeprefix("Value error, ")
-        message = message[:1].lower() + message[1:]
-        given = first.get("input")
-        shown = f" (got {json.dumps(given)})" if isinstance(given, str | int | float | bool) else ""
-        text = f"field {place}: {message}{shown}" if place else message
-    more = len(faults) - 1
-    return text + (f" (and {more} more)" if more else "")
-
-
-def _place(location: Sequence[int | str]) -> str:
-    place = ""
-    for part in location:
-        place += f"[{part}]" if isinstance(part, int) else f".{part}" if place else part
-    return place
+    return check_settings(content, Scenario, where, "see 'roadmend schema' for what is allowed")
 
 
 def _with_absolute_paths(scenario: Scenario, base: Path) -> Scenario:

@@ -30,6 +30,7 @@ from roadmend.cli.options import WORKERS
 from roadmend.cli.resources import config_folder
 from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError, RoadmendError
+from roadmend.core.settings import describe
 from roadmend.measures.identity import identity_of
 from roadmend.measures.result_store import ResultStore
 from roadmend.networks.checkpoint import find_model
@@ -47,7 +48,6 @@ from roadmend.training.workers import open_mapper
 from roadmend.world.corpus import Corpus
 from roadmend.world.network import cache_folder
 from roadmend.world.scenario import Scenario
-from roadmend.world.scenario_file import describe
 
 _INCIDENTS: TypeAdapter[list[Incident]] = TypeAdapter(list[Incident])
 

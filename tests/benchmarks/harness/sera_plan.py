@@ -10,13 +10,13 @@ import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from roadmend.core.errors import InputError
+from roadmend.core.settings import describe
 from roadmend.sera.describe import entry_of, entry_of_case
 from roadmend.sera.descriptor import Entry
 from roadmend.sera.evaluation_set import Known, content_digest
 from roadmend.world.corpus import Corpus, load_corpus
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario import Scenario
-from roadmend.world.scenario_file import describe
 
 _QUICK = "quick"
 

@@ -5,9 +5,10 @@ import importlib.resources
 import re
 from dataclasses import dataclass
 
-import yaml
-
+from roadmend.core.yaml_file import parse_yaml
 from roadmend.safe.dsl import Model
+
+_FILE = "vehicle_models.yaml"
 
 _MAKE_ALIASES = {
     "chevy": "chevrolet",
@@ -129,11 +130,11 @@ class Name:
 
 @functools.cache
 def _table() -> dict[str, dict[str, Model]]:
-    content = importlib.resources.files(__package__).joinpath("vehicle_models.yaml").read_text(encoding="utf-8")
+    content = importlib.resources.files(__package__).joinpath(_FILE).read_text(encoding="utf-8")
     return {
         make: {str(name): Model(body) for body, names in bodies.items() if body != "any" for name in names}
         | ({"": Model(bodies["any"])} if "any" in bodies else {})
-        for make, bodies in yaml.safe_load(content).items()
+        for make, bodies in parse_yaml(content, _FILE).items()
     }
 
 

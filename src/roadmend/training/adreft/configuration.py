@@ -7,15 +7,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-import yaml
 from pydantic import Field, ValidationError, model_validator
 
 from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
+from roadmend.core.settings import check_settings, describe
+from roadmend.core.yaml_file import read_fields
 from roadmend.networks.shape import EncoderShape
 from roadmend.repair.adreft.configuration import Deciding, ModelConfiguration
 from roadmend.repair.adreft.registry import make_tokenizer
-from roadmend.world.scenario_file import describe
 
 LearningRate = Annotated[float, Field(gt=0.0, le=1.0, description="learning rate")]
 
@@ -246,21 +246,13 @@ def read_training_configuration(path: Path, changes: Mapping[str, Any] | None = 
     Raises:
         InputError: the file is missing, is no YAML, or a field of it is unusable.
     """
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(str(path), "no such file", "see config/training for examples") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(path), f"cannot be read ({error})", "give a readable YAML file") from None
-    except yaml.YAMLError:
-        raise InputError(str(path), "broken YAML", "mend the file") from None
-    try:
-        content = content if content is not None else {}
-        for name, value in (changes or {}).items():
-            section, _, field = name.partition(".")
-            content = content | {section: content.get(section, {}) | ({field: value} if field else value)}
-        return TrainingConfiguration.model_validate(content)
-    except (TypeError, AttributeError):
-        raise InputError(str(path), "its sections are no mappings", "see config/training/adreft.yaml") from None
-    except ValidationError as error:
-        raise InputError(str(path), describe(error), "see config/training/adreft.yaml for names and ranges") from None
+    content = read_fields(path, "see config/training for examples")
+    for name, value in (changes or {}).items():
+        section, _, field = name.partition(".")
+        fields = content.get(section) or {}
+        if not isinstance(fields, dict):
+            raise InputError(str(path), f"{section} is no section", "see config/training/adreft.yaml")
+        content[section] = fields | ({field: value} if field else value)
+    return check_settings(
+        content, TrainingConfiguration, str(path), "see config/training/adreft.yaml for names and ranges"
+    )
