@@ -13,4 +13,5 @@ class Parameters(BaseModel):
     @field_validator("*", mode="before")
     @classmethod
     def _from_list(cls, value: Any) -> Any:
-        return tuple(value) if isinstance(value, list) else value  # neither YAML nor ROS has tuples
+        """Neither YAML nor JSON nor ROS has tuples."""
+        return tuple(map(cls._from_list, value)) if isinstance(value, list) else value

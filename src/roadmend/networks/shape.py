@@ -2,18 +2,14 @@
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
+
+from roadmend.core.parameters import Parameters
 
 Width = Annotated[int, Field(ge=1, le=4096)]
 
 
-class Shape(BaseModel):
-    """Base of all: frozen, strict, and deaf to unknown names."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
-
-
-class EncoderShape(Shape):
+class EncoderShape(Parameters):
     """A BERT-style encoder of a set of tokens (Devlin et al. 2019; ADReFT, section 4.1, "state encoder").
 
     It has no positions: a scene is a set, and every token carries its own place.
@@ -40,7 +36,7 @@ class EncoderShape(Shape):
         return self.hidden
 
 
-class SetShape(Shape):
+class SetShape(Parameters):
     """A Deep Sets encoder (Zaheer et al. 2017): the same perceptron on every token, and the largest value of each output.
 
     What the first token, the ego's, came to stands beside the largest values.
@@ -61,7 +57,7 @@ class SetShape(Shape):
         return 2 * self.outputs
 
 
-class ExcerptShape(Shape):
+class ExcerptShape(Parameters):
     """No network: some columns of some of the first tokens, one after another. Everything else stays unseen."""
 
     attributes: int = Field(ge=1, le=256, description="c, attributes of a token")
@@ -73,7 +69,7 @@ class ExcerptShape(Shape):
         return len(self.places)
 
 
-class HeadShape(Shape):
+class HeadShape(Parameters):
     """A multi-layer perceptron with a rectifier after every layer but the last."""
 
     inputs: Width = Field(description="width of the input")
