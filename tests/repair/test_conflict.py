@@ -5,9 +5,9 @@ import pytest
 
 from roadmend.core.command import Trajectory
 from roadmend.repair.conflict import shared_ground, way_coordinates
-from roadmend.repair.path import PathFinder
+from roadmend.repair.planned_path import PathFinder
 
-from .playground import ego_at, straight_route
+from .playground import Box, ego_at, object_list, straight_route
 
 
 @pytest.mark.parametrize("yaw", [-2.0, 0.0, 0.7, 3.0])
@@ -36,7 +36,8 @@ def share(x, y, yaw, speed=8.0, ahead=50.0):
     finder = PathFinder()
     finder.reset(straight_route())
     path = finder.find(ego_at(), Trajectory.empty(), 60.0)
-    return shared_ground(path.points, path.count, path.zero, 1.8, x, y, yaw, speed, 0.0, 4.0, ahead)
+    other = object_list([Box(1, x, y, yaw, speed)]).table[0]
+    return shared_ground(path, other, 1.8, 4.0, ahead)
 
 
 def test_a_crossing_way_shares_as_much_as_both_are_wide():

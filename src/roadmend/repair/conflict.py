@@ -1,14 +1,11 @@
 """Where the predicted way of an object and the planned path of the ego share ground, and when."""
 
 import math
+from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-from roadmend.core.geometry import wrap_angle
+from roadmend.core.geometry import Outline, wrap_angle
 from roadmend.core.jit import compiled
-
-Floats = NDArray[np.float64]
+from roadmend.repair.planned_path import PlannedPath
 
 _STRAIGHT = 0.05  # [rad/s] below this yaw rate an object goes straight on
 
@@ -34,34 +31,28 @@ def way_coordinates(
     return abs(radius) * swept, offset, yaw + (swept if yaw_rate > 0.0 else -swept)
 
 
+class SharedGround(NamedTuple):
+    """A stretch of the ego's path that lies in the swath of an object's way."""
+
+    begin: float  # [m] along the path; inf where the two share nothing
+    end: float  # [m] along the path
+    least: float  # [m] along the object's way
+    greatest: float  # [m] along the object's way
+    turned: float  # [rad] heading of that way relative to the path where the stretch begins
+
+
 @compiled
-def shared_ground(
-    points: Floats,
-    count: int,
-    zero: int,
-    half_swath: float,
-    x: float,
-    y: float,
-    yaw: float,
-    speed: float,
-    yaw_rate: float,
-    behind: float,
-    ahead: float,
-) -> tuple[float, float, float, float, float]:
+def shared_ground(path: PlannedPath, other: Outline, half_swath: float, behind: float, ahead: float) -> SharedGround:
     """The first stretch of the path ahead that lies in the swath of an object's way.
 
     ``half_swath`` is half the sum of both widths [m]; points from ``behind`` [m] behind the object's centre to
     ``ahead`` [m] along its way count.
-
-    Returns:
-        Begin and end of the stretch along the path [m], the least and the greatest distance along the object's way
-        [m], and the heading of that way relative to the path at the stretch's begin [rad]; begin is inf where the two
-        share nothing.
     """
+    points = path.points
     begin, end, least, greatest, turned = math.inf, math.inf, math.inf, -math.inf, 0.0
-    for index in range(zero, count):
+    for index in range(path.zero, path.size):
         px, py = points[0, index], points[1, index]
-        along, aside, heading = way_coordinates(px, py, x, y, yaw, speed, yaw_rate)
+        along, aside, heading = way_coordinates(px, py, other.x, other.y, other.yaw, other.speed, other.yaw_rate)
         if abs(aside) < half_swath and -behind <= along <= ahead:
             if begin == math.inf:
                 begin = points[2, index]
@@ -70,4 +61,4 @@ def shared_ground(
             least, greatest = min(least, along), max(greatest, along)
         elif begin < math.inf:
             break
-    return begin, end, least, greatest, turned
+    return SharedGround(begin, end, least, greatest, turned)

@@ -7,15 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.command import Decision
-from roadmend.core.geometry import corner_distance, fill_corners
-from roadmend.core.jit import compiled
+from roadmend.core.geometry import corner_distance, fill_outline
+from roadmend.core.jit import compiled, unnamed
 from roadmend.core.repair import Proposal, Trigger
 from roadmend.core.route import Route
-from roadmend.core.scene import Scene
+from roadmend.core.scene import EgoState, Objects, Scene
+from roadmend.repair.contact import Forecast, first_contact, is_follower, merit, roll_object
 from roadmend.repair.latch import Latch
 from roadmend.repair.parameters import PredictiveParameters
-from roadmend.repair.path import PathFinder, planned_position
-from roadmend.repair.rollout import first_contact, is_follower, merit, roll_object
+from roadmend.repair.planned_path import PathFinder, PlannedPath, planned_position
 
 Floats = NDArray[np.float64]
 
@@ -35,197 +35,67 @@ class Manner(NamedTuple):
 
 
 @compiled
-def _margins(
-    points: Floats,
-    count: int,
-    reach: float,
-    x: float,
-    y: float,
-    yaw: float,
-    ego_length: float,
-    ego_width: float,
-    other_x: Floats,
-    other_y: Floats,
-    other_yaw: Floats,
-    other_speed: Floats,
-    length: Floats,
-    width: Floats,
-    margin: float,
-    horizon: float,
-) -> Floats:
+def _margins(path: PlannedPath, ego: EgoState, objects: Objects, reach: float, margin: float, horizon: float) -> Floats:
     """Gap [m] that each of N objects must keep, shape (N,); negative for those that play no part.
 
     Never more than half the gap there is now: something that stands close beside the ego blocks it only if the two
     would come closer still, so a stopped ego can always leave what is not in its path.
     """
-    required = np.full(other_x.shape[0], -1.0)
+    required = np.full(objects.shape[0], -1.0)
     own = np.empty((4, 2), dtype=np.float64)
     their = np.empty((4, 2), dtype=np.float64)
-    own_radius = 0.5 * math.hypot(ego_length, ego_width)
-    fill_corners(own, x, y, yaw, ego_length, ego_width)
-    for index in range(other_x.shape[0]):
-        gap = math.hypot(other_x[index] - x, other_y[index] - y)
-        gap -= own_radius + 0.5 * math.hypot(length[index], width[index])
-        if gap > reach + abs(other_speed[index]) * horizon + margin:
-            continue
-        if is_follower(
-            points,
-            count,
-            ego_length,
-            ego_width,
-            other_x[index],
-            other_y[index],
-            other_yaw[index],
-            length[index],
-            width[index],
-        ):
+    own_radius = 0.5 * math.hypot(ego.length, ego.width)
+    fill_outline(own, ego)
+    for index in range(objects.shape[0]):
+        other = objects[index]
+        gap = math.hypot(other.x - ego.x, other.y - ego.y)
+        gap -= own_radius + 0.5 * math.hypot(other.length, other.width)
+        if gap > reach + abs(other.speed) * horizon + margin or is_follower(path, ego, other):
             continue
         required[index] = margin
         if gap < 2.0 * margin:
-            fill_corners(their, other_x[index], other_y[index], other_yaw[index], length[index], width[index])
+            fill_outline(their, other)
             required[index] = min(margin, 0.5 * corner_distance(own, their))
     return required
 
 
 @compiled
-def predict(
-    points: Floats,
-    count: int,
-    zero: int,
-    progress: Floats,
-    plan_interval: float,
-    tail_speed: float,
-    speed: float,
-    ego_length: float,
-    ego_width: float,
-    x: Floats,
-    y: Floats,
-    yaw: Floats,
-    other_speed: Floats,
-    acceleration: Floats,
-    yaw_rate: Floats,
-    length: Floats,
-    width: Floats,
-    manner: Manner,
-) -> tuple[int, int, int, int]:
+def predict(path: PlannedPath, ego: EgoState, objects: Objects, manner: Manner) -> tuple[int, int, int, int]:
     """Outcome (CLEAR .. IN_VAIN), step and object of the planned contact, and braking in fifths of the full brake."""
+    path, ego, manner = PlannedPath(*path), EgoState(*ego), Manner(*manner)
     steps, interval = manner.steps, manner.interval
     horizon = steps * interval
-    reach = max(planned_position(progress, plan_interval, tail_speed, horizon), 0.0)
-    required = _margins(
-        points,
-        count,
-        reach,
-        points[0, zero],
-        points[1, zero],
-        points[3, zero],
-        ego_length,
-        ego_width,
-        x,
-        y,
-        yaw,
-        other_speed,
-        length,
-        width,
-        manner.margin,
-        horizon,
-    )
-    poses = np.empty((x.shape[0], 2 * steps + 1, 4), dtype=np.float64)
-    for index in range(x.shape[0]):
+    reach = max(planned_position(path, horizon), 0.0)
+    required = _margins(path, ego, objects, reach, manner.margin, horizon)
+    poses = np.empty((objects.shape[0], 2 * steps + 1, 4), dtype=np.float64)
+    for index in range(objects.shape[0]):
         if required[index] >= 0.0:
-            poses[index, 0, 0], poses[index, 0, 1] = x[index], y[index]
-            poses[index, 0, 2], poses[index, 0, 3] = yaw[index], other_speed[index]
-            slow = min(0.0, acceleration[index]) if manner.slowing else 0.0
-            roll_object(poses[index], 0, steps, yaw_rate[index] if manner.turning else 0.0, slow, interval)
-    contact, focus = first_contact(
-        points,
-        count,
-        progress,
-        plan_interval,
-        tail_speed,
-        speed,
-        ego_length,
-        ego_width,
-        -1.0,
-        poses,
-        length,
-        width,
-        required,
-        0,
-        steps,
-        -1,
-        interval,
-    )
+            other = objects[index]
+            poses[index, 0, 0], poses[index, 0, 1] = other.x, other.y
+            poses[index, 0, 2], poses[index, 0, 3] = other.yaw, other.speed
+            slow = min(0.0, other.acceleration) if manner.slowing else 0.0
+            roll_object(poses[index], 0, steps, other.yaw_rate if manner.turning else 0.0, slow, interval)
+    forecast = Forecast(objects, poses, required, interval)
+    contact, focus = first_contact(path, ego, -1.0, forecast, 0, steps, -1)
     if contact < 0:
         return CLEAR, -1, -1, 0
     if not manner.adaptive:
         return AVOIDED, contact, focus, 5
 
-    slow = min(0.0, acceleration[focus]) if manner.slowing else 0.0
-    roll_object(poses[focus], steps, 2 * steps, yaw_rate[focus] if manner.turning else 0.0, slow, interval)
+    slow = min(0.0, objects[focus].acceleration) if manner.slowing else 0.0
+    turning = objects[focus].yaw_rate if manner.turning else 0.0
+    roll_object(poses[focus], steps, 2 * steps, turning, slow, interval)
     for fifths in range(6):
         deceleration = 0.2 * fifths * manner.full_brake
-        step, _ = first_contact(
-            points,
-            count,
-            progress,
-            plan_interval,
-            tail_speed,
-            speed,
-            ego_length,
-            ego_width,
-            deceleration,
-            poses,
-            length,
-            width,
-            required,
-            0,
-            steps,
-            -1,
-            interval,
-        )
+        step, _ = first_contact(path, ego, deceleration, forecast, 0, steps, -1)
         if step < 0:
-            step, _ = first_contact(
-                points,
-                count,
-                progress,
-                plan_interval,
-                tail_speed,
-                speed,
-                ego_length,
-                ego_width,
-                deceleration,
-                poses,
-                length,
-                width,
-                required,
-                steps + 1,
-                2 * steps,
-                focus,
-                interval,
-            )
+            step, _ = first_contact(path, ego, deceleration, forecast, steps + 1, 2 * steps, focus)
         if step < 0:
             return AVOIDED, contact, focus, fifths
 
     best, chosen = -math.inf, -1
     for fifths in range(-1, 6):
-        value = merit(
-            points,
-            count,
-            progress,
-            plan_interval,
-            tail_speed,
-            speed,
-            ego_length,
-            ego_width,
-            0.2 * fifths * manner.full_brake,
-            poses,
-            length,
-            width,
-            required,
-            steps,
-            interval,
-        )
+        value = merit(path, ego, 0.2 * fifths * manner.full_brake, forecast, steps)
         if value > best or (value == best and fifths > 0):  # of equals the strongest, but nothing before rolling on
             best, chosen = value, fifths
     if chosen < 0:
@@ -281,26 +151,7 @@ class PredictiveRepair:
         manner = self._held_manner if self._latch.is_on else self._manner
         speed = max(0.0, ego.speed)
         path = self._finder.find(ego, decision.trajectory, 20.0 + (speed + 2.0) * manner.steps * manner.interval)
-        outcome, step, index, fifths = predict(
-            path.points,
-            path.count,
-            path.zero,
-            path.progress,
-            path.interval,
-            path.tail_speed,
-            speed,
-            ego.length,
-            ego.width,
-            objects.x,
-            objects.y,
-            objects.yaw,
-            objects.speed,
-            objects.acceleration,
-            objects.yaw_rate,
-            objects.length,
-            objects.width,
-            manner,
-        )
+        outcome, step, index, fifths = predict(unnamed(path), unnamed(ego), objects.table, unnamed(manner))
         if outcome == CLEAR:
             return self._idle
         number, time = int(objects.id[index]), step * parameters.interval

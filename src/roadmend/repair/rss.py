@@ -3,12 +3,13 @@
 import numpy as np
 
 from roadmend.core.command import Decision
+from roadmend.core.jit import unnamed
 from roadmend.core.repair import Proposal, Trigger
 from roadmend.core.route import RightOfWay, Route
 from roadmend.core.scene import Scene, Signal
 from roadmend.repair.latch import Latch
 from roadmend.repair.parameters import RssParameters
-from roadmend.repair.path import PathFinder, PlannedPath
+from roadmend.repair.planned_path import PathFinder, PlannedPath
 from roadmend.repair.rss_kernel import appraise
 from roadmend.repair.rss_law import Law
 
@@ -77,27 +78,8 @@ class RssRepair:
         threshold = -parameters.release if held else 0.0
         ahead = 30.0 + speed * (parameters.horizon + parameters.rho)
         path = self._finder.find(ego, decision.trajectory, ahead)
-        found = appraise(
-            path.points,
-            path.count,
-            path.zero,
-            path.progress,
-            path.interval,
-            path.tail_speed,
-            self._zones,
-            self._mark_zones(path, scene),
-            speed,
-            ego.length,
-            ego.width,
-            objects.x,
-            objects.y,
-            objects.yaw,
-            objects.speed,
-            objects.yaw_rate,
-            objects.length,
-            objects.width,
-            law,
-        )
+        zones = self._zones[: self._mark_zones(path, scene)]
+        found = appraise(unnamed(path), zones, speed, unnamed(ego), objects.table, unnamed(law))
         scores = found[:, 1]
         worst = int(scores.argmax())
         score = float(scores[worst])

@@ -2,48 +2,33 @@
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from roadmend.core.command import Decision
-from roadmend.core.jit import compiled
+from roadmend.core.jit import compiled, unnamed
 from roadmend.core.repair import Proposal, Trigger
 from roadmend.core.route import Route
-from roadmend.core.scene import Scene
+from roadmend.core.scene import EgoState, Objects, Scene
 from roadmend.repair.actions import braking_action
 from roadmend.repair.parameters import RuleParameters
-from roadmend.repair.path import PathFinder, coordinates_on
-
-Floats = NDArray[np.float64]
+from roadmend.repair.planned_path import PathFinder, PlannedPath, coordinates_on
 
 
 @compiled
-def object_ahead(
-    points: Floats,
-    count: int,
-    speed: float,
-    ego_length: float,
-    ego_width: float,
-    side_margin: float,
-    x: Floats,
-    y: Floats,
-    yaw: Floats,
-    other_speed: Floats,
-    length: Floats,
-    width: Floats,
-) -> tuple[int, float, float]:
+def object_ahead(path: PlannedPath, ego: EgoState, objects: Objects, side_margin: float) -> tuple[int, float, float]:
     """The nearest of N objects in the ego's swath: index (-1: none), gap along the path [m], closing speed [m/s]."""
+    path, ego = PlannedPath(*path), EgoState(*ego)
     found, least, closing = -1, math.inf, 0.0
-    for index in range(x.shape[0]):
-        s, d, turned = coordinates_on(points, count, x[index], y[index], yaw[index])
+    for index in range(objects.shape[0]):
+        other = objects[index]
+        s, d, turned = coordinates_on(path, other.x, other.y, other.yaw)
         cosine, sine = abs(math.cos(turned)), abs(math.sin(turned))
-        half_length = 0.5 * (length[index] * cosine + width[index] * sine)
-        half_width = 0.5 * (length[index] * sine + width[index] * cosine)
-        if s <= 0.0 or s >= points[2, count - 1] or abs(d) > 0.5 * ego_width + half_width + side_margin:
+        half_length = 0.5 * (other.length * cosine + other.width * sine)
+        half_width = 0.5 * (other.length * sine + other.width * cosine)
+        beside = abs(d) > 0.5 * ego.width + half_width + side_margin
+        if s <= 0.0 or s >= path.points[2, path.size - 1] or beside:
             continue
-        gap = max(0.0, s - 0.5 * ego_length - half_length)
+        gap = max(0.0, s - 0.5 * ego.length - half_length)
         if gap < least:
-            found, least, closing = index, gap, speed - other_speed[index] * math.cos(turned)
+            found, least, closing = index, gap, ego.speed - other.speed * math.cos(turned)
     return found, least, closing
 
 
@@ -72,20 +57,7 @@ class RuleRepair:
         if not len(objects):
             return self._idle
         path = self._finder.find(ego, decision.trajectory, 30.0 + ego.speed * parameters.time_to_collision)
-        index, gap, closing = object_ahead(
-            path.points,
-            path.count,
-            ego.speed,
-            ego.length,
-            ego.width,
-            parameters.side_margin,
-            objects.x,
-            objects.y,
-            objects.yaw,
-            objects.speed,
-            objects.length,
-            objects.width,
-        )
+        index, gap, closing = object_ahead(unnamed(path), unnamed(ego), objects.table, parameters.side_margin)
         if index < 0 or closing <= 0.0:
             return self._idle
         time = gap / closing

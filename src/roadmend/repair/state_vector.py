@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.command import Decision
-from roadmend.core.jit import compiled
-from roadmend.core.scene import Scene
+from roadmend.core.jit import compiled, unnamed
+from roadmend.core.scene import EgoState, Objects, Scene
 
 Floats = NDArray[np.float64]
 
@@ -25,53 +25,46 @@ _DISTANCE, _SPEED, _LENGTH, _WIDTH = 1.0 / 40.0, 1.0 / 15.0, 1.0 / 10.0, 1.0 / 3
 @compiled
 def _fill(
     vector: NDArray[np.float32],
-    ego_x: float,
-    ego_y: float,
-    ego_yaw: float,
-    speed: float,
-    yaw_rate: float,
+    ego: EgoState,
     interval: float,
     plan_x: Floats,
     plan_y: Floats,
     times: Floats,
     nearest: int,
-    x: Floats,
-    y: Floats,
-    yaw: Floats,
-    other_speed: Floats,
-    length: Floats,
-    width: Floats,
+    objects: Objects,
 ) -> None:
+    ego = EgoState(*ego)
     vector[:] = 0.0
-    cosine, sine = math.cos(ego_yaw), math.sin(ego_yaw)
-    vector[0], vector[1] = speed * _SPEED, yaw_rate
+    cosine, sine = math.cos(ego.yaw), math.sin(ego.yaw)
+    vector[0], vector[1] = ego.speed * _SPEED, ego.yaw_rate
     at = 3
     if plan_x.shape[0] > 0:
         vector[2] = 1.0
         for index in range(times.shape[0]):
             point = min(plan_x.shape[0] - 1, max(0, int(times[index] / interval + 0.5) - 1))
-            dx, dy = plan_x[point] - ego_x, plan_y[point] - ego_y
+            dx, dy = plan_x[point] - ego.x, plan_y[point] - ego.y
             vector[at + 2 * index] = (dx * cosine + dy * sine) * _DISTANCE
             vector[at + 2 * index + 1] = (dy * cosine - dx * sine) * _DISTANCE
     at += 2 * times.shape[0]
-    count = x.shape[0]
+    count = objects.shape[0]
     squares = np.empty(count, dtype=np.float64)
     for index in range(count):
-        squares[index] = (x[index] - ego_x) ** 2 + (y[index] - ego_y) ** 2
+        squares[index] = (objects[index].x - ego.x) ** 2 + (objects[index].y - ego.y) ** 2
     for _ in range(min(nearest, count)):
         best = 0
         for index in range(1, count):
             if squares[index] < squares[best]:
                 best = index
         squares[best] = math.inf
-        dx, dy, turned = x[best] - ego_x, y[best] - ego_y, yaw[best] - ego_yaw
+        other = objects[best]
+        dx, dy, turned = other.x - ego.x, other.y - ego.y, other.yaw - ego.yaw
         vector[at] = 1.0
         vector[at + 1] = (dx * cosine + dy * sine) * _DISTANCE
         vector[at + 2] = (dy * cosine - dx * sine) * _DISTANCE
         vector[at + 3], vector[at + 4] = math.cos(turned), math.sin(turned)
-        vector[at + 5] = (other_speed[best] * math.cos(turned) - speed) * _SPEED
-        vector[at + 6] = other_speed[best] * math.sin(turned) * _SPEED
-        vector[at + 7], vector[at + 8] = length[best] * _LENGTH, width[best] * _WIDTH
+        vector[at + 5] = (other.speed * math.cos(turned) - ego.speed) * _SPEED
+        vector[at + 6] = other.speed * math.sin(turned) * _SPEED
+        vector[at + 7], vector[at + 8] = other.length * _LENGTH, other.width * _WIDTH
         at += 9
 
 
@@ -83,23 +76,5 @@ def state_vector(scene: Scene, decision: Decision) -> NDArray[np.float32]:
     """
     ego, plan, objects = scene.ego, decision.trajectory, scene.objects
     vector = np.empty(SIZE, dtype=np.float32)
-    _fill(
-        vector,
-        ego.x,
-        ego.y,
-        ego.yaw,
-        ego.speed,
-        ego.yaw_rate,
-        plan.interval,
-        plan.x,
-        plan.y,
-        _TIMES,
-        K,
-        objects.x,
-        objects.y,
-        objects.yaw,
-        objects.speed,
-        objects.length,
-        objects.width,
-    )
+    _fill(vector, unnamed(ego), plan.interval, plan.x, plan.y, _TIMES, K, objects.table)
     return vector

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from roadmend.core.command import Decision
 from roadmend.core.geometry import wrap_angle
-from roadmend.core.jit import compiled
+from roadmend.core.jit import compiled, unnamed
 from roadmend.core.route import Route
-from roadmend.core.scene import Scene
+from roadmend.core.scene import EgoState, Objects, Scene
 from roadmend.repair.adreft.tokenizer import TokenSet
 
 Floats = NDArray[np.float64]
@@ -21,28 +21,38 @@ _SIZE = 1.0 / 5.0  # per metre
 
 
 @compiled
-def fill_tokens(
-    values: NDArray[np.float32],
+def _write(
+    row: NDArray[np.float32],
     category: float,
+    ego: EgoState,
     x: float,
     y: float,
     yaw: float,
-    other_x: Floats,
-    other_y: Floats,
-    other_yaw: Floats,
-    width: Floats,
-    length: Floats,
+    length: float,
+    width: float,
 ) -> None:
-    """Write N tokens of one category, shape (N, 6), for outlines given in the map frame, seen from the pose x, y, yaw."""
-    cosine, sine = math.cos(yaw), math.sin(yaw)
-    for index in range(other_x.shape[0]):
-        dx, dy = other_x[index] - x, other_y[index] - y
-        values[index, 0] = category
-        values[index, 1] = (dx * cosine + dy * sine) * _DISTANCE
-        values[index, 2] = (dy * cosine - dx * sine) * _DISTANCE
-        values[index, 3] = wrap_angle(other_yaw[index] - yaw) * _ANGLE
-        values[index, 4] = width[index] * _SIZE
-        values[index, 5] = length[index] * _SIZE
+    cosine, sine = math.cos(ego.yaw), math.sin(ego.yaw)
+    dx, dy = x - ego.x, y - ego.y
+    row[0] = category
+    row[1] = (dx * cosine + dy * sine) * _DISTANCE
+    row[2] = (dy * cosine - dx * sine) * _DISTANCE
+    row[3] = wrap_angle(yaw - ego.yaw) * _ANGLE
+    row[4] = width * _SIZE
+    row[5] = length * _SIZE
+
+
+@compiled
+def _fill(
+    values: NDArray[np.float32], ego: EgoState, objects: Objects, plan_x: Floats, plan_y: Floats, plan_yaw: Floats
+) -> None:
+    """Write one token for each of N objects, then one for each of P planned points, shape (N + P, 6)."""
+    ego = EgoState(*ego)
+    for index in range(objects.shape[0]):
+        other = objects[index]
+        _write(values[index], _PARTICIPANT, ego, other.x, other.y, other.yaw, other.length, other.width)
+    for index in range(plan_x.shape[0]):
+        row = values[objects.shape[0] + index]
+        _write(row, _POINT, ego, plan_x[index], plan_y[index], plan_yaw[index], ego.length, ego.width)
 
 
 class PaperTokenizer:
@@ -67,28 +77,5 @@ class PaperTokenizer:
         values = np.empty((count + points, self.attributes), dtype=np.float32)
         rows = np.full(count + points, -1, dtype=np.int32)
         rows[:count] = np.arange(count, dtype=np.int32)
-        fill_tokens(
-            values[:count],
-            _PARTICIPANT,
-            ego.x,
-            ego.y,
-            ego.yaw,
-            objects.x,
-            objects.y,
-            objects.yaw,
-            objects.width,
-            objects.length,
-        )
-        fill_tokens(
-            values[count:],
-            _POINT,
-            ego.x,
-            ego.y,
-            ego.yaw,
-            plan.x,
-            plan.y,
-            plan.yaw,
-            np.full(points, ego.width),
-            np.full(points, ego.length),
-        )
+        _fill(values, unnamed(ego), objects.table, plan.x, plan.y, plan.yaw)
         return TokenSet(values, rows)

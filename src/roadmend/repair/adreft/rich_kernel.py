@@ -5,11 +5,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from roadmend.core.geometry import corner_distance, fill_corners, wrap_angle
+from roadmend.core.geometry import Outline, corner_distance, fill_corners, fill_outline, wrap_angle
 from roadmend.core.jit import compiled
+from roadmend.core.scene import EgoState, Objects
 from roadmend.repair.conflict import shared_ground
-from roadmend.repair.path import coordinates_on, planned_position, planned_time, pose_on
-from roadmend.repair.rollout import ego_position, roll_object
+from roadmend.repair.contact import ego_position, roll_object
+from roadmend.repair.planned_path import PlannedPath, coordinates_on, planned_position, planned_time, pose_on
 
 Floats = NDArray[np.float64]
 Tokens = NDArray[np.float32]
@@ -62,34 +63,31 @@ def bound(tokens: Tokens) -> None:
 @compiled
 def _forecast(
     row: Tokens,
-    points: Floats,
-    count: int,
-    progress: Floats,
-    plan_interval: float,
-    tail_speed: float,
-    speed: float,
-    ego_length: float,
-    ego_width: float,
-    poses: Floats,
-    length: float,
-    width: float,
-    own: Floats,
-    their: Floats,
     column: int,
+    path: PlannedPath,
+    ego: EgoState,
+    other: Outline,
+    poses: Floats,
+    corners: Floats,
     deceleration: float,
 ) -> None:
-    """Least gap between the outlines over the horizon, as a share of NEAR, and its time as a share of HORIZON."""
+    """Least gap between the outlines over the horizon, as a share of NEAR, and its time as a share of HORIZON.
+
+    ``poses`` are the object's; ``corners`` (2 x 4 x 2) is scratch.
+    """
+    own, their = corners[0], corners[1]
+    speed = max(0.0, ego.speed)
     least, when = NEAR, HORIZON
-    radii = 0.5 * (math.hypot(ego_length, ego_width) + math.hypot(length, width))
+    radii = 0.5 * (math.hypot(ego.length, ego.width) + math.hypot(other.length, other.width))
     for step in range(STEPS + 1):
         time = step * INTERVAL
-        position = ego_position(progress, plan_interval, tail_speed, speed, deceleration, time)
-        x, y, yaw = pose_on(points, count, position)
+        position = ego_position(path, speed, deceleration, time)
+        x, y, yaw = pose_on(path, position)
         dx, dy = poses[step, 0] - x, poses[step, 1] - y
         if math.hypot(dx, dy) - radii >= least:
             continue
-        fill_corners(own, x, y, yaw, ego_length, ego_width)
-        fill_corners(their, poses[step, 0], poses[step, 1], poses[step, 2], length, width)
+        fill_corners(own, x, y, yaw, ego.length, ego.width)
+        fill_corners(their, poses[step, 0], poses[step, 1], poses[step, 2], other.length, other.width)
         gap = corner_distance(own, their)
         if gap < least:
             least, when = gap, time
@@ -100,37 +98,18 @@ def _forecast(
 
 @compiled
 def fill_participants(
-    tokens: Tokens,
-    rows: NDArray[np.int32],
-    reach: float,
-    points: Floats,
-    count: int,
-    zero: int,
-    progress: Floats,
-    plan_interval: float,
-    tail_speed: float,
-    speed: float,
-    ego_length: float,
-    ego_width: float,
-    kind: NDArray[np.uint8],
-    x: Floats,
-    y: Floats,
-    yaw: Floats,
-    other_speed: Floats,
-    acceleration: Floats,
-    yaw_rate: Floats,
-    length: Floats,
-    width: Floats,
+    tokens: Tokens, rows: NDArray[np.int32], reach: float, path: PlannedPath, ego: EgoState, objects: Objects
 ) -> int:
     """Write one token for every object within ``reach`` [m]; returns their number."""
-    own = np.empty((4, 2), dtype=np.float64)
-    their = np.empty((4, 2), dtype=np.float64)
+    path, ego = PlannedPath(*path), EgoState(*ego)
+    speed = max(0.0, ego.speed)
+    corners = np.empty((2, 4, 2), dtype=np.float64)
     poses = np.empty((STEPS + 1, 4), dtype=np.float64)
-    ego_x, ego_y, ego_yaw = points[0, zero], points[1, zero], points[3, zero]
-    cosine, sine = math.cos(ego_yaw), math.sin(ego_yaw)
+    cosine, sine = math.cos(ego.yaw), math.sin(ego.yaw)
     number = 0
-    for index in range(x.shape[0]):
-        dx, dy = x[index] - ego_x, y[index] - ego_y
+    for index in range(objects.shape[0]):
+        other = objects[index]
+        dx, dy = other.x - ego.x, other.y - ego.y
         far = math.hypot(dx, dy)
         if far > reach:
             continue
@@ -138,148 +117,59 @@ def fill_participants(
         row[:] = 0.0
         rows[number] = index
         number += 1
-        turned = wrap_angle(yaw[index] - ego_yaw)
+        turned = wrap_angle(other.yaw - ego.yaw)
         row[PARTICIPANT] = 1.0
         row[X], row[Y] = (dx * cosine + dy * sine) / 40.0, (dy * cosine - dx * sine) / 20.0
         row[COS], row[SIN] = math.cos(turned), math.sin(turned)
-        row[LENGTH], row[WIDTH] = length[index] / 10.0, width[index] / 3.0
-        row[VELOCITY_X] = (other_speed[index] * math.cos(turned) - speed) / 10.0
-        row[VELOCITY_Y] = other_speed[index] * math.sin(turned) / 10.0
-        row[SPEED], row[YAW_RATE] = other_speed[index] / 15.0, max(-2.0, min(2.0, yaw_rate[index]))
-        row[ACCELERATION] = max(-8.0, min(8.0, acceleration[index])) / 4.0
-        row[VULNERABLE] = 1.0 if kind[index] >= 5 else 0.0
-        s, d, off = coordinates_on(points, count, x[index], y[index], yaw[index])
+        row[LENGTH], row[WIDTH] = other.length / 10.0, other.width / 3.0
+        row[VELOCITY_X] = (other.speed * math.cos(turned) - speed) / 10.0
+        row[VELOCITY_Y] = other.speed * math.sin(turned) / 10.0
+        row[SPEED], row[YAW_RATE] = other.speed / 15.0, max(-2.0, min(2.0, other.yaw_rate))
+        row[ACCELERATION] = max(-8.0, min(8.0, other.acceleration)) / 4.0
+        row[VULNERABLE] = 1.0 if other.kind >= 5 else 0.0
+        s, d, off = coordinates_on(path, other.x, other.y, other.yaw)
         row[ALONG], row[ASIDE] = max(-2.0, min(2.0, s / 40.0)), max(-3.0, min(3.0, d / 10.0))
         row[TURNED_COS], row[TURNED_SIN] = math.cos(off), math.sin(off)
-        if s < -0.5 * (ego_length + length[index]) and abs(d) < 0.5 * (ego_width + width[index]) and abs(off) < 1.0:
+        if s < -0.5 * (ego.length + other.length) and abs(d) < 0.5 * (ego.width + other.width) and abs(off) < 1.0:
             row[BEHIND] = 1.0
-        fill_corners(own, ego_x, ego_y, ego_yaw, ego_length, ego_width)
-        fill_corners(their, x[index], y[index], yaw[index], length[index], width[index])
-        row[GAP] = min(20.0, corner_distance(own, their)) / 20.0
+        fill_outline(corners[0], ego)
+        fill_outline(corners[1], other)
+        row[GAP] = min(20.0, corner_distance(corners[0], corners[1])) / 20.0
 
-        poses[0, 0], poses[0, 1], poses[0, 2], poses[0, 3] = x[index], y[index], yaw[index], other_speed[index]
-        roll_object(poses, 0, STEPS, yaw_rate[index], 0.0, INTERVAL)
-        _forecast(
-            row,
-            points,
-            count,
-            progress,
-            plan_interval,
-            tail_speed,
-            speed,
-            ego_length,
-            ego_width,
-            poses,
-            length[index],
-            width[index],
-            own,
-            their,
-            FORECAST,
-            -1.0,
-        )
-        _forecast(
-            row,
-            points,
-            count,
-            progress,
-            plan_interval,
-            tail_speed,
-            speed,
-            ego_length,
-            ego_width,
-            poses,
-            length[index],
-            width[index],
-            own,
-            their,
-            FORECAST + 4,
-            3.2,
-        )
-        _forecast(
-            row,
-            points,
-            count,
-            progress,
-            plan_interval,
-            tail_speed,
-            speed,
-            ego_length,
-            ego_width,
-            poses,
-            length[index],
-            width[index],
-            own,
-            their,
-            FORECAST + 6,
-            8.0,
-        )
-        poses[0, 3] = max(other_speed[index], 0.05) if acceleration[index] > 0.0 else other_speed[index]
-        roll_object(poses, 0, STEPS, yaw_rate[index], max(-6.0, min(2.5, acceleration[index])), INTERVAL)
-        _forecast(
-            row,
-            points,
-            count,
-            progress,
-            plan_interval,
-            tail_speed,
-            speed,
-            ego_length,
-            ego_width,
-            poses,
-            length[index],
-            width[index],
-            own,
-            their,
-            FORECAST + 2,
-            -1.0,
-        )
+        poses[0, 0], poses[0, 1], poses[0, 2], poses[0, 3] = other.x, other.y, other.yaw, other.speed
+        roll_object(poses, 0, STEPS, other.yaw_rate, 0.0, INTERVAL)
+        _forecast(row, FORECAST, path, ego, other, poses, corners, -1.0)
+        _forecast(row, FORECAST + 4, path, ego, other, poses, corners, 3.2)
+        _forecast(row, FORECAST + 6, path, ego, other, poses, corners, 8.0)
+        poses[0, 3] = max(other.speed, 0.05) if other.acceleration > 0.0 else other.speed
+        roll_object(poses, 0, STEPS, other.yaw_rate, max(-6.0, min(2.5, other.acceleration)), INTERVAL)
+        _forecast(row, FORECAST + 2, path, ego, other, poses, corners, -1.0)
 
         row[ENTER], row[THEY_ENTER], row[THEY_LEAVE] = 1.0, 1.0, 1.0
-        half_swath = 0.5 * (ego_width + width[index])
-        begin, _end, least, greatest, _ = shared_ground(
-            points,
-            count,
-            zero,
-            half_swath,
-            x[index],
-            y[index],
-            yaw[index],
-            other_speed[index],
-            yaw_rate[index],
-            0.5 * length[index],
-            80.0,
-        )
-        if begin < math.inf:
-            pace = max(other_speed[index], 0.3)
-            enter = planned_time(progress, plan_interval, tail_speed, begin - 0.5 * (ego_length + width[index]))
+        ground = shared_ground(path, other, 0.5 * (ego.width + other.width), 0.5 * other.length, 80.0)
+        if ground.begin < math.inf:
+            pace = max(other.speed, 0.3)
+            enter = planned_time(path, ground.begin - 0.5 * (ego.length + other.width))
+            they_enter = max(0.0, ground.least - 0.5 * other.length - 0.5 * ego.width) / pace
+            they_leave = max(0.0, ground.greatest + 0.5 * other.length + 0.5 * ego.width) / pace
             row[ENTER] = min(enter, CONFLICT) / CONFLICT
-            row[THEY_ENTER] = min(max(0.0, least - 0.5 * length[index] - 0.5 * ego_width) / pace, CONFLICT) / CONFLICT
-            row[THEY_LEAVE] = (
-                min(max(0.0, greatest + 0.5 * length[index] + 0.5 * ego_width) / pace, CONFLICT) / CONFLICT
-            )
+            row[THEY_ENTER] = min(they_enter, CONFLICT) / CONFLICT
+            row[THEY_LEAVE] = min(they_leave, CONFLICT) / CONFLICT
     return number
 
 
 @compiled
-def fill_plan(
-    tokens: Tokens,
-    first: int,
-    points: Floats,
-    count: int,
-    zero: int,
-    progress: Floats,
-    plan_interval: float,
-    tail_speed: float,
-) -> None:
+def fill_plan(tokens: Tokens, path: PlannedPath) -> None:
     """Write PLAN_TOKENS tokens of the planned trajectory, in equal steps of time."""
-    ego_x, ego_y, ego_yaw = points[0, zero], points[1, zero], points[3, zero]
+    path = PlannedPath(*path)
+    ego_x, ego_y, ego_yaw = path.points[0, path.zero], path.points[1, path.zero], path.points[3, path.zero]
     cosine, sine = math.cos(ego_yaw), math.sin(ego_yaw)
     before = 0.0
     for index in range(PLAN_TOKENS):
         time = (index + 1) * PLAN_INTERVAL
-        position = planned_position(progress, plan_interval, tail_speed, time)
-        x, y, yaw = pose_on(points, count, position)
-        row = tokens[first + index]
+        position = planned_position(path, time)
+        x, y, yaw = pose_on(path, position)
+        row = tokens[index]
         row[:] = 0.0
         row[POINT] = 1.0
         dx, dy = x - ego_x, y - ego_y
@@ -293,38 +183,36 @@ def fill_plan(
 @compiled
 def fill_ego(
     row: Tokens,
-    speed: float,
-    yaw_rate: float,
-    length: float,
-    width: float,
+    ego: EgoState,
+    path: PlannedPath,
     action: float,
     acceleration: float,
     stood: float,
-    changes: float,
     zones: Floats,
-    stage: int,
-    positions: Floats,
     signals: NDArray[np.uint8],
 ) -> None:
     """Write the ego's token; ``zones`` has the rows stage, begin, end, rule, signal of the route's zones."""
+    ego, path = EgoState(*ego), PlannedPath(*path)
+    speed = max(0.0, ego.speed)
+    stage, position = path.stage, path.stage_positions[path.stage]
     row[:] = 0.0
     row[EGO] = 1.0
     row[LENGTH], row[WIDTH], row[SPEED], row[YAW_RATE] = (
-        length / 10.0,
-        width / 3.0,
+        ego.length / 10.0,
+        ego.width / 3.0,
         speed / 15.0,
-        max(-2.0, min(2.0, yaw_rate)),
+        max(-2.0, min(2.0, ego.yaw_rate)),
     )
     row[ACTION], row[STOOD] = action, min(stood, 10.0) / 10.0
     row[EGO_ACCELERATION] = max(-10.0, min(10.0, acceleration)) / 4.0
-    row[STAGE_CHANGE] = changes
+    row[STAGE_CHANGE] = path.stage_positions.shape[0] - 1 - stage
     row[ZONE_BEGIN], row[ZONE_END] = 1.0, 1.0
     nearest = math.inf
     for index in range(zones.shape[0]):
         if int(zones[index, 0]) != stage:
             continue
-        begin = zones[index, 1] - positions[stage] - 0.5 * length
-        end = zones[index, 2] - positions[stage] + 0.5 * length
+        begin = zones[index, 1] - position - 0.5 * ego.length
+        end = zones[index, 2] - position + 0.5 * ego.length
         if end <= 0.0 or begin >= nearest:
             continue
         nearest = begin

@@ -8,9 +8,9 @@ conflict zone ahead.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from roadmend.core.command import Decision
+from roadmend.core.jit import unnamed
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.repair.adreft.rich_kernel import (
@@ -23,7 +23,7 @@ from roadmend.repair.adreft.rich_kernel import (
     fill_plan,
 )
 from roadmend.repair.adreft.tokenizer import TokenSet
-from roadmend.repair.path import PathFinder
+from roadmend.repair.planned_path import PathFinder
 
 _STANDING = 0.3  # [m/s] below this speed the ego stands
 _PAUSE = 0.5  # [s] between two ticks beyond which the ego's acceleration is unknown
@@ -44,7 +44,6 @@ class RichTokenizer:
         self._reach = reach
         self._finder = PathFinder()
         self._zones = np.empty((0, 5), dtype=np.float64)
-        self._changes = 0.0
         self._time = 0.0
         self._speed = np.nan
         self._stood = 0.0
@@ -54,7 +53,6 @@ class RichTokenizer:
         self._finder.reset(route)
         rows = [(zone.stage, zone.begin, zone.end, int(zone.rule), zone.signal) for zone in route.zones]
         self._zones = np.array(rows, dtype=np.float64).reshape(-1, 5)
-        self._changes = float(len(route.stages) - 1)
         self._speed, self._stood = np.nan, 0.0
 
     def tokens(self, scene: Scene, decision: Decision) -> TokenSet:
@@ -65,46 +63,11 @@ class RichTokenizer:
         path = self._finder.find(ego, decision.trajectory, 20.0 + (speed + 3.0) * HORIZON)
         values = np.empty((len(objects) + PLAN_TOKENS + 1, ATTRIBUTES), dtype=np.float32)
         rows = np.full(len(objects) + PLAN_TOKENS + 1, -1, dtype=np.int32)
-        number = fill_participants(
-            values,
-            rows,
-            self._reach,
-            path.points,
-            path.count,
-            path.zero,
-            path.progress,
-            path.interval,
-            path.tail_speed,
-            speed,
-            ego.length,
-            ego.width,
-            objects.kind,
-            objects.x,
-            objects.y,
-            objects.yaw,
-            objects.speed,
-            objects.acceleration,
-            objects.yaw_rate,
-            objects.length,
-            objects.width,
-        )
-        fill_plan(values, number, path.points, path.count, path.zero, path.progress, path.interval, path.tail_speed)
-        positions: NDArray[np.float64] = np.array(path.stage_positions, dtype=np.float64)
-        fill_ego(
-            values[number + PLAN_TOKENS],
-            speed,
-            ego.yaw_rate,
-            ego.length,
-            ego.width,
-            decision.command.action,
-            acceleration,
-            self._stood,
-            self._changes - path.stage,
-            self._zones,
-            path.stage,
-            positions,
-            scene.signals,
-        )
+        laid, own = unnamed(path), unnamed(ego)
+        number = fill_participants(values, rows, self._reach, laid, own, objects.table)
+        fill_plan(values[number:], laid)
+        action, row = decision.command.action, values[number + PLAN_TOKENS]
+        fill_ego(row, own, laid, action, acceleration, self._stood, self._zones, scene.signals)
         count = number + PLAN_TOKENS + 1
         bound(values[:count])
         return TokenSet(values[:count], rows[:count])

@@ -4,14 +4,14 @@ Positions on it are arc lengths s [m] with 0 at the ego's centre, offsets d [m] 
 """
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.command import Trajectory
 from roadmend.core.geometry import wrap_angle
-from roadmend.core.jit import compiled
+from roadmend.core.jit import compiled, unnamed
 from roadmend.core.route import Route, RouteTracker, arc_lengths, point_at, project, segment_at
 from roadmend.core.scene import EgoState
 
@@ -25,44 +25,65 @@ POINTS = 768  # room for the points of a path
 X, Y, S, YAW = 0, 1, 2, 3  # rows of a path's points
 
 
+class PlannedPath(NamedTuple):
+    """One tick's path. ``points`` is a buffer that the next call of the finder overwrites."""
+
+    points: Floats  # rows X, Y [m], S [m], YAW [rad]; only the first ``size`` columns hold
+    size: int
+    zero: int  # column of the ego's centre
+    progress: Floats  # [m] planned arc lengths at 0, interval, 2 interval, ...
+    interval: float  # [s]
+    tail_speed: float  # [m/s] beyond the end of ``progress``
+    stage_positions: Floats  # [m] arc length of the ego on every stage of the route
+    stage: int  # the stage that the ego is on
+
+
+class _Lane(NamedTuple):
+    """A stage of the route, and a place on it."""
+
+    x: Floats  # [m]
+    y: Floats  # [m]
+    s: Floats  # [m]
+    position: float  # [m]
+    offset: float  # [m]
+
+
 @compiled
 def _lay(
     points: Floats,
     progress: Floats,
-    ego_x: float,
-    ego_y: float,
-    ego_yaw: float,
+    ego: EgoState,
     plan_x: Floats,
     plan_y: Floats,
-    near_x: Floats,
-    near_y: Floats,
-    near_s: Floats,
-    position: float,
-    offset: float,
-    end_x: Floats,
-    end_y: Floats,
-    end_s: Floats,
-    end_guess: float,
+    near: _Lane,
+    end: _Lane,
     ahead: float,
 ) -> tuple[int, int]:
-    """Fill ``points`` (4 x K) and ``progress`` (P + 1); returns the number of points and the index of the ego's."""
+    """Fill ``points`` (4 x K) and ``progress`` (P + 1); returns the number of points and the index of the ego's.
+
+    ``near`` is where the ego is, ``end`` where about the plan ends.
+    """
+    ego, near, end = EgoState(*ego), _Lane(*near), _Lane(*end)
     room = points.shape[1]
     count = 0
     for index in range(int(BEHIND / STEP), 0, -1):
         back = index * STEP
-        if abs(offset) <= ON_ROUTE:
-            px, py, heading = point_at(near_x, near_y, near_s, position - back)
-            points[X, count], points[Y, count] = px - math.sin(heading) * offset, py + math.cos(heading) * offset
+        if abs(near.offset) <= ON_ROUTE:
+            px, py, heading = point_at(near.x, near.y, near.s, near.position - back)
+            points[X, count], points[Y, count] = (
+                px - math.sin(heading) * near.offset,
+                py + math.cos(heading) * near.offset,
+            )
         else:
-            points[X, count], points[Y, count] = ego_x - back * math.cos(ego_yaw), ego_y - back * math.sin(ego_yaw)
+            points[X, count], points[Y, count] = ego.x - back * math.cos(ego.yaw), ego.y - back * math.sin(ego.yaw)
         count += 1
     zero = count
-    points[X, count], points[Y, count] = ego_x, ego_y
+    points[X, count], points[Y, count] = ego.x, ego.y
     count += 1
 
     kept = np.empty(progress.shape[0], dtype=np.int64)
     kept[0] = zero
-    last_x, last_y, toward_x, toward_y = ego_x, ego_y, math.cos(ego_yaw), math.sin(ego_yaw)
+    last_x, last_y, toward_x, toward_y = ego.x, ego.y, math.cos(ego.yaw), math.sin(ego.yaw)
     length = 0.0
     for index in range(plan_x.shape[0]):
         dx, dy = plan_x[index] - last_x, plan_y[index] - last_y
@@ -74,15 +95,15 @@ def _lay(
             count += 1
         kept[index + 1] = count - 1
 
-    end, end_offset = project(end_x, end_y, end_s, last_x, last_y, end_guess, length + 30.0)
+    final, offset = project(end.x, end.y, end.s, last_x, last_y, end.position, length + 30.0)
     number = max(1, math.ceil((ahead - length) / STEP))
     for index in range(1, number + 1):
         if count >= room:
             break
         on = index * STEP
-        if abs(end_offset) <= ON_ROUTE:
-            px, py, heading = point_at(end_x, end_y, end_s, end + on)
-            aside = end_offset * max(0.0, 1.0 - on / FADE)
+        if abs(offset) <= ON_ROUTE:
+            px, py, heading = point_at(end.x, end.y, end.s, final + on)
+            aside = offset * max(0.0, 1.0 - on / FADE)
             points[X, count], points[Y, count] = px - math.sin(heading) * aside, py + math.cos(heading) * aside
         else:
             points[X, count], points[Y, count] = last_x + on * toward_x, last_y + on * toward_y
@@ -93,16 +114,17 @@ def _lay(
         points[S, index] = s[index] - s[zero]
         before, after = max(0, index - 1), min(count - 1, index + 1)
         points[YAW, index] = math.atan2(points[Y, after] - points[Y, before], points[X, after] - points[X, before])
-    points[YAW, zero] = ego_yaw
+    points[YAW, zero] = ego.yaw
     for index in range(progress.shape[0]):
         progress[index] = points[S, kept[index]]
     return count, zero
 
 
 @compiled
-def pose_on(points: Floats, count: int, position: float) -> tuple[float, float, float]:
+def pose_on(path: PlannedPath, position: float) -> tuple[float, float, float]:
     """Point [m] and heading [rad] of the path at an arc length; it goes straight on beyond its ends."""
-    index = segment_at(points[S, :count], position)
+    points = path.points
+    index = segment_at(points[S, : path.size], position)
     share = (position - points[S, index]) / (points[S, index + 1] - points[S, index])
     turn = wrap_angle(points[YAW, index + 1] - points[YAW, index])
     return (
@@ -113,28 +135,31 @@ def pose_on(points: Floats, count: int, position: float) -> tuple[float, float, 
 
 
 @compiled
-def coordinates_on(points: Floats, count: int, x: float, y: float, yaw: float) -> tuple[float, float, float]:
+def coordinates_on(path: PlannedPath, x: float, y: float, yaw: float) -> tuple[float, float, float]:
     """Arc length [m], offset [m] and heading relative to the path [rad] of the path's point nearest to a pose."""
+    points, count = path.points, path.size
     middle = 0.5 * (points[S, 0] + points[S, count - 1])
     s, d = project(points[X, :count], points[Y, :count], points[S, :count], x, y, middle, math.inf)
-    _, _, heading = pose_on(points, count, s)
+    _, _, heading = pose_on(path, s)
     return s, d, wrap_angle(yaw - heading)
 
 
 @compiled
-def planned_position(progress: Floats, interval: float, tail_speed: float, time: float) -> float:
+def planned_position(path: PlannedPath, time: float) -> float:
     """Arc length [m] at which the plan has the ego's centre ``time`` [s] from now."""
+    progress, interval = path.progress, path.interval
     last = progress.shape[0] - 1
     index = int(time / interval)
-    position: float = progress[last] + tail_speed * (time - last * interval)
+    position: float = progress[last] + path.tail_speed * (time - last * interval)
     if index < last:
         position = progress[index] + (time / interval - index) * (progress[index + 1] - progress[index])
     return position
 
 
 @compiled
-def planned_time(progress: Floats, interval: float, tail_speed: float, position: float) -> float:
+def planned_time(path: PlannedPath, position: float) -> float:
     """Time from now [s] at which the plan has the ego's centre at an arc length; 0 if passed, inf if never."""
+    progress, interval = path.progress, path.interval
     last = progress.shape[0] - 1
     if position <= 0.0:
         return 0.0
@@ -142,24 +167,10 @@ def planned_time(progress: Floats, interval: float, tail_speed: float, position:
         if progress[index + 1] >= position:
             share: float = (position - progress[index]) / (progress[index + 1] - progress[index])
             return interval * (index + share)
-    if tail_speed <= 0.0:
+    if path.tail_speed <= 0.0:
         return math.inf
-    time: float = last * interval + (position - progress[last]) / tail_speed
+    time: float = last * interval + (position - progress[last]) / path.tail_speed
     return time
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PlannedPath:
-    """One tick's path. ``points`` is a buffer that the next call of the finder overwrites."""
-
-    points: Floats  # rows X, Y [m], S [m], YAW [rad]; only the first ``count`` columns hold
-    count: int
-    zero: int  # column of the ego's centre
-    progress: Floats  # [m] planned arc lengths at 0, interval, 2 interval, ...
-    interval: float  # [s]
-    tail_speed: float  # [m/s] beyond the end of ``progress``
-    stage_positions: tuple[float, ...]  # [m] arc length of the ego on every stage of the route
-    stage: int  # the stage that the ego is on
 
 
 class PathFinder:
@@ -200,19 +211,11 @@ class PathFinder:
         count, zero = _lay(
             self._points,
             progress,
-            ego.x,
-            ego.y,
-            ego.yaw,
+            unnamed(ego),
             trajectory.x,
             trajectory.y,
-            near.x,
-            near.y,
-            near.s,
-            *self._tracker.places[nearest],
-            end.x,
-            end.y,
-            end.s,
-            positions[final] + reach,
+            unnamed(_Lane(near.x, near.y, near.s, *self._tracker.places[nearest])),
+            unnamed(_Lane(end.x, end.y, end.s, positions[final] + reach, 0.0)),
             ahead,
         )
         tail_speed = float(trajectory.speed[-1]) if size else ego.speed
@@ -223,6 +226,6 @@ class PathFinder:
             progress,
             trajectory.interval if size else 1.0,
             max(0.0, tail_speed),
-            positions,
+            np.array(positions),
             nearest,
         )
