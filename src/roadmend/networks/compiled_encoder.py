@@ -30,6 +30,8 @@ class CompiledEncoder:
     def __init__(self, shape: EncoderShape, tensors: Tensors, prefix: str = "encoder.") -> None:
         self.shape = shape
         self._weights = _pack_encoder(shape, tensors, prefix)
+        with_gelu = shape.activation == "gelu"
+        self._sizes = (shape.hidden, shape.layers, shape.heads, shape.feed_forward, with_gelu)
         self._attention = np.zeros((shape.heads, 1), np.float32)
 
     def encode(self, tokens: NDArray[np.float32]) -> Floats:
@@ -46,17 +48,7 @@ class CompiledEncoder:
             raise ValueError(f"tokens: shape (N, {shape.attributes}) wanted, got {tokens.shape}")
         state = np.empty(shape.hidden, np.float32)
         self._attention = np.empty((shape.heads, tokens.shape[0] + 1), np.float32)
-        _encode(
-            plain(tokens),
-            self._weights,
-            shape.hidden,
-            shape.layers,
-            shape.heads,
-            shape.feed_forward,
-            shape.activation == "gelu",
-            state,
-            self._attention,
-        )
+        _encode(plain(tokens), self._weights, self._sizes, state, self._attention)
         return state
 
     @property
@@ -165,15 +157,16 @@ def _pack_encoder(shape: EncoderShape, tensors: Tensors, prefix: str) -> Floats:
 def _encode(
     tokens: Floats,
     weights: Floats,
-    width: int,
-    layers: int,
-    heads: int,
-    inner: int,
-    with_gelu: bool,  # noqa: FBT001 - numba takes no keyword-only arguments
+    sizes: tuple[int, int, int, int, bool],
     state: Floats,
     attention: Floats,
 ) -> None:
-    """Fill state (H,) and attention (heads, N + 1) from tokens (N, c)."""
+    """Fill state (H,) and attention (heads, N + 1) from tokens (N, c).
+
+    ``sizes`` are the width, the layers, the heads, the width between of the feed-forward part, and whether that
+    rectifies by GELU.
+    """
+    width, layers, heads, inner, with_gelu = sizes
     count, attributes = tokens.shape
     size = count + 1
     states = np.empty((size, width), np.float32)

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from roadmend.core.jit import compiled
 from roadmend.core.route import RightOfWay
 from roadmend.core.scene import Signal
-from roadmend.policies import following, prediction, road
-from roadmend.policies import path as way
+from roadmend.policies import following, occupancy, path_ahead, prediction, road
+from roadmend.policies.path_ahead import PathAhead
+from roadmend.policies.situation import Situation
 
 Floats = NDArray[np.float64]
 Record = NDArray[np.void]
@@ -55,7 +56,7 @@ def zone_begin(zones: Floats, index: int, memory: Record) -> float:
 
 
 @compiled
-def _zone_of(
+def zone_of(
     zones: Floats, memory: Record, signals: NDArray[np.uint8], low: float, high: float, half: float, row: Floats
 ) -> int:
     """The first zone in which the ego gives way to an object that comes onto its path between two places [m]."""
@@ -85,15 +86,20 @@ def _has_to_yield(zones: Floats, memory: Record, signals: NDArray[np.uint8], rea
 
 
 @compiled
-def gap_to(path: Floats, spacing: float, row: Floats, low: float, high: float, half: float) -> tuple[float, float]:
+def gap_to(path: PathAhead, row: Floats, low: float, high: float, half: float) -> tuple[float, float]:
     """Place of an object's centre along the path [m] and its distance to the ego's front [m], more exactly."""
+    points, spacing = path.points, path.spacing
     first = low + 0.5 * spacing
-    place = min(max(round((0.5 * (low + high) - first) / spacing), 0), way.POINTS)
+    place = min(max(round((0.5 * (low + high) - first) / spacing), 0), path_ahead.POINTS)
     ahead = first + place * spacing
     # The row of the path that lies there.
-    index = min(max(round((ahead + way.BEHIND) / spacing), 0), way.POINTS - 1)
-    cosine, sine = path[index, way.COS], path[index, way.SIN]
-    centre = ahead + (row[prediction.X] - path[index, way.X]) * cosine + (row[prediction.Y] - path[index, way.Y]) * sine
+    index = min(max(round((ahead + path_ahead.BEHIND) / spacing), 0), path_ahead.POINTS - 1)
+    cosine, sine = points[index, path_ahead.COS], points[index, path_ahead.SIN]
+    centre = (
+        ahead
+        + (row[prediction.X] - points[index, path_ahead.X]) * cosine
+        + (row[prediction.Y] - points[index, path_ahead.Y]) * sine
+    )
     parallel = abs(math.cos(row[prediction.YAW]) * cosine + math.sin(row[prediction.YAW]) * sine)
     across = math.sqrt(max(0.0, 1.0 - parallel * parallel))
     extent = row[prediction.HALF_LENGTH] * parallel + row[prediction.HALF_WIDTH] * across
@@ -101,71 +107,59 @@ def gap_to(path: Floats, spacing: float, row: Floats, low: float, high: float, h
 
 
 @compiled
-def assess(
-    path: Floats,
-    spacing: float,
-    zones: Floats,
-    parameters: Record,
-    memory: Record,
-    signals: NDArray[np.uint8],
-    tracks: Floats,
-    ego_x: float,
-    ego_y: float,
-    ego_yaw: float,
-    half: float,
-    forecasts: Floats,
-    occupancies: Floats,
-    agents: Floats,
-) -> None:
-    """Fill forecasts (M, TIMES, 6), occupancies (M, TIMES, 2) and agents (M, AGENT_COLUMNS) for M tracks.
+def assess(situation: Situation) -> None:
+    """Fill the forecasts, occupancies and agents of a situation's tracks.
 
-    Who must give way to the ego is trusted to do so as long as braking with parameter ``trust`` would do. ``half`` is
-    half the ego's length [m].
+    Who must give way to the ego is trusted to do so as long as braking with parameter ``trust`` would do.
     """
+    path, parameters, memory = situation.path, situation.parameters, situation.memory
+    zones, signals, ego = situation.route.zones, situation.signals, situation.ego
+    tracks, forecasts, occupancies, agents = situation.others
     p, m = parameters[0], memory[0]
+    half = 0.5 * ego.length
     patience = min(1.0, m.waited / p.patience)
-    cosine, sine = math.cos(ego_yaw), math.sin(ego_yaw)
-    yields = _has_to_yield(zones, memory, signals, way.POINTS * spacing, half)
+    cosine, sine = math.cos(ego.yaw), math.sin(ego.yaw)
+    yields = _has_to_yield(zones, memory, signals, path_ahead.POINTS * path.spacing, half)
     last = prediction.TIMES - 1 if yields else _SHORT_HORIZON
     for index in range(tracks.shape[0]):
         row, agent = tracks[index], agents[index]
         agent[ROLE], agent[ZONE], agent[TRUSTED], agent[GAP], agent[BEGIN] = NOBODY, -1.0, 0.0, math.inf, -1.0
         agent[CLEARANCE], agent[PARALLEL] = p.front_margin, 0.0
         prediction.forecast(parameters, row, forecasts[index])
-        dx, dy = row[prediction.X] - ego_x, row[prediction.Y] - ego_y
+        dx, dy = row[prediction.X] - ego.x, row[prediction.Y] - ego.y
         along, aside = dx * cosine + dy * sine, dy * cosine - dx * sine
-        behind = along < -half and math.cos(row[prediction.YAW] - ego_yaw) > 0.7
+        behind = along < -half and math.cos(row[prediction.YAW] - ego.yaw) > 0.7
         if behind and (not yields or abs(aside) < 2.0):
             continue  # keeps its own distance
         pedestrian = row[prediction.PEDESTRIAN] > 0.0
         margin = (p.pedestrian_margin if pedestrian else p.side_margin) * (1.0 - 0.8 * patience)
         if pedestrian:
             agent[CLEARANCE] += p.pedestrian_margin
-        begin, parallel = way.occupy(path, spacing, row, forecasts[index], margin, last, occupancies[index])
+        begin, parallel = occupancy.occupy(path, row, forecasts[index], margin, last, occupancies[index])
         if begin < 0:
             continue
         agent[BEGIN], agent[PARALLEL] = begin, parallel
-        low, high = occupancies[index, begin, way.LOW], occupancies[index, begin, way.HIGH]
-        zone = _zone_of(zones, memory, signals, low, high, half, row)
+        low, high = occupancies[index, begin, occupancy.LOW], occupancies[index, begin, occupancy.HIGH]
+        zone = zone_of(zones, memory, signals, low, high, half, row)
         agent[ZONE] = zone
         if behind and zone < 0:
             continue
         speed = row[prediction.SPEED]
         if begin == 0:
-            centre, gap = gap_to(path, spacing, row, low, high, half)
-            if centre > 0.0 and (parallel > way.SAME_WAY or speed < _STANDING):
+            centre, gap = gap_to(path, row, low, high, half)
+            if centre > 0.0 and (parallel > occupancy.SAME_WAY or speed < _STANDING):
                 agent[ROLE], agent[GAP] = AHEAD, gap
                 continue
-            if centre <= 0.0 and (parallel > way.SAME_WAY or speed < _STANDING):
+            if centre <= 0.0 and (parallel > occupancy.SAME_WAY or speed < _STANDING):
                 continue  # beside or behind, and not coming
         time = prediction.time_at(begin)
-        agent[ROLE] = ENTERING if parallel > way.SAME_WAY else CROSSING
+        agent[ROLE] = ENTERING if parallel > occupancy.SAME_WAY else CROSSING
         if agent[ROLE] == ENTERING:
             agent[GAP] = low - forecasts[index, begin, prediction.FWAY] - half
         if zone >= 0:
             continue
-        if (parallel > way.SAME_WAY and time > p.cut_in_horizon) or (
-            parallel < -way.SAME_WAY and time > _ONCOMING_HORIZON
+        if (parallel > occupancy.SAME_WAY and time > p.cut_in_horizon) or (
+            parallel < -occupancy.SAME_WAY and time > _ONCOMING_HORIZON
         ):
             agent[ROLE] = NOBODY
         elif pedestrian:

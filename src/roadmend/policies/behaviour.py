@@ -7,7 +7,9 @@ from numpy.typing import NDArray
 
 from roadmend.core.jit import compiled
 from roadmend.policies import agents as who
-from roadmend.policies import following, lane_change, prediction, right_of_way, rollout
+from roadmend.policies import following, lane_change, motion_plan, prediction, right_of_way
+from roadmend.policies.motion_plan import Intent
+from roadmend.policies.situation import Situation
 
 Floats = NDArray[np.float64]
 Record = NDArray[np.void]
@@ -52,58 +54,33 @@ def choose_leader(
 
 
 @compiled
-def decide(
-    samples: Floats,
-    stages: Floats,
-    zones: Floats,
-    path: Floats,
-    spacing: float,
-    parameters: Record,
-    memory: Record,
-    signals: NDArray[np.uint8],
-    tracks: Floats,
-    forecasts: Floats,
-    occupancies: Floats,
-    agents: Floats,
-    time: float,
-    speed: float,
-    half: float,
-    half_width: float,
-    interval: float,
-    plan: Floats,
-) -> tuple[int, float, float, float, float, float, int, bool]:
+def decide(situation: Situation, plan: Floats) -> tuple[Intent, int, bool]:
     """Decide what the planner has to keep to.
 
     Returns:
-        Leader's row (-1: none), gap to it [m], its braking [m/s2], largest acceleration on a free road [m/s2], cap on
-        every acceleration [m/s2], place of the ego's centre to stop at [m ahead], index into WORDS, and whether to
-        begin the lane change now. ``plan`` is used as scratch.
+        That, index into WORDS, and whether to begin the lane change now. ``plan`` is used as scratch.
     """
+    parameters, memory, speed = situation.parameters, situation.memory, situation.ego.speed
+    tracks, forecasts, _, agents = situation.others
     p, m = parameters[0], memory[0]
-    merging = m.changing > 0.0 or time - m.changed_at < _SETTLING
+    merging = m.changing > 0.0 or situation.time - m.changed_at < _SETTLING
     most = p.merging_acceleration if merging else p.acceleration
     lead, gap, least = choose_leader(parameters, memory, tracks, agents, speed, most)
     braking = max(0.0, -tracks[lead, prediction.ACCELERATION]) if lead >= 0 else 0.0
-    free = rollout.roll(
-        path, spacing, parameters, speed, most, lane_change.NO_CAP, math.inf, forecasts, lead, gap, braking, plan
-    )
+    unhindered = Intent(lead, gap, braking, most, lane_change.NO_CAP, math.inf)
+    free = motion_plan.roll(situation.path, parameters, speed, unhindered, forecasts, plan)
     word = 0
     if lead >= 0 and least < free + 0.05 and least < most - _NOTICED:
         word = FOLLOW
-    line, reason = right_of_way.stop_line(
-        zones, parameters, memory, signals, agents, occupancies, plan, speed, half, interval
-    )
+    line, reason = right_of_way.stop_line(situation, plan)
     if reason != right_of_way.FREE:
         word = reason
-    change, cap, end, sought = lane_change.seek_gap(
-        samples, stages, path, spacing, parameters, memory, tracks, forecasts, plan, speed, half, half_width
-    )
+    change, cap, end, sought = lane_change.seek_gap(situation, plan)
     if sought:
         word = MERGE
-    line = min(line, end)
     blocked = lead >= 0 and agents[lead, who.PARALLEL] < 0.5  # by somebody who stands across
     if speed < 0.5 and reason == right_of_way.FREE and (blocked or (sought and not change)):
-        m.waited += interval
+        m.waited += situation.interval
     if m.changing > 0.0 or change:
         word = CHANGE
-    return lead, gap, braking, most, cap, line, word, change
+    return Intent(lead, gap, braking, most, cap, min(line, end)), word, change

@@ -6,15 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.command import Command, Decision, Trajectory
-from roadmend.core.jit import compiled
+from roadmend.core.jit import compiled, unnamed
 from roadmend.core.route import Route
-from roadmend.core.scene import Scene
-from roadmend.policies import agents as who
-from roadmend.policies import behaviour, localisation, planner, prediction
-from roadmend.policies import path as way
-from roadmend.policies.modular import new_memory
+from roadmend.core.scene import EgoState, Objects, Scene
+from roadmend.policies import behaviour, planner, prediction
+from roadmend.policies.modular import new_driver
 from roadmend.policies.parameters import ModularParameters
 from roadmend.policies.road import Road
+from roadmend.policies.situation import Driver
 
 Floats = NDArray[np.float64]
 Record = NDArray[np.void]
@@ -60,32 +59,13 @@ def action_for(parameters: Record, wanted: float, speed: float) -> float:
 
 @compiled
 def _consider(
-    samples: Floats,
-    stages: Floats,
-    zones: Floats,
-    parameters: Record,
-    memory: Record,
-    known: NDArray[np.uint32],
-    known_curvature: Floats,
+    route: Road,
+    driver: Driver,
+    ego: EgoState,
+    objects: Objects,
+    signals: NDArray[np.uint8],
     time: float,
     interval: float,
-    x: float,
-    y: float,
-    yaw: float,
-    speed: float,
-    length: float,
-    width: float,
-    numbers: NDArray[np.uint32],
-    kind: NDArray[np.uint8],
-    object_x: Floats,
-    object_y: Floats,
-    object_yaw: Floats,
-    object_speed: Floats,
-    object_acceleration: Floats,
-    object_yaw_rate: Floats,
-    object_length: Floats,
-    object_width: Floats,
-    signals: NDArray[np.uint8],
     trajectory: Floats,
 ) -> tuple[float, bool, int]:
     """One pass through the modules of the modular policy: the action, whether to change lane and the word's index.
@@ -93,103 +73,9 @@ def _consider(
     Unlike there the acceleration is neither limited in jerk nor corrected by an integral: the answer depends on the
     scene and not on what was answered before, which is what imitation needs.
     """
-    m = memory[0]
-    half = 0.5 * length
-    stage = m.stage
-    localisation.localise(samples, stages, parameters, memory, x, y, speed)
-    if stage >= 0.0 and m.stage > stage:
-        m.changed_at = time
-    path = way.build_path(samples, stages, parameters, memory, speed, length, width)
-    spacing = way.path_spacing(speed)
-    tracks, remembered = prediction.track(
-        parameters,
-        numbers,
-        kind,
-        object_x,
-        object_y,
-        object_yaw,
-        object_speed,
-        object_acceleration,
-        object_yaw_rate,
-        object_length,
-        object_width,
-        known,
-        known_curvature,
-        int(m.known_count),
-        interval,
-        x,
-        y,
-        spacing * way.POINTS,
-    )
-    m.known_count = remembered
-    count = tracks.shape[0]
-    forecasts = np.empty((count, prediction.TIMES, prediction.FORECAST_COLUMNS), dtype=np.float64)
-    occupancies = np.empty((count, prediction.TIMES, 2), dtype=np.float64)
-    agents = np.empty((count, who.AGENT_COLUMNS), dtype=np.float64)
-    plan = np.empty((prediction.TIMES, 2), dtype=np.float64)
-    who.assess(
-        path,
-        spacing,
-        zones,
-        parameters,
-        memory,
-        signals,
-        tracks,
-        x,
-        y,
-        yaw,
-        half,
-        forecasts,
-        occupancies,
-        agents,
-    )
-    lead, gap, braking, most, cap, line, word, change = behaviour.decide(
-        samples,
-        stages,
-        zones,
-        path,
-        spacing,
-        parameters,
-        memory,
-        signals,
-        tracks,
-        forecasts,
-        occupancies,
-        agents,
-        time,
-        speed,
-        half,
-        0.5 * width,
-        interval,
-        plan,
-    )
-    if change:
-        m.changing, m.progress, m.change_length, m.change_begin = 1.0, 0.0, 0.0, m.s
-    asked, evades = planner.plan_motion(
-        path,
-        spacing,
-        parameters,
-        memory,
-        agents,
-        forecasts,
-        occupancies,
-        lead,
-        gap,
-        braking,
-        most,
-        cap,
-        line,
-        speed,
-        half,
-        zones,
-        plan,
-    )
-    if evades:
-        word = behaviour.EVADE
-        if speed < 0.5:
-            m.waited += interval
-    planner.write_trajectory(path, spacing, plan, trajectory)
-    return action_for(parameters, asked, speed), change, word
+    driver, ego = Driver(*driver), EgoState(*ego)
+    asked, change, word = planner.deliberate(route, driver, ego, objects, signals, time, interval, trajectory)
+    return action_for(driver.parameters, asked, ego.speed), change, word
 
 
 class Expert:
@@ -202,28 +88,25 @@ class Expert:
     name = "expert"
 
     def __init__(self) -> None:
-        self._packed = expert_parameters(0.9).packed()
-        self._memory = new_memory()
-        self._known = np.zeros(prediction.REMEMBERED, dtype=np.uint32)
-        self._known_curvature = np.zeros(prediction.REMEMBERED)
         self._parameters = expert_parameters(0.9)
+        self._driver = new_driver(self._parameters)
         self._road: Road | None = None
         self._time = math.nan
 
     def privilege(self, friction: float) -> None:
         """Tell what no sensor sees: the tyre-road ``friction`` of the next episodes; call it before :meth:`reset`."""
         self._parameters = expert_parameters(friction)
-        self._packed = self._parameters.packed()
+        self._driver = self._driver._replace(parameters=self._parameters.packed())
 
     def reset(self, route: Route) -> None:
         """Begin an episode on ``route``; all memory of earlier ones is dropped."""
         self._road = Road.of(route, self._parameters)
-        self._memory = new_memory()
+        self._driver = new_driver(self._parameters)
         self._time = math.nan
 
     def step(self, scene: Scene) -> Decision:
         """Decide for one tick; brakes where the ego's own state is unusable or no route has come yet."""
-        ego, objects, road = scene.ego, scene.objects, self._road
+        ego, road = scene.ego, self._road
         if road is None or not math.isfinite(scene.time + ego.x + ego.y + ego.yaw + ego.speed + ego.length + ego.width):
             return _STOP
         interval = scene.time - self._time
@@ -232,32 +115,13 @@ class Expert:
         self._time = scene.time
         points = np.empty((4, prediction.FINE))
         action, change, word = _consider(
-            road.samples,
-            road.stages,
-            road.zones,
-            self._packed,
-            self._memory,
-            self._known,
-            self._known_curvature,
+            unnamed(road),
+            unnamed(self._driver),
+            unnamed(ego),
+            scene.objects.table,
+            scene.signals,
             scene.time,
             interval,
-            ego.x,
-            ego.y,
-            ego.yaw,
-            ego.speed,
-            ego.length,
-            ego.width,
-            objects.id,
-            objects.kind,
-            objects.x,
-            objects.y,
-            objects.yaw,
-            objects.speed,
-            objects.acceleration,
-            objects.yaw_rate,
-            objects.length,
-            objects.width,
-            scene.signals,
             points,
         )
         plan = Trajectory(prediction.FINE_INTERVAL, points[0], points[1], points[2], points[3], behaviour.WORDS[word])
@@ -265,7 +129,7 @@ class Expert:
 
     def obeyed(self, *, change: bool) -> None:
         """Say whether the driver that was advised has begun the lane change at the last scene."""
-        m = self._memory[0]
+        m = self._driver.memory[0]
         if not change and m["changing"] > 0.0 and m["progress"] == 0.0 and m["change_length"] == 0.0:
             m["changing"] = 0.0
         elif change and m["changing"] == 0.0:

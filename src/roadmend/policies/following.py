@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.jit import compiled
-from roadmend.policies import path as way
+from roadmend.policies.path_ahead import PathAhead, speed_on
 
-Floats = NDArray[np.float64]
 Record = NDArray[np.void]
 
 HARDEST = 9.0  # [m/s2] no law asks for more
@@ -24,14 +23,14 @@ def needed_deceleration(speed: float, distance: float) -> float:
 
 
 @compiled
-def toward_speed(parameters: Record, path: Floats, spacing: float, ahead: float, speed: float, most: float) -> float:
+def toward_speed(parameters: Record, path: PathAhead, ahead: float, speed: float, most: float) -> float:
     """Acceleration [m/s2] that meets the allowed speed a little further on; at most ``most``.
 
     Allowed speeds fall along the path no faster than comfortable braking, so looking up one place suffices.
     """
     result = most
     for time in _SPEED_TIMES:
-        allowed = way.speed_on(path, spacing, ahead + speed * time)
+        allowed = speed_on(path, ahead + speed * time)
         result = min(result, (allowed - speed) / time)
     return max(result, -float(parameters[0].deceleration) - 1.5)
 

@@ -7,7 +7,9 @@ from numpy.typing import NDArray
 
 from roadmend.core.jit import compiled
 from roadmend.policies import following, prediction, road
-from roadmend.policies import path as way
+from roadmend.policies.path_ahead import speed_on
+from roadmend.policies.road import Road
+from roadmend.policies.situation import Situation
 
 Floats = NDArray[np.float64]
 Record = NDArray[np.void]
@@ -27,9 +29,10 @@ _TRACK, _PLACE, _HALF = range(3)  # row of the track, [m] ahead of the ego there
 
 
 @compiled
-def _neighbours(samples: Floats, stages: Floats, memory: Record, tracks: Floats, half_width: float, out: Floats) -> int:
-    """Who is on the next stage's lane, or on its straight extension backwards, or moves there; returns how many."""
-    m = memory[0]
+def _neighbours(route: Road, memory: Record, tracks: Floats, half_width: float) -> Floats:
+    """Who is on the next stage's lane, or on its straight extension backwards, or moves there."""
+    m, samples, stages = memory[0], route.samples, route.stages
+    out = np.empty((tracks.shape[0], 3), dtype=np.float64)
     stage = int(m.stage) + 1
     first, count = int(stages[stage, road.FIRST]), int(stages[stage, road.COUNT])
     found = 0
@@ -45,14 +48,13 @@ def _neighbours(samples: Floats, stages: Floats, memory: Record, tracks: Floats,
         if min(abs(offset), abs(offset + drift)) < reach or offset * (offset + drift) < 0.0:
             out[found, _TRACK], out[found, _PLACE], out[found, _HALF] = index, s - m.s_next, row[prediction.HALF_LENGTH]
             found += 1
-    return found
+    return out[:found]
 
 
 @compiled
 def _fits(
     parameters: Record,
     neighbours: Floats,
-    count: int,
     forecasts: Floats,
     time: int,
     ahead: float,
@@ -62,7 +64,7 @@ def _fits(
 ) -> bool:
     """Whether the ego can change at a time index, being ``ahead`` [m] of its present place at ``speed`` [m/s]."""
     p = parameters[0]
-    for index in range(count):
+    for index in range(neighbours.shape[0]):
         forecast = forecasts[int(neighbours[index, _TRACK]), time]
         apart = neighbours[index, _PLACE] + forecast[prediction.FWAY] - ahead
         other = forecast[prediction.FSPEED]
@@ -82,25 +84,14 @@ def _fits(
 
 
 @compiled
-def seek_gap(
-    samples: Floats,
-    stages: Floats,
-    path: Floats,
-    spacing: float,
-    parameters: Record,
-    memory: Record,
-    tracks: Floats,
-    forecasts: Floats,
-    plan: Floats,
-    speed: float,
-    half: float,
-    half_width: float,
-) -> tuple[bool, float, float, bool]:
+def seek_gap(situation: Situation, plan: Floats) -> tuple[bool, float, float, bool]:
     """Whether to change now, a cap on the acceleration [m/s2], a line to stop at [m ahead], and whether one is sought.
 
     Gaps are looked for along the ``plan`` and under constant accelerations, at every half second; the earliest and
     gentlest is taken. Without any the ego slows down for the end of the window, never past it.
     """
+    parameters, memory, stages = situation.parameters, situation.memory, situation.route.stages
+    forecasts, speed, half = situation.others.forecasts, situation.ego.speed, 0.5 * situation.ego.length
     p, m = parameters[0], memory[0]
     stage = int(m.stage)
     if m.changing > 0.0 or stage + 1 >= stages.shape[0]:
@@ -108,14 +99,13 @@ def seek_gap(
     begin, end = stages[stage, road.WINDOW_BEGIN] - m.s, stages[stage, road.WINDOW_END] - m.s
     if begin > speed * _LOOK_AHEAD + 20.0:
         return False, NO_CAP, math.inf, False
-    neighbours = np.empty((tracks.shape[0], 3), dtype=np.float64)
-    count = _neighbours(samples, stages, memory, tracks, half_width, neighbours)
+    neighbours = _neighbours(situation.route, memory, situation.others.tracks, 0.5 * situation.ego.width)
     urgent = 1.0 - 0.4 * min(1.0, max(0.0, 1.0 - end / max(speed, 1.0) / _URGENT))
     share = max(_SMALLEST, urgent * (1.0 - 0.5 * min(1.0, m.waited / p.patience)))
     inside = begin <= 0.0 <= end
-    if inside and _fits(parameters, neighbours, count, forecasts, 0, 0.0, speed, half, share):
+    if inside and _fits(parameters, neighbours, forecasts, 0, 0.0, speed, half, share):
         return True, NO_CAP, math.inf, True
-    fastest = max(way.speed_on(path, spacing, 0.0), speed)
+    fastest = max(speed_on(situation.path, 0.0), speed)
     best_cost, best_cap, best_time = math.inf, NO_CAP, math.inf
     for choice in range(len(_TRIED)):
         acceleration = _TRIED[choice]
@@ -133,7 +123,7 @@ def seek_gap(
                 break  # the plan is slower for a reason
             if ahead < begin:
                 continue
-            if _fits(parameters, neighbours, count, forecasts, time, ahead, then, half, share):
+            if _fits(parameters, neighbours, forecasts, time, ahead, then, half, share):
                 cost = seconds + 0.8 * max(0.0, -acceleration)
                 if cost < best_cost:
                     best_cost, best_time = cost, seconds

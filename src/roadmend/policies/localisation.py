@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.jit import compiled
+from roadmend.core.scene import EgoState
 from roadmend.policies import road
+from roadmend.policies.road import Road
 
-Floats = NDArray[np.float64]
 Record = NDArray[np.void]
 
 _REACH = 30.0  # [m] around the last known place
@@ -17,13 +18,14 @@ _NOT_BEGUN = 0.02  # share of the lateral way below which a change has not begun
 
 
 @compiled
-def _find(samples: Floats, stages: Floats, x: float, y: float) -> tuple[int, float, float]:
+def _find(route: Road, ego: EgoState) -> tuple[int, float, float]:
     """Stage, arc length [m] and offset [m] of the nearest stage, without any earlier knowledge."""
+    stages = route.stages
     best, best_s, best_offset = 0, 0.0, math.inf
     for stage in range(stages.shape[0]):
         first, count = int(stages[stage, road.FIRST]), int(stages[stage, road.COUNT])
         length = stages[stage, road.LENGTH]
-        s, offset = road.project_on(samples, first, count, x, y, 0.5 * length, length)
+        s, offset = road.project_on(route.samples, first, count, ego.x, ego.y, 0.5 * length, length)
         beyond = max(-s, s - length, 0.0)
         if abs(offset) + beyond < abs(best_offset) - 1e-9:
             best, best_s, best_offset = stage, s, offset
@@ -31,18 +33,16 @@ def _find(samples: Floats, stages: Floats, x: float, y: float) -> tuple[int, flo
 
 
 @compiled
-def _look_across(
-    samples: Floats, stages: Floats, memory: Record, stage: int, x: float, y: float, around: float
-) -> None:
+def _look_across(route: Road, memory: Record, stage: int, ego: EgoState, around: float) -> None:
     """Set s_next and offset_next: the ego's place on the next stage, searched near ``around`` [m] if that is finite."""
-    m = memory[0]
+    m, stages = memory[0], route.stages
     m.s_next, m.offset_next = math.nan, math.inf
     if stage + 1 < stages.shape[0]:
         first, count = int(stages[stage + 1, road.FIRST]), int(stages[stage + 1, road.COUNT])
         length = stages[stage + 1, road.LENGTH]
         reach = _REACH if math.isfinite(around) else length
         middle = around if math.isfinite(around) else 0.5 * length
-        m.s_next, m.offset_next = road.project_on(samples, first, count, x, y, middle, reach)
+        m.s_next, m.offset_next = road.project_on(route.samples, first, count, ego.x, ego.y, middle, reach)
 
 
 @compiled
@@ -59,34 +59,32 @@ def share_of_change(weight: float) -> float:
 
 
 @compiled
-def localise(
-    samples: Floats, stages: Floats, parameters: Record, memory: Record, x: float, y: float, speed: float
-) -> None:
-    """Bring ``memory`` up to date with the ego's position [m] and speed [m/s].
+def localise(route: Road, parameters: Record, memory: Record, ego: EgoState) -> None:
+    """Bring ``memory`` up to date with the ego's position and speed.
 
     Sets stage, s, offset and, where the route has a next stage, s_next and offset_next; changing and progress say
     whether a lane change is under way and which share of it is done. Everything but the length of the change follows
     from geometry, so that a policy which starts in the middle of an episode finds its place.
     """
-    p, m = parameters[0], memory[0]
+    p, m, stages = parameters[0], memory[0], route.stages
     stage = int(m.stage)
     known = stage >= 0
     s, offset = 0.0, math.inf
     if known:
         first, count = int(stages[stage, road.FIRST]), int(stages[stage, road.COUNT])
-        s, offset = road.project_on(samples, first, count, x, y, m.s, _REACH)
+        s, offset = road.project_on(route.samples, first, count, ego.x, ego.y, m.s, _REACH)
     if not known or abs(offset) > _LOST:
-        stage, s, offset = _find(samples, stages, x, y)
+        stage, s, offset = _find(route, ego)
         m.changing, m.progress, m.change_length, m.s_next = 0.0, 0.0, 0.0, math.nan  # search everywhere
-    _look_across(samples, stages, memory, stage, x, y, m.s_next)
+    _look_across(route, memory, stage, ego, m.s_next)
     if stage + 1 < stages.shape[0]:
         begun = s >= stages[stage, road.WINDOW_BEGIN] - 1.0
         if begun and abs(m.offset_next) < p.arrival_offset and abs(m.offset_next) < abs(offset):
             stage, s, offset = stage + 1, m.s_next, m.offset_next
             m.changing, m.progress = 0.0, 0.0
-            _look_across(samples, stages, memory, stage, x, y, math.nan)
+            _look_across(route, memory, stage, ego, math.nan)
         elif begun:
-            _follow_change(parameters, memory, s, offset, speed)
+            _follow_change(parameters, memory, s, offset, ego.speed)
     m.stage, m.s, m.offset = stage, s, offset
 
 

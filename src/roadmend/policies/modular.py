@@ -6,14 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.command import Command, Decision, Trajectory
-from roadmend.core.jit import compiled
+from roadmend.core.jit import compiled, unnamed
 from roadmend.core.route import Route
-from roadmend.core.scene import Scene
-from roadmend.policies import agents as who
-from roadmend.policies import behaviour, controller, localisation, planner, prediction
-from roadmend.policies import path as way
+from roadmend.core.scene import EgoState, Objects, Scene
+from roadmend.policies import behaviour, controller, planner, prediction
 from roadmend.policies.parameters import ModularParameters
 from roadmend.policies.road import Road
+from roadmend.policies.situation import Driver, pack
 
 Floats = NDArray[np.float64]
 Record = NDArray[np.void]
@@ -46,146 +45,31 @@ _MEMORY: dict[str, float] = {
 }
 
 
-def new_memory() -> Record:
-    """The memory of a policy at the beginning of an episode."""
-    memory: Record = np.zeros(1, dtype=np.dtype([(name, np.float64) for name in _MEMORY], align=True))
-    memory[0] = tuple(_MEMORY.values())
-    return memory
+def new_driver(parameters: ModularParameters) -> Driver:
+    """What a policy with these parameters begins an episode with."""
+    return Driver(parameters.packed(), pack(_MEMORY), prediction.nobody_known())
 
 
 @compiled
 def _drive(
-    samples: Floats,
-    stages: Floats,
-    zones: Floats,
-    parameters: Record,
-    memory: Record,
-    known: NDArray[np.uint32],
-    known_curvature: Floats,
-    time: float,
-    interval: float,
-    tick: float,
-    x: float,
-    y: float,
-    yaw: float,
-    speed: float,
-    length: float,
-    width: float,
-    numbers: NDArray[np.uint32],
-    kind: NDArray[np.uint8],
-    object_x: Floats,
-    object_y: Floats,
-    object_yaw: Floats,
-    object_speed: Floats,
-    object_acceleration: Floats,
-    object_yaw_rate: Floats,
-    object_length: Floats,
-    object_width: Floats,
+    route: Road,
+    driver: Driver,
+    ego: EgoState,
+    objects: Objects,
     signals: NDArray[np.uint8],
+    time: float,
+    intervals: tuple[float, float],
     trajectory: Floats,
 ) -> tuple[float, float, bool, int]:
-    """A new plan: one pass through all modules, ``interval`` [s] after the last and ``tick`` [s] after the last tick.
+    """A new plan; ``intervals`` [s] have passed since the last one and since the last tick.
 
     Returns throttle, brake, whether to change lane and the word's index.
     """
-    m = memory[0]
-    half = 0.5 * length
-    stage = m.stage
-    localisation.localise(samples, stages, parameters, memory, x, y, speed)
-    if stage >= 0.0 and m.stage > stage:
-        m.changed_at = time
-    path = way.build_path(samples, stages, parameters, memory, speed, length, width)
-    spacing = way.path_spacing(speed)
-    tracks, remembered = prediction.track(
-        parameters,
-        numbers,
-        kind,
-        object_x,
-        object_y,
-        object_yaw,
-        object_speed,
-        object_acceleration,
-        object_yaw_rate,
-        object_length,
-        object_width,
-        known,
-        known_curvature,
-        int(m.known_count),
-        interval,
-        x,
-        y,
-        spacing * way.POINTS,
-    )
-    m.known_count = remembered
-    count = tracks.shape[0]
-    forecasts = np.empty((count, prediction.TIMES, prediction.FORECAST_COLUMNS), dtype=np.float64)
-    occupancies = np.empty((count, prediction.TIMES, 2), dtype=np.float64)
-    agents = np.empty((count, who.AGENT_COLUMNS), dtype=np.float64)
-    plan = np.empty((prediction.TIMES, 2), dtype=np.float64)
-    who.assess(
-        path,
-        spacing,
-        zones,
-        parameters,
-        memory,
-        signals,
-        tracks,
-        x,
-        y,
-        yaw,
-        half,
-        forecasts,
-        occupancies,
-        agents,
-    )
-    lead, gap, braking, most, cap, line, word, change = behaviour.decide(
-        samples,
-        stages,
-        zones,
-        path,
-        spacing,
-        parameters,
-        memory,
-        signals,
-        tracks,
-        forecasts,
-        occupancies,
-        agents,
-        time,
-        speed,
-        half,
-        0.5 * width,
-        interval,
-        plan,
-    )
-    if change:
-        m.changing, m.progress, m.change_length, m.change_begin = 1.0, 0.0, 0.0, m.s
-    asked, evades = planner.plan_motion(
-        path,
-        spacing,
-        parameters,
-        memory,
-        agents,
-        forecasts,
-        occupancies,
-        lead,
-        gap,
-        braking,
-        most,
-        cap,
-        line,
-        speed,
-        half,
-        zones,
-        plan,
-    )
-    if evades:
-        word = behaviour.EVADE
-        if speed < 0.5:
-            m.waited += interval
-    wanted = planner.smooth(parameters, memory, asked, speed, interval)
-    throttle, brake = controller.control(parameters, memory, wanted, speed, tick)
-    planner.write_trajectory(path, spacing, plan, trajectory)
+    interval, tick = intervals
+    driver, ego = Driver(*driver), EgoState(*ego)
+    asked, change, word = planner.deliberate(route, driver, ego, objects, signals, time, interval, trajectory)
+    wanted = planner.smooth(driver.parameters, driver.memory, asked, ego.speed, interval)
+    throttle, brake = controller.control(driver.parameters, driver.memory, wanted, ego.speed, tick)
     return throttle, brake, change, word
 
 
@@ -206,10 +90,7 @@ class ModularPolicy:
 
     def __init__(self, parameters: ModularParameters | None = None) -> None:
         self.parameters = parameters if parameters is not None else ModularParameters()
-        self._packed = self.parameters.packed()
-        self._memory = np.zeros(1, dtype=np.dtype([(name, np.float64) for name in _MEMORY], align=True))
-        self._known = np.zeros(prediction.REMEMBERED, dtype=np.uint32)
-        self._known_curvature = np.zeros(prediction.REMEMBERED)
+        self._driver = new_driver(self.parameters)
         self._road: Road | None = None
         self._time = math.nan
         self._planned_at = math.nan
@@ -221,12 +102,12 @@ class ModularPolicy:
         self._forget()
 
     def _forget(self) -> None:
-        self._memory[0] = tuple(_MEMORY.values())
+        self._driver.memory[0] = tuple(_MEMORY.values())
         self._time = self._planned_at = math.nan
 
     def step(self, scene: Scene) -> Decision:
         """Decide for one tick; brakes where the ego's own state is unusable or no route has come yet."""
-        ego, objects, road = scene.ego, scene.objects, self._road
+        ego, road = scene.ego, self._road
         if road is None or not math.isfinite(scene.time + ego.x + ego.y + ego.yaw + ego.speed + ego.length + ego.width):
             return _STOP
         interval = scene.time - self._time
@@ -237,38 +118,18 @@ class ModularPolicy:
         self._time = scene.time
         since = scene.time - self._planned_at
         if since < self.parameters.planning_interval - 1e-6:
-            throttle, brake = _hold(self._packed, self._memory, ego.speed, interval)
+            throttle, brake = _hold(self._driver.parameters, self._driver.memory, ego.speed, interval)
             return Decision(Command(throttle, brake), self._trajectory)
         self._planned_at = scene.time
         points = np.empty((4, prediction.FINE))
         throttle, brake, change, word = _drive(
-            road.samples,
-            road.stages,
-            road.zones,
-            self._packed,
-            self._memory,
-            self._known,
-            self._known_curvature,
-            scene.time,
-            interval if math.isnan(since) else since,
-            interval,
-            ego.x,
-            ego.y,
-            ego.yaw,
-            ego.speed,
-            ego.length,
-            ego.width,
-            objects.id,
-            objects.kind,
-            objects.x,
-            objects.y,
-            objects.yaw,
-            objects.speed,
-            objects.acceleration,
-            objects.yaw_rate,
-            objects.length,
-            objects.width,
+            unnamed(road),
+            unnamed(self._driver),
+            unnamed(ego),
+            scene.objects.table,
             scene.signals,
+            scene.time,
+            (interval if math.isnan(since) else since, interval),
             points,
         )
         self._trajectory = Trajectory(

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.command import Trajectory
-from roadmend.core.jit import compiled
+from roadmend.core.jit import compiled, unnamed
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.policies import neural_tokens, prediction
-from roadmend.policies import path as way
 from roadmend.policies.parameters import ModularParameters
+from roadmend.policies.path_ahead import PathAhead, pose_ahead, speed_on
 from roadmend.policies.road import Road
 
 Floats = NDArray[np.float64]
@@ -23,9 +23,9 @@ _HELD = 2.0  # [s] that the commanded acceleration is taken to last
 
 
 @compiled
-def _roll_forward(path: Floats, spacing: float, parameters: Record, action: float, speed: float, out: Floats) -> None:
+def _roll_forward(path: PathAhead, parameters: Record, action: float, speed: float, out: Floats) -> None:
     """Where a held action leads along the path: x, y, yaw and speed, the rows of ``out`` (4, FINE)."""
-    p = parameters[0]
+    path, p = PathAhead(*path), parameters[0]
     force = (
         min(p.engine_acceleration, p.engine_power / max(speed, 1.0)) * action if action > 0.0 else p.full_brake * action
     )
@@ -37,10 +37,10 @@ def _roll_forward(path: Floats, spacing: float, parameters: Record, action: floa
         if index * step < _HELD:
             after = max(0.0, v + acceleration * step)
             if acceleration > 0.0:
-                after = max(v, min(after, way.speed_on(path, spacing, ahead)))
+                after = max(v, min(after, speed_on(path, ahead)))
         ahead += 0.5 * (v + after) * step
         v = after
-        out[0, index], out[1, index], out[2, index] = way.pose_ahead(path, spacing, ahead)
+        out[0, index], out[1, index], out[2, index] = pose_ahead(path, ahead)
         out[3, index] = v
 
 
@@ -49,14 +49,10 @@ class Observer:
 
     def __init__(self) -> None:
         self._parameters = ModularParameters()
-        self._packed = self._parameters.packed()
         self._road: Road | None = None
-        self._memory = neural_tokens.new_memory()
-        self._known = np.zeros(prediction.REMEMBERED, dtype=np.uint32)
-        self._known_curvature = np.zeros(prediction.REMEMBERED)
+        self._driver = neural_tokens.new_driver(self._parameters)
         self._time = math.nan
-        self._path: Floats = np.empty((0, 7))
-        self._spacing = 1.0
+        self._path = PathAhead(np.empty((0, 7)), 1.0)
         self._speed = 0.0
         self._tokens = np.zeros((neural_tokens.TOKENS, neural_tokens.COLUMNS), dtype=np.float32)
         self.objects = np.full(neural_tokens.TOKENS, -1, dtype=np.int64)  # row in the scene of each token's object
@@ -64,7 +60,7 @@ class Observer:
     def reset(self, route: Route) -> None:
         """Begin an episode on ``route``; all memory of earlier ones is dropped."""
         self._road = Road.of(route, self._parameters)
-        self._memory = neural_tokens.new_memory()
+        self._driver = neural_tokens.new_driver(self._parameters)
         self._time = math.nan
 
     def observe(self, scene: Scene) -> NDArray[np.float32] | None:
@@ -72,46 +68,27 @@ class Observer:
 
         None where the ego's own state is not finite or no route has come yet.
         """
-        ego, objects, road = scene.ego, scene.objects, self._road
+        ego, road = scene.ego, self._road
         if road is None or not math.isfinite(scene.time + ego.x + ego.y + ego.yaw + ego.speed + ego.length + ego.width):
             return None
         interval = scene.time - self._time
         if not 0.0 < interval <= _INTERVAL_MAX:
             if interval < 0.0 or interval > _INTERVAL_MAX:
-                self._memory = neural_tokens.new_memory()
+                self._driver = neural_tokens.new_driver(self._parameters)
             interval = _INTERVAL
         self._time = scene.time
         self._speed = ego.speed
-        count, self._path, self._spacing = neural_tokens.tokenise(
-            road.samples,
-            road.stages,
-            road.zones,
-            self._packed,
-            self._memory,
-            self._known,
-            self._known_curvature,
-            scene.time,
-            interval,
-            ego.x,
-            ego.y,
-            ego.yaw,
-            ego.speed,
-            ego.length,
-            ego.width,
-            objects.id,
-            objects.kind,
-            objects.x,
-            objects.y,
-            objects.yaw,
-            objects.speed,
-            objects.acceleration,
-            objects.yaw_rate,
-            objects.length,
-            objects.width,
+        count, points, spacing = neural_tokens.tokenise(
+            unnamed(road),
+            unnamed(self._driver),
+            unnamed(ego),
+            scene.objects.table,
             scene.signals,
+            (scene.time, interval),
             self._tokens,
             self.objects,
         )
+        self._path = PathAhead(points, spacing)
         return self._tokens[:count]
 
     @property
@@ -121,7 +98,7 @@ class Observer:
 
     def begin_change(self) -> None:
         """Say that the ego has been told to change lane at the last scene."""
-        m = self._memory[0]
+        m = self._driver.memory[0]
         m["changing"], m["progress"], m["change_length"], m["change_begin"] = 1.0, 0.0, 0.0, m["s"]
 
     def trajectory(self, action: float, word: str) -> Trajectory:
@@ -131,5 +108,5 @@ class Observer:
         from then on; the ego keeps to its path, lane change included.
         """
         points = np.empty((4, prediction.FINE))
-        _roll_forward(self._path, self._spacing, self._packed, action, self._speed, points)
+        _roll_forward(unnamed(self._path), self._driver.parameters, action, self._speed, points)
         return Trajectory(prediction.FINE_INTERVAL, points[0], points[1], points[2], points[3], word)

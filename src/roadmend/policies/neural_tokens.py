@@ -11,11 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.jit import compiled
-from roadmend.core.route import RightOfWay
-from roadmend.core.scene import ObjectKind
+from roadmend.core.scene import EgoState, ObjectKind, Objects
 from roadmend.policies import agents as who
-from roadmend.policies import following, localisation, prediction, road, rollout
-from roadmend.policies import path as way
+from roadmend.policies import following, motion_plan, path_ahead, prediction, road
+from roadmend.policies.motion_plan import Intent
+from roadmend.policies.occupancy import HIGH, LOW, SAME_WAY, occupy
+from roadmend.policies.parameters import ModularParameters
+from roadmend.policies.path_ahead import PathAhead
+from roadmend.policies.road import Road
+from roadmend.policies.situation import Driver, Others, Situation, pack, perceive
 
 Floats = NDArray[np.float64]
 Tokens = NDArray[np.float32]
@@ -45,7 +49,6 @@ _LATEST = 9.0  # [s] stands for never
 _FASTEST = 80.0  # [m/s] nobody's speed counts as more
 _DRIFT_TIME = 1.5  # [s]
 _MOTORCYCLE, _BICYCLE = int(ObjectKind.MOTORCYCLE), int(ObjectKind.BICYCLE)
-_CROSSING = int(RightOfWay.CROSSING)
 
 # What is carried from tick to tick
 MEMORY: dict[str, float] = {
@@ -67,11 +70,9 @@ MEMORY: dict[str, float] = {
 }
 
 
-def new_memory() -> Record:
-    """The memory at the beginning of an episode."""
-    memory: Record = np.zeros(1, dtype=np.dtype([(name, np.float64) for name in MEMORY], align=True))
-    memory[0] = tuple(MEMORY.values())
-    return memory
+def new_driver(parameters: ModularParameters) -> Driver:
+    """What the tokens of an episode begin with."""
+    return Driver(parameters.packed(), pack(MEMORY), prediction.nobody_known())
 
 
 @compiled
@@ -100,7 +101,7 @@ def _remember(memory: Record, zones: Floats, interval: float, speed: float, half
 
 
 @compiled
-def _ego(path: Floats, spacing: float, stages: Floats, memory: Record, time: float, speed: float, row: Tokens) -> None:
+def _ego(path: PathAhead, stages: Floats, memory: Record, time: float, speed: float, row: Tokens) -> None:
     m = memory[0]
     stage = int(m.stage)
     row[0] = 1.0
@@ -123,30 +124,29 @@ def _ego(path: Floats, spacing: float, stages: Floats, memory: Record, time: flo
         )
         row[at + 12] = _clip(end / max(speed, 1.0) / 5.0, -1.0, 3.0)
     row[at + 10] = _clip((time - m.changed_at) / 6.0, 0.0, 1.0)
-    row[at + 13] = way.speed_on(path, spacing, 0.0) / 10.0
+    row[at + 13] = path_ahead.speed_on(path, 0.0) / 10.0
     for index in range(4):
         seconds = 0.6 * (index + 1) if index < 3 else 4.0
-        row[at + 14 + index] = _clip((way.speed_on(path, spacing, speed * seconds) - speed) / seconds / 2.0, -3.0, 3.0)
-    row[at + 18] = path[int(way.BEHIND / spacing), way.BEND] * 10.0
+        row[at + 14 + index] = _clip((path_ahead.speed_on(path, speed * seconds) - speed) / seconds / 2.0, -3.0, 3.0)
+    row[at + 18] = path.points[int(path_ahead.BEHIND / path.spacing), path_ahead.BEND] * 10.0
 
 
 @compiled
-def _place(
-    path: Floats, spacing: float, ahead: float, x: float, y: float, yaw: float, speed: float, row: Tokens
-) -> None:
-    px, py, heading = way.pose_ahead(path, spacing, ahead)
-    cosine, sine = math.cos(yaw), math.sin(yaw)
-    dx, dy = px - x, py - y
-    allowed = way.speed_on(path, spacing, ahead)
+def _place(path: PathAhead, ahead: float, ego: EgoState, row: Tokens) -> None:
+    px, py, heading = path_ahead.pose_ahead(path, ahead)
+    cosine, sine = math.cos(ego.yaw), math.sin(ego.yaw)
+    dx, dy = px - ego.x, py - ego.y
+    allowed = path_ahead.speed_on(path, ahead)
     row[2] = 1.0
     at = _PLACE
     row[at] = (dx * cosine + dy * sine) / 50.0
     row[at + 1] = (dy * cosine - dx * sine) / 20.0
-    row[at + 2] = math.cos(heading - yaw)
-    row[at + 3] = math.sin(heading - yaw)
+    row[at + 2] = math.cos(heading - ego.yaw)
+    row[at + 3] = math.sin(heading - ego.yaw)
     row[at + 4] = allowed / 10.0
-    row[at + 5] = (allowed - speed) / 5.0
-    row[at + 6] = path[min(int((ahead + way.BEHIND) / spacing), way.POINTS - 1), way.BEND] * 10.0
+    row[at + 5] = (allowed - ego.speed) / 5.0
+    nearest = min(int((ahead + path_ahead.BEHIND) / path.spacing), path_ahead.POINTS - 1)
+    row[at + 6] = path.points[nearest, path_ahead.BEND] * 10.0
 
 
 @compiled
@@ -177,70 +177,35 @@ def _reach(plan: Floats, ahead: float) -> float:
     if ahead <= 0.0:
         return 0.0
     for index in range(1, prediction.TIMES):
-        if plan[index, rollout.AHEAD] >= ahead:
-            before = plan[index - 1, rollout.AHEAD]
-            share = (ahead - before) / max(plan[index, rollout.AHEAD] - before, 1e-6)
+        if plan[index, motion_plan.AHEAD] >= ahead:
+            before = plan[index - 1, motion_plan.AHEAD]
+            share = (ahead - before) / max(plan[index, motion_plan.AHEAD] - before, 1e-6)
             earlier = prediction.time_at(index - 1)
             return float(earlier + share * (prediction.time_at(index) - earlier))
     return _LATEST
 
 
 @compiled
-def _gives_way_at(
-    zones: Floats,
-    memory: Record,
-    signals: NDArray[np.uint8],
-    low: float,
-    high: float,
-    half: float,
-    pedestrian: bool,  # noqa: FBT001
-) -> bool:
-    """Whether a stretch of the path [m] lies where the ego must give way."""
-    for index in range(zones.shape[0]):
-        begin = who.zone_begin(zones, index, memory)
-        end = begin + zones[index, road.END] - zones[index, road.BEGIN]
-        if begin == math.inf or end < -half:
-            continue
-        if pedestrian:
-            if zones[index, road.RULE] == _CROSSING and high > begin - 1.0 and low < end + 1.0:
-                return True
-        elif who.gives_way(zones, index, signals) and high > begin - 2.0 and low < end + 15.0:
-            return True
-    return False
-
-
-@compiled
 def _object(
-    path: Floats,
-    spacing: float,
-    samples: Floats,
-    stages: Floats,
-    zones: Floats,
-    parameters: Record,
-    memory: Record,
-    signals: NDArray[np.uint8],
+    situation: Situation,
     plan: Floats,
     track: Floats,
     forecast: Floats,
     occupancy: Floats,
     kind: int,
-    x: float,
-    y: float,
-    yaw: float,
-    speed: float,
-    half: float,
-    half_width: float,
     row: Tokens,
 ) -> float:
-    """Fill one object's token; returns how little it matters."""
-    p, m = parameters[0], memory[0]
+    """Fill one object's token; returns how little it matters. ``occupancy`` is used as scratch."""
+    path, ego, speed, half = situation.path, situation.ego, situation.ego.speed, 0.5 * situation.ego.length
+    samples, stages, zones = situation.route
+    p, m = situation.parameters[0], situation.memory[0]
     at = _OBJECT
     row[:] = 0.0
     row[1] = 1.0
-    cosine, sine = math.cos(yaw), math.sin(yaw)
-    dx, dy = track[prediction.X] - x, track[prediction.Y] - y
+    cosine, sine = math.cos(ego.yaw), math.sin(ego.yaw)
+    dx, dy = track[prediction.X] - ego.x, track[prediction.Y] - ego.y
     along, aside = dx * cosine + dy * sine, dy * cosine - dx * sine
-    turn = track[prediction.YAW] - yaw
+    turn = track[prediction.YAW] - ego.yaw
     v = min(track[prediction.SPEED], _FASTEST)
     pedestrian = track[prediction.PEDESTRIAN] > 0.0
     row[at] = _clip(along / 30.0, -3.0, 3.0)
@@ -262,14 +227,14 @@ def _object(
     if along < -half and abs(aside) < 2.0 and math.cos(turn) > 0.7:
         unimportance += 4.0
     margin = p.pedestrian_margin if pedestrian else p.side_margin
-    begin, parallel = way.occupy(path, spacing, track, forecast, margin, prediction.TIMES - 1, occupancy)
+    begin, parallel = occupy(path, track, forecast, margin, prediction.TIMES - 1, occupancy)
     if begin >= 0:
-        low, high = occupancy[begin, way.LOW], occupancy[begin, way.HIGH]
+        low, high = occupancy[begin, LOW], occupancy[begin, HIGH]
         entry = prediction.time_at(begin)
         leave = _LATEST
-        if not (begin == 0 and parallel > way.SAME_WAY):  # who goes the ego's way is not followed further
+        if not (begin == 0 and parallel > SAME_WAY):  # who goes the ego's way is not followed further
             for index in range(begin + 1, prediction.TIMES):
-                if occupancy[index, way.HIGH] < occupancy[index, way.LOW]:
+                if occupancy[index, HIGH] < occupancy[index, LOW]:
                     leave = prediction.time_at(index)
                     break
         reach, clear = _reach(plan, low - half), _reach(plan, high + half)
@@ -279,10 +244,10 @@ def _object(
         row[at + 17] = leave / 4.0
         row[at + 18] = _clip(low / 30.0, -1.0, 3.0)
         row[at + 19] = parallel
-        gap = low + 0.5 * spacing - half
+        gap = low + 0.5 * path.spacing - half
         if begin == 0 and high > 0.0:
             # The exact gap: the place of the centre along the path, less both half lengths.
-            gap, _ = who.gap_to(path, spacing, track, low, high, half)
+            gap, _ = who.gap_to(path, track, low, high, half)
             closing = max(0.0, speed - v * max(parallel, 0.0))
             stop = max(gap - 1.2, 0.2)
             row[at + 20] = _clip(gap / 20.0, -0.5, 3.0)
@@ -293,9 +258,10 @@ def _object(
         row[at + 25] = _clip((entry - clear) / 3.0, -2.0, 2.0)
         row[at + 26] = _clip((reach - leave) / 3.0, -2.0, 2.0)
         row[at + 27] = _clip(following.needed_deceleration(speed, gap - 1.0) / 4.0, 0.0, 3.0) if gap > 0.0 else 0.0
-        row[at + 28] = 1.0 if _gives_way_at(zones, memory, signals, low, high, half, pedestrian) else 0.0
-        wide, _ = rollout.contact(plan, occupancy, begin, 0.5, 1.2, half + 1.0, half + 0.3)
-        close, _ = rollout.contact(plan, occupancy, begin, 0.0, 0.3, half + 0.6, half + 0.3)
+        zone = who.zone_of(zones, situation.memory, situation.signals, low, high, half, track)
+        row[at + 28] = 1.0 if zone >= 0 else 0.0
+        wide, _ = motion_plan.contact(plan, occupancy, begin, 0.5, 1.2, half + 1.0, half + 0.3)
+        close, _ = motion_plan.contact(plan, occupancy, begin, 0.0, 0.3, half + 0.6, half + 0.3)
         row[at + 29] = 1.0 - prediction.time_at(wide) / 10.0 if wide >= 0 else 0.0
         row[at + 30] = 1.0 - prediction.time_at(close) / 10.0 if close >= 0 else 0.0
         if high > -half:
@@ -307,7 +273,7 @@ def _object(
         _, _, lane_cosine, lane_sine, _, _ = road.pose_on(samples, first, count, s)
         other_cosine, other_sine = math.cos(track[prediction.YAW]), math.sin(track[prediction.YAW])
         drift = v * (other_sine * lane_cosine - other_cosine * lane_sine) * _DRIFT_TIME
-        room = track[prediction.HALF_WIDTH] + half_width + 0.2
+        room = track[prediction.HALF_WIDTH] + 0.5 * ego.width + 0.2
         there = min(abs(offset), abs(offset + drift)) < room or offset * (offset + drift) < 0.0
         place = s - m.s_next
         free = abs(place) - track[prediction.HALF_LENGTH] - half
@@ -342,76 +308,33 @@ def _fill_room(tokens: Tokens, count: int) -> None:
 
 @compiled
 def tokenise(
-    samples: Floats,
-    stages: Floats,
-    zones: Floats,
-    parameters: Record,
-    memory: Record,
-    known: NDArray[np.uint32],
-    known_curvature: Floats,
-    time: float,
-    interval: float,
-    x: float,
-    y: float,
-    yaw: float,
-    speed: float,
-    length: float,
-    width: float,
-    numbers: NDArray[np.uint32],
-    kind: NDArray[np.uint8],
-    object_x: Floats,
-    object_y: Floats,
-    object_yaw: Floats,
-    object_speed: Floats,
-    object_acceleration: Floats,
-    object_yaw_rate: Floats,
-    object_length: Floats,
-    object_width: Floats,
+    route: Road,
+    driver: Driver,
+    ego: EgoState,
+    objects: Objects,
     signals: NDArray[np.uint8],
+    clock: tuple[float, float],
     tokens: Tokens,
-    objects: NDArray[np.int64],
+    sources: NDArray[np.int64],
 ) -> tuple[int, Floats, float]:
-    """Fill ``tokens`` (TOKENS, COLUMNS) from a scene; returns how many there are, the path and its spacing [m].
+    """Fill ``tokens`` (TOKENS, COLUMNS) from a scene; returns how many there are, and the parts of the path ahead.
 
-    ``objects`` (TOKENS,) receives the row of each token's object in the scene, -1 for the other kinds. The ego's
-    token comes first, then the places, the zones and the objects, those that matter most before the others.
+    ``clock`` holds the time and the interval since the last scene [s]. ``sources`` (TOKENS,) receives the row of each
+    token's object in the scene, -1 for the other kinds. The ego's token comes first, then the places, the zones and
+    the objects, those that matter most before the others.
     """
-    m = memory[0]
-    half = 0.5 * length
-    stage = m.stage
-    localisation.localise(samples, stages, parameters, memory, x, y, speed)
-    if stage >= 0.0 and m.stage > stage:
-        m.changed_at = time
+    time, interval = clock
+    route, driver, ego = Road(*route), Driver(*driver), EgoState(*ego)
+    parameters, memory, zones = driver.parameters, driver.memory, route.zones
+    speed, half = ego.speed, 0.5 * ego.length
+    path, tracks = perceive(route, driver, ego, objects, time, interval)
     _remember(memory, zones, interval, speed, half)
-    path = way.build_path(samples, stages, parameters, memory, speed, length, width)
-    spacing = way.path_spacing(speed)
-    tracks, remembered = prediction.track(
-        parameters,
-        numbers,
-        kind,
-        object_x,
-        object_y,
-        object_yaw,
-        object_speed,
-        object_acceleration,
-        object_yaw_rate,
-        object_length,
-        object_width,
-        known,
-        known_curvature,
-        int(m.known_count),
-        interval,
-        x,
-        y,
-        spacing * way.POINTS,
-    )
-    m.known_count = remembered
     tokens[:, :] = 0.0
-    objects[:] = -1
-    _ego(path, spacing, stages, memory, time, speed, tokens[0])
+    sources[:] = -1
+    _ego(path, route.stages, memory, time, speed, tokens[0])
     count = 1
     for ahead in PLACES:
-        _place(path, spacing, ahead, x, y, yaw, speed, tokens[count])
+        _place(path, ahead, ego, tokens[count])
         count += 1
     for index in range(zones.shape[0]):
         begin = who.zone_begin(zones, index, memory)
@@ -423,44 +346,24 @@ def tokenise(
     forecast = np.empty((prediction.TIMES, prediction.FORECAST_COLUMNS), dtype=np.float64)
     occupancy = np.empty((prediction.TIMES, 2), dtype=np.float64)
     nobody = np.empty((0, prediction.TIMES, prediction.FORECAST_COLUMNS), dtype=np.float64)
-    rollout.roll(
-        path, spacing, parameters, speed, _FREE_ACCELERATION, _NO_CAP, math.inf, nobody, -1, math.inf, 0.0, plan
-    )
+    free = Intent(-1, math.inf, 0.0, _FREE_ACCELERATION, _NO_CAP, math.inf)
+    motion_plan.roll(path, parameters, speed, free, nobody, plan)
+    others = Others(tracks, nobody, nobody, np.empty((0, who.AGENT_COLUMNS), dtype=np.float64))
+    situation = Situation(route, path, parameters, memory, signals, ego, others, time, interval)
     rows = np.empty((tracks.shape[0], COLUMNS), dtype=np.float32)
     unimportance = np.empty(tracks.shape[0], dtype=np.float64)
     for index in range(tracks.shape[0]):
         prediction.forecast(parameters, tracks[index], forecast)
-        source = int(tracks[index, prediction.SOURCE])
-        unimportance[index] = _object(
-            path,
-            spacing,
-            samples,
-            stages,
-            zones,
-            parameters,
-            memory,
-            signals,
-            plan,
-            tracks[index],
-            forecast,
-            occupancy,
-            int(kind[source]),
-            x,
-            y,
-            yaw,
-            speed,
-            half,
-            0.5 * width,
-            rows[index],
-        )
+        kind = int(objects[int(tracks[index, prediction.SOURCE])].kind)
+        unimportance[index] = _object(situation, plan, tracks[index], forecast, occupancy, kind, rows[index])
     order = np.argsort(unimportance, kind="mergesort")
     for place in range(min(order.shape[0], OBJECTS)):
         tokens[count] = rows[order[place]]
-        objects[count] = int(tracks[order[place], prediction.SOURCE])
+        sources[count] = int(tracks[order[place], prediction.SOURCE])
         count += 1
     if tokens[0, _EGO + 4] > 0.0 and memory[0].changing == 0.0:
         _fill_room(tokens, count)
-    return count, path, spacing
+    return count, path.points, path.spacing
 
 
 def may_change(tokens: Tokens) -> bool:

@@ -6,9 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.jit import compiled
+from roadmend.core.scene import EgoState, Objects
 from roadmend.policies import agents as who
-from roadmend.policies import following, prediction, road, rollout
-from roadmend.policies import path as way
+from roadmend.policies import behaviour, following, prediction, road
+from roadmend.policies.motion_plan import AHEAD, SPEED, Intent, contact, roll
+from roadmend.policies.occupancy import HIGH, LOW
+from roadmend.policies.path_ahead import PathAhead, pose_ahead
+from roadmend.policies.road import Road
+from roadmend.policies.situation import Driver, Others, Situation, perceive
 
 Floats = NDArray[np.float64]
 Record = NDArray[np.void]
@@ -24,17 +29,17 @@ _STANDING = 0.1  # [m/s]
 
 
 @compiled
-def _first_contact(
-    parameters: Record, memory: Record, agents: Floats, occupancies: Floats, plan: Floats, half: float
-) -> int:
+def _first_contact(situation: Situation, plan: Floats) -> int:
     """Index in time at which a plan first meets anybody who matters; TIMES if it meets nobody."""
-    p, m = parameters[0], memory[0]
+    p, m = situation.parameters[0], situation.memory[0]
+    agents, occupancies = situation.others.agents, situation.others.occupancies
+    half = 0.5 * situation.ego.length
     margin = p.time_margin * (2.0 if m.evading > 0.0 else 1.0)
     first = prediction.TIMES
     for index in range(agents.shape[0]):
         if agents[index, who.ROLE] < who.ENTERING or agents[index, who.TRUSTED] > 0.0:
             continue
-        ego_index, other_index = rollout.contact(
+        ego_index, other_index = contact(
             plan,
             occupancies[index],
             int(agents[index, who.BEGIN]),
@@ -46,8 +51,8 @@ def _first_contact(
         if not 0 <= ego_index < first:
             continue
         if agents[index, who.ROLE] == who.ENTERING:
-            low, high = occupancies[index, other_index, way.LOW], occupancies[index, other_index, way.HIGH]
-            if 0.5 * (low + high) < plan[ego_index, rollout.AHEAD] - 2.0 * _REAR_END * half:
+            low, high = occupancies[index, other_index, LOW], occupancies[index, other_index, HIGH]
+            if 0.5 * (low + high) < plan[ego_index, AHEAD] - 2.0 * _REAR_END * half:
                 continue
         first = ego_index
     return first
@@ -65,55 +70,36 @@ def _inside_zone(zones: Floats, memory: Record, half: float) -> bool:
 
 
 @compiled
-def plan_motion(
-    path: Floats,
-    spacing: float,
-    parameters: Record,
-    memory: Record,
-    agents: Floats,
-    forecasts: Floats,
-    occupancies: Floats,
-    lead: int,
-    gap: float,
-    braking: float,
-    most: float,
-    cap: float,
-    line: float,
-    speed: float,
-    half: float,
-    zones: Floats,
-    plan: Floats,
-) -> tuple[float, bool]:
+def plan_motion(situation: Situation, intent: Intent, plan: Floats) -> tuple[float, bool]:
     """Fill ``plan`` (TIMES, 2) with the best motion; returns its first acceleration [m/s2] and whether it evades.
 
     The wanted motion comes first. If it meets somebody, mild to full braking is tried, and speeding up; the first
     that meets nobody is taken, else the one that is slowest at the contact.
     """
-    m = memory[0]
-    asked = rollout.roll(path, spacing, parameters, speed, most, cap, line, forecasts, lead, gap, braking, plan)
-    met = _first_contact(parameters, memory, agents, occupancies, plan, half)
+    path, parameters, forecasts = situation.path, situation.parameters, situation.others.forecasts
+    speed, m = situation.ego.speed, situation.memory[0]
+    asked = roll(path, parameters, speed, intent, forecasts, plan)
+    met = _first_contact(situation, plan)
     if met >= prediction.TIMES:
         m.evading = 0.0
         return asked, False
     other = np.empty_like(plan)
-    inside = line == math.inf or _inside_zone(zones, memory, half)
+    half = 0.5 * situation.ego.length
+    inside = intent.line == math.inf or _inside_zone(situation.route.zones, situation.memory, half)
     best_asked, slowest = asked, math.inf
     for choice in range(len(_EVASIONS)):
         limit = _EVASIONS[choice]
         if limit > 0.0:
             if not inside:
                 continue
-            tried = rollout.roll(
-                path, spacing, parameters, speed, limit, limit, math.inf, forecasts, lead, gap, braking, other
-            )
+            tried_intent = Intent(intent.lead, intent.gap, intent.braking, limit, limit, math.inf)
         else:
             if limit > asked:
                 continue
-            tried = rollout.roll(
-                path, spacing, parameters, speed, most, limit, line, forecasts, lead, gap, braking, other
-            )
-        met = _first_contact(parameters, memory, agents, occupancies, other, half)
-        at_contact = -1.0 if met >= prediction.TIMES else other[met, rollout.SPEED]
+            tried_intent = Intent(intent.lead, intent.gap, intent.braking, intent.most, limit, intent.line)
+        tried = roll(path, parameters, speed, tried_intent, forecasts, other)
+        met = _first_contact(situation, other)
+        at_contact = -1.0 if met >= prediction.TIMES else other[met, SPEED]
         if at_contact < slowest - 0.1:
             slowest, best_asked = at_contact, tried
             plan[:, :] = other
@@ -140,9 +126,47 @@ def smooth(parameters: Record, memory: Record, asked: float, speed: float, inter
 
 
 @compiled
-def write_trajectory(path: Floats, spacing: float, plan: Floats, out: Floats) -> None:
+def write_trajectory(path: PathAhead, plan: Floats, out: Floats) -> None:
     """Turn the fine part of a plan into x, y, yaw and speed, the rows of ``out`` (4, FINE)."""
     for index in range(prediction.FINE):
-        ahead = plan[index + 1, rollout.AHEAD]
-        out[0, index], out[1, index], out[2, index] = way.pose_ahead(path, spacing, ahead)
-        out[3, index] = plan[index + 1, rollout.SPEED]
+        ahead = plan[index + 1, AHEAD]
+        out[0, index], out[1, index], out[2, index] = pose_ahead(path, ahead)
+        out[3, index] = plan[index + 1, SPEED]
+
+
+@compiled
+def deliberate(
+    route: Road,
+    driver: Driver,
+    ego: EgoState,
+    objects: Objects,
+    signals: NDArray[np.uint8],
+    time: float,
+    interval: float,
+    trajectory: Floats,
+) -> tuple[float, bool, int]:
+    """One pass from perception to a plan, ``interval`` [s] after the last: fills ``trajectory`` (4, FINE).
+
+    Returns the wanted acceleration [m/s2], whether to change lane and the word's index. The first three arguments may
+    be plain tuples.
+    """
+    route, driver, ego = Road(*route), Driver(*driver), EgoState(*ego)
+    m = driver.memory[0]
+    path, tracks = perceive(route, driver, ego, objects, time, interval)
+    count = tracks.shape[0]
+    forecasts = np.empty((count, prediction.TIMES, prediction.FORECAST_COLUMNS), dtype=np.float64)
+    occupancies = np.empty((count, prediction.TIMES, 2), dtype=np.float64)
+    others = Others(tracks, forecasts, occupancies, np.empty((count, who.AGENT_COLUMNS), dtype=np.float64))
+    situation = Situation(route, path, driver.parameters, driver.memory, signals, ego, others, time, interval)
+    who.assess(situation)
+    plan = np.empty((prediction.TIMES, 2), dtype=np.float64)
+    intent, word, change = behaviour.decide(situation, plan)
+    if change:
+        m.changing, m.progress, m.change_length, m.change_begin = 1.0, 0.0, 0.0, m.s
+    asked, evades = plan_motion(situation, intent, plan)
+    if evades:
+        word = behaviour.EVADE
+        if ego.speed < 0.5:
+            m.waited += interval
+    write_trajectory(path, plan, trajectory)
+    return asked, change, word

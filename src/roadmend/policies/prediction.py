@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.jit import compiled
-from roadmend.core.scene import ObjectKind
+from roadmend.core.scene import EgoState, ObjectKind, Objects
 
 Floats = NDArray[np.float64]
 Record = NDArray[np.void]
@@ -24,11 +24,17 @@ FX, FY, FCOS, FSIN, FWAY, FSPEED = range(6)
 FORECAST_COLUMNS = 6
 
 REMEMBERED = 512  # objects whose filtered curvature is kept
+_KNOWN = np.dtype([("id", np.uint32), ("curvature", np.float64)], align=True)  # [1/m]
 _PEDESTRIAN = int(ObjectKind.PEDESTRIAN)
 _SLOW = 0.5  # [m/s] below which a yaw rate says nothing about the way
 _SPEED_GAIN_MAX = 4.0  # [m/s] that an object is taken to gain at most
 _CURVATURE_MAX = 0.25  # [1/m]
 _STRAIGHT = 0.002  # [1/m]
+
+
+def nobody_known() -> Record:
+    """Room for the filtered curvatures of the objects of a tick."""
+    return np.zeros(REMEMBERED, dtype=_KNOWN)
 
 
 @compiled
@@ -47,75 +53,57 @@ def index_before(time: float) -> int:
 
 @compiled
 def track(
-    parameters: Record,
-    numbers: NDArray[np.uint32],
-    kind: NDArray[np.uint8],
-    x: Floats,
-    y: Floats,
-    yaw: Floats,
-    speed: Floats,
-    acceleration: Floats,
-    yaw_rate: Floats,
-    length: Floats,
-    width: Floats,
-    known: NDArray[np.uint32],
-    known_curvature: Floats,
-    known_count: int,
-    interval: float,
-    ego_x: float,
-    ego_y: float,
-    reach: float,
+    parameters: Record, known: Record, known_count: int, objects: Objects, interval: float, ego: EgoState, reach: float
 ) -> tuple[Floats, int]:
     """The objects that matter, with curvatures filtered over time; shape (M, TRACK_COLUMNS).
 
     Objects that cannot come within ``reach`` [m] of the ego, or that are described by a number which is not finite,
-    are left out. ``known`` and ``known_curvature`` remember the filtered curvatures from tick to tick; the new count
-    is returned as the second value.
+    are left out. ``known`` remembers the filtered curvatures from tick to tick; the new count is returned as the
+    second value.
     """
     p = parameters[0]
-    count = numbers.shape[0]
+    count = objects.shape[0]
     tracks = np.empty((count, TRACK_COLUMNS), dtype=np.float64)
     curvatures = np.empty(min(count, REMEMBERED), dtype=np.float64)
     gain = 1.0 - math.exp(-interval / p.yaw_rate_filter) if p.yaw_rate_filter > 0.0 else 1.0
     horizon = time_at(TIMES - 1)
     found = 0
     for index in range(count):
-        v = speed[index]
-        total = x[index] + y[index] + yaw[index] + v + acceleration[index] + yaw_rate[index]
-        usable = (
-            math.isfinite(total) and length[index] > 0.0 and width[index] > 0.0 and length[index] + width[index] < 1e3
-        )
+        one = objects[index]
+        v = one.speed
+        total = one.x + one.y + one.yaw + v + one.acceleration + one.yaw_rate
+        usable = math.isfinite(total) and one.length > 0.0 and one.width > 0.0 and one.length + one.width < 1e3
         curvature = 0.0
         if usable and v > _SLOW:
-            curvature = min(max(yaw_rate[index] / v, -_CURVATURE_MAX), _CURVATURE_MAX)
+            curvature = min(max(one.yaw_rate / v, -_CURVATURE_MAX), _CURVATURE_MAX)
         before = -1
-        if index < known_count and known[index] == numbers[index]:
+        if index < known_count and known[index].id == one.id:
             before = index
         else:
             for other in range(known_count):
-                if known[other] == numbers[index]:
+                if known[other].id == one.id:
                     before = other
                     break
         if before >= 0:
-            held = known_curvature[before]
+            held = known[before].curvature
             curvature = held if usable and v <= _SLOW else held + gain * (curvature - held)
         if index < REMEMBERED:
             curvatures[index] = curvature
         if not usable:
             continue
-        away = math.hypot(x[index] - ego_x, y[index] - ego_y)
-        if away > reach + 0.5 * length[index] + max(v, 0.0) * horizon:
+        away = math.hypot(one.x - ego.x, one.y - ego.y)
+        if away > reach + 0.5 * one.length + max(v, 0.0) * horizon:
             continue
         row = tracks[found]
-        row[X], row[Y], row[YAW], row[SPEED] = x[index], y[index], yaw[index], max(v, 0.0)
-        row[ACCELERATION], row[CURVATURE] = min(max(acceleration[index], -9.0), 4.0), curvature
-        row[HALF_LENGTH], row[HALF_WIDTH] = 0.5 * length[index], 0.5 * width[index]
-        row[PEDESTRIAN] = 1.0 if kind[index] == _PEDESTRIAN else 0.0
+        row[X], row[Y], row[YAW], row[SPEED] = one.x, one.y, one.yaw, max(v, 0.0)
+        row[ACCELERATION], row[CURVATURE] = min(max(one.acceleration, -9.0), 4.0), curvature
+        row[HALF_LENGTH], row[HALF_WIDTH] = 0.5 * one.length, 0.5 * one.width
+        row[PEDESTRIAN] = 1.0 if one.kind == _PEDESTRIAN else 0.0
         row[SOURCE] = index
         found += 1
     remembered = min(count, REMEMBERED)
     for index in range(remembered):
-        known[index], known_curvature[index] = numbers[index], curvatures[index]
+        known[index].id, known[index].curvature = objects[index].id, curvatures[index]
     return tracks[:found], remembered
 
 

@@ -9,8 +9,8 @@ from roadmend.core.jit import compiled
 from roadmend.core.route import RightOfWay
 from roadmend.core.scene import Signal
 from roadmend.policies import agents as who
-from roadmend.policies import following, road, rollout
-from roadmend.policies import path as way
+from roadmend.policies import following, motion_plan, occupancy, road
+from roadmend.policies.situation import Situation
 
 Floats = NDArray[np.float64]
 Record = NDArray[np.void]
@@ -40,17 +40,17 @@ def _light_holds(parameters: Record, zones: Floats, index: int, signals: NDArray
 
 
 @compiled
-def _conflict(
-    parameters: Record, memory: Record, agents: Floats, occupancies: Floats, plan: Floats, zone: int, half: float
-) -> float:
+def _conflict(situation: Situation, plan: Floats, zone: int) -> float:
     """Where the plan first meets somebody with right of way in a zone [m ahead of the centre]; inf if nowhere."""
-    p, m = parameters[0], memory[0]
+    p, m = situation.parameters[0], situation.memory[0]
+    agents, occupancies = situation.others.agents, situation.others.occupancies
+    half = 0.5 * situation.ego.length
     share = 1.0 - p.impatience * min(1.0, m.waited / p.patience)
     nearest = math.inf
     for index in range(agents.shape[0]):
         if agents[index, who.ZONE] != zone or agents[index, who.ROLE] < who.ENTERING:
             continue
-        ego_index, other_index = rollout.contact(
+        ego_index, other_index = motion_plan.contact(
             plan,
             occupancies[index],
             int(agents[index, who.BEGIN]),
@@ -60,29 +60,21 @@ def _conflict(
             half + 0.3,
         )
         if ego_index >= 0:
-            nearest = min(nearest, occupancies[index, other_index, way.LOW])
+            nearest = min(nearest, occupancies[index, other_index, occupancy.LOW])
     return nearest
 
 
 @compiled
-def stop_line(
-    zones: Floats,
-    parameters: Record,
-    memory: Record,
-    signals: NDArray[np.uint8],
-    agents: Floats,
-    occupancies: Floats,
-    plan: Floats,
-    speed: float,
-    half: float,
-    interval: float,
-) -> tuple[float, int]:
+def stop_line(situation: Situation, plan: Floats) -> tuple[float, int]:
     """How far ahead the ego's centre must stop [m] (inf: nowhere) and why.
 
     ``plan`` is what the ego would do if nobody had right of way. A line that cannot be held any more with the
-    deceleration that its rule is worth is passed. ``memory`` counts how long the ego has waited.
+    deceleration that its rule is worth is passed. The memory counts how long the ego has waited.
     """
+    parameters, memory, interval = situation.parameters, situation.memory, situation.interval
+    zones, signals = situation.route.zones, situation.signals
     p, m = parameters[0], memory[0]
+    speed, half = situation.ego.speed, 0.5 * situation.ego.length
     line, reason = math.inf, FREE
     within = speed * speed / 2.0 + 30.0
     for index in range(zones.shape[0]):
@@ -106,7 +98,7 @@ def stop_line(
                 if m.stood >= p.stop_duration:
                     m.stopped_at, m.stood = index, 0.0
         if not held and (rule == _CROSSING or who.gives_way(zones, index, signals)):
-            meets = _conflict(parameters, memory, agents, occupancies, plan, index, half)
+            meets = _conflict(situation, plan, index)
             if meets < math.inf:
                 why = PEDESTRIANS if rule == _CROSSING else GIVE_WAY
                 if before_line and need <= p.hold_deceleration:

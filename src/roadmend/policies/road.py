@@ -1,7 +1,7 @@
 """The route as compiled code reads it: every stage sampled evenly, with the speed that it allows."""
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +23,7 @@ FIRST, COUNT, LENGTH, WINDOW_BEGIN, WINDOW_END = range(5)  # sample, samples, [m
 STAGE, BEGIN, END, RULE, SIGNAL = range(5)  # stage, [m], [m], RightOfWay, index of the light or -1
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Road:
+class Road(NamedTuple):
     """A route in three tables."""
 
     samples: Floats  # all stages one after another, see the columns above
