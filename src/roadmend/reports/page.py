@@ -5,24 +5,26 @@ Whatever is put into a template is text and gets escaped; what is HTML already s
 
 import io
 from functools import cache
+from pathlib import Path
 
 import matplotlib as mpl
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import ChoiceLoader, Environment, FileSystemLoader, PackageLoader, StrictUndefined
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
 
-def render(template: str, **values: object) -> str:
+def render(template: str | Path, **values: object) -> str:
     """The text of a page.
 
     Args:
-        template: name of a file in the folder ``templates``.
+        template: name of a file in the folder ``templates``; or a file elsewhere, which may build upon those.
         values: by the names that the template gives them.
 
     Raises:
         jinja2.UndefinedError: the template asks for a name that has no value.
     """
-    return _environment().get_template(template).render(**values)
+    folder = template.parent if isinstance(template, Path) else None
+    return _environment(folder).get_template(Path(template).name).render(**values)
 
 
 def inline_svg(figure: Figure) -> Markup:
@@ -34,9 +36,10 @@ def inline_svg(figure: Figure) -> Markup:
 
 
 @cache
-def _environment() -> Environment:
+def _environment(folder: Path | None) -> Environment:
+    ours = PackageLoader(__package__)
     environment = Environment(
-        loader=PackageLoader(__package__),
+        loader=ChoiceLoader([FileSystemLoader(folder), ours]) if folder is not None else ours,
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

@@ -1,6 +1,5 @@
 """The benchmark of repair methods as one HTML page: nothing but the file itself is needed to read it."""
 
-import html
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -8,7 +7,7 @@ from matplotlib.figure import Figure
 
 from harness import repair_charts, supporting_charts
 from harness.benchmark_tables import all_tables, headline
-from harness.page_parts import figure_part, note_part, table_part, whole_page
+from harness.sections import Section, chart_section, render_sections, table_section
 
 Content = Mapping[str, Any]
 
@@ -53,42 +52,23 @@ def build_page(content: Content) -> str:
             lambda: supporting_charts.cost_chart(content),
         ),
     ]
-    sections = [("Main table", table_part(headline(content)))]
+    sections = [Section("Main table", rows=headline(content))]
     for title, caption, make in charts:
         figure = make()
         if figure is not None:
-            sections.append((title, figure_part(figure, title, caption)))
-    sections += [(table.title, note_part(table) + table_part(table.rows)) for table in all_tables(content)]
-    return whole_page("Online repair of driving policies", _lead(content), sections, _origin(content))
+            sections.append(chart_section(title, caption, figure))
+    sections += map(table_section, all_tables(content))
+    policies = [_about(content, policy) for policy in content["policies"]]
+    title = "Online repair of driving policies"
+    return render_sections("repair.html", title, sections, policies=policies, made=content["provenance"])
 
 
-def _lead(content: Content) -> str:
-    parts = []
-    for policy in content["policies"]:
-        corpus = content["corpora"][policy]
-        figures = content["summary"][policy].get("adreft")
-        said = f"{policy}: {corpus['violations']} violations, {corpus['successes']} successes"
-        if figures is not None and figures["delta_e"] is not None:
-            said += (
-                f"; ADReFT fixes {figures['fix']:.1f} % and degrades {figures['deg']:.1f} %, "
-                f"ΔE {figures['delta_e']:.1f}"
-            )
-        parts.append(html.escape(said))
-    lead = (
-        "Scenarios in which a driving policy collides (violations) or reaches its goal (successes), driven again with "
-        "a repair method between the policy and the vehicle. A violation counts as fixed only if the ego completes its "
-        "route in time."
-    )
-    return f"<p>{html.escape(lead)}</p><p>{'.<br>'.join(parts)}.</p>\n"
-
-
-def _origin(content: Content) -> str:
-    made = content["provenance"]
-    machine = made["machine"]
-    corpora = ", ".join(f"{policy} {content['corpora'][policy]['digest'][:12]}" for policy in content["policies"])
-    changed = " (changed)" if made["dirty"] else ""
-    return (
-        f"Made by <code>{html.escape(made['command'])}</code> at commit {html.escape(made['commit'][:12])}{changed} on "
-        f"{html.escape(str(machine['processor']))}, {machine['cores']} cores, Python {html.escape(machine['python'])}. "
-        f"Corpora: {html.escape(corpora)}."
-    )
+def _about(content: Content, policy: str) -> dict[str, Any]:
+    """What the page says of a policy at its head and its foot."""
+    figures = content["summary"][policy].get("adreft")
+    corpus = content["corpora"][policy]
+    return {
+        "name": policy,
+        **{name: corpus[name] for name in ("violations", "successes", "digest")},
+        "adreft": figures if figures is not None and figures["delta_e"] is not None else None,
+    }

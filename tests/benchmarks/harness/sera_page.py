@@ -1,6 +1,5 @@
 """The benchmark of SERA on disk: JSON, Markdown, and a page with charts."""
 
-import html
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,11 +8,12 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from harness.chart_parts import add_legend
-from harness.page_parts import figure_part, note_part, table_part, whole_page
+from harness.sections import Section, chart_section, render_sections, table_section
 from harness.sera_experiment import ARMS
 from harness.sera_summary import main_rows, tables
 from roadmend.core.whole_file import write_texts
 from roadmend.reports.chart_style import GROUP_COLOUR, INK, bare, new_figure
+from roadmend.reports.markdown import table_text
 from roadmend.reports.result_files import origin
 
 Content = Mapping[str, Any]
@@ -28,7 +28,6 @@ def write_sera(folder: Path, stem: str, content: Content) -> None:
         InputError: the folder cannot be written.
     """
     rows = main_rows(content)
-    lines = ["| " + " | ".join(row) + " |" for row in (rows[0], ["---"] * len(rows[0]), *rows[1:])]
     comparisons, forgetting, *_ = tables(content)
     shown = "\n\n".join(table.markdown().partition("\n\n")[2] for table in (comparisons, forgetting))
     others = "\n\n".join(table.markdown() for table in tables(content))
@@ -37,7 +36,7 @@ def write_sera(folder: Path, stem: str, content: Content) -> None:
         folder,
         {
             f"{stem}.json": json.dumps(content, indent=2, allow_nan=False) + "\n",
-            f"{stem}.md": f"# {TITLE}\n\n" + "\n".join(lines) + f"\n\n{lead(content)}\n\n{shown}\n\n{made}\n",
+            f"{stem}.md": f"# {TITLE}\n\n{table_text(rows)}\n\n{lead(content)}\n\n{shown}\n\n{made}\n",
             f"{stem}-tables.md": f"# {TITLE}: the other tables\n\n{others}\n\n{made}\n",
             f"{stem}.html": build_page(content),
         },
@@ -60,17 +59,19 @@ def lead(content: Content) -> str:
 
 def build_page(content: Content) -> str:
     """The page."""
-    sections = [("Main table", table_part(main_rows(content)))]
-    figures = [
-        ("Driving Score by seed", "Lines join the arms of one seed; the bars are means.", score_chart(content)),
+    sections = [
+        Section("Main table", rows=main_rows(content)),
+        chart_section(
+            "Driving Score by seed",
+            "Lines join the arms of one seed; the bars are means.",
+            score_chart(content),
+        ),
     ]
     if content["sweep"]:
         caption = "Driving Score; the line is the base of the first seed."
-        figures.append(("Epochs and learning rate, drawn", caption, sweep_chart(content)))
-    sections += [(title, figure_part(figure, title, caption)) for title, caption, figure in figures]
-    sections += [(table.title, note_part(table) + table_part(table.rows)) for table in tables(content)]
-    foot = html.escape(origin(content["provenance"]))
-    return whole_page(TITLE, f"<p>{html.escape(lead(content))}</p>\n", sections, foot)
+        sections.append(chart_section("Epochs and learning rate, drawn", caption, sweep_chart(content)))
+    sections += map(table_section, tables(content))
+    return render_sections("sera.html", TITLE, sections, lead=lead(content), made=origin(content["provenance"]))
 
 
 def score_chart(content: Content) -> Figure:
