@@ -141,7 +141,7 @@ def test_a_plan_may_put_settings_in_the_place_of_the_shipped_ones():
     ("more", "message"),
     [
         (["--policies", "nobody"], "ships no nobody"),
-        (["--plan", "gone.yaml"], "cannot be read"),
+        (["--plan", "gone.yaml"], "no such file"),
         (["--fresh-seed", "7"], "--fresh-seed and --cases go together"),
         (["--cases", "7"], "--fresh-seed and --cases go together"),
     ],

@@ -12,9 +12,11 @@ from roadmend import __version__
 from roadmend.cli.corpus_choice import corpus_of
 from roadmend.cli.options import WORKERS
 from roadmend.cli.progress import counting, stages_of
-from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
+from roadmend.core.settings import check_settings
 from roadmend.core.whole_file import write_text
+from roadmend.core.yaml_file import read_fields
+from roadmend.measures.contenders import TunedMethods
 from roadmend.networks.checkpoint import SUFFIX, load_checkpoint, models_folder
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.self_oracle import KIND
@@ -159,12 +161,11 @@ def _written(path: Path, header: dict[str, Any]) -> dict[str, Any]:
     """Rivals in a file of the same kind; nothing where the file is of another corpus, version or number of cases."""
     if not path.exists():
         return {}
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-        same = all(content.get(name) == value for name, value in header.items())
-        return dict(content["methods"]) if same else {}
-    except (OSError, ValueError, yaml.YAMLError, AttributeError, KeyError, TypeError):
-        raise InputError(str(path), "holds no settings of rivals", "remove it, or choose another --out") from None
+    mend = "remove it, or choose another --out"
+    content = read_fields(path, mend)
+    check_settings(content, TunedMethods, str(path), mend)
+    same = all(content.get(name) == value for name, value in header.items())
+    return dict(content["methods"]) if same else {}
 
 
 def _write(path: Path, header: dict[str, Any], found: dict[str, Any]) -> None:

@@ -2,16 +2,14 @@
 
 import hashlib
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
-import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
 from roadmend.core.errors import InputError
-from roadmend.core.settings import check_parameters
+from roadmend.core.settings import check_parameters, read_settings
 from roadmend.core.source_digest import source_digest
 from roadmend.policies.registry import POLICIES, make_policy
 from roadmend.repair.registry import METHODS
@@ -70,6 +68,18 @@ class BenchmarkPlan(_Part):
     quick: QuickEntry
 
 
+class TunedMethod(BaseModel):
+    """A method's best parameters; what they came to stands beside them in the file."""
+
+    parameters: dict[str, Any]
+
+
+class TunedMethods(BaseModel):
+    """What 'roadmend train rivals' has found: config/repair/tuned/*.yaml. The file also says how."""
+
+    methods: dict[str, TunedMethod]
+
+
 @dataclass(frozen=True, slots=True)
 class Contender:
     """A method that can run under one policy."""
@@ -120,13 +130,7 @@ def read_plan(path: Path) -> BenchmarkPlan:
     Raises:
         InputError: the file is missing or holds no plan.
     """
-    content = _read_yaml(path)
-    try:
-        plan = BenchmarkPlan.model_validate(content)
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(map(str, first["loc"]))
-        raise InputError(f"{path}: {where}", first["msg"], "mend the file") from None
+    plan = read_settings(path, BenchmarkPlan, "mend the file")
     monitors = [_watched(plan, name) for name in (*plan.monitors, *plan.quick.monitors)]
     for name in [*monitors, *plan.robustness.methods, *plan.quick.methods]:
         if name not in plan.methods:
@@ -208,33 +212,12 @@ def _watched(plan: BenchmarkPlan, name: str) -> str:
     return plan.watched[name].method if name in plan.watched else name
 
 
-def _tuned(path: Path) -> Mapping[str, dict[str, Any]]:
+def _tuned(path: Path) -> dict[str, dict[str, Any]]:
     """Parameters by the names of the benchmark's methods; none where nothing was tuned yet."""
     if not path.is_file():
         return {}
-    content = _read_yaml(path)
-    methods = content.get("methods", content)
-    if not isinstance(methods, dict):
-        raise InputError(str(path), "holds no parameters by method", "tune the rivals again")
-    tuned = {}
-    for name, values in methods.items():
-        chosen = values.get("parameters", values) if isinstance(values, dict) else None
-        if not isinstance(chosen, dict):
-            raise InputError(f"{path}: {name}", "holds no parameters", "tune the rivals again")
-        tuned[str(name)] = dict(chosen)
-    return tuned
-
-
-def _read_yaml(path: Path) -> dict[str, Any]:
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(path), f"cannot be read ({error})", "give a readable YAML file") from None
-    except yaml.YAMLError:
-        raise InputError(str(path), "broken YAML", "mend the file") from None
-    if not isinstance(content, dict):
-        raise InputError(str(path), "holds no names and values", "mend the file")
-    return content
+    tuned = read_settings(path, TunedMethods, "tune the rivals again")
+    return {name: method.parameters for name, method in tuned.methods.items()}
 
 
 def _digest(content: bytes) -> str:

@@ -38,7 +38,7 @@ def new_figure(
     return figure, panels
 
 
-def bare(axes: Axes, grid: str = "") -> None:
+def despine(axes: Axes, grid: str = "") -> None:
     """Take away what says nothing; ``grid`` is x, y, both or nothing."""
     for name in ("top", "right", "left" if grid == "x" else "top"):
         axes.spines[name].set_visible(False)

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from roadmend.measures.summary import MEASURES, summary_rows
-from roadmend.reports.chart_style import INK, MUTED, bare, new_figure
+from roadmend.reports.chart_style import INK, MUTED, despine, new_figure
 from roadmend.reports.page import inline_svg, render
 
 _TITLES = ("Driving Score", "Success Rate [%]", "Efficiency [%]", "Comfortness [%]")
@@ -25,7 +25,7 @@ def cycle_chart(generations: Generations) -> Figure:
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         axes.set_ylim(0.0, None if measure == "efficiency" else 107.0)  # of 100, all but the ego's speed against others
         axes.set_xlim(-0.4, max(1, len(generations) - 1) + 0.4)
-        bare(axes, "y")
+        despine(axes, "y")
     return figure
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import click
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
@@ -30,7 +30,7 @@ from roadmend.cli.options import WORKERS
 from roadmend.cli.resources import config_folder
 from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError, RoadmendError
-from roadmend.core.settings import describe
+from roadmend.core.settings import check_settings
 from roadmend.measures.identity import identity_of
 from roadmend.measures.result_store import ResultStore
 from roadmend.networks.checkpoint import find_model
@@ -189,10 +189,8 @@ def _few_shot(plan: SeraPlan, config: Path) -> FewShotSettings:
         InputError: the plan names a setting that there is not, or a value out of range.
     """
     settings = read_few_shot_settings(config / "training" / "few-shot.yaml")
-    try:
-        return FewShotSettings.model_validate({**settings.model_dump(), **plan.few_shot})
-    except ValidationError as error:
-        raise InputError("the plan's few_shot", describe(error), "mend the plan") from None
+    given = {**settings.model_dump(), **plan.few_shot}
+    return check_settings(given, FewShotSettings, "the plan's few_shot", "mend the plan")
 
 
 class _Logs:

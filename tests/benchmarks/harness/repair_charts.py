@@ -9,9 +9,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from harness.benchmark_tables import methods_of, title_of
-from harness.chart_parts import add_legend, colour_of, group_handles, label_points, name_methods
+from harness.chart_labels import add_legend, colour_of, group_handles, label_points, name_methods
 from harness.table import DASH
-from roadmend.reports.chart_style import GROUP_COLOUR, INK, MUTED, bare, new_figure
+from roadmend.reports.chart_style import GROUP_COLOUR, INK, MUTED, despine, new_figure
 
 Content = Mapping[str, Any]
 
@@ -50,7 +50,7 @@ def delta_e_chart(content: Content) -> Figure:
         axes.set_xticks(range(0, 101, 20))
         axes.set_xlabel("ΔE = %Fix - %Deg")
         axes.axvline(0.0, color=MUTED, lw=0.8)
-        bare(axes, grid="x")
+        despine(axes, grid="x")
     handles = [
         *group_handles(content, methods),
         Line2D([], [], marker="D", mfc="white", mec=MUTED, ls="", label="the paper's"),
@@ -81,7 +81,7 @@ def scatter_chart(content: Content) -> Figure:
         axes.set_ylim(0.0, 2.0)
         label_points(axes, points)
         axes.set_ylabel("intensity, mean |change| of replaced frames")
-        bare(axes, grid="both")
+        despine(axes, grid="both")
     panels[-1].set_xlabel("ΔE = %Fix - %Deg")
     add_legend(figure, group_handles(content, methods))
     return figure
@@ -118,7 +118,7 @@ def outcome_chart(content: Content) -> Figure:
         name_methods(axes, content, methods)
         axes.set_xlim(0.0, 100.0)
         axes.set_xlabel("violations [%] that end so")
-        bare(axes)
+        despine(axes)
     add_legend(figure, [Patch(fc=colour, label=name) for name, colour in _OUTCOME_COLOUR.items()])
     return figure
 
@@ -150,7 +150,7 @@ def dose_chart(content: Content) -> Figure:
         name_methods(axes, content, methods)
         axes.set_xlim(0.0, 1.35 * largest)
         axes.set_xlabel("dose [s of full command] a case")
-        bare(axes, grid="x")
+        despine(axes, grid="x")
     handles = [
         Patch(fc=MUTED, label="on violations"),
         Patch(fc=MUTED, alpha=0.35, label="on successes"),

@@ -7,12 +7,12 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from harness.chart_parts import add_legend
+from harness.chart_labels import add_legend
 from harness.sections import Section, chart_section, render_sections, table_section
 from harness.sera_experiment import ARMS
 from harness.sera_summary import main_rows, tables
 from roadmend.core.whole_file import write_texts
-from roadmend.reports.chart_style import GROUP_COLOUR, INK, bare, new_figure
+from roadmend.reports.chart_style import GROUP_COLOUR, INK, despine, new_figure
 from roadmend.reports.markdown import table_text
 from roadmend.reports.result_files import origin
 
@@ -85,7 +85,7 @@ def score_chart(content: Content) -> Figure:
             scores = [one["arms"][arm]["driving_score"] for arm in ARMS]
             axes.plot(range(len(ARMS)), scores, "o-", color=INK, ms=4, lw=0.7)
         axes.set_xticks(range(len(ARMS)), ARMS)
-        bare(axes, "y")
+        despine(axes, "y")
     panels[0].set_ylabel("Driving Score")
     return figure
 
@@ -108,7 +108,7 @@ def sweep_chart(content: Content) -> Figure:
         axes.axhline(base, color=INK, lw=0.8, ls="--")
         axes.set_xscale("log")
         axes.set_xlabel("learning rate")
-        bare(axes, "y")
+        despine(axes, "y")
     panels[0].set_ylabel("Driving Score")
     add_legend(figure, list(handles.values()))
     return figure

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
 from roadmend.core.errors import InputError
-from roadmend.core.settings import describe
+from roadmend.core.settings import check_settings
+from roadmend.core.yaml_file import read_fields
 from roadmend.sera.describe import entry_of, entry_of_case
 from roadmend.sera.descriptor import Entry
 from roadmend.sera.evaluation_set import Known, content_digest
@@ -71,16 +71,11 @@ def read_sera_plan(path: Path, *, quick: bool = False) -> SeraPlan:
     Raises:
         InputError: the file is missing or holds no plan.
     """
-    try:
-        content: dict[str, Any] = yaml.safe_load(path.read_text(encoding="utf-8"))
-        quicker = content.pop(_QUICK, {})
-        return SeraPlan.model_validate({**content, **quicker} if quick else content)
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})", "give a readable YAML file") from None
-    except ValidationError as error:
-        raise InputError(str(path), describe(error), "mend the file") from None
-    except (yaml.YAMLError, AttributeError, TypeError):
-        raise InputError(str(path), "holds no plan", "mend the file") from None
+    content = read_fields(path, "mend the file")
+    changes = content.pop(_QUICK, {})
+    if not isinstance(changes, dict):
+        raise InputError(str(path), f"field {_QUICK} holds no fields", "mend the file")
+    return check_settings(content | changes if quick else content, SeraPlan, str(path), "mend the file")
 
 
 def load_corpora(plan: SetPlan, config: Path) -> list[Corpus]:

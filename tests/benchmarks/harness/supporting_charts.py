@@ -9,8 +9,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from harness.benchmark_tables import monitor_title
-from harness.chart_parts import add_legend, colour_of, group_handles, label_points, name_methods
-from roadmend.reports.chart_style import GRID, GROUP_COLOUR, INK, MUTED, bare, new_figure
+from harness.chart_labels import add_legend, colour_of, group_handles, label_points, name_methods
+from roadmend.reports.chart_style import GRID, GROUP_COLOUR, INK, MUTED, despine, new_figure
 
 Content = Mapping[str, Any]
 
@@ -43,7 +43,7 @@ def monitor_chart(content: Content) -> Figure | None:
         axes.set_ylim(0.0, 102.0)
         label_points(axes, points)
         axes.set_xlabel("recall [%]")
-        bare(axes)
+        despine(axes)
     panels[0].set_ylabel("precision [%]")
     used = [name for policy in policies for name in content["monitor"][policy]]
     theirs = Line2D([], [], marker="D", mfc="white", mec=MUTED, ls="", label="the paper's ADReFT")
@@ -76,7 +76,7 @@ def cost_chart(content: Content) -> Figure | None:
         axes.axvline(limit, color=MUTED, lw=1.0, ls=":", zorder=0)
         axes.text(limit, len(methods) - 0.4, text, fontsize=7.5, color=MUTED, ha="right", va="bottom", rotation=0)
     axes.set_xlabel("one frame with 20 objects, one core [ms]")
-    bare(axes, grid="x")
+    despine(axes, grid="x")
     handles = [
         Patch(fc=MUTED, label="median"),
         Line2D([], [], color=INK, lw=2.0, label="99th percentile"),
@@ -114,7 +114,7 @@ def robustness_chart(robustness: Content | None, titles: Content) -> Figure | No
             )
         axes.margins(x=0.0)
         axes.set_ylim(bottom=0.0)
-        bare(axes, grid="y")
+        despine(axes, grid="y")
         if number % len(techniques) == 0:
             axes.set_ylabel("violations found")
         if number // len(techniques) == len(policies) - 1:

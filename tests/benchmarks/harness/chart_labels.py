@@ -1,4 +1,4 @@
-"""Parts that the charts of the benchmark share."""
+"""What the charts of the benchmarks are labelled with: methods, groups, legends, names beside points."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
