@@ -23,7 +23,7 @@ class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class MethodEntry(_Part):
+class PlannedMethod(_Part):
     """A method of the benchmark: a repair method of the registry with parameters and perhaps a model."""
 
     title: str
@@ -61,7 +61,7 @@ class BenchmarkPlan(_Part):
 
     policies: list[str]
     tuned: str
-    methods: dict[str, MethodEntry]
+    methods: dict[str, PlannedMethod]
     monitors: list[str]
     watched: dict[str, WatchedEntry] = Field(default_factory=dict)  # by monitor
     robustness: RobustnessEntry

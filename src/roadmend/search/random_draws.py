@@ -10,7 +10,7 @@ from roadmend.search.technique import TechniqueParameters
 from roadmend.world.space import Parameters, Space, sample
 
 
-class RandomParameters(TechniqueParameters):
+class RandomDrawsParameters(TechniqueParameters):
     """What can be set."""
 
     batch: int = Field(16, ge=1, le=1000, description="points evaluated side by side")
@@ -19,7 +19,7 @@ class RandomParameters(TechniqueParameters):
 class RandomDraws:
     """Draws from the space as scenario families do."""
 
-    def __init__(self, space: Space, generator: random.Random, parameters: RandomParameters) -> None:
+    def __init__(self, space: Space, generator: random.Random, parameters: RandomDrawsParameters) -> None:
         self._space, self._generator, self._parameters = space, generator, parameters
 
     def propose(self) -> list[Parameters]:

@@ -9,7 +9,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.settings import check_parameters
 from roadmend.search.avfuzzer import AvFuzzer, AvFuzzerParameters
 from roadmend.search.behavexplor import BehAVExplor, BehAVExplorParameters
-from roadmend.search.random_draws import RandomDraws, RandomParameters
+from roadmend.search.random_draws import RandomDraws, RandomDrawsParameters
 from roadmend.search.technique import Technique, TechniqueParameters
 from roadmend.world.space import Space
 
@@ -23,7 +23,7 @@ class TechniqueEntry:
 
 
 TECHNIQUES: dict[str, TechniqueEntry] = {
-    "random": TechniqueEntry(RandomParameters, RandomDraws),
+    "random": TechniqueEntry(RandomDrawsParameters, RandomDraws),
     "avfuzzer": TechniqueEntry(AvFuzzerParameters, AvFuzzer),
     "behavexplor": TechniqueEntry(BehAVExplorParameters, BehAVExplor),
 }
