@@ -77,7 +77,7 @@ def train(tmp_path, monkeypatch):
 
 
 def test_a_tiny_budget_saves_some_of_those_that_would_collide(train, tmp_path, capsys):
-    corpus = blind_corpus(8, 4)
+    corpus = blind_corpus(16, 4)
     assert train(corpus, LEARNING, "model.safetensors", "--only", "supervised") == 0
     assert "dE " in capsys.readouterr().out
     cases = corpus.select(split="validation")
