@@ -5,7 +5,7 @@ import json
 import pytest
 
 from roadmend.cli.main import main
-from roadmend.cli.resources import config_folder
+from roadmend.core.resources import config_folder
 from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.dsl_file import load_crash_scenario
 from roadmend.safe.reading.reader import read_summary

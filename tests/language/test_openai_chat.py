@@ -6,8 +6,8 @@ import logging
 import pytest
 import yaml
 
-from roadmend.cli.resources import config_folder
 from roadmend.core.errors import InputError
+from roadmend.core.resources import config_folder
 from roadmend.language.chat import AnswerError, Image, Message, RefusalError, Request, Role, UnavailableError
 from roadmend.language.exchange import RecordingModel, dump_exchanges
 from roadmend.language.openai_chat import OpenAIModel, OpenAISettings, read_openai_settings

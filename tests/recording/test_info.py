@@ -8,7 +8,7 @@ from click.testing import CliRunner
 from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from roadmend.cli.bag import bag as command
+from roadmend.cli.main import bag as command
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
 from roadmend.recording.definitions import find

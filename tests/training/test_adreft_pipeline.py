@@ -6,7 +6,6 @@ import sys
 import pytest
 import yaml
 
-from roadmend.cli import corpus_choice
 from roadmend.cli.main import main
 from roadmend.networks.checkpoint import load_checkpoint
 from roadmend.policies.registry import POLICIES
@@ -14,6 +13,7 @@ from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.adreft.weighing import Weighing
 from roadmend.training.adreft.configuration import PracticeSection
 from roadmend.training.closed_loop import evaluate_cases, summarise
+from roadmend.world import corpus as corpus_module
 from roadmend.world.corpus import save_corpus
 
 from .blind import BlindPolicy, blind_corpus
@@ -170,7 +170,7 @@ def test_rounds_of_practice_go_on_where_they_stood(train, tmp_path):
 def test_the_trials_of_another_policy_can_be_practised_on_too(train, tmp_path, monkeypatch):
     corpus = blind_corpus(1, 1)
     other = type(corpus)("sleepy", blind_corpus(2, 1).cases)
-    monkeypatch.setattr(corpus_choice, "config_folder", lambda: tmp_path / "config")
+    monkeypatch.setattr(corpus_module, "config_folder", lambda: tmp_path / "config")
     save_corpus(other, tmp_path / "config" / "corpora" / "sleepy.jsonl")
     once = {**PRACTISED, "practice": {**PRACTISED["practice"], "rounds": 1}}
     assert train(corpus, once, "alone.safetensors") == 0

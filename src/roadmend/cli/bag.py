@@ -1,23 +1,215 @@
-"""``roadmend bag``: what was recorded, looked into, mended and compared."""
+"""``roadmend bag``: what was recorded, looked into, mended, converted, compared and drawn."""
+
+import json
+import math
+from dataclasses import asdict
+from pathlib import Path
 
 import click
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
 
-from roadmend.cli.lazy import LazyGroup, Table
-
-_COMMANDS: Table = {
-    "info": ("roadmend.cli.bag_info", "bag_info", "Topics, rates, gaps, outcome, interventions; is it complete?"),
-    "recover": ("roadmend.cli.bag_recover", "bag_recover", "What a cut or damaged bag still holds, as a new bag."),
-    "diff": ("roadmend.cli.bag_diff", "bag_diff", "Two bags, tick by tick."),
-    "convert": ("roadmend.cli.bag_convert", "bag_convert", "From mcap to sqlite3 and back."),
-    "plot": ("roadmend.cli.bag_plot", "plot", "Draw its time line, with the scene at one moment."),
-    "shadow": ("roadmend.cli.bag_shadow", "shadow", "Ask another repair method what it would have done at every tick."),
-    "resimulate": ("roadmend.cli.bag_resimulate", "resimulate", "Drive a bag's scenario again with another method."),
-}
+from roadmend.cli.output import bag_progress, message_progress, wide_console
+from roadmend.recording.conversion import MCAP, SQLITE3, convert, storage_of
+from roadmend.recording.diff import UNSTEADY, BagDiff, TopicDiff
+from roadmend.recording.diff import bag_diff as compare
+from roadmend.recording.info import BagInfo, TopicInfo
+from roadmend.recording.info import bag_info as read_info
+from roadmend.recording.recovery import bag_size, recover
+from roadmend.reports.bag_picture import draw_bag
 
 
-@click.group(cls=LazyGroup, table=_COMMANDS)
-def bag() -> None:
-    """Look into bags, mend them, compare them.
+@click.command("info")
+@click.argument("bag", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def bag_info(bag: Path, *, as_json: bool) -> None:
+    """Show a bag's topics, types, rates and gaps, its outcome and interventions, and whether it is complete.
 
-    BAG is a bag's folder, its metadata.yaml, or an .mcap file by itself.
+    Reads all of the bag, so that what it says of damages holds. A gap is a silence of more than 2.5 times the usual
+    interval, on topics that keep a rate.
     """
+    with bag_progress("reading", bag_size(bag)) as advance:
+        info = read_info(bag, advance)
+    if as_json:
+        click.echo(json.dumps(info.as_dict(), indent=2))
+    else:
+        _show_info(info, wide_console())
+
+
+def _show_info(info: BagInfo, console: Console) -> None:
+    span = "no messages" if info.start is None or info.end is None else f"{info.start:.3f} .. {info.end:.3f} s"
+    table = Table.grid(padding=(0, 2))
+    table.add_row("bag", escape(info.bag))
+    table.add_row("files", f"{len(info.files)}, {info.bytes / 1e6:.2f} MB")
+    table.add_row("messages", f"{info.messages}, {span}")
+    table.add_row("complete", "[green]yes[/]" if info.complete else "[red]no[/]")
+    for line in info.missing:
+        table.add_row("", escape(line))
+    if info.outcome:
+        table.add_row("outcome", escape(f"{info.outcome} {info.outcome_text}".strip()))
+    if info.interventions is not None:
+        table.add_row("interventions", _interventions(info))
+    for record in info.metadata.values():
+        for name, value in record.items():
+            if not name.startswith("outcome"):
+                table.add_row(escape(name), escape(value))
+    for name, size in info.attachments.items():
+        table.add_row("attachment", escape(f"{name}, {size} bytes"))
+    console.print(table)
+    console.print(_topic_table(info.topics))
+
+
+def _interventions(info: BagInfo) -> str:
+    acts = info.interventions
+    if acts is None:
+        return ""
+    states = ", ".join(f"{name} {count}" for name, count in acts.states.items())
+    return f"{acts.interventions} of {acts.ticks} ticks in {acts.spells} spells ({states})"
+
+
+def _topic_table(topics: list[TopicInfo]) -> Table:
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for title in ("topic", "type"):
+        table.add_column(title, no_wrap=True)
+    for title in ("messages", "rate", "gaps"):
+        table.add_column(title, justify="right")
+    table.add_column("longest gap", no_wrap=True)
+    table.add_column("", no_wrap=True)
+    for topic in topics:
+        gap = "" if topic.longest_gap is None else f"{topic.longest_gap:.3f} s at {topic.longest_gap_at:.3f} s"
+        notes = ["latched"] if topic.latched else []
+        notes += [f"{topic.out_of_order} out of order"] if topic.out_of_order else []
+        rate = "-" if topic.rate is None else f"{topic.rate:.2f}/s"
+        gaps = "-" if topic.gaps is None else str(topic.gaps)
+        table.add_row(topic.name, topic.type, str(topic.count), rate, gaps, gap, ", ".join(notes))
+    return table
+
+
+@click.command("recover")
+@click.argument("bag", type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="Folder of the new bag.  [default: NAME-recovered]")
+@click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
+def bag_recover(bag: Path, out: Path | None, *, as_json: bool) -> None:
+    """Bring back every whole message of a bag that was cut or damaged, and say what is missing.
+
+    BAG itself stays as it is. A recording that was killed lacks metadata.yaml and an index; a file may also be cut in
+    the middle of a message, or have damaged places.
+    """
+    target = out or Path(f"{_name(bag)}-recovered")
+    with bag_progress("recovering", bag_size(bag)) as advance:
+        recovery = recover(bag, target, advance)
+    if as_json:
+        click.echo(json.dumps(asdict(recovery), indent=2))
+        return
+    click.echo(f"{recovery.bag}: {recovery.count} messages of {len(recovery.messages)} topics")
+    for line in recovery.missing:
+        click.echo(f"missing: {line}")
+    if not recovery.missing:
+        click.echo("nothing is missing: the bag was whole")
+
+
+_FIELDS_SHOWN = 3
+
+
+@click.command("diff")
+@click.argument("first", type=click.Path(path_type=Path))
+@click.argument("second", type=click.Path(path_type=Path))
+@click.option("--topics", default="", help="Regular expression found in each topic to compare.")
+@click.option("--exclude", default=UNSTEADY, show_default=True, help="The same for topics not to compare.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def bag_diff(first: Path, second: Path, topics: str, exclude: str, *, as_json: bool) -> int:
+    """Compare two bags tick by tick: the first differing tick, how far, and how far apart the vehicle was.
+
+    Compares decoded values. Left out by default is what depends on the speed of the machine: diagnostics and drawings.
+    Ends with 0 where the bags are equal, with 1 where they differ, with 2 where one cannot be read.
+    """
+    with message_progress("comparing") as advance:
+        diff = compare(first, second, topics, exclude, advance)
+    if as_json:
+        click.echo(json.dumps(diff.as_dict(), indent=2))
+    else:
+        _show_diff(diff, wide_console())
+    return 0 if diff.is_equal else 1
+
+
+def _show_diff(diff: BagDiff, console: Console) -> None:
+    if diff.is_equal:
+        console.print(f"equal: {diff.ticks} ticks of {len(diff.topics)} topics")
+    elif diff.first_difference is not None:
+        start = f"first at {diff.first_difference:.3f} s"
+        console.print(f"different: {diff.differing_ticks} of {diff.ticks} ticks, {start}")
+    for name, (one, other) in diff.types.items():
+        console.print(escape(f"different: {name} holds {one} and {other}"))
+    for path in diff.trajectories.values():
+        far = (
+            f"at most {path.largest:.4g} m (at {path.largest_at:.3f} s), mean {path.mean:.4g} m, last {path.last:.4g} m"
+        )
+        console.print(escape(f"distance of {path.topic}: {far}, over {path.ticks} ticks"))
+    for key, (left, right) in diff.metadata.items():
+        console.print(escape(f"metadata {key}: {left or '-'} and {right or '-'}"))
+    differing = [topic for topic in diff.topics.values() if topic.differing]
+    if differing:
+        console.print(_difference_table(differing))
+
+
+def _difference_table(topics: list[TopicDiff]) -> Table:
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("topic", no_wrap=True)
+    for title in ("messages", "differing", "first"):
+        table.add_column(title, justify="right", no_wrap=True)
+    table.add_column("largest deviations")
+    for topic in topics:
+        largest = sorted(topic.largest.items(), key=lambda one: -one[1])
+        shown = [f"{name} {'differs' if math.isinf(size) else f'{size:.4g}'}" for name, size in largest[:_FIELDS_SHOWN]]
+        shown += [f"{len(largest) - _FIELDS_SHOWN} more fields"] if len(largest) > _FIELDS_SHOWN else []
+        counts = {topic.first_messages, topic.second_messages}
+        messages = (
+            str(topic.first_messages) if len(counts) == 1 else f"{topic.first_messages} / {topic.second_messages}"
+        )
+        start = "" if topic.first_difference is None else f"{topic.first_difference:.3f} s"
+        table.add_row(topic.name, messages, str(topic.differing), start, escape(", ".join(shown)))
+    return table
+
+
+@click.command("convert")
+@click.argument("bag", type=click.Path(path_type=Path))
+@click.option("--to", "storage", type=click.Choice([MCAP, SQLITE3]), help="Storage.  [default: the other one]")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder of the new bag.  [default: NAME-STORAGE]")
+def bag_convert(bag: Path, storage: str | None, out: Path | None) -> None:
+    """Turn a bag of mcap into one of sqlite3, or the other way round.
+
+    Topics, types, definitions, quality of service, times and bytes stay as they are. BAG itself is not touched.
+    """
+    target = storage or (SQLITE3 if storage_of(bag) == MCAP else MCAP)
+    place = out or Path(f"{_name(bag)}-{target}")
+    with message_progress("converting") as advance:
+        conversion = convert(bag, place, target, advance)
+    click.echo(f"{conversion.bag}: {conversion.messages} messages in {conversion.storage}")
+    for line in conversion.left_out:
+        click.echo(f"left out: {line}")
+
+
+def _name(bag: Path) -> str:
+    """What a bag is called, by its folder, its metadata.yaml or its .mcap."""
+    path = bag.resolve()
+    return path.parent.name if path.name == "metadata.yaml" else path.stem
+
+
+@click.command()
+@click.argument("bag", type=click.Path(path_type=Path))
+@click.option(
+    "--out",
+    default=Path("scene.png"),
+    show_default=True,
+    type=click.Path(path_type=Path),
+    help="PNG, SVG or PDF; or HTML, a page that shows the values of each tick.",
+)
+@click.option("--at", type=click.FloatRange(0.0), help="Simulation time [s].  [default: the longest intervention]")
+@click.option(
+    "--span", default=70.0, show_default=True, type=click.FloatRange(10.0, 2000.0), help="Width of the scene [m]."
+)
+def plot(bag: Path, out: Path, at: float | None, span: float) -> None:
+    """Draw the time line of a bag, with the scene at one moment."""
+    moment = draw_bag(bag, out, at, span)
+    click.echo(f"{out}: {moment:.2f} s")

@@ -11,11 +11,10 @@ from rich.progress import Progress as Bar
 from rich.table import Table
 
 from roadmend.cli.options import WORKERS
-from roadmend.cli.progress import counting
-from roadmend.cli.resources import config_folder
-from roadmend.cli.table import wide_console
+from roadmend.cli.output import counting, wide_console
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.fanout import fan_out
+from roadmend.core.resources import config_folder
 from roadmend.policies.registry import POLICIES
 from roadmend.search.corpus_plan import LAST_FRESH, fresh_plan, read_corpus_plan
 from roadmend.search.gather import Gathered, Progress, Report, gather, gather_fresh

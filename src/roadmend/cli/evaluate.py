@@ -7,8 +7,7 @@ from typing import Any
 import click
 
 from roadmend.cli.options import WORKERS
-from roadmend.cli.progress import counting
-from roadmend.cli.table import show_rows
+from roadmend.cli.output import counting, show_rows
 from roadmend.core.errors import InputError
 from roadmend.measures.evaluation import evaluate as figures_of
 from roadmend.measures.evaluation import evaluation_rows, run_trials, trials_of

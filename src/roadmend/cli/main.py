@@ -9,19 +9,82 @@ from roadmend import __version__
 from roadmend.cli.lazy import LazyGroup, Table
 from roadmend.core.errors import InputError, RoadmendError
 
+_BAG: Table = {
+    "info": ("roadmend.cli.bag", "bag_info", "Topics, rates, gaps, outcome, interventions; is it complete?"),
+    "recover": ("roadmend.cli.bag", "bag_recover", "What a cut or damaged bag still holds, as a new bag."),
+    "diff": ("roadmend.cli.bag", "bag_diff", "Two bags, tick by tick."),
+    "convert": ("roadmend.cli.bag", "bag_convert", "From mcap to sqlite3 and back."),
+    "plot": ("roadmend.cli.bag", "plot", "Draw its time line, with the scene at one moment."),
+    "shadow": ("roadmend.cli.bag_repair", "shadow", "Ask another repair method what it would have done at every tick."),
+    "resimulate": ("roadmend.cli.bag_repair", "resimulate", "Drive a bag's scenario again with another method."),
+}
+_SAFE: Table = {
+    "extract": ("roadmend.cli.safe_extract", "extract", "Read crash reports: what happened, in the scenario language."),
+    "build": ("roadmend.cli.safe_build", "build", "Build the scenarios of crash reports."),
+    "test": ("roadmend.cli.safe_test", "safe_test", "Drive the scenarios of crash reports with a policy."),
+    "reproduce": ("roadmend.cli.safe_reproduce", "reproduce", "Search for the crash that a report describes."),
+    "export": ("roadmend.cli.safe_export", "export", "Write a scenario as ASAM OpenSCENARIO and OpenDRIVE."),
+}
+_SERA: Table = {
+    "bank": ("roadmend.cli.sera_bank", "bank", "Build, show, search, export and import a scenario bank."),
+    "evaluate": (
+        "roadmend.cli.sera_evaluate",
+        "evaluate",
+        "Drive an evaluation set: four measures, and bags of failures.",
+    ),
+    "analyse": ("roadmend.cli.sera_analyse", "analyse_bags", "Find the failures in bags, and the patterns in them."),
+    "recommend": ("roadmend.cli.sera_recommend", "recommend", "Select scenarios to learn from."),
+    "tune": ("roadmend.cli.sera_tune", "tune", "Fine-tune a neural policy on a selection."),
+    "cycle": ("roadmend.cli.sera_cycle", "cycle", "Run several generations of all this, and plot them."),
+}
+_TRAIN: Table = {
+    "policy": ("roadmend.cli.train_policy", "policy", "A neural driving policy, by imitation of the expert."),
+    "adreft": ("roadmend.cli.train_adreft", "adreft", "ADReFT for one policy, from its corpus."),
+    "self-oracle": ("roadmend.cli.train_rivals", "self_oracle", "The autoencoder of the rival ModelRepair."),
+    "rivals": ("roadmend.cli.train_rivals", "rivals", "The rivals' best settings on the validation split."),
+}
+
+
+@click.group(cls=LazyGroup, table=_BAG)
+def bag() -> None:
+    """Look into bags, mend them, compare them.
+
+    BAG is a bag's folder, its metadata.yaml, or an .mcap file by itself.
+    """
+
+
+@click.group(cls=LazyGroup, table=_SAFE)
+def safe() -> None:
+    """Turn crash reports into scenarios, and test a policy with them."""
+
+
+@click.group(cls=LazyGroup, table=_TRAIN)
+def train() -> None:
+    """Train a driving policy, a repair model or a rival's model.
+
+    The first call sets torch up: its build for CUDA, of several gigabytes, unless a CPU build of the release in
+    config/requirements/train.txt has been put into .venv with pip before. CUDA is used where it is there.
+    """
+
+
+@click.group(cls=LazyGroup, table=_SERA)
+def sera() -> None:
+    """Learn from the failures that were recorded."""
+
+
 _COMMANDS: Table = {
     "run": ("roadmend.cli.run", "run", "Run one episode in the graph: SUMO, policy, repair and recorder."),
-    "demo": ("roadmend.cli.demo", "demo", "See a collision repaired: the main job, end to end."),
+    "demo": ("roadmend.cli.run", "demo", "See a collision repaired: the main job, end to end."),
     "sample": ("roadmend.cli.scenario", "sample", "Draw a scenario of one of the five families."),
     "schema": ("roadmend.cli.scenario", "schema", "Print the JSON schema of a scenario file."),
     "evaluate": ("roadmend.cli.evaluate", "evaluate", "Measure policies with repair methods in scenarios of yours."),
     "search": ("roadmend.cli.search", "search", "Find scenarios in which a policy collides by its own fault."),
     "corpus": ("roadmend.cli.corpus", "corpus", "Gather, verify and show what policies are trained and measured on."),
-    "safe": ("roadmend.cli.safe", "safe", "Turn crash reports into scenarios, and test a policy with them."),
-    "train": ("roadmend.cli.train", "train", "Train a driving policy, a repair model or a rival's model."),
-    "sera": ("roadmend.cli.sera", "sera", "Learn from the failures that were recorded."),
-    "bag": ("roadmend.cli.bag", "bag", "Look into bags, mend them, compare them."),
-    "replay": ("roadmend.cli.replay", "replay", "Play a bag: publish what it holds, as it was recorded."),
+    "safe": ("roadmend.cli.main", "safe", "Turn crash reports into scenarios, and test a policy with them."),
+    "train": ("roadmend.cli.main", "train", "Train a driving policy, a repair model or a rival's model."),
+    "sera": ("roadmend.cli.main", "sera", "Learn from the failures that were recorded."),
+    "bag": ("roadmend.cli.main", "bag", "Look into bags, mend them, compare them."),
+    "replay": ("roadmend.cli.run", "replay", "Play a bag: publish what it holds, as it was recorded."),
 }
 
 

@@ -11,8 +11,7 @@ from rich.table import Table
 
 from roadmend.cli.language_options import language_options
 from roadmend.cli.options import WORKERS
-from roadmend.cli.progress import counting
-from roadmend.cli.table import wide_console
+from roadmend.cli.output import counting, wide_console
 from roadmend.core.source_digest import source_digest
 from roadmend.language.exchange import add_usages
 from roadmend.safe.backends import BACKENDS, BackendOptions

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import click
 
+from roadmend.cli.output import show_rows
 from roadmend.cli.safe_work import open_cases, policies_option, shared_options, work_through
-from roadmend.cli.table import show_rows
 from roadmend.core.whole_file import write_texts
 from roadmend.reports.crash_tests import report_of_tests
 from roadmend.reports.trial_picture import draw_trial

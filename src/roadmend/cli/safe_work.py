@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from roadmend.cli.options import WORKERS
-from roadmend.cli.progress import counting
+from roadmend.cli.output import counting
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
 from roadmend.measures.result_store import ResultStore

@@ -9,8 +9,7 @@ import click
 from rich.table import Table
 
 from roadmend.cli.options import WORKERS
-from roadmend.cli.progress import counting
-from roadmend.cli.table import wide_console
+from roadmend.cli.output import counting, wide_console
 from roadmend.core.fanout import fan_out
 from roadmend.core.yaml_file import read_fields
 from roadmend.policies.registry import POLICIES

@@ -10,8 +10,8 @@ from rich.progress import Progress
 
 from roadmend.cli.language_options import language_options
 from roadmend.cli.options import WORKERS
+from roadmend.cli.output import show_rows
 from roadmend.cli.sera_language import keeping_exchanges, open_backend, show_usage
-from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
 from roadmend.core.whole_file import write_text

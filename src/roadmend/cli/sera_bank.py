@@ -11,9 +11,8 @@ from typing import Any
 import click
 from rich.table import Table
 
-from roadmend.cli.progress import stages
+from roadmend.cli.output import stages, wide_console
 from roadmend.cli.sera_options import BANK, EMBEDDER, JSON, PATTERN, filter_options, filters_of
-from roadmend.cli.table import wide_console
 from roadmend.sera.bank import Bank, Built, Report, build_bank
 from roadmend.sera.describe import entry_of, entry_of_case
 from roadmend.sera.descriptor import Entry

@@ -12,11 +12,11 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from roadmend.cli.language_options import language_options
 from roadmend.cli.options import WORKERS
-from roadmend.cli.resources import config_folder
+from roadmend.cli.output import show_rows
 from roadmend.cli.sera_evaluate import chosen_set, drive_jobs
 from roadmend.cli.sera_options import EMBEDDER, JSON, set_options
-from roadmend.cli.table import show_rows
 from roadmend.core.fanout import fan_out
+from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import write_text, written_beside
 from roadmend.measures.identity import identity_of
 from roadmend.networks.checkpoint import find_model

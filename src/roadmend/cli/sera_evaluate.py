@@ -11,8 +11,8 @@ from rich.console import Console
 from rich.progress import Progress
 
 from roadmend.cli.options import WORKERS
+from roadmend.cli.output import show_rows
 from roadmend.cli.sera_options import set_options
-from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
 from roadmend.measures.driving import DrivingMeasures

@@ -9,9 +9,9 @@ import click
 from rich.table import Table
 
 from roadmend.cli.language_options import language_options
+from roadmend.cli.output import wide_console
 from roadmend.cli.sera_language import keeping_exchanges, open_backend, show_usage
 from roadmend.cli.sera_options import BANK, EMBEDDER, JSON, PATTERN, filter_options, filters_of
-from roadmend.cli.table import wide_console
 from roadmend.core.whole_file import write_text
 from roadmend.sera.backends import BACKENDS
 from roadmend.sera.bank import Bank

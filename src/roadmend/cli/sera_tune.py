@@ -8,12 +8,11 @@ from pathlib import Path
 import click
 
 from roadmend.cli.options import WORKERS
-from roadmend.cli.progress import stages
-from roadmend.cli.resources import config_folder
+from roadmend.cli.output import show_rows, stages
 from roadmend.cli.sera_options import BANK, JSON
-from roadmend.cli.table import show_rows
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
+from roadmend.core.resources import config_folder
 from roadmend.networks.checkpoint import find_model
 from roadmend.sera.bank import Bank
 from roadmend.sera.evaluation_set import corpus_set, disjoint, known_in

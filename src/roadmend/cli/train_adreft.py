@@ -9,11 +9,10 @@ import yaml
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from roadmend.cli.corpus_choice import corpus_of
 from roadmend.cli.options import WORKERS
-from roadmend.cli.resources import config_folder
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
+from roadmend.core.resources import config_folder
 from roadmend.policies.registry import POLICIES
 from roadmend.training.adreft.configuration import TrainingConfiguration, read_training_configuration
 from roadmend.training.adreft.pipeline import (
@@ -27,7 +26,7 @@ from roadmend.training.adreft.pipeline import (
     Trained,
 )
 from roadmend.training.device import choose_torch_device
-from roadmend.world.corpus import Corpus
+from roadmend.world.corpus import Corpus, corpus_of
 
 _ABLATIONS: dict[str, tuple[Only, dict[str, dict[str, Any]]]] = {  # which stage alone, and what is set
     "rand_r": ("supervised", {"model": {"choice": "random"}}),

@@ -6,9 +6,9 @@ from pathlib import Path
 import click
 
 from roadmend.cli.options import WORKERS
-from roadmend.cli.progress import stages
-from roadmend.cli.resources import config_folder
+from roadmend.cli.output import stages
 from roadmend.core.errors import InputError
+from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import written_beside
 from roadmend.policies.neural_kinds import KINDS
 from roadmend.training.dagger import Training

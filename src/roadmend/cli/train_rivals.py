@@ -9,9 +9,8 @@ from rich.console import Console
 from rich.table import Table
 
 from roadmend import __version__
-from roadmend.cli.corpus_choice import corpus_of
 from roadmend.cli.options import WORKERS
-from roadmend.cli.progress import counting, stages_of
+from roadmend.cli.output import counting, stages_of
 from roadmend.core.fanout import fan_out
 from roadmend.core.settings import check_settings
 from roadmend.core.whole_file import write_text
@@ -22,7 +21,7 @@ from roadmend.policies.registry import POLICIES
 from roadmend.repair.self_oracle import KIND
 from roadmend.training.tuning import FORMAT, Tuned, Tuning
 from roadmend.training.tuning_grid import rivals_of
-from roadmend.world.corpus import Case
+from roadmend.world.corpus import Case, corpus_of
 
 _RIVALS = tuple(rival.name for rival in rivals_of(""))
 

@@ -12,6 +12,7 @@ from typing import Any, Self
 from roadmend import __version__
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import Blame, EventKind
+from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import write_text
 from roadmend.world.families import FAMILIES
 from roadmend.world.point_text import dump_point, parse_point
@@ -194,6 +195,19 @@ def load_corpus(path: Path) -> Corpus:
 
 
 _HEADER = ("policy", "model", "roadmend", "command", "plan", "spaces", "dropped", "cases")
+
+
+def corpus_of(policy: str, file: Path | None = None) -> Corpus:
+    """A policy's corpus: that of a file, or the one that ships.
+
+    Raises:
+        InputError: there is none, it is damaged, or it is of another policy.
+    """
+    path = file or config_folder() / "corpora" / f"{policy}.jsonl"
+    corpus = load_corpus(path)
+    if corpus.policy != policy:
+        raise InputError(str(path), f"is a corpus of the policy '{corpus.policy}'", f"give one of '{policy}'")
+    return corpus
 
 
 def _parse_header(path: Path, line: str) -> dict[str, Any]:

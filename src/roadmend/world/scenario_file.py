@@ -1,6 +1,7 @@
 """Scenarios on disk: YAML in, YAML out, errors in one line."""
 
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -57,6 +58,30 @@ def parse_scenario(content: Mapping[str, Any], where: str) -> Scenario:
         InputError: names the first field at fault.
     """
     return check_settings(content, Scenario, where, "see 'roadmend schema' for what is allowed")
+
+
+def scenario_of_configuration(path: Path, ego_route: Sequence[str], warm_up: float, time_limit: float) -> Scenario:
+    """A scenario in the traffic of a SUMO configuration.
+
+    Args:
+        path: of the .sumocfg file.
+        ego_route: edges; none: a route of the traffic's.
+        warm_up: [s] of traffic before the ego enters.
+        time_limit: [s] to drive.
+
+    Raises:
+        InputError: there is no such file, or a value is out of range.
+    """
+    if not path.is_file():
+        raise InputError(str(path), "no such file", "give the path of a SUMO .sumocfg file")
+    name = re.sub(r"[^A-Za-z0-9_.-]", "_", path.parent.resolve().name)
+    content = {
+        "name": name or "sumocfg",
+        "time_limit": time_limit,
+        "network": {"kind": "sumocfg", "path": str(path.resolve()), "warm_up": warm_up},
+        "ego": {"route": [*ego_route], "speed": 0.0},
+    }
+    return parse_scenario(content, str(path))
 
 
 def _with_absolute_paths(scenario: Scenario, base: Path) -> Scenario:

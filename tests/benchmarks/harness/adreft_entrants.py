@@ -14,12 +14,11 @@ from harness.fresh_cases import fresh_cases
 from harness.hindsight import Bound
 from harness.hindsight_file import hindsight_bound
 from harness.pulse import PulsePlayer
-from roadmend.cli.corpus_choice import corpus_of
 from roadmend.core.errors import InputError
 from roadmend.core.source_digest import source_digest
 from roadmend.measures.contenders import Absence, BenchmarkPlan, resolve, resolve_monitors
 from roadmend.search.policy_model import policy_model
-from roadmend.world.corpus import Case, Corpus
+from roadmend.world.corpus import Case, Corpus, corpus_of
 
 LUCKY = "hindsight_lucky"
 _SEARCH = "harness.hindsight"

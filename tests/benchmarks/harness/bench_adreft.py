@@ -20,9 +20,9 @@ from harness.benchmark_run import Measured, drive, find_jobs, read_results
 from harness.benchmark_tables import headline
 from harness.options import CACHED_WORK, COMMITTED, PLANS
 from roadmend.cli.options import WORKERS
-from roadmend.cli.resources import config_folder
-from roadmend.cli.table import show_rows
+from roadmend.cli.output import show_rows
 from roadmend.core.errors import InputError
+from roadmend.core.resources import config_folder
 from roadmend.measures.contenders import BenchmarkPlan, read_plan
 from roadmend.measures.result_store import ResultStore, default_work_folder
 from roadmend.reports.result_files import provenance

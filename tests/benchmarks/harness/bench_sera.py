@@ -27,9 +27,9 @@ from harness.sera_plan import (
 from harness.sera_summary import build_content, main_rows, tables
 from harness.sera_workshop import Workshop
 from roadmend.cli.options import WORKERS
-from roadmend.cli.resources import config_folder
-from roadmend.cli.table import show_rows
+from roadmend.cli.output import show_rows
 from roadmend.core.errors import InputError, RoadmendError
+from roadmend.core.resources import config_folder
 from roadmend.core.settings import check_settings
 from roadmend.measures.identity import identity_of
 from roadmend.measures.result_store import ResultStore

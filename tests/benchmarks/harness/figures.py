@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from roadmend.cli.table import show_rows
+from roadmend.cli.output import show_rows
 from roadmend.reports.result_files import write_report
 
 

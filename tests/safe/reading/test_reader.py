@@ -8,7 +8,7 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from roadmend.cli.resources import config_folder
+from roadmend.core.resources import config_folder
 from roadmend.safe.dsl import Action, Compass, Manoeuvre, Model, Position, RoadType, Side, Time, Weather
 from roadmend.safe.dsl_data import dump_data, parse_data
 from roadmend.safe.reading.reader import read_summary

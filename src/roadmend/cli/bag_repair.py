@@ -1,0 +1,278 @@
+"""``roadmend bag shadow`` and ``roadmend bag resimulate``: another repair method on a recorded run."""
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+import yaml
+from rich.console import Console
+from rich.table import Table
+
+from roadmend import __version__
+from roadmend.cli.output import OUTCOME_STYLES, wide_console
+from roadmend.core.errors import InputError
+from roadmend.core.repair import Repair
+from roadmend.nodes.episode_recorder import EpisodeRecorder, account_of
+from roadmend.nodes.episode_writer import EpisodeWriter
+from roadmend.policies.registry import make_policy
+from roadmend.recording.new_bag import BagCopy, new_bag
+from roadmend.recording.reader import BagReader
+from roadmend.recording.recorded_run import (
+    RECORD,
+    RunOutcome,
+    driven_outcome,
+    read_plan,
+    recorded_outcome,
+)
+from roadmend.recording.resimulation import Switchover
+from roadmend.recording.shadow import ShadowSummary, run_shadow
+from roadmend.recording.ticks import BagTick, BagTicks
+from roadmend.repair.guard import GuardedRepairer
+from roadmend.repair.registry import METHODS, make_repairer
+from roadmend.world.runner import run_episode
+
+
+@dataclass(frozen=True, slots=True)
+class RepairChoice:
+    """A repair method as the command line names it."""
+
+    method: str
+    parameters: dict[str, Any]
+    seed: int
+
+    def make(self) -> GuardedRepairer:
+        """The method behind its guard.
+
+        Raises:
+            InputError: a parameter is unknown or out of range, or a model cannot be used.
+        """
+        return make_repairer(self.method, self.parameters, self.seed)
+
+    def provenance(self) -> dict[str, str]:
+        """What a bag says about it."""
+        return {"method": self.method, "parameters": json.dumps(self.parameters), "seed": str(self.seed)}
+
+
+def repair_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the options --repair, --set, --model and --seed, whose values ``read_choice`` takes."""
+    for option in (
+        click.option(
+            "--seed",
+            type=click.IntRange(0, 2**31 - 1),
+            default=0,
+            show_default=True,
+            help="Seed of repair methods that draw numbers.",
+        ),
+        click.option(
+            "--model", type=click.Path(path_type=Path), help="Model file of the method; short for --set model=FILE."
+        ),
+        click.option(
+            "--set",
+            "settings",
+            multiple=True,
+            metavar="NAME=VALUE",
+            help="Parameter of the method (see config/repair); may be repeated.",
+        ),
+        click.option("--repair", "method", required=True, type=click.Choice(sorted(METHODS))),
+    ):
+        command = option(command)
+    return command
+
+
+def read_choice(method: str, settings: tuple[str, ...], model: Path | None, seed: int) -> RepairChoice:
+    """The choice that the options make.
+
+    Raises:
+        InputError: a setting is no NAME=VALUE.
+    """
+    parameters: dict[str, Any] = {}
+    for setting in settings:
+        name, equals, text = setting.partition("=")
+        try:
+            value = yaml.safe_load(text)
+        except yaml.YAMLError:
+            value = None
+        if not (name and equals) or value is None:
+            raise InputError(f"--set {setting}", "is no NAME=VALUE", "write for example --set rho=0.4")
+        parameters[name] = value
+    if model is not None:
+        parameters["model"] = str(model)
+    return RepairChoice(method, parameters, seed)
+
+
+SHADOW_RECORD = "roadmend_shadow"  # metadata record
+
+
+@click.command()
+@click.argument("bag", type=click.Path(path_type=Path))
+@repair_options
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder of the new bag.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def shadow(
+    bag: Path, method: str, settings: tuple[str, ...], model: Path | None, seed: int, out: Path, *, as_json: bool
+) -> None:
+    """Ask another repair method what it would have done at every tick of a recorded run.
+
+    The new bag holds the recorded topics as they are, and the other method's answers as /shadow/repair/state and
+    /shadow/repair/command.
+    """
+    choice = read_choice(method, settings, model, seed)
+    summary = shadow_bag(bag, choice, out)
+    if as_json:
+        click.echo(json.dumps({**choice.provenance(), **asdict(summary), "bag": str(out)}, indent=2))
+    else:
+        _show_shadow(summary, choice, out)
+
+
+def shadow_bag(bag: Path, choice: RepairChoice, out: Path) -> ShadowSummary:
+    """Write what a method would have done beside what was done.
+
+    Raises:
+        InputError: the bag, the choice or the place of the new bag is unusable.
+        RecordingError: the new bag cannot be written.
+    """
+    reader = BagReader(bag)
+    ticks = BagTicks(reader)
+    namespace = f"{ticks.namespace}/shadow"
+    if any(name.startswith(f"{namespace}/") for name in reader.topics):
+        raise InputError(str(bag), "has a shadow already", "take the bag that it was made of")
+    repairer = choice.make()
+    status = Console(stderr=True).status(f"{bag.name} · {choice.method}")
+    with new_bag(out) as writer, status:
+        copy, episode = BagCopy(reader, writer), EpisodeWriter(writer, namespace)
+
+        def write(tick: BagTick, repair: Repair) -> None:
+            copy.until(tick.stamp)
+            episode.repair(tick.stamp * 1e-9, repair, choice.method)
+            status.update(f"{bag.name} · {choice.method}: {tick.stamp * 1e-9:.0f} s")
+
+        summary = run_shadow(ticks, repairer, write)
+        copy.until(float("inf"))
+        writer.add_metadata(SHADOW_RECORD, choice.provenance() | {"summary": json.dumps(asdict(summary))})
+    return summary
+
+
+def _show_shadow(summary: ShadowSummary, choice: RepairChoice, out: Path) -> None:
+    first = summary.first_difference
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for title in (
+        "ticks",
+        "interventions\nthen",
+        f"interventions\nof {choice.method}",
+        "agreement",
+        "first\ndifference",
+        "mean difference\nof acceleration",
+    ):
+        table.add_column(title, justify="right", no_wrap=True)
+    table.add_column("bag", overflow="fold")
+    table.add_row(
+        str(summary.ticks),
+        str(summary.interventions_then),
+        str(summary.interventions_now),
+        f"{100.0 * summary.agreement:.1f} %",
+        "-" if first is None else f"{first:.2f} s",
+        f"{summary.acceleration_difference:.3f} m/s²",
+        str(out),
+    )
+    wide_console().print(table)
+
+
+@click.command()
+@click.argument("bag", type=click.Path(path_type=Path))
+@repair_options
+@click.option(
+    "--from-time",
+    default=0.0,
+    show_default=True,
+    type=click.FloatRange(0.0),
+    help="Simulation time [s] at which the method takes over; until then the recorded commands are driven.",
+)
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder of the new bag.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def resimulate(
+    bag: Path,
+    method: str,
+    settings: tuple[str, ...],
+    model: Path | None,
+    seed: int,
+    from_time: float,
+    out: Path,
+    *,
+    as_json: bool,
+) -> None:
+    """Drive the scenario of a recorded run again, with another repair method from the start or from a moment on.
+
+    Until that moment the run must repeat itself bit for bit, or the command ends with what differs.
+    """
+    choice = read_choice(method, settings, model, seed)
+    then, now = resimulate_bag(bag, choice, from_time, out)
+    if as_json:
+        content = {"then": asdict(then), "now": asdict(now), "from_time": from_time, "bag": str(out)}
+        click.echo(json.dumps({**content, "choice": choice.provenance()}, indent=2))
+    else:
+        _show_outcomes({"then": then, "now": now}, {"then": bag, "now": out})
+
+
+def resimulate_bag(bag: Path, choice: RepairChoice, from_time: float, out: Path) -> tuple[RunOutcome, RunOutcome]:
+    """Drive a run again and record it; returns what it came to then and now.
+
+    Raises:
+        InputError: the bag, the choice, the moment or the place of the new bag is unusable, or the world differs from
+            the recorded one.
+        RecordingError: the new bag cannot be written.
+        SimulationError: SUMO failed.
+    """
+    reader = BagReader(bag)
+    plan, ticks = read_plan(reader), BagTicks(reader)
+    then = recorded_outcome(ticks, plan.method)
+    if not from_time <= then.duration:
+        raise InputError("--from-time", f"{from_time:g} s is after the end", f"give 0 to {then.duration:g} s")
+    switchover = Switchover(ticks, choice.make(), from_time)
+    with new_bag(out) as writer, Console(stderr=True).status(f"{plan.scenario.name} · {choice.method}"):
+        for attachment in reader.attachments.values():
+            writer.add_attachment(attachment.name, attachment.media_type, attachment.data)
+        methods = {False: plan.method, True: choice.method}
+        recorder = EpisodeRecorder(writer, lambda time: methods[switchover.has_taken_over(time)], _map(reader))
+        summary = run_episode(
+            plan.scenario, make_policy(plan.policy), switchover, recorder.answered, recorder.ended, recorder.opened
+        )
+        now = driven_outcome(summary, choice.method)
+        writer.add_metadata(
+            RECORD,
+            {
+                "scenario_file": plan.scenario_file,
+                "policy": plan.policy,
+                **choice.provenance(),
+                "roadmend": __version__,
+                "resimulated_from": bag.name,
+                "from_time": f"{from_time:g}",
+                **account_of(summary, writer.count),
+            },
+        )
+    return then, now
+
+
+def _map(reader: BagReader) -> bytes | None:
+    """The map as it was recorded: the world is the same."""
+    kinds = reader.topics
+    names = [name for name in kinds if kinds[name].type_name == "roadmend_msgs/msg/Map" and name.endswith("/map")]
+    record = next(reader.records(names), None) if names else None
+    return None if record is None else record.data
+
+
+def _show_outcomes(outcomes: dict[str, RunOutcome], bags: dict[str, Path]) -> None:
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for title in ("", "method", "outcome", "after"):
+        table.add_column(title, no_wrap=True)
+    for title in ("min\ndistance", "inter-\nventions"):
+        table.add_column(title, justify="right", no_wrap=True)
+    table.add_column("bag", overflow="fold")
+    for when, one in outcomes.items():
+        distance = "-" if one.min_distance is None else f"{one.min_distance:.2f} m"
+        outcome = f"[{OUTCOME_STYLES.get(one.outcome, 'white')}]{one.outcome}[/]"
+        after, bag = f"{one.duration:.2f} s", str(bags[when])
+        table.add_row(when, one.method, outcome, after, distance, str(one.interventions), bag)
+    wide_console().print(table)
