@@ -199,11 +199,14 @@ def resolve_monitors(plan: BenchmarkPlan, config: Path, policy: str, names: list
     Raises:
         InputError: a parameter is unusable.
     """
+    methods = {name: _watched(plan, name) for name in names}
+    found, _ = resolve(plan, config, policy, [*dict.fromkeys(methods.values())])
+    contenders = {contender.name: contender for contender in found}
     monitors = []
-    for name in names:
-        found, _ = resolve(plan, config, policy, [_watched(plan, name)])
-        title = plan.watched[name].title if name in plan.watched else None
-        monitors += [replace(contender, name=name, title=title or contender.title) for contender in found]
+    for name, method in methods.items():
+        if method in contenders:
+            title = plan.watched[name].title if name in plan.watched else None
+            monitors.append(replace(contenders[method], name=name, title=title or contenders[method].title))
     return monitors
 
 
