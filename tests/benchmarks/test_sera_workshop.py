@@ -10,8 +10,8 @@ import pytest
 
 from harness import sera_workshop
 from harness.sera_workshop import Workshop, kept_epochs
+from roadmend.core.journal import Journal, entry_key
 from roadmend.measures.driving import DrivingMeasures
-from roadmend.measures.result_store import ResultStore
 from roadmend.networks.checkpoint import find_model, save_checkpoint
 from roadmend.policies.neural_tokens import COLUMNS
 from roadmend.training.few_shot import lessons_of
@@ -58,8 +58,8 @@ def done(monkeypatch):
 
 
 def work(folder: Path, task):
-    with ResultStore(folder) as store:
-        return task(Workshop(store, map))
+    with Journal(folder / "results.jsonl", "test/1") as journal:
+        return task(Workshop(journal, map))
 
 
 def test_a_drive_is_kept_by_model_and_scenario(tmp_path, done):
@@ -108,8 +108,8 @@ def test_a_model_tuned_with_another_repair_of_the_same_name_is_another_one(tmp_p
 
 
 def test_what_is_remembered_is_made_once(tmp_path):
-    made = []
+    made, key = [], entry_key(["roadmend.core.errors"], "a")
     for _ in range(2):
-        kept = work(tmp_path, lambda shop: shop.remember("x", ["a"], lambda: made.append(1) or {"value": 7}))
+        kept = work(tmp_path, lambda shop: shop.remember("x", key, lambda: made.append(1) or {"value": 7}))
         assert kept == {"value": 7}
     assert made == [1]

@@ -1,3 +1,7 @@
+import pytest
+
+from roadmend.core import source_digest as module
+from roadmend.core.errors import InputError
 from roadmend.core.source_digest import meaning, source_digest
 
 CODE = '''
@@ -18,8 +22,76 @@ def test_comments_docstrings_and_layout_do_not_count_but_code_does():
 def test_only_what_is_imported_counts():
     rule = source_digest(["roadmend.repair.rule"])
     assert rule == source_digest(["roadmend.repair.rule"])
-    assert rule == source_digest(["roadmend.repair.rule", "roadmend.repair.actions", "roadmend.repair.registry"])
+    assert rule == source_digest(["roadmend.repair.rule", "roadmend.repair.actions", "roadmend.policies.registry"])
     assert rule != source_digest(["roadmend.repair.rule", "roadmend.repair.rss"])
+
+
+def test_whoever_asks_the_table_of_methods_has_the_guard_and_not_every_method():
+    guard = source_digest(["roadmend.repair.guard", "roadmend.repair.none"])
+    assert source_digest(["roadmend.repair.registry"]) == guard
+    assert source_digest(["roadmend.repair.registry", "roadmend.repair.random"]) != guard
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """A package whose digests are of its files as they are at every call."""
+    files = {
+        "__init__.py": "",
+        "top.py": "import json\nfrom house.room.inner import a\n",
+        "room/__init__.py": "REGISTRY = {}\n",
+        "room/inner.py": "def a():\n    from house import late\n    return late\n",
+        "room/beside.py": "import importlib.resources\n",
+        "room/words/first.yaml": "a: 1\n",
+        "late.py": "from .deep import value\n",
+        "deep.py": "import numpy\nvalue = 1\n",
+        "other.py": "value = 1\n",
+    }
+    house = tmp_path / "house"
+    for name, text in files.items():
+        (house / name).parent.mkdir(parents=True, exist_ok=True)
+        (house / name).write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+
+    def digest(*modules):
+        for cached in (module._digest, module._read, module._path, module._version):
+            cached.cache_clear()
+        return source_digest(modules)
+
+    yield house, digest
+    monkeypatch.undo()
+    digest("roadmend.core.errors")
+
+
+@pytest.mark.parametrize("changed", ["top.py", "room/__init__.py", "room/inner.py", "late.py", "deep.py"])
+def test_lazy_and_relative_imports_and_the_packages_around_count(package, changed):
+    house, digest = package
+    before = digest("house.top")
+    (house / "other.py").write_text("value = 2\n")
+    (house / "room" / "words" / "first.yaml").write_text("a: 2\n")
+    assert digest("house.top") == before
+    (house / changed).write_text((house / changed).read_text() + "more = 1\n")
+    assert digest("house.top") != before
+
+
+def test_data_that_a_module_reads_from_its_package_counts(package):
+    house, digest = package
+    before = digest("house.room.beside")
+    (house / "room" / "words" / "first.yaml").write_text("a: 2\n")
+    changed = digest("house.room.beside")
+    (house / "room" / "words" / "second.yaml").write_text("a: 2\n")
+    assert len({before, changed, digest("house.room.beside")}) == 3
+
+
+def test_another_version_of_a_library_counts(package, monkeypatch):
+    _, digest = package
+    before = digest("house.top")
+    monkeypatch.setattr(module.metadata, "version", {"numpy": "0.1"}.__getitem__)
+    assert digest("house.top") != before
+
+
+def test_what_has_no_source_is_refused():
+    with pytest.raises(InputError, match="nowhere: has no source"):
+        source_digest(["nowhere"])
 
 
 def test_another_package_is_followed_into_roadmend(tmp_path, monkeypatch):

@@ -19,7 +19,7 @@ from roadmend.training.closed_loop import evaluate_cases
 from .cases import Drawn
 
 CASES = [Drawn("S5", 3), Drawn("S4", 1)]
-RECIPE = Recipe("modular", "some", "paper", 5)
+RECIPE = Recipe("modular", "paper", 5)
 
 
 def content(folder):
@@ -57,8 +57,9 @@ def test_a_damaged_file_is_made_anew(tmp_path):
 
 
 def test_recipes_that_differ_have_different_files():
-    others = [replace(RECIPE, policy_digest="other"), replace(RECIPE, stride=4), replace(RECIPE, policy="neural")]
-    keys = {recipe.key(case) for recipe in (RECIPE, *others) for case in (*CASES, Drawn("S5", 3, digest="d"))}
+    others = [replace(RECIPE, tokenizer="rich"), replace(RECIPE, stride=4), replace(RECIPE, policy="neural")]
+    cases = [*CASES, Drawn("S5", 3, digest="d")]
+    keys = {key for recipe in (RECIPE, *others) for key in recipe.keys(cases)}
     assert len(keys) == 12
 
 

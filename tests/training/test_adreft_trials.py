@@ -10,11 +10,11 @@ from roadmend.training.adreft.configuration import ModelSection
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.adreft.network import AdreftNetwork, save_model, tensors_of
 from roadmend.training.adreft.trial_plan import TrialPlan
-from roadmend.training.adreft.trials import PASS, CaseTrials, gather_trials, try_case
+from roadmend.training.adreft.trials import PASS, CaseTrials, gather_trials, trial_keys, try_case
 
 from .cases import Drawn
 
-RECIPE = Recipe("modular", "", "rich", 1)
+RECIPE = Recipe("modular", "rich", 1)
 
 
 def test_interventions_begin_in_the_seconds_before_the_collision_and_come_from_the_seed():
@@ -40,7 +40,8 @@ def test_gentle_trials_begin_earlier_hold_longer_and_brake_little():
     assert all(2.0 <= hold.end - hold.begin <= 10.0 + 1e-9 for holds in drawn for hold in holds)
     assert len(list(plan.gentle_trials("S1-1", EventKind.GOAL, 20.0))) == 1
     assert not list(plan.trials("S1-1", EventKind.COLLISION, 20.0))
-    assert plan.key(Drawn("S5", 3), RECIPE) != TrialPlan(0, 0, 0, 4, 7).key(Drawn("S5", 3), RECIPE)
+    cases = [Drawn("S5", 3)]
+    assert trial_keys(cases, RECIPE, plan) != trial_keys(cases, RECIPE, TrialPlan(0, 0, 0, 4, 7))
 
 
 def test_gentle_trials_are_driven_after_the_others(gathered):
@@ -133,7 +134,8 @@ def test_a_guide_drives_along_and_is_overruled_where_something_is_held(guide):
     assert trials.outcomes[0] == int(EventKind.TIMEOUT)
     assert len(trials.outcomes) == 3  # not at its goal: as many trials as a violation has
     assert len(set(trials.choice[alone:].tolist())) > 1
-    assert plan.key(Drawn("S5", 3), RECIPE) != TrialPlan(2, 1, 0, 4, 1).key(Drawn("S5", 3), RECIPE)
+    cases = [Drawn("S5", 3)]
+    assert trial_keys(cases, RECIPE, plan) != trial_keys(cases, RECIPE, TrialPlan(2, 1, 0, 4, 1))
 
 
 def test_with_a_guide_to_leave_the_policy_alone_is_drawn_too():

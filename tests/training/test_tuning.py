@@ -5,10 +5,11 @@ from functools import partial
 import pytest
 
 from roadmend.core.errors import InputError
+from roadmend.core.journal import Journal
 from roadmend.repair.registry import METHODS, make_repairer
 from roadmend.training import tuning
 from roadmend.training.closed_loop import CaseResult
-from roadmend.training.tuning import FINALISTS, Tuning, part_of
+from roadmend.training.tuning import EPISODES, FINALISTS, Tuning, part_of
 from roadmend.training.tuning_grid import Rival, rivals_of
 
 from .cases import Drawn
@@ -35,7 +36,8 @@ def driven(monkeypatch):
 
 
 def tune(path, driven, cases=CASES, **identity):
-    return Tuning(cases, "modular", {"corpus": "abc", **identity}, path, map).tune(Rival("r", "random", GRID))
+    with Journal(path, EPISODES, {"corpus": "abc", **identity}) as journal:
+        return Tuning(cases, "modular", journal, map).tune(Rival("r", "random", GRID))
 
 
 def test_the_best_is_chosen_and_of_equals_the_gentlest(tmp_path, driven):
@@ -64,7 +66,7 @@ def test_interrupted_work_goes_on(tmp_path, driven):
     assert tune(path, driven).dump() == whole
     assert len(driven) == number - 39
     assert path.read_bytes() == b"".join(lines)
-    with pytest.raises(InputError, match="another tuning"):
+    with pytest.raises(InputError, match="holds work with corpus 'abc', not 'abd'"):
         tune(path, driven, corpus="abd")
     path.write_bytes(b"".join([*lines[:3], b"{}\n"]))
     with pytest.raises(InputError, match="damaged"):

@@ -159,8 +159,9 @@ def verify(policy: str, file: Path | None, count: int | None, workers: int, *, a
     every = loaded.cases
     chosen = every if count is None else spread(every, count)[:count]
     differing: list[dict[str, str]] = []
-    with counting() as bar, fan_out(workers) as mapper, Rerunner(loaded.policy, mapper) as rerunner:
+    with counting() as bar, fan_out(workers) as mapper:
         task = bar.add_task("run again", total=len(chosen))
+        rerunner = Rerunner(loaded.policy, mapper)
         for case, found in zip(chosen, rerunner(chosen), strict=True):
             bar.advance(task)
             if not found.agrees(case):

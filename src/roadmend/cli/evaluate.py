@@ -9,9 +9,9 @@ import click
 from roadmend.cli.options import WORKERS
 from roadmend.cli.output import counting, show_rows
 from roadmend.core.errors import InputError
+from roadmend.core.journal import Journal
 from roadmend.measures.evaluation import evaluate as figures_of
 from roadmend.measures.evaluation import evaluation_rows, run_trials, trials_of
-from roadmend.measures.result_store import ResultStore
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.registry import METHODS
 from roadmend.reports.result_files import provenance, write_report
@@ -19,6 +19,8 @@ from roadmend.world.corpus import SPLITS, load_corpus
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import load_scenarios
+
+_FORMAT = "roadmend-evaluation-work/1"
 
 
 @click.command()
@@ -62,9 +64,9 @@ def evaluate(
     an episode could not be driven.
     """
     trials = trials_of(_chosen(**chosen), policies, methods)  # type: ignore[arg-type] # as the options have it
-    with ResultStore(out) as store, counting() as progress:
+    with Journal(out / "results.jsonl", _FORMAT, owns_folder=True) as journal, counting() as progress:
         task = progress.add_task("episodes", total=len(trials))
-        driven = run_trials(trials, store, workers, lambda done: progress.update(task, completed=done))
+        driven = run_trials(trials, journal, workers, lambda done: progress.update(task, completed=done))
     figures = figures_of(driven)
     faults = [each.fault for each in driven if each.fault]
     said = [f"--policy {policy}" for policy in policies] + [f"--repair {method}" for method in methods]

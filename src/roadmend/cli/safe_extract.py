@@ -12,7 +12,6 @@ from rich.table import Table
 from roadmend.cli.language_options import language_options
 from roadmend.cli.options import WORKERS
 from roadmend.cli.output import counting, wide_console
-from roadmend.core.source_digest import source_digest
 from roadmend.language.exchange import add_usages
 from roadmend.safe.backends import BACKENDS, BackendOptions
 from roadmend.safe.extraction_run import Extracted, extract_reports
@@ -50,12 +49,12 @@ def extract(
     options = StageOneOptions(not no_prompt_generation, not no_validation, attempts)
     paths = find_reports(reports)
     extractor = BACKENDS[backend](BackendOptions(options, settings, recording))
-    # Other rules, other results; and a sketch is read by a program that may be there or not.
-    key = f"{source_digest(['roadmend.safe.backends'])} {backend} {options} {is_sketch_read()}"
+    # What a model is, and that a sketch is read by a program that may be there or not.
+    decided = [backend, str(options), str(is_sketch_read()), getattr(getattr(extractor, "model", None), "identity", "")]
     done = []
     with counting() as progress:
         task = progress.add_task("reports", total=len(paths))
-        for extracted in extract_reports(paths, extractor, key, out, workers):
+        for extracted in extract_reports(paths, extractor, decided, out, workers):
             done.append(extracted)
             progress.advance(task)
     done.sort(key=lambda extracted: extracted.case)

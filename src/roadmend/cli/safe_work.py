@@ -11,12 +11,13 @@ from roadmend.cli.options import WORKERS
 from roadmend.cli.output import counting
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
-from roadmend.measures.result_store import ResultStore
+from roadmend.core.journal import Journal, Key
 from roadmend.policies.registry import POLICIES
 from roadmend.safe.cases import Case, gather_cases
 from roadmend.safe.driving import Job, Result, do
 
 WORK = ".work"  # folder for finished jobs in the output
+FORMAT = "roadmend-safe-work/1"
 policies_option = click.option(
     "--policy",
     "policies",
@@ -75,18 +76,18 @@ def work_through(jobs: Sequence[Job], out: Path, workers: int, label: str) -> li
         SimulationError: a worker process died.
     """
     keys = [job.key for job in jobs]
-    with ResultStore(out / WORK) as store, counting() as progress:
-        open_ends = [(key, job) for key, job in zip(keys, jobs, strict=True) if not _is_done(store, key, out)]
+    with Journal(out / WORK / "results.jsonl", FORMAT, owns_folder=True) as journal, counting() as progress:
+        open_ends = [(key, job) for key, job in zip(keys, jobs, strict=True) if not _is_done(journal, key, out)]
         task = progress.add_task(label, total=len(jobs), completed=len(jobs) - len(open_ends))
         with fan_out(workers, len(open_ends)) as mapper:
             for (key, _), result in zip(open_ends, mapper(do, [job for _, job in open_ends]), strict=True):
-                store.add(key, result.as_dict())
+                journal.add(key, result.as_dict())
                 progress.advance(task)
-        found = [store.get(key) for key in keys]
+        found = [journal.get(key) for key in keys]
     return [Result.from_dict(each) for each in found if each is not None]
 
 
-def _is_done(store: ResultStore, key: str, out: Path) -> bool:
+def _is_done(journal: Journal, key: Key, out: Path) -> bool:
     """Whether a result is there, and the files that it names are."""
-    kept = store.get(key)
+    kept = journal.get(key)
     return kept is not None and all((out / kept[name]).is_file() for name in ("scenario", "picture") if kept[name])

@@ -16,9 +16,10 @@ from roadmend.cli.output import show_rows
 from roadmend.cli.sera_evaluate import chosen_set, drive_jobs
 from roadmend.cli.sera_options import EMBEDDER, JSON, set_options
 from roadmend.core.fanout import fan_out
+from roadmend.core.journal import entry_key
 from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import write_text, written_beside
-from roadmend.measures.identity import identity_of
+from roadmend.measures.driver import driver_key
 from roadmend.networks.checkpoint import find_model
 from roadmend.nodes.evaluation_episode import EvaluationJob
 from roadmend.policies.neural import load_model
@@ -164,11 +165,11 @@ class _Steps:
         self._told = told
 
     def identity(self, policy: str) -> str:
-        return identity_of(policy, _METHOD)
+        return entry_key(["roadmend.training.few_shot"], driver_key(policy, _METHOD))
 
     def evaluate(self, policy: str) -> Evaluation:
-        identity, folder = self.identity(policy), self._out / "bags"
-        jobs = [EvaluationJob(one, policy, _METHOD, folder, "failures", identity) for one in self._scenarios]
+        driver, folder = driver_key(policy, _METHOD), self._out / "bags"
+        jobs = [EvaluationJob(one, policy, _METHOD, folder, "failures", driver) for one in self._scenarios]
         found = drive_jobs(jobs, self._out / "episodes", self._workers, lambda *done: self._told("episodes", *done))
         return Evaluation(
             tuple(episode.measures for episode in found if episode.measures is not None),

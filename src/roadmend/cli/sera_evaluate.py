@@ -15,9 +15,9 @@ from roadmend.cli.output import show_rows
 from roadmend.cli.sera_options import set_options
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
+from roadmend.core.journal import Journal
+from roadmend.measures.driver import driver_key
 from roadmend.measures.driving import DrivingMeasures
-from roadmend.measures.identity import identity_of
-from roadmend.measures.result_store import ResultStore
 from roadmend.measures.summary import summarise, summary_rows
 from roadmend.nodes.evaluation_episode import EvaluatedEpisode, EvaluationJob, Record
 from roadmend.nodes.evaluation_episode import evaluate as drive
@@ -29,6 +29,7 @@ from roadmend.world.scenario import Scenario
 
 _BAGS = "bags"
 _NAME = "measures"
+_FORMAT = "roadmend-evaluated-episodes/1"
 
 
 @click.command()
@@ -78,8 +79,8 @@ def evaluate(
     """
     whole = chosen_set(scenarios, first_seed, corpus, split)
     chosen = disjoint(whole, known_in(known))
-    identity = identity_of(policy, method)
-    jobs = [EvaluationJob(one, policy, method, out / _BAGS, cast(Record, record), identity) for one in chosen]
+    driver = driver_key(policy, method)
+    jobs = [EvaluationJob(one, policy, method, out / _BAGS, cast(Record, record), driver) for one in chosen]
     with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("episodes", total=len(jobs))
         found = drive_jobs(jobs, out, workers, lambda done, _: progress.update(task, completed=done))
@@ -129,8 +130,8 @@ def drive_jobs(
         InputError: the folder holds something else, or cannot be written.
         SimulationError: a worker process died.
     """
-    with ResultStore(out) as store:
-        done = {job.key: _parse(kept) for job in jobs if (kept := store.get(job.key)) is not None}
+    with Journal(out / "results.jsonl", _FORMAT, owns_folder=True) as journal:
+        done = {job.key: _parse(kept) for job in jobs if (kept := journal.get(job.key)) is not None}
         missing = [job for job in jobs if job.key not in done]
         before = len(jobs) - len(missing)
         told(before, len(jobs))
@@ -138,7 +139,7 @@ def drive_jobs(
             for number, (job, episode) in enumerate(zip(missing, mapper(drive, missing), strict=True), before + 1):
                 done[job.key] = episode
                 if not episode.fault:
-                    store.add(job.key, asdict(episode))
+                    journal.add(job.key, asdict(episode))
                 told(number, len(jobs))
     return [done[job.key] for job in jobs]
 

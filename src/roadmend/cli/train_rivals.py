@@ -12,6 +12,7 @@ from roadmend import __version__
 from roadmend.cli.options import WORKERS
 from roadmend.cli.output import counting, stages_of
 from roadmend.core.fanout import fan_out
+from roadmend.core.journal import Journal
 from roadmend.core.settings import check_settings
 from roadmend.core.whole_file import write_text
 from roadmend.core.yaml_file import read_fields
@@ -19,7 +20,7 @@ from roadmend.measures.contenders import TunedMethods
 from roadmend.networks.checkpoint import SUFFIX, load_checkpoint, models_folder
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.self_oracle import KIND
-from roadmend.training.tuning import FORMAT, Tuned, Tuning
+from roadmend.training.tuning import EPISODES, FORMAT, Tuned, Tuning
 from roadmend.training.tuning_grid import rivals_of
 from roadmend.world.corpus import Case, corpus_of
 
@@ -128,14 +129,14 @@ def rivals(
         "command": f"./roadmend train rivals --policy {policy}{f' --cases {number}' if number else ''} --out {out.name}",
     }
     found = _written(out, header)
-    identity = {"corpus": corpus.digest, "roadmend": __version__}
+    identity = {"policy": policy, "corpus": corpus.digest}
     with counting() as progress, fan_out(workers) as mapper:
         report = stages_of(progress)
         for rival in chosen:
             of_model = {"model": model} if rival.method == "model" else {}
             file = out.with_name(f"{out.stem}.tuning") / f"{rival.name}.jsonl"
-            tuning = Tuning(cases, policy, identity | of_model, file, mapper, report)
-            tuned = tuning.tune(rival)
+            with Journal(file, EPISODES, identity | of_model) as journal:
+                tuned = Tuning(cases, policy, journal, mapper, report).tune(rival)
             found[rival.name] = tuned.dump() | ({"model_digest": model} if rival.method == "model" else {})
             if rival.method == "model" and model_file is not None:
                 found[rival.name]["parameters"]["model"] = policy  # a setting holds wherever the model lies

@@ -1,5 +1,6 @@
 """Exchanges with a language model on record, kept with every result; and a model that answers from a record."""
 
+import hashlib
 import json
 import threading
 from collections import defaultdict, deque
@@ -139,6 +140,8 @@ class ReplayModel:
         files = sorted(source.glob(f"*{ENDING}")) if source.is_dir() else [source]
         if not files:
             raise InputError(str(source), f"holds no recording (*{ENDING})", "give the folder of an earlier run")
+        self.identity = hashlib.sha256(b"".join(file.read_bytes() for file in files if file.is_file())).hexdigest()
+        """What tells it from another recording."""
         self.left: dict[str, deque[Exchange]] = defaultdict(deque)
         self.lock = threading.Lock()
         for file in files:

@@ -115,6 +115,11 @@ class OpenAIModel:
         self.settings = settings
         self.client = client_of(settings)
 
+    @property
+    def identity(self) -> str:
+        """What tells it from another model."""
+        return f"{self.settings.base_url} {self.settings.model}"
+
     def ask(self, request: Request) -> Reply:
         """Ask for one completion.
 

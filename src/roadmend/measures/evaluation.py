@@ -1,19 +1,18 @@
 """Evaluation: policies times repair methods times scenarios, and what each method makes of what the policy does alone."""
 
 import hashlib
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from roadmend.core.errors import SimulationError
 from roadmend.core.fanout import fan_out
+from roadmend.core.journal import Journal, Key, entry_key
 from roadmend.core.outcome import EventKind
 from roadmend.measures.case_result import CaseResult, CaseWatcher
-from roadmend.measures.identity import identity_of
+from roadmend.measures.driver import driver_key
 from roadmend.measures.intervals import wilson
 from roadmend.measures.repair import summarise
-from roadmend.measures.result_store import ResultStore
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.world.runner import run_episode
@@ -32,13 +31,12 @@ class Trial:
     scenario: Scenario
     policy: str  # name or model file
     method: str
-    identity: str  # see ``identity.identity_of``
+    driver: Key  # see ``measures.driver``
 
     @property
-    def key(self) -> str:
-        """Digest of all that decides what comes out."""
-        content = ["evaluation", self.scenario.name, self.scenario.digest, self.identity]
-        return hashlib.sha256(json.dumps(content).encode()).hexdigest()
+    def key(self) -> Key:
+        """Of all that decides what comes out."""
+        return entry_key([__name__], self.scenario.name, self.scenario.digest, self.driver)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,26 +55,26 @@ def trials_of(scenarios: Sequence[Scenario], policies: Sequence[str], methods: S
         InputError: there is no such policy, model file or method, or a model cannot be read.
     """
     chosen = tuple(dict.fromkeys([*TRIVIAL, *methods]))
-    pairs = [(policy, method, identity_of(policy, method)) for policy in policies for method in chosen]
+    pairs = [(policy, method, driver_key(policy, method)) for policy in policies for method in chosen]
     return [Trial(scenario, *pair) for pair in pairs for scenario in scenarios]
 
 
 def run_trials(
-    trials: Sequence[Trial], store: ResultStore, workers: int, told: Callable[[int], None] = lambda _done: None
+    trials: Sequence[Trial], journal: Journal, workers: int, told: Callable[[int], None] = lambda _done: None
 ) -> list[Driven]:
-    """Drive what the store does not hold yet; what comes out does not depend on the number of workers.
+    """Drive what the journal does not hold yet; what comes out does not depend on the number of workers.
 
     Args:
         trials: to drive.
-        store: of finished ones.
+        journal: of finished ones.
         workers: processes.
         told: hears how many are done.
 
     Raises:
-        InputError: the store cannot be written.
+        InputError: the journal cannot be written.
         SimulationError: a worker process died.
     """
-    known = {trial.key: kept for trial in trials if (kept := store.get(trial.key)) is not None}
+    known = {trial.key: kept for trial in trials if (kept := journal.get(trial.key)) is not None}
     missing = [trial for trial in trials if trial.key not in known]
     found = {key: CaseResult.parse(kept) for key, kept in known.items()}
     faults: dict[str, str] = {}
@@ -86,7 +84,7 @@ def run_trials(
             if driven.result is None:
                 faults[driven.trial.key] = driven.fault
             else:
-                store.add(driven.trial.key, driven.result.dump())
+                journal.add(driven.trial.key, driven.result.dump())
                 found[driven.trial.key] = driven.result
             told(number)
     return [Driven(trial, found.get(trial.key), faults.get(trial.key, "")) for trial in trials]

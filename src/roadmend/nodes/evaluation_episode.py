@@ -1,7 +1,5 @@
 """One episode of an evaluation set, driven in this process: its measures, and a bag where something went wrong."""
 
-import hashlib
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -9,6 +7,7 @@ from typing import Literal
 from roadmend import __version__
 from roadmend.core.command import Decision
 from roadmend.core.errors import RoadmendError, SimulationError
+from roadmend.core.journal import Key, entry_key
 from roadmend.core.outcome import EventKind
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
@@ -36,13 +35,12 @@ class EvaluationJob:
     method: str
     folder: Path  # of the bags
     record: Record  # failures: what does not end at the goal, or was repaired on the way
-    identity: str  # see ``measures.identity``
+    driver: Key  # see ``measures.driver``
 
     @property
-    def key(self) -> str:
-        """Digest of all that decides what comes out."""
-        content = [self.scenario.digest, self.record, self.identity]
-        return hashlib.sha256(json.dumps(content).encode()).hexdigest()
+    def key(self) -> Key:
+        """Of all that decides what comes out."""
+        return entry_key([__name__], self.scenario.digest, self.record, Path(self.policy).stem, self.driver)
 
 
 @dataclass(frozen=True, slots=True)

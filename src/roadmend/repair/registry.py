@@ -64,8 +64,16 @@ def make_repairer(
     Raises:
         InputError: the method is not available, or a parameter is unknown or out of range.
     """
+    return GuardedRepairer(make_method(name, parameters, seed), check_parameters(guard, GuardParameters, "guard"))
+
+
+def make_method(name: str, parameters: Mapping[str, Any] | None = None, seed: int = 0) -> RepairMethod:
+    """The method called ``name`` alone, which nothing may be driven with.
+
+    Raises:
+        InputError: the method is not available, or a parameter is unknown or out of range.
+    """
     entry = METHODS.get(name)
     if entry is None:
         raise InputError("repair method", f"'{name}' is not available", f"choose one of: {', '.join(METHODS)}")
-    method = entry.make(check_parameters(parameters, entry.parameters, name), seed)
-    return GuardedRepairer(method, check_parameters(guard, GuardParameters, "guard"))
+    return entry.make(check_parameters(parameters, entry.parameters, name), seed)

@@ -47,13 +47,15 @@ class SelfOracleModel:
     Args:
         configuration: what it is built from.
         tensors: "autoencoder." and the standardisation's "mean" and "scale", shape (SIZE,) each.
+        digest: of the model's file.
 
     Raises:
         ValueError: a tensor is missing, has another shape or holds what is not finite.
     """
 
-    def __init__(self, configuration: Configuration, tensors: Mapping[str, NDArray[Any]]) -> None:
+    def __init__(self, configuration: Configuration, tensors: Mapping[str, NDArray[Any]], digest: str = "") -> None:
         self.configuration = configuration
+        self.digest = digest
         self._autoencoder = CompiledHead(configuration.autoencoder, tensors, "autoencoder.")
         self._mean, self._scale = (np.asarray(tensors.get(name), dtype=np.float32) for name in ("mean", "scale"))
         for values in (self._mean, self._scale):
@@ -78,7 +80,7 @@ class SelfOracleModel:
             what = f"was trained with version {configuration.vector_version} of the state vector, not {VERSION}"
             raise InputError(str(path), what, mend)
         try:
-            return cls(configuration, checkpoint.tensors)
+            return cls(configuration, checkpoint.tensors, checkpoint.digest)
         except ValueError as error:
             raise InputError(str(path), str(error), mend) from None
 

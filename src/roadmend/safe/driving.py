@@ -1,6 +1,5 @@
 """What is done with crash reports, cut into jobs: one scenario to build or to drive, or one crash to reproduce."""
 
-import hashlib
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
@@ -9,11 +8,11 @@ from pathlib import Path
 from typing import Any, Self
 
 from roadmend.core.errors import RoadmendError
-from roadmend.core.source_digest import source_digest
+from roadmend.core.journal import Key, entry_key
+from roadmend.measures.driver import driver_key
 from roadmend.safe.construction import Role, draw_scenario
 from roadmend.safe.reproduction import reproduce
 from roadmend.safe.trial import Trial, run_trial
-from roadmend.search.policy_model import policy_model
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import save_scenario
 from roadmend.world.simulation import Simulation
@@ -57,22 +56,11 @@ class Job:
     draw: Drawing | None
 
     @property
-    def key(self) -> str:
-        """Digest of everything that decides the result, the code included."""
-        modules = [__name__, *([f"roadmend.policies.{self.policy}"] if self.policy else [])]
-        modules += [self.draw.__module__] if self.draw is not None else []
-        model = policy_model(self.policy) if self.policy else None
-        decided = (
-            self.task,
-            repr(self.role),
-            self.policy,
-            model,
-            self.seed,
-            self.index,
-            self.budget,
-            source_digest(modules),
-        )
-        return hashlib.sha256(repr(decided).encode()).hexdigest()
+    def key(self) -> Key:
+        """Of everything that decides the result."""
+        driver = driver_key(self.policy) if self.policy else None
+        code = [__name__, *([self.draw.__module__] if self.draw is not None else [])]
+        return entry_key(code, self.task, repr(self.role), driver, self.seed, self.index, self.budget)
 
 
 @dataclass(frozen=True, slots=True)

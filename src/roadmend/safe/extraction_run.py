@@ -1,6 +1,5 @@
 """Extraction of many reports: side by side, and resumable."""
 
-import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -9,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from roadmend.core.errors import InputError, RoadmendError
+from roadmend.core.journal import entry_key
 from roadmend.core.whole_file import write_text
 from roadmend.language.exchange import ENDING, Usage, dump_exchanges, usage_of
 from roadmend.safe.dsl_data import dump_data
@@ -39,7 +39,7 @@ class Extracted:
 
 
 def extract_reports(
-    paths: Sequence[Path], extractor: Extractor, settings: str, out: Path, workers: int
+    paths: Sequence[Path], extractor: Extractor, settings: Sequence[str], out: Path, workers: int
 ) -> Iterator[Extracted]:
     """Extract reports; each result is written before it is given, in the order in which they are done.
 
@@ -50,7 +50,7 @@ def extract_reports(
     Args:
         paths: of the reports.
         extractor: reads them; called from several threads.
-        settings: a text that differs when the result may.
+        settings: what decides the result beside the report and the code.
         out: folder to write to.
         workers: threads.
 
@@ -67,13 +67,13 @@ def extract_reports(
                 task.cancel()
 
 
-def _extract_one(path: Path, extractor: Extractor, settings: str, out: Path) -> Extracted:
+def _extract_one(path: Path, extractor: Extractor, settings: Sequence[str], out: Path) -> Extracted:
     case = path.stem if path.is_file() else path.resolve().name
     try:
         report = load_report(path)
     except InputError as error:
         return Extracted(case, None, str(error), (), is_new=True)
-    key = hashlib.sha256(f"{report.digest()} {settings}".encode()).hexdigest()
+    key = entry_key([__name__, type(extractor).__module__], report.digest(), *settings)
     known = _known(out, case, key)
     if known is not None:
         return known

@@ -7,7 +7,9 @@ from typing import Any
 
 from roadmend import __version__
 from roadmend.core.errors import InputError
-from roadmend.search.evaluation import CRASH, Evaluation, Subject, Trial, parameters_digest
+from roadmend.core.journal import Key, entry_key
+from roadmend.measures.driver import driver_key
+from roadmend.search.evaluation import CRASH, Evaluation, Subject, Trial
 from roadmend.search.ledger import FOUND, Entry, Ledger, Reproduction
 from roadmend.search.policy_model import policy_model
 from roadmend.search.registry import make_technique
@@ -41,6 +43,7 @@ class Campaign:
             "parameters": self.parameters.model_dump(mode="json"),
             "roadmend": __version__,
             **({} if model is None else {"model": model}),
+            "code": entry_key([__name__], driver_key(subject.policy, subject.method)),
         }
 
     def name(self, index: int) -> str:
@@ -125,7 +128,7 @@ def _known(ledger: Ledger, start: int, points: Sequence[Parameters]) -> int:
     """How many points of a batch are in the ledger."""
     entries = ledger.entries[start : start + len(points)]
     for point, entry in zip(points, entries, strict=False):
-        if parameters_digest(point) != entry.parameters:
+        if _key(entry.index, point) != entry.key:
             what = f"evaluation {entry.index} is not what this version of roadmend would have tried"
             raise InputError(str(ledger.folder), what, "choose another folder")
     return len(entries)
@@ -133,11 +136,16 @@ def _known(ledger: Ledger, start: int, points: Sequence[Parameters]) -> int:
 
 def _entry(campaign: Campaign, ledger: Ledger, index: int, trial: Trial) -> Entry:
     """The ledger's line; a violation's scenario is written first, so that no line names a file that is not there."""
-    digest = parameters_digest(trial.parameters)
+    key = _key(index, trial.parameters)
     if not trial.evaluation.is_violation:
-        return Entry(index, digest, trial.evaluation)
+        return Entry(index, key, trial.evaluation)
     subject, name = campaign.subject, campaign.name(index)
     path = f"{FOUND}/{name}.yaml"
     save_scenario(subject.scenario(trial.parameters, name), ledger.folder / path)
     command = f"roadmend run --scenario {path} --policy {subject.policy} --repair {subject.method}"
-    return Entry(index, digest, trial.evaluation, Reproduction(path, command, subject.policy, subject.method))
+    return Entry(index, key, trial.evaluation, Reproduction(path, command, subject.policy, subject.method))
+
+
+def _key(index: int, point: Parameters) -> Key:
+    """Of an entry in the ledger of one search, whose settings say what else decides what a point comes to."""
+    return entry_key([__name__], index, point)

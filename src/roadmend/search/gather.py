@@ -6,12 +6,14 @@ from functools import partial
 from pathlib import Path
 
 from roadmend.core.fanout import Mapper, fan_out
+from roadmend.core.journal import InUseError, Journal
 from roadmend.core.outcome import EventKind
 from roadmend.search.campaign import Campaign, run_campaign
 from roadmend.search.corpus_plan import CorpusPlan, SplitPlan, fresh_plan
 from roadmend.search.evaluation import Trial, evaluate
-from roadmend.search.ledger import SETTINGS, Entry, InUseError, Ledger
+from roadmend.search.ledger import LEDGER, Entry, Ledger
 from roadmend.search.policy_model import policy_model
+from roadmend.search.rerun import FORMAT as RERUN_FORMAT
 from roadmend.search.rerun import Rerunner
 from roadmend.search.selection import Picker, shares
 from roadmend.world.corpus import Case, Corpus, sorted_cases
@@ -134,7 +136,7 @@ class Gatherer:
     def _search(self, campaign: Campaign, place: str, budget: int) -> _Source | None:
         """Go on with a search to its budget; with a partial corpus, only read it, if nobody is at work there."""
         folder = self._folder / place
-        if self._is_partial and not (folder / SETTINGS).exists():
+        if self._is_partial and not (folder / LEDGER).exists():
             return None
         try:
             with Ledger(folder, campaign.settings) as ledger:
@@ -244,8 +246,8 @@ def gather(
         SimulationError: a worker process died.
     """
     own = folder / policy
-    with fan_out(workers) as mapper, Rerunner(policy, mapper, own / RERUNS) as rerunner:
-        gatherer = Gatherer(plan, policy, own, rerunner, mapper, is_partial=is_partial)
+    with fan_out(workers) as mapper, Journal(own / RERUNS, RERUN_FORMAT) as journal:
+        gatherer = Gatherer(plan, policy, own, Rerunner(policy, mapper, journal), mapper, is_partial=is_partial)
         gatherer.gather(families, report)
     corpus = Corpus(
         policy,

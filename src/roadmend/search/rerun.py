@@ -1,27 +1,21 @@
 """Runs cases of a corpus again, each in a fresh simulation, to see whether they come to the same."""
 
-import fcntl
-import hashlib
-import json
 import math
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack
 from dataclasses import asdict, dataclass, replace
 from functools import partial
-from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
 
-from roadmend import __version__
-from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
+from roadmend.core.journal import Journal, Key, entry_key
 from roadmend.core.outcome import Blame
+from roadmend.measures.driver import driver_key
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.search.evaluation import CRASH
-from roadmend.search.policy_model import policy_model
 from roadmend.world.corpus import METHOD, Case
 from roadmend.world.runner import run_episode
+
+FORMAT = "roadmend-reruns/1"
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,38 +62,21 @@ def rerun(policy: str, case: Case) -> Rerun:
 
 
 class Rerunner:
-    """Runs cases side by side; keeps what they came to in a file, so that an interrupted call loses little.
+    """Runs cases side by side; keeps what they came to in a journal, so that an interrupted call loses little."""
 
-    The file serves one process at a time. Its lines hold for one version of roadmend and one model of the policy.
-    """
-
-    def __init__(self, policy: str, mapper: Mapper, file: Path | None = None) -> None:
-        """Open the file.
+    def __init__(self, policy: str, mapper: Mapper, journal: Journal | None = None) -> None:
+        """Know who drives.
 
         Args:
             policy: who drives.
             mapper: runs cases side by side.
-            file: where to keep results; nowhere if not given.
+            journal: where to keep results; nowhere if not given.
 
         Raises:
-            InputError: there is no such policy, or the file is in use or cannot be written.
+            InputError: there is no such policy.
         """
-        self._policy, self._mapper = policy, mapper
-        self._identity = f"{__version__} {policy} {policy_model(policy)}"
-        self._known: dict[str, Rerun] = {}
-        with ExitStack() as stack:
-            self._file = None if file is None else stack.enter_context(_open(file))
-            if self._file is not None:
-                self._known = _read(self._file)
-            self._stack = stack.pop_all()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        self._stack.__exit__(kind, error, traceback)
+        self._policy, self._mapper, self._journal = policy, mapper, journal
+        self._driver = driver_key(policy, METHOD)
 
     def __call__(self, cases: Sequence[Case], report: Callable[[], None] = lambda: None) -> Iterator[Rerun]:
         """One result a case, in order.
@@ -109,54 +86,20 @@ class Rerunner:
             report: called for every result.
 
         Raises:
+            InputError: the journal holds something else, or cannot be written.
             SimulationError: a worker process died.
         """
         keys = [self._key(case) for case in cases]
-        known = [self._known.get(key) for key in keys]
+        known = [None if self._journal is None else self._journal.get(key) for key in keys]
         missing = [case for case, found in zip(cases, known, strict=True) if found is None]
         results = self._mapper(partial(rerun, self._policy), missing)
         for key, kept in zip(keys, known, strict=True):
-            found = kept or next(results)
-            if kept is None and self._file is not None:
-                self._known[key] = found
-                self._file.write(json.dumps({"key": key, **asdict(found)}).encode() + b"\n")
+            found = next(results) if kept is None else Rerun(**kept)
+            if kept is None and self._journal is not None:
+                self._journal.add(key, asdict(found))
             report()
             yield found
 
-    def _key(self, case: Case) -> str:
-        content = f"{self._identity} {case.scenario().model_copy(update={'name': 'point'}).digest}"
-        return hashlib.sha256(content.encode()).hexdigest()
-
-
-def _open(path: Path) -> Any:
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        file = path.open("a+b", buffering=0)
-    except OSError as error:
-        raise InputError(str(path), f"cannot be written ({error.strerror})", "choose a writable folder") from None
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        file.close()
-        raise InputError(str(path.parent), "another build is at work here", "wait for it to end") from None
-    return file
-
-
-def _read(file: Any) -> dict[str, Rerun]:
-    """Lines that are whole; one that an interruption cut short, and all after it, are forgotten."""
-    file.seek(0)
-    content: bytes = file.readall()
-    known: dict[str, Rerun] = {}
-    sound = 0
-    for line in content.splitlines(keepends=True):
-        try:
-            entry = json.loads(line)
-            if not line.endswith(b"\n"):
-                break
-            key = entry.pop("key")
-            known[key] = Rerun(**entry)
-        except (ValueError, TypeError, KeyError, AttributeError):
-            break
-        sound += len(line)
-    file.truncate(sound)
-    return known
+    def _key(self, case: Case) -> Key:
+        scenario = case.scenario().model_copy(update={"name": "point"})
+        return entry_key([__name__], self._driver, scenario.digest)

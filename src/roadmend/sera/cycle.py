@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from roadmend.core.errors import InputError
+from roadmend.core.journal import entry_key
 from roadmend.core.whole_file import write_text
 from roadmend.language.exchange import ENDING
 from roadmend.measures.driving import DrivingMeasures
@@ -269,7 +270,9 @@ class Cycle:
             make: does the step.
             needed: another file that it leaves.
         """
-        key = _digest(json.dumps([path.name, *decided]))
+        backend = self._backend
+        code = [__name__, type(backend.analyser).__module__, type(backend.reflector).__module__]
+        key = entry_key(code, path.name, *decided)
         try:
             content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
             if content["key"] == key and (needed is None or needed.exists()):

@@ -5,7 +5,6 @@ is not made again, and everything follows from the configuration and the seed, s
 the same result.
 """
 
-import json
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -17,6 +16,7 @@ from torch.utils.tensorboard import SummaryWriter
 
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
+from roadmend.core.journal import entry_key
 from roadmend.networks.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from roadmend.training.imitation import Losses, NeuralNetwork, fit, load_network, tensors_of
 from roadmend.training.imitation_configuration import ImitationConfiguration
@@ -76,7 +76,7 @@ class Training:
             for family in configuration.families
         ]
         before = load_checkpoint(model, configuration.kind).digest if model is not None else ""
-        made_by = json.dumps([self._gathering(number), before], sort_keys=True)
+        made_by = entry_key([__name__], self._gathering(number), before)
         path = self.folder / f"round-{number}.npz"
         if path.exists():
             return load_samples(path, made_by)

@@ -75,7 +75,7 @@ def load_samples(path: Path, made_by: str) -> Samples:
     try:
         with np.load(path, allow_pickle=False) as file:
             if str(file["made_by"]) != made_by:
-                raise InputError(str(path), "was made with other settings", mend)
+                raise InputError(str(path), "was made with other settings, or by other code", mend)
             return Samples(
                 file["tokens"],
                 file["counts"],

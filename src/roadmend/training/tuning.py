@@ -4,20 +4,20 @@ Two rounds: every setting drives a part of the cases, then the best few drive al
 of equals the one with the least intensity, of equals again the one that stands first in the grid.
 """
 
-import json
-import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
+from roadmend.core.journal import Journal, Key, entry_key
+from roadmend.measures.driver import driver_key
 from roadmend.training.closed_loop import CaseResult, EpisodeCase, Summary, evaluate_cases, summarise
 from roadmend.training.tuning_grid import Rival, Values
 
 FORMAT = "roadmend-tuning/1"
+EPISODES = "roadmend-tuning-episodes/1"
 PART = 3  # the first round drives every so many-th case of each family and kind
 FINALISTS = 4  # settings that drive all cases
 
@@ -81,37 +81,34 @@ def part_of(cases: Sequence[EpisodeCase]) -> list[EpisodeCase]:
 
 
 class Tuning:
-    """Drives settings on cases, each pair at most once: what was driven before an interruption is in ``file``."""
+    """Drives settings on cases, each pair at most once: what was driven before an interruption is in the journal."""
 
     def __init__(
         self,
         cases: Sequence[EpisodeCase],
         policy: str,
-        identity: Mapping[str, str],
-        file: Path,
+        journal: Journal,
         mapper: Mapper,
         report: Callable[[str, int, int], None] = lambda _rival, _done, _total: None,
     ) -> None:
-        """Open or make the file.
+        """Prepare.
 
         Args:
             cases: of the validation split; with violations and successes.
             policy: name of the policy in the loop.
-            identity: digests of all that the results hang on; a file keeps to one set of them.
-            file: JSON lines, one for each episode.
+            journal: of the episodes.
             mapper: runs episodes side by side.
             report: called with the rival, the episodes driven and how many there are in this round.
 
         Raises:
-            InputError: a kind of case is missing, or the file is of other cases, damaged or cannot be written.
+            InputError: a kind of case is missing.
         """
         for wanted, word in ((True, "violation"), (False, "success")):
             if not any(case.is_violation == wanted for case in cases):
                 raise InputError("validation split", f"has no {word}", "give a corpus with both in it")
-        self._cases, self._policy, self._file = list(cases), policy, file
+        self._cases, self._policy, self._journal = list(cases), policy, journal
+        self._scenarios = {case.name: case.scenario().digest for case in cases}
         self._mapper, self._report = mapper, report
-        self._known: dict[tuple[str, str], CaseResult] = {}
-        self._open({"format": FORMAT, "policy": policy, **identity})
 
     def tune(self, rival: Rival) -> Tuned:
         """Find a rival's best setting.
@@ -132,66 +129,39 @@ class Tuning:
 
     def _drive(self, rival: Rival, grid: Sequence[Values], cases: Sequence[EpisodeCase]) -> list[Summary]:
         """One summary a setting."""
-        keys = [_key(rival.method, parameters) for parameters in grid]
+        drivers = [driver_key(self._policy, rival.method, parameters) for parameters in grid]
+        keys = [
+            [entry_key([__name__], driver, case.name, self._scenarios[case.name]) for case in cases]
+            for driver in drivers
+        ]
         missing = [
-            (key, parameters, case)
-            for key, parameters in zip(keys, grid, strict=True)
-            for case in cases
-            if (key, case.name) not in self._known
+            (key, (parameters, case))
+            for parameters, row in zip(grid, keys, strict=True)
+            for key, case in zip(row, cases, strict=True)
+            if self._journal.get(key) is None
         ]
         total = len(grid) * len(cases)
         done = total - len(missing)
         self._report(rival.name, done, total)
-        for (key, _, case), result in zip(missing, self._results(rival.method, missing), strict=True):
-            self._write({"setting": key, "result": asdict(result)})
-            self._known[key, case.name] = result
+        results = self._mapper(
+            partial(_evaluate, policy=self._policy, method=rival.method), [question for _, question in missing]
+        )
+        for (key, _), result in zip(missing, results, strict=True):
+            self._journal.add(key, asdict(result))
             done += 1
             self._report(rival.name, done, total)
-        return [summarise([self._known[key, case.name] for case in cases]) for key in keys]
+        return [summarise([self._result(key) for key in row]) for row in keys]
 
-    def _results(self, method: str, missing: Sequence[tuple[str, Values, EpisodeCase]]) -> Iterator[CaseResult]:
-        questions = [(parameters, case) for _, parameters, case in missing]
-        return self._mapper(partial(_evaluate, policy=self._policy, method=method), questions)
-
-    def _open(self, header: dict[str, Any]) -> None:
-        path = self._file
+    def _result(self, key: Key) -> CaseResult:
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            content = path.read_bytes() if path.exists() else b""
-            whole = content[: content.rfind(b"\n") + 1]
-            if len(whole) < len(content):
-                os.truncate(path, len(whole))  # an interruption cut the last line short
-        except OSError as error:
-            raise InputError(str(path), f"cannot be read ({error.strerror})", "choose another place") from None
-        if not whole:
-            self._write(header)
-            return
-        lines = whole.decode(errors="replace").splitlines()
-        try:
-            if json.loads(lines[0]) != header:
-                raise InputError(str(path), "holds another tuning", "remove it, or choose another --out")
-            for line in lines[1:]:
-                entry = json.loads(line)
-                result = CaseResult(**entry["result"])
-                self._known[entry["setting"], result.name] = result
-        except (ValueError, KeyError, TypeError):
-            raise InputError(str(path), "is damaged", "remove it") from None
-
-    def _write(self, values: dict[str, Any]) -> None:
-        try:
-            with self._file.open("ab", buffering=0) as file:
-                file.write(json.dumps(values).encode() + b"\n")
-        except OSError as error:
-            raise InputError(str(self._file), f"cannot be written ({error.strerror})", "make room") from None
+            return CaseResult(**(self._journal.get(key) or {}))
+        except TypeError:
+            raise InputError(str(self._journal.path), "is damaged", "remove it") from None
 
 
 def _evaluate(question: tuple[Values, EpisodeCase], *, policy: str, method: str) -> CaseResult:
     parameters, case = question
     return evaluate_cases([case], policy, method, parameters)[0]
-
-
-def _key(method: str, parameters: Values) -> str:
-    return f"{method} {json.dumps(dict(parameters), sort_keys=True)}"
 
 
 def _figures(summary: Summary | None) -> dict[str, float] | None:

@@ -15,13 +15,11 @@ from harness.hindsight import Bound
 from harness.hindsight_file import hindsight_bound
 from harness.pulse import PulsePlayer
 from roadmend.core.errors import InputError
-from roadmend.core.source_digest import source_digest
 from roadmend.measures.contenders import Absence, BenchmarkPlan, resolve, resolve_monitors
 from roadmend.search.policy_model import policy_model
 from roadmend.world.corpus import Case, Corpus, corpus_of
 
 LUCKY = "hindsight_lucky"
-_SEARCH = "harness.hindsight"
 
 
 @dataclass(frozen=True)
@@ -91,8 +89,7 @@ def _entrants(
     monitors = resolve_monitors(plan, config, policy, names)
     players: dict[str, dict[str, Player]] = {}
     if any(contender.group == "bound" for contender in contenders):
-        code = next(contender.code for contender in contenders if contender.group == "bound")
-        bounds = _bounds(cases, policy, f"{code}{model}", work, workers, progress)
+        bounds = _bounds(cases, policy, work, workers, progress)
         players = {
             HINDSIGHT: {case.name: _player(bounds.get(case.name), is_lucky=False) for case in cases},
             LUCKY: {case.name: _player(bounds.get(case.name), is_lucky=True) for case in cases},
@@ -122,12 +119,9 @@ def select(corpus: Corpus, families: Sequence[str], most: int | None, split: str
     ]
 
 
-def _bounds(
-    cases: Sequence[Case], policy: str, driver: str, work: Path, workers: int, progress: Progress
-) -> dict[str, Bound]:
-    """By case; ``driver`` is a digest of the policy's code and model, for which a bound holds."""
+def _bounds(cases: Sequence[Case], policy: str, work: Path, workers: int, progress: Progress) -> dict[str, Bound]:
+    """By case."""
     violations = [case for case in cases if case.is_violation]
     task = progress.add_task(f"{policy}: hindsight bound", total=len(violations))
-    folder = work / "hindsight" / hashlib.sha256(f"{source_digest([_SEARCH])}{driver}".encode()).hexdigest()[:16]
-    found = hindsight_bound(violations, policy, workers, folder, lambda _bound: progress.advance(task))
+    found = hindsight_bound(violations, policy, workers, work / "hindsight", lambda _bound: progress.advance(task))
     return {bound.name: bound for bound in found}

@@ -16,18 +16,19 @@ from harness.adreft_labels import weak_labels
 from harness.bench_robustness import run_robustness
 from harness.benchmark_content import build_content, case_table, differences, dump_json, unequal
 from harness.benchmark_files import read_json, write_benchmark
-from harness.benchmark_run import Measured, drive, find_jobs, read_results
+from harness.benchmark_run import FORMAT, RESULTS, Measured, drive, find_jobs, read_results
 from harness.benchmark_tables import headline
 from harness.options import CACHED_WORK, COMMITTED, PLANS
 from roadmend.cli.options import WORKERS
 from roadmend.cli.output import show_rows
 from roadmend.core.errors import InputError
+from roadmend.core.journal import Journal
 from roadmend.core.resources import config_folder
 from roadmend.measures.contenders import BenchmarkPlan, read_plan
-from roadmend.measures.result_store import ResultStore, default_work_folder
 from roadmend.reports.result_files import provenance
 from roadmend.search.corpus_plan import LAST_FRESH
 from roadmend.world.families import FAMILIES
+from roadmend.world.network import cache_folder
 
 _COLUMNS = (
     TextColumn("{task.description}"),
@@ -134,7 +135,12 @@ def adreft(
         is_quick=quick,
     )
     options = _Options(
-        work or default_work_folder(), workers, out, committed, _command(choice, corpora, verify=verify), as_json
+        work or cache_folder() / "benchmarks" / "adreft",
+        workers,
+        out,
+        committed,
+        _command(choice, corpora, verify=verify),
+        as_json,
     )
     if robustness:
         command = options.command + f" --robustness --budget {budget}"
@@ -188,12 +194,15 @@ def _verify(plan: BenchmarkPlan, config: Path, choice: Choice, options: _Options
 
 def _run(plan: BenchmarkPlan, config: Path, choice: Choice, work: Path, workers: int) -> list[Measured]:
     """Drive what is missing, read what is there."""
-    with ResultStore(work) as store, Progress(*_COLUMNS, console=Console(stderr=True)) as progress:
+    with (
+        Journal(work / RESULTS, FORMAT, owns_folder=True) as journal,
+        Progress(*_COLUMNS, console=Console(stderr=True)) as progress,
+    ):
         everybody = find_entrants(plan, config, choice, work, workers, progress)
-        jobs = [job for entrants in everybody for job in find_jobs(entrants, store, weak_labels)]
+        jobs = [job for entrants in everybody for job in find_jobs(entrants, journal, weak_labels)]
         task = progress.add_task("episodes", total=len(jobs))
-        drive(jobs, store, workers, lambda _job: progress.advance(task))
-        return [read_results(entrants, store, weak_labels) for entrants in everybody]
+        drive(jobs, journal, workers, lambda _job: progress.advance(task))
+        return [read_results(entrants, journal, weak_labels) for entrants in everybody]
 
 
 def _content(measured: Sequence[Measured], choice: Choice, command: str) -> dict[str, Any]:

@@ -1,9 +1,7 @@
 """``roadmend bench outcomes``: how a policy fares in random scenarios, and that runs repeat bit for bit."""
 
 import math
-import multiprocessing
 from collections import Counter
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,8 +12,8 @@ from rich.progress import Progress
 
 from harness.figures import Figures
 from roadmend.cli.options import WORKERS
+from roadmend.core.fanout import fan_out
 from roadmend.core.outcome import EventKind
-from roadmend.core.worker_process import begin_worker
 from roadmend.measures.intervals import wilson
 from roadmend.policies.registry import POLICIES, make_policy
 from roadmend.repair.registry import METHODS, make_repairer
@@ -95,14 +93,10 @@ def outcomes(
         _Job(family, first_seed + number, policy, method, repeat) for family in FAMILIES for number in range(scenarios)
     ]
     console = Console(stderr=True)
-    context = multiprocessing.get_context("spawn")  # libsumo holds one simulation a process
-    with (
-        ProcessPoolExecutor(workers, mp_context=context, initializer=begin_worker) as pool,
-        Progress(console=console) as progress,
-    ):
+    with fan_out(workers) as mapper, Progress(console=console) as progress:
         task = progress.add_task("episodes", total=len(jobs))
         reports = []
-        for report in pool.map(_work, jobs, chunksize=4):
+        for report in mapper(_work, jobs):
             reports.append(report)
             progress.advance(task)
     content, rows = _summary(reports, scenarios)

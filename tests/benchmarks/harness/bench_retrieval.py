@@ -1,12 +1,11 @@
 """``roadmend bench retrieval``: how fast and how well a large scenario bank finds what fits a failure."""
 
-import multiprocessing
 import random
 import resource
 import statistics
 import tempfile
 import time
-from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from pathlib import Path
 from typing import Any, get_args
 
@@ -16,6 +15,7 @@ from harness.figures import Figures
 from harness.generated import generate
 from harness.retrieval import draw_patterns, recalls, time_searches
 from roadmend.cli.sera_bank import build_progress
+from roadmend.core.fanout import fan_out
 from roadmend.reports.result_files import provenance
 from roadmend.sera.bank import Bank, build_bank
 from roadmend.sera.facets import Filters
@@ -43,8 +43,8 @@ def retrieval(scenarios: int, queries: int, out: Path | None, *, as_json: bool) 
     with tempfile.TemporaryDirectory(prefix="roadmend-bank-") as folder:
         path = Path(folder) / "generated.bank"
         # In a process of its own, so that its memory is told from that of searching.
-        with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
-            content |= pool.submit(_build, path, scenarios).result()
+        with fan_out(2) as mapper:
+            content |= next(mapper(partial(_build, path), [scenarios]))
         content |= _search(path, queries)
     Figures("retrieval", "Retrieval from the scenario bank", content, _rows(content)).publish(out, as_json=as_json)
 

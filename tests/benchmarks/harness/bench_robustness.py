@@ -1,6 +1,5 @@
 """``roadmend bench adreft --robustness``: how many violations testing techniques find with and without repair."""
 
-import hashlib
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -22,16 +21,16 @@ from rich.progress import (
 from harness.adreft_entrants import Choice
 from harness.benchmark_content import dump_json
 from roadmend.core.errors import RoadmendError
-from roadmend.core.source_digest import source_digest
+from roadmend.core.fanout import fan_out
+from roadmend.core.journal import entry_key
 from roadmend.core.whole_file import write_texts
 from roadmend.measures.contenders import BenchmarkPlan, Contender, resolve
+from roadmend.measures.driver import driver_key
 from roadmend.reports.result_files import provenance
 from roadmend.search.campaign import Campaign, run_campaign
 from roadmend.search.evaluation import CRASH, Subject, evaluate
 from roadmend.search.ledger import Entry, Ledger
-from roadmend.search.policy_model import policy_model
 from roadmend.search.registry import read_technique_parameters
-from roadmend.search.workers import open_map
 
 _COLUMNS = (
     TextColumn("{task.description}"),
@@ -104,8 +103,7 @@ class _Searcher:
         self, policy: str, families: Sequence[str], budget: int, work: Path, workers: int, progress: Progress
     ) -> None:
         self._policy, self._families, self._budget, self._workers = policy, families, budget, workers
-        decided = f"{source_digest([_SEARCH])}{policy_model(policy)}"
-        self._folder = work / hashlib.sha256(decided.encode()).hexdigest()[:16] / policy
+        self._folder = work / entry_key([_SEARCH], driver_key(policy))[:16] / policy
         self._progress = progress
 
     def curves(self, contender: Contender, technique: str) -> dict[str, Any]:
@@ -129,13 +127,13 @@ class _Searcher:
         campaign = Campaign(subject, technique, read_technique_parameters(technique))
         folder = self._folder / f"{contender.name}-{contender.key[:16]}" / technique / f"{family}-{seed}"
         work = partial(evaluate, subject, repair=contender.parameters)
-        with Ledger(folder, campaign.settings) as ledger, open_map(work, self._workers) as evaluator:
+        with Ledger(folder, campaign.settings) as ledger, fan_out(self._workers) as mapper:
             self._progress.advance(task, min(self._budget, len(ledger.entries)))
 
             def report(_entry: Entry) -> None:
                 self._progress.advance(task)
 
-            run_campaign(campaign, ledger, evaluator, self._budget, report)
+            run_campaign(campaign, ledger, partial(mapper, work), self._budget, report)
             entries = ledger.entries[: self._budget]
         crashes = [entry for entry in entries if entry.evaluation.outcome == CRASH]
         if crashes:

@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from harness.benchmark_files import read_json
+from harness.benchmark_run import FORMAT, RESULTS
 from harness.fresh_cases import fresh_cases
 from harness.options import CACHED_WORK, COMMITTED, PLANS
 from harness.sera_experiment import Experiment
@@ -29,10 +30,11 @@ from harness.sera_workshop import Workshop
 from roadmend.cli.options import WORKERS
 from roadmend.cli.output import show_rows
 from roadmend.core.errors import InputError, RoadmendError
+from roadmend.core.fanout import fan_out
+from roadmend.core.journal import Journal, entry_key
 from roadmend.core.resources import config_folder
 from roadmend.core.settings import check_settings
-from roadmend.measures.identity import identity_of
-from roadmend.measures.result_store import ResultStore
+from roadmend.measures.driver import driver_key
 from roadmend.networks.checkpoint import find_model
 from roadmend.nodes.evaluation_episode import EvaluatedEpisode, EvaluationJob, evaluate
 from roadmend.reports.result_files import provenance
@@ -44,7 +46,6 @@ from roadmend.sera.incident import Incident
 from roadmend.sera.pattern import FailurePattern
 from roadmend.training.device import choose_torch_device
 from roadmend.training.few_shot_settings import FewShotSettings, read_few_shot_settings
-from roadmend.training.workers import open_mapper
 from roadmend.world.corpus import Corpus
 from roadmend.world.network import cache_folder
 from roadmend.world.scenario import Scenario
@@ -117,8 +118,8 @@ def sera(
     folder = work or cache_folder() / "benchmarks" / "sera"
     columns = SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn()
     with (
-        ResultStore(folder) as store,
-        open_mapper(workers) as mapper,
+        Journal(folder / RESULTS, FORMAT, owns_folder=True) as journal,
+        fan_out(workers) as mapper,
         Progress(*columns, console=Console(stderr=True)) as progress,
     ):
         task, counts = progress.add_task("starting"), dict[str, int]()
@@ -130,7 +131,7 @@ def sera(
         if fresh_seed is not None and cases is not None:
             plan = _of_fresh_cases(plan, cases)
             corpora = [fresh_cases(corpus.policy, fresh_seed, cases, folder, workers, progress) for corpus in corpora]
-        results, sizes = _run(plan, config, models, corpora, Workshop(store, mapper, report))
+        results, sizes = _run(plan, config, models, corpora, Workshop(journal, mapper, report))
     path = committed / "retrieval.json"
     command = "./roadmend bench sera" + " --quick" * quick + (f" --policies {policies}" if policies else "")
     command += (f" --seeds {seeds}" if seeds is not None else "") + (f" --plan {file}" if file is not None else "")
@@ -160,7 +161,7 @@ def _run(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """What each policy's experiment came to, and the sizes of all; ``corpora`` are of the evaluation set."""
     evaluated = evaluation_set(plan.evaluation, corpora)
-    path = workshop.store.folder / "scenarios.bank"
+    path = workshop.folder / "scenarios.bank"
     build_bank(path, bank_entries(plan.bank, config, known_scenarios(evaluated)))
     settings = _few_shot(plan, config)
     results = {}
@@ -199,7 +200,7 @@ class _Logs:
     def __init__(self, policy: str, workshop: Workshop) -> None:
         self._policy = policy
         self._workshop = workshop
-        self._identity = identity_of(policy, "none")
+        self._driver = driver_key(policy, "none")
         self._analyser = EmbeddedAnalyser()
 
     def patterns(self, failed: Sequence[Scenario]) -> tuple[FailurePattern, ...]:
@@ -208,14 +209,14 @@ class _Logs:
         return self._analyser.analyse(incidents)
 
     def _incidents(self, scenario: Scenario) -> list[Incident]:
-        bags = self._workshop.store.folder / "bags"
-        job = EvaluationJob(scenario, self._policy, "none", bags, "failures", self._identity)
+        bags = self._workshop.folder / "bags"
+        job = EvaluationJob(scenario, self._policy, "none", bags, "failures", self._driver)
 
         def read() -> dict[str, Any]:
             (episode,) = self._workshop.mapper(evaluate, [job])
             return {"incidents": [asdict(one) for one in _read(episode, bags)]}
 
-        kept = self._workshop.remember("analysed", [job.key], read)
+        kept = self._workshop.remember("analysed", entry_key([__name__], "analysed", job.key), read)
         return _INCIDENTS.validate_json(json.dumps(kept["incidents"]))
 
 

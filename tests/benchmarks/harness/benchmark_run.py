@@ -1,21 +1,20 @@
-"""Runs the benchmark of repair methods: what is missing in the store is driven, the rest is read from it."""
+"""Runs the benchmark of repair methods: what is missing in the journal is driven, the rest is read from it."""
 
-import hashlib
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from roadmend.core.errors import RoadmendError
 from roadmend.core.interfaces import Repairer
-from roadmend.core.source_digest import source_digest
-from roadmend.measures.case_jobs import Job, Labels, case_key, run_jobs
+from roadmend.core.journal import Journal, Key, entry_key
+from roadmend.measures.case_jobs import Job, Labels, case_key, run_job, run_jobs
 from roadmend.measures.case_result import CaseResult
 from roadmend.measures.contenders import Absence, Contender
 from roadmend.measures.monitor import Confusion
-from roadmend.measures.result_store import ResultStore
 from roadmend.world.corpus import Case
 
+RESULTS = "results.jsonl"  # in the folder for work
+FORMAT = "roadmend-benchmark-work/2"
 HINDSIGHT = "hindsight"  # the bound that all methods are held against
 
 
@@ -57,25 +56,25 @@ class Measured:
         return tuple(case.name for case, result in pairs if case.digest != result.digest)
 
 
-def find_jobs(entrants: Entrants, store: ResultStore, labels: Labels) -> list[Job]:
+def find_jobs(entrants: Entrants, journal: Journal, labels: Labels) -> list[Job]:
     """What is still to be done for one policy."""
     jobs = []
     for contender in entrants.contenders:
         for case in entrants.cases:
             key = _repair_key(entrants, contender, case)
-            if store.get(key) is None:
+            if journal.get(key) is None:
                 player = _player(entrants, contender, case)
                 jobs.append(Job(case, (contender,), (key,), repairer=player.repairer if player else None))
     for case in entrants.cases:
         keys = {_monitor_key(entrants, monitor, case, labels): monitor for monitor in entrants.monitors}
-        missing = [key for key in keys if store.get(key) is None]
+        missing = [key for key in keys if journal.get(key) is None]
         if missing:
             jobs.append(Job(case, tuple(keys[key] for key in missing), tuple(missing), labels))
     return jobs
 
 
 def drive(
-    jobs: Sequence[Job], store: ResultStore, workers: int, report: Callable[[Job], None] = lambda _job: None
+    jobs: Sequence[Job], journal: Journal, workers: int, report: Callable[[Job], None] = lambda _job: None
 ) -> None:
     """Do the work and keep its results.
 
@@ -86,7 +85,7 @@ def drive(
     faults = []
     for outcome in run_jobs(jobs, workers):
         for key, result in zip(outcome.job.keys, outcome.results, strict=False):
-            store.add(key, result)
+            journal.add(key, result)
         if outcome.fault:
             faults.append(outcome.fault)
         report(outcome.job)
@@ -94,17 +93,17 @@ def drive(
         raise RoadmendError(f"{len(faults)} of {len(jobs)} episodes failed; the first: {min(faults)}")
 
 
-def read_results(entrants: Entrants, store: ResultStore, labels: Labels) -> Measured:
+def read_results(entrants: Entrants, journal: Journal, labels: Labels) -> Measured:
     """The results of one policy after all of its jobs are done."""
     results = {
         contender.name: tuple(
-            CaseResult.parse(_done(store, _repair_key(entrants, contender, case))) for case in entrants.cases
+            CaseResult.parse(_done(journal, _repair_key(entrants, contender, case))) for case in entrants.cases
         )
         for contender in entrants.contenders
     }
     confusions = {
         monitor.name: tuple(
-            Confusion(**_done(store, _monitor_key(entrants, monitor, case, labels))) for case in entrants.cases
+            Confusion(**_done(journal, _monitor_key(entrants, monitor, case, labels))) for case in entrants.cases
         )
         for monitor in entrants.monitors
     }
@@ -115,23 +114,21 @@ def _player(entrants: Entrants, contender: Contender, case: Case) -> Player | No
     return entrants.players[contender.name][case.name] if contender.group == "bound" else None
 
 
-def _repair_key(entrants: Entrants, contender: Contender, case: Case) -> str:
+def _repair_key(entrants: Entrants, contender: Contender, case: Case) -> Key:
     player = _player(entrants, contender, case)
     played = player.digest if player is not None else ""
-    return _digest(["repair", entrants.policy, entrants.policy_digest, contender.key, played, case_key(case)])
+    return entry_key(
+        [run_job.__module__], "repair", entrants.policy, entrants.policy_digest, contender.key, played, case_key(case)
+    )
 
 
-def _monitor_key(entrants: Entrants, monitor: Contender, case: Case, labels: Labels) -> str:
-    code = source_digest([labels.__module__])
-    return _digest(["monitor", entrants.policy, entrants.policy_digest, monitor.key, code, case_key(case)])
+def _monitor_key(entrants: Entrants, monitor: Contender, case: Case, labels: Labels) -> Key:
+    code = [run_job.__module__, labels.__module__]
+    return entry_key(code, "monitor", entrants.policy, entrants.policy_digest, monitor.key, case_key(case))
 
 
-def _digest(content: list[str]) -> str:
-    return hashlib.sha256(json.dumps(content).encode()).hexdigest()
-
-
-def _done(store: ResultStore, key: str) -> dict[str, Any]:
-    result = store.get(key)
+def _done(journal: Journal, key: Key) -> dict[str, Any]:
+    result = journal.get(key)
     if result is None:
         raise RoadmendError("a result is missing; run the same command again to go on")
     return result

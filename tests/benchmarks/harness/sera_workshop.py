@@ -1,15 +1,13 @@
 """Everything slow that the benchmark of SERA does, each kept by what decided it, so that nothing is done twice."""
 
-import hashlib
-import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from roadmend.core.source_digest import source_digest
+from roadmend.core.fanout import Mapper
+from roadmend.core.journal import Journal, Key, entry_key, file_of
 from roadmend.measures.driving import DrivingMeasures
-from roadmend.measures.result_store import ResultStore
 from roadmend.networks.checkpoint import load_checkpoint
 from roadmend.policies.neural import load_model
 from roadmend.repair.adreft.model import KIND
@@ -17,53 +15,53 @@ from roadmend.training.few_shot import drive_once, few_shot_repair, repair_model
 from roadmend.training.few_shot_settings import FewShotSettings
 from roadmend.training.imitation_rollout import Lesson, gather
 from roadmend.training.samples import Samples, load_samples, save_samples
-from roadmend.training.workers import Mapper
 from roadmend.world.scenario import Scenario
 
 _CODE = ("roadmend.policies.neural", "roadmend.measures.measured_run")
+_REPAIR = "roadmend.repair.adreft.method"
 
 
 @dataclass
 class Workshop:
     """Drives, gathers and tunes in a folder."""
 
-    store: ResultStore
+    journal: Journal
     mapper: Mapper
     report: Callable[[str], None] = field(default=lambda _what: None)  # hears of everything that is newly done
 
+    @property
+    def folder(self) -> Path:
+        """For what is no JSON."""
+        return self.journal.path.parent
+
     def drive(self, model: Path, scenarios: Sequence[Scenario]) -> list[DrivingMeasures]:
         """The measures of a policy in scenarios, in order."""
-        digest, code = load_model(model).digest, source_digest(_CODE)
-        keys = [_key("drive", digest, code, scenario.digest) for scenario in scenarios]
-        tasks = {key: (model, one) for key, one in zip(keys, scenarios, strict=True) if self.store.get(key) is None}
+        digest = load_model(model).digest
+        keys = [entry_key(_CODE, "drive", digest, scenario.digest) for scenario in scenarios]
+        tasks = {key: (model, one) for key, one in zip(keys, scenarios, strict=True) if self.journal.get(key) is None}
         for key, measures in zip(tasks, self.mapper(drive_once, tasks.values()), strict=True):
-            self.store.add(key, asdict(measures))
+            self.journal.add(key, asdict(measures))
             self.report("driven")
         return [DrivingMeasures.parse(self._get(key)) for key in keys]
 
     def gather(self, lessons: Sequence[Lesson]) -> Iterator[Samples]:
         """The samples of lessons, in order."""
-        code = source_digest([*_CODE, "roadmend.training.imitation_rollout"])
-        folder = self.store.folder / "lessons"
-        folder.mkdir(exist_ok=True)
-        places = {}
         digests = {path: load_model(path).digest for path in {lesson.model for lesson in lessons} if path is not None}
         repairs = {path: _repair_digest(path) for path in {lesson.repair for lesson in lessons} if path is not None}
+        places = {}
         for lesson in lessons:
-            driver = "" if lesson.model is None else digests[lesson.model]
-            made_by = [
-                code,
+            key = entry_key(
+                [*_CODE, gather.__module__, *([] if lesson.repair is None else [_REPAIR])],
+                "gather",
                 lesson.scenario.digest,
                 lesson.draw,
-                driver,
+                None if lesson.model is None else digests[lesson.model],
                 lesson.expert_share,
                 lesson.noise,
                 lesson.every,
-            ]
-            if lesson.repair is not None:
-                made_by.append(repairs[lesson.repair])
-            key = _key("gather", *made_by)
-            places[key] = folder / f"{key[:32]}.npz", lesson
+                None if lesson.repair is None else repairs[lesson.repair],
+            )
+            places[key] = file_of(self.folder / "lessons", key, ".npz"), lesson
         missing = {key: lesson for key, (path, lesson) in places.items() if not path.exists()}
         for key, samples in zip(missing, self.mapper(gather, missing.values()), strict=True):
             save_samples(places[key][0], samples, key)
@@ -79,11 +77,10 @@ class Workshop:
         validation: Sequence[Scenario],
     ) -> Path:
         """The model that few-shot repair makes; its trials are in its header."""
-        code = source_digest([*_CODE, "roadmend.training.few_shot"])
         repair = repair_model(settings)
-        key = _key(
+        key = entry_key(
+            [*_CODE, few_shot_repair.__module__, *([] if repair is None else [_REPAIR])],
             "tune",
-            code,
             load_model(model).digest,
             settings.model_dump(mode="json"),
             seed,
@@ -91,7 +88,7 @@ class Workshop:
             [scenario.digest for scenario in validation],
             None if repair is None else _repair_digest(repair),
         )
-        path = self.store.folder / "models" / f"{key[:32]}.safetensors"
+        path = file_of(self.folder / "models", key, ".safetensors")
         if not path.exists():
             few_shot_repair(
                 model,
@@ -106,18 +103,17 @@ class Workshop:
             self.report("tuned")
         return path
 
-    def remember(self, what: str, content: Sequence[Any], make: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-        """What ``make`` gives, made once for the content that decides it."""
-        key = _key(what, *content)
-        kept = self.store.get(key)
+    def remember(self, what: str, key: Key, make: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+        """What ``make`` gives, made once for all that decides it."""
+        kept = self.journal.get(key)
         if kept is None:
             kept = make()
-            self.store.add(key, kept)
+            self.journal.add(key, kept)
             self.report(what)
         return kept
 
-    def _get(self, key: str) -> dict[str, Any]:
-        found = self.store.get(key)
+    def _get(self, key: Key) -> dict[str, Any]:
+        found = self.journal.get(key)
         assert found is not None
         return found
 
@@ -130,7 +126,3 @@ def kept_epochs(model: Path) -> int:
 def _repair_digest(path: Path) -> str:
     """Of ADReFT's model: its name alone does not tell one training from the next."""
     return load_checkpoint(path, KIND).digest
-
-
-def _key(*content: Any) -> str:
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()

@@ -1,21 +1,23 @@
 """Gathers the frames of cases by letting the policy drive them alone, in worker processes, each case at most once."""
 
-import hashlib
-import json
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Protocol, Self, TypeVar
 
 import numpy as np
 
 from roadmend.core.command import Decision
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
+from roadmend.core.journal import Key, entry_key, file_of
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.core.tick import Tick
+from roadmend.measures.driver import driver_key
 from roadmend.policies.registry import make_policy
 from roadmend.repair.adreft.registry import make_tokenizer
 from roadmend.repair.adreft.tokenizer import Tokenizer, TokenSet
@@ -24,7 +26,64 @@ from roadmend.training.adreft.case_frames import CaseFrames
 from roadmend.training.closed_loop import EpisodeCase
 from roadmend.world.runner import run_episode
 
-_LAYOUT = 1  # of a file with frames; grows with every change
+
+class CaseFile(Protocol):
+    """What is gathered of a case; kept as a file."""
+
+    def save(self, path: Path) -> None:
+        """Write the file, whole or not at all.
+
+        Raises:
+            InputError: the place cannot be written.
+        """
+
+    @classmethod
+    def load(cls, path: Path) -> Self:
+        """Read a file.
+
+        Raises:
+            OSError: there is no such file.
+            ValueError: it is damaged.
+        """
+
+
+Gathered = TypeVar("Gathered", bound=CaseFile)
+
+
+def gather_files(
+    places: Sequence[tuple[EpisodeCase, Path]],
+    gather: Callable[[EpisodeCase], Gathered],
+    kind: type[Gathered],
+    mapper: Mapper,
+    report: Callable[[Gathered], None],
+) -> list[Gathered]:
+    """What is gathered of cases, in their order; what is there is not driven again.
+
+    Args:
+        places: cases with the files of what is gathered of them; an interruption costs the cases under way only.
+        gather: drives one case.
+        kind: what it gives.
+        mapper: runs cases side by side.
+        report: called for every case as soon as its file is there.
+
+    Raises:
+        InputError: a case cannot be driven or is not driven as the corpus says, or the cache cannot be written.
+        SimulationError: SUMO failed, or a worker process died.
+    """
+    gathered: list[Gathered] = []
+    done = mapper(partial(_keep, gather=gather, kind=kind), places)
+    for _, (_, path) in zip(done, places, strict=True):
+        gathered.append(kind.load(path))
+        report(gathered[-1])
+    return gathered
+
+
+def _keep(place: tuple[EpisodeCase, Path], *, gather: Callable[[EpisodeCase], CaseFile], kind: type[CaseFile]) -> None:
+    case, path = place
+    with suppress(FileNotFoundError, ValueError):  # a damaged file is made anew
+        kind.load(path)
+        return
+    gather(case).save(path)
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,16 +91,14 @@ class Recipe:
     """What decides which frames a case gives."""
 
     policy: str
-    policy_digest: str
     tokenizer: str  # name
     stride: int  # every so many-th tick is a frame, from the first on
 
-    def key(self, case: EpisodeCase) -> str:
-        """Name for a case's frames: cases or recipes that differ have different ones."""
-        version = make_tokenizer(self.tokenizer).version
-        parts = [_LAYOUT, self.policy, self.policy_digest, self.tokenizer, version, self.stride]
-        text = json.dumps([*parts, case.name, case.digest])
-        return hashlib.sha256(text.encode()).hexdigest()[:32]
+    def keys(self, cases: Sequence[EpisodeCase]) -> list[Key]:
+        """Of the frames of cases."""
+        version, driver = make_tokenizer(self.tokenizer).version, driver_key(self.policy)
+        recipe = driver, self.tokenizer, version, self.stride
+        return [entry_key([__name__], *recipe, case.name, case.digest, case.scenario().digest) for case in cases]
 
 
 class _Recorder:
@@ -122,24 +179,5 @@ def gather_frames(
         InputError: a case cannot be driven or is not driven as the corpus says, or the cache cannot be written.
         SimulationError: SUMO failed, or a worker process died.
     """
-    gathered: list[CaseFrames] = []
-    for case, path in zip(cases, mapper(partial(_keep, recipe=recipe, cache=cache), cases), strict=True):
-        frames = CaseFrames.load(path)
-        if frames.name != case.name:
-            raise InputError(str(path), f"holds case {frames.name}, not {case.name}", "remove the file")
-        gathered.append(frames)
-        report(frames)
-    return gathered
-
-
-def _keep(case: EpisodeCase, *, recipe: Recipe, cache: Path) -> Path:
-    path = cache / f"{recipe.key(case)}.npz"
-    try:
-        if path.exists():
-            CaseFrames.load(path)
-            return path
-    except ValueError:
-        pass  # a damaged file is made anew
-    frames = frames_of_case(case, recipe)
-    frames.save(path)
-    return path
+    places = [(case, file_of(cache, key, ".npz")) for case, key in zip(cases, recipe.keys(cases), strict=True)]
+    return gather_files(places, partial(frames_of_case, recipe=recipe), CaseFrames, mapper, report)

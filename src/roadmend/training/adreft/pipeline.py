@@ -159,7 +159,7 @@ class Pipeline:
         section = self._configuration.frames
         stride = section.stride if name == "training" else section.validation_stride
         subject = self._subject
-        recipe = Recipe(subject.driver.policy, subject.driver.policy_digest, self._model.tokenizer, stride)
+        recipe = Recipe(subject.driver.policy, self._model.tokenizer, stride)
         gathered: list[CaseFrames] = []
 
         def report(frames: CaseFrames) -> None:
@@ -227,7 +227,7 @@ class Pipeline:
         )
         drawn = replace(plan, blinded=section.random_blinded, gentle_per_violation=0, gentle_per_success=0)
         jobs = [
-            (Recipe(driver.policy, driver.policy_digest, self._model.tokenizer, 1), cases, how)
+            (Recipe(driver.policy, self._model.tokenizer, 1), cases, how)
             for driver in (subject.driver, *subject.also)
             for cases, how in ((driver.training, plan), (random_cases(driver.policy, section.random_cases), drawn))
         ]

@@ -20,6 +20,7 @@ from torch.nn import functional
 from torch.utils.tensorboard import SummaryWriter
 
 from roadmend.core.errors import InputError, RoadmendError
+from roadmend.core.source_digest import source_digest
 from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
 from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.training.adreft.bystanders import forget
@@ -89,6 +90,7 @@ class PracticeStage:
             self.network.parameters(), lr=section.learning_rate, weight_decay=section.weight_decay
         )
         self._identity = {
+            "code": source_digest([type(self).__module__]),
             # Prices are added when the model drives: others go with the same networks.
             "model": model.model_dump(mode="json", exclude={"weighing"}),
             "practice": section.model_dump(mode="json"),

@@ -16,6 +16,7 @@ from torch.utils.tensorboard import SummaryWriter
 
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.fanout import Mapper
+from roadmend.core.source_digest import source_digest
 from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
 from roadmend.networks.encoder import Head
 from roadmend.repair.adreft.configuration import ModelConfiguration
@@ -98,6 +99,7 @@ class ReinforcementStage:
         self._optimizer = torch.optim.Adam(self._online.parameters(), lr=section.learning_rate)
         self._memory = ReplayMemory(section.memory, model.encoder.hidden)
         self._identity = {
+            "code": source_digest([type(self).__module__]),
             "model": model.model_dump(mode="json"),
             "reinforcement": section.model_dump(mode="json"),
             "seed": seed,

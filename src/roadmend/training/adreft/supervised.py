@@ -15,6 +15,7 @@ from torch.nn import functional
 from torch.utils.tensorboard import SummaryWriter
 
 from roadmend.core.errors import InputError, RoadmendError
+from roadmend.core.source_digest import source_digest
 from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
 from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.training.adreft.calibration import calibrate, monitor_quality
@@ -93,6 +94,7 @@ class SupervisedStage:
         kind = torch.optim.AdamW if section.optimizer == "adamw" else torch.optim.Adam
         self._optimizer = kind(self.network.parameters(), lr=section.learning_rate, weight_decay=section.weight_decay)
         self._identity = {
+            "code": source_digest([type(self).__module__]),
             "model": model.model_dump(mode="json"),
             "supervised": section.model_dump(mode="json"),
             "seed": seed,

@@ -1,18 +1,13 @@
 """Which interventions a trial plays, drawn at random from a seed."""
 
-import hashlib
-import json
 import random
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 from roadmend.core.outcome import EventKind
 from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.weighing import MILDEST
-from roadmend.training.adreft.gathering import Recipe
-from roadmend.training.closed_loop import EpisodeCase
 
-_LAYOUT = 4  # of a file with trials; grows with every change
 _PAUSE = 2.0  # [s] longest pause between two interventions of a trial
 
 
@@ -56,11 +51,6 @@ class TrialPlan:
     guide: str = ""  # digest of the model that drives along
     gentle_per_violation: int = 0  # long and mild trials besides; what is driven blinded gets none
     gentle_per_success: int = 0
-
-    def key(self, case: EpisodeCase, recipe: Recipe) -> str:
-        """Name for a case's trials: cases or plans that differ have different ones."""
-        text = json.dumps([_LAYOUT, recipe.key(case), *asdict(self).values()])
-        return hashlib.sha256(text.encode()).hexdigest()[:32]
 
     def holds(self, name: str, number: int, end: float, *, collides: bool, manner: Manner = ABRUPT) -> list[Hold]:
         """The interventions of one trial, drawn from the seed, the name and the trial's number.

@@ -11,7 +11,7 @@ comes of its own interventions, and where they are too few or too many.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from itertools import chain
 from pathlib import Path
@@ -24,6 +24,7 @@ from roadmend.core.array_file import load_record, save_record
 from roadmend.core.command import Command, Decision
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
+from roadmend.core.journal import Key, entry_key, file_of
 from roadmend.core.outcome import EventKind
 from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.route import Route
@@ -35,7 +36,7 @@ from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.adreft.registry import make_tokenizer
 from roadmend.repair.adreft.tokenizer import Tokenizer, TokenSet
 from roadmend.training.adreft.blinded_policy import BlindedPolicy, Blindness, draw_blindness
-from roadmend.training.adreft.gathering import Recipe
+from roadmend.training.adreft.gathering import Recipe, gather_files
 from roadmend.training.adreft.trial_plan import Hold, TrialPlan
 from roadmend.training.closed_loop import EpisodeCase
 from roadmend.world.runner import EpisodeSummary, run_episode
@@ -215,25 +216,12 @@ def gather_trials(
         InputError: a case cannot be driven or is not driven as the corpus says, or the cache cannot be written.
         SimulationError: SUMO failed, or a worker process died.
     """
-    gathered: list[CaseTrials] = []
-    keep = partial(_keep, recipe=recipe, plan=plan, cache=cache, guide=guide)
-    for case, path in zip(cases, mapper(keep, cases), strict=True):
-        trials = CaseTrials.load(path)
-        if trials.name != case.name:
-            raise InputError(str(path), f"holds case {trials.name}, not {case.name}", "remove the file")
-        gathered.append(trials)
-        report(trials)
-    return gathered
+    keys = trial_keys(cases, recipe, plan)
+    places = [(case, file_of(cache, key, ".npz")) for case, key in zip(cases, keys, strict=True)]
+    drive = partial(try_case, recipe=recipe, plan=plan, guide=guide)
+    return gather_files(places, drive, CaseTrials, mapper, report)
 
 
-def _keep(case: EpisodeCase, *, recipe: Recipe, plan: TrialPlan, cache: Path, guide: Path | None) -> Path:
-    path = cache / f"{plan.key(case, recipe)}.npz"
-    try:
-        if path.exists():
-            CaseTrials.load(path)
-            return path
-    except ValueError:
-        pass  # a damaged file is made anew
-    trials = try_case(case, recipe, plan, guide)
-    trials.save(path)
-    return path
+def trial_keys(cases: Sequence[EpisodeCase], recipe: Recipe, plan: TrialPlan) -> list[Key]:
+    """Of the trials of cases."""
+    return [entry_key([__name__], key, asdict(plan)) for key in recipe.keys(cases)]

@@ -1,0 +1,137 @@
+"""Every kind of kept work has another key when the code that decides it changes, wherever that code lies."""
+
+import dataclasses
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from harness import hindsight_file
+from roadmend.core import source_digest as digests
+from roadmend.core.journal import entry_key
+from roadmend.measures.driver import driver_key
+from roadmend.nodes.evaluation_episode import EvaluationJob
+from roadmend.safe.driving import Job, Task
+from roadmend.search.campaign import Campaign
+from roadmend.search.evaluation import Subject
+from roadmend.search.registry import read_technique_parameters
+from roadmend.search.rerun import Rerunner
+from roadmend.training import dagger
+from roadmend.training.adreft.gathering import Recipe
+from roadmend.training.adreft.trial_plan import TrialPlan
+from roadmend.training.adreft.trials import trial_keys
+from roadmend.world.corpus import load_corpus
+from roadmend.world.families import sample_scenario
+from tests.safe.crashes import ALL, role
+from tests.training.cases import Drawn
+
+CASE = load_corpus(Path(__file__).parents[2] / "config" / "corpora" / "modular.jsonl").cases[0]
+RECIPE = Recipe("modular", "rich", 1)
+DRAWN = [Drawn("S5", 3)]
+
+
+def search_key():
+    campaign = Campaign(Subject("S5", "modular", "rss", 1), "random", read_technique_parameters("random"))
+    return campaign.settings["code"]
+
+
+def evaluation_key():
+    job = EvaluationJob(sample_scenario("S5", 3), "modular", "rss", Path(), "failures", driver_key("modular", "rss"))
+    return job.key
+
+
+def safe_key():
+    return Job(Task.TEST, role(ALL["rear end"]), "modular", 0, 0, 1, Path(), None).key
+
+
+KINDS = {
+    "driver": partial(driver_key, "modular", "rss"),
+    "search": search_key,
+    "rerun": lambda: Rerunner("modular", map)._key(CASE),
+    "evaluation": evaluation_key,
+    "safe": safe_key,
+    "frames": lambda: RECIPE.keys(DRAWN)[0],
+    "trials": lambda: trial_keys(DRAWN, RECIPE, TrialPlan(2, 2, 0, 4, 1))[0],
+    "bound": lambda: entry_key([hindsight_file.__name__], driver_key("modular")),
+}
+OF_EVERY_DRIVER = ("roadmend.world.ego", "roadmend.repair.rss_kernel", "roadmend.policies.modular")
+
+
+@pytest.fixture
+def change(monkeypatch, tmp_path):
+    """Adds a line to a module, as far as digests can see."""
+    found = digests._path
+
+    def forget():
+        digests._digest.cache_clear()
+        digests._read.cache_clear()
+
+    def change(name):
+        copy = tmp_path / found(name).name
+        copy.write_text(found(name).read_text() + "\nmore = 1\n")
+        monkeypatch.setattr(digests, "_path", lambda each: copy if each == name else found(each))
+        forget()
+
+    yield change
+    monkeypatch.undo()
+    forget()
+
+
+@pytest.mark.parametrize("name", OF_EVERY_DRIVER)
+def test_a_change_in_what_drives_is_another_key_of_every_kind(change, name):
+    before = {kind: key() for kind, key in KINDS.items()}
+    assert before == {kind: key() for kind, key in KINDS.items()}
+    change(name)
+    assert not {kind for kind, key in KINDS.items() if key() == before[kind]}
+
+
+def test_lessons_of_the_expert_hang_on_the_expert_and_the_world(change):
+    before = entry_key([dagger.__name__])
+    for name in ("roadmend.policies.expert", "roadmend.world.ego", "roadmend.repair.guard"):
+        change(name)
+        assert entry_key([dagger.__name__]) != before
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [
+        ("search", "roadmend.search.danger"),
+        ("safe", "roadmend.safe.layout"),
+        ("trials", "roadmend.training.adreft.blinding"),
+        ("frames", "roadmend.repair.adreft.rich_kernel"),
+        ("evaluation", "roadmend.recording.writer"),
+        ("bound", "harness.pulse"),
+    ],
+)
+def test_a_change_in_what_is_measured_is_another_key(change, kind, name):
+    before, driver = KINDS[kind](), driver_key("modular")
+    change(name)
+    assert KINDS[kind]() != before
+    assert driver_key("modular") == driver
+
+
+@pytest.mark.parametrize("name", ["roadmend.policies.neural", "roadmend.repair.predictive", "roadmend.cli.main"])
+def test_a_change_in_what_does_not_drive_is_none(change, name):
+    before = driver_key("modular", "rule")
+    change(name)
+    assert driver_key("modular", "rule") == before
+
+
+def test_a_model_counts_by_what_is_in_it_and_not_by_its_place(tmp_path):
+    models = Path(__file__).parents[2] / "config" / "models"
+    copy = tmp_path / "copy.safetensors"
+    copy.write_bytes((models / "adreft-modular.safetensors").read_bytes())
+    assert driver_key("modular", "adreft", {"model": str(copy)}) == driver_key(
+        "modular", "adreft", {"model": "modular"}
+    )
+    assert driver_key("modular", "adreft", {"model": "neural"}) != driver_key("modular", "adreft", {"model": "modular"})
+    rates = [driver_key("modular", "model", {"model": name}) for name in ("modular", "neural")]
+    assert rates[0] != rates[1]
+    neural = tmp_path / "mine.safetensors"
+    neural.write_bytes((models / "neural.safetensors").read_bytes())
+    assert driver_key(str(neural)) == driver_key("neural") != driver_key("deep_sets")
+
+
+def test_another_seed_is_another_key_of_a_job():
+    job = Job(Task.TEST, role(ALL["rear end"]), "modular", 0, 0, 1, Path(), None)
+    assert job.key != dataclasses.replace(job, seed=1).key
