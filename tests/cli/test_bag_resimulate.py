@@ -5,12 +5,11 @@ from collections import Counter
 
 import pytest
 import yaml
-from rclpy.serialization import deserialize_message
-from roadmend_msgs import msg
 from rosbags.highlevel import AnyReader
 
 from roadmend.cli.main import main
-from roadmend.recording.encoder import Encoder
+from roadmend.recording import messages
+from roadmend.recording.codec import encode
 from roadmend.recording.reader import BagReader
 
 pytestmark = pytest.mark.graph
@@ -139,14 +138,14 @@ def test_the_table_shows_then_and_now(recorded, tmp_path, capsys):
 
 
 def changed(kind, topic, change):
-    """Changes the messages of a topic at one tick."""
+    """Changes the message of a topic at one tick."""
 
     def keep(record):
         if (record.topic, record.time_ns) != (topic, AT):
             return record.data
-        message = deserialize_message(record.data, kind)
+        message = kind.decode(record.data)
         change(message)
-        return Encoder().encode(record.type_name, message)
+        return encode(message)
 
     return keep
 
@@ -159,19 +158,20 @@ def test_a_world_that_differs_is_said_to(altered, refused):
 
 
 def test_an_ego_elsewhere_is_said_to_be_and_only_before_the_moment(altered, refused, tmp_path):
-    from nav_msgs.msg import Odometry
-
     def move(message):
         message.pose.pose.position.x += 0.5
 
-    bag = altered(changed(Odometry, "/ego", move))
+    bag = altered(changed(messages.EGO, "/ego", move))
     assert "the world differs at 2.00 s: the ego is 0.5 m from where it was" in refused(bag, "--from-time", "2")
     given = ["--repair", "none", "--from-time", "1.95", "--out", str(tmp_path / "out")]
     assert main(["bag", "resimulate", str(bag), *given]) == 0
 
 
 def test_objects_that_differ_are_said_to(altered, refused):
-    bag = altered(changed(msg.ObjectList, "/objects", lambda message: message.speed.append(message.speed.pop() + 1.0)))
+    def hasten(message):
+        message.speed = message.speed + 1.0
+
+    bag = altered(changed(messages.OBJECTS, "/objects", hasten))
     assert "the world differs at 2.00 s: the speed of the " in refused(bag, "--from-time", "3")
 
 
@@ -179,7 +179,7 @@ def test_a_policy_that_decides_otherwise_is_said_to(altered, refused):
     def brake(message):
         message.throttle, message.brake = 0.0, 0.75
 
-    bag = altered(changed(msg.Command, "/policy/command", brake))
+    bag = altered(changed(messages.COMMAND, "/policy/command", brake))
     line = refused(bag, "--from-time", "3")
     assert "the world differs at 2.00 s: the policy asks for " in line
     assert "then for -0.7500" in line

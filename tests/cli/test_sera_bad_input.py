@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from roadmend.cli.main import main
-from roadmend.nodes.evaluation_episode import EvaluationJob, evaluate
 from roadmend.sera.bank import build_bank
 from roadmend.sera.describe import entry_of
+from roadmend.sera.evaluation_episode import EvaluationJob, evaluate
 from roadmend.world.families import sample_scenario
 
 SAMPLES = Path(__file__).parents[2] / "bags" / "samples"

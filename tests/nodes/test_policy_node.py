@@ -1,22 +1,19 @@
 """policy_node in this process: decisions for complete ticks, and a policy that fails is seen, not fatal."""
 
 import math
-from array import array
 
 import numpy as np
 import pytest
 import rclpy
-from rclpy.serialization import serialize_message
-from roadmend_msgs import msg
 
 from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.errors import InputError
 from roadmend.core.route import Route, Stage
 from roadmend.core.scene import EgoState
-from roadmend.nodes import convert
 from roadmend.nodes.diagnostics import Level
-from roadmend.nodes.odometry import OdometryWriter
 from roadmend.nodes.policy import PolicyNode
+from roadmend.recording import messages
+from roadmend.recording.codec import encode
 
 
 class Scripted:
@@ -41,41 +38,41 @@ class Scripted:
 
 
 class Tape:
-    def __init__(self):
-        self.got = []
+    def __init__(self, kind):
+        self._kind, self.got = kind, []
 
-    def publish(self, message):
-        self.got.append((convert.nanoseconds_of(message.header.stamp) // 50_000_000, message))
+    def publish(self, data):
+        self.got.append((messages.stamp_of_bytes(data) // 50_000_000, self._kind.decode(data)))
 
 
 class Bench:
     def __init__(self):
         self.node = PolicyNode()
         self.policy = self.node._policy = Scripted()
-        self.commands, self.plans = Tape(), Tape()
+        self.commands, self.plans = Tape(messages.COMMAND), Tape(messages.TRAJECTORY)
         self.node._command_publisher, self.node._trajectory_publisher = self.commands, self.plans
 
     def route(self, **changes):
         x = np.linspace(0.0, 500.0, 11)
         stage = Stage(x, 0.0 * x, np.full(11, 15.0))
-        message = convert.route_message_of(
-            Route("test", 4.7, 1.85, 480.0, 60.0, (stage,), (), ()), convert.header_of(0.0)
+        message = messages.route_message_of(
+            Route("test", 4.7, 1.85, 480.0, 60.0, (stage,), (), ()), messages.header_of(0.0)
         )
         for name, value in changes.items():
             setattr(message, name, value)
-        self.node._on_route(message)
+        self.node._on_route(encode(message))
 
     def tick(self, number, *parts, objects=None):
         """Send a tick; returns the numbers of the ticks answered meanwhile."""
-        before, header = len(self.commands.got), convert.header_of(0.05 * number)
+        before, header = len(self.commands.got), messages.header_of(0.05 * number)
         for part in parts or ("ego", "objects"):
             if part == "ego":
                 ego = EgoState.from_yaw(50.0, 0.0, 0.0, 8.0, 0.0, 4.7, 1.85)
-                self.node._on_ego(serialize_message(OdometryWriter().fill(ego, header)))
+                message = messages.ego_message_of(ego, header)
             else:
-                message = objects or msg.ObjectList()
+                message = objects or messages.OBJECTS()
                 message.header = header
-                self.node._on_objects(message)
+            self.node._on_part(part, encode(message))
         assert [stamp for stamp, _ in self.commands.got] == [stamp for stamp, _ in self.plans.got]
         return [stamp for stamp, _ in self.commands.got[before:]]
 
@@ -154,7 +151,7 @@ def test_a_policy_that_cannot_be_reset_is_reported_and_does_not_end_the_node(ben
 
 
 def test_a_route_that_is_none_is_reported_and_does_not_end_the_node(bench):
-    bench.route(y=array("d", [1.0]))
+    bench.route(y=np.array([1.0]))
     assert bench.health.level is Level.ERROR
     assert "differ in length" in bench.health.message
     assert bench.tick(0) == []
@@ -165,7 +162,7 @@ def test_a_route_that_is_none_is_reported_and_does_not_end_the_node(bench):
 
 def test_objects_whose_arrays_do_not_fit_are_reported(bench):
     bench.route()
-    assert bench.tick(0, objects=msg.ObjectList(id=array("I", [1, 2]))) == []
+    assert bench.tick(0, objects=messages.OBJECTS(id=np.array([1, 2], dtype=np.uint32))) == []
     assert "differ in length" in bench.health.message
     assert bench.tick(1) == [1]
 
@@ -177,15 +174,18 @@ def test_the_real_policy_survives_nonsense(domain, tmp_path, monkeypatch):
     try:
         there = Bench.__new__(Bench)
         there.node, there.policy = node, node._policy
-        there.commands, there.plans = Tape(), Tape()
+        there.commands, there.plans = Tape(messages.COMMAND), Tape(messages.TRAJECTORY)
         node._command_publisher, node._trajectory_publisher = there.commands, there.plans
         there.route()
-        nonsense = msg.ObjectList(id=array("I", [1]), kind=array("B", [250]))
-        for column in ("x", "y", "yaw", "speed", "acceleration", "yaw_rate", "length", "width"):
-            setattr(nonsense, column, array("d", [math.nan]))
+        columns = ("x", "y", "yaw", "speed", "acceleration", "yaw_rate", "length", "width")
+        nonsense = messages.OBJECTS(
+            id=np.ones(1, dtype=np.uint32),
+            kind=np.full(1, 250, dtype=np.uint8),
+            **{column: np.full(1, math.nan) for column in columns},
+        )
         there.tick(0, objects=nonsense)
         assert there.tick(1) == [1]
-        assert convert.command_of(there.commands.got[-1][1]).fault == ""
+        assert messages.command_of(there.commands.got[-1][1]).fault == ""
     finally:
         node.destroy_node()
         rclpy.try_shutdown()

@@ -16,10 +16,11 @@ from roadmend_msgs import msg
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from roadmend.nodes import convert
 from roadmend.nodes import replay as module
 from roadmend.nodes.children import Child, stop
 from roadmend.nodes.launcher import GraphOptions, run_graph
+from roadmend.recording import messages
+from roadmend.recording.codec import encode
 from roadmend.recording.definitions import Definition, find
 from roadmend.recording.qos import Qos
 from roadmend.recording.reader import BagReader
@@ -33,7 +34,7 @@ LATCHED = Qos(history="unknown", depth=0, durability="transient_local")
 
 
 def command(tick):
-    return serialize_message(msg.Command(header=convert.header_of(0.05 * tick), throttle=0.1))
+    return encode(messages.COMMAND(header=messages.header_of(0.05 * tick), throttle=0.1))
 
 
 @pytest.fixture
@@ -405,7 +406,7 @@ def finish(child):
 
 
 def by_stamp(bag, topic):
-    return {convert.nanoseconds_of(one.value.header.stamp): one.value for one in BagReader(bag).messages([topic])}
+    return {messages.stamp_of(one.value.header): one.value for one in BagReader(bag).messages([topic])}
 
 
 def same(one, other):
@@ -472,5 +473,5 @@ def test_the_services_are_there_under_the_nodes_name(bag, beside, domain):
     finally:
         node.destroy_node()
         rclpy.try_shutdown()
-    assert [convert.nanoseconds_of(message.header.stamp) // TICK_NS for message in heard] == [*range(COUNT)]
+    assert [messages.stamp_of(message.header) // TICK_NS for message in heard] == [*range(COUNT)]
     finish(replay)

@@ -24,6 +24,7 @@ from roadmend.language.openai_chat import OpenAIModel, OpenAISettings
 from roadmend.nodes import qos
 from roadmend.nodes.domain import own_domain
 from roadmend.nodes.safe import main
+from roadmend.recording import topics
 from roadmend.safe.dsl_file import parse_crash_scenario
 from roadmend.safe.report import report_of_text
 from roadmend.safe.stage_one import LanguageExtractor, StageOneOptions
@@ -79,7 +80,7 @@ class Client(Node):
         self.executor_.add_node(self)
         self.action = ActionClient(self, BuildCrashScenarios, "safe_node/build")
         self.health = []
-        self.create_subscription(DiagnosticArray, qos.DIAGNOSTICS, self.health.append, qos.DIAGNOSTIC)
+        self.create_subscription(DiagnosticArray, topics.DIAGNOSTICS, self.health.append, qos.DIAGNOSTIC)
         self.until(self.action.server_is_ready)
 
     def until(self, done):

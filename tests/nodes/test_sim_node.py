@@ -15,31 +15,33 @@ from roadmend_msgs import msg
 from roadmend.core.command import Command
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
-from roadmend.nodes import convert, qos
+from roadmend.nodes import qos
 from roadmend.nodes import sim as module
 from roadmend.nodes.diagnostics import Level
+from roadmend.recording import messages, topics
+from roadmend.recording.codec import encode
 
 GO = Command(0.3, 0.0)
 
 
 class Tape:
-    """Stands in for a publisher and keeps what is published; the odometry is one message filled anew, so by value."""
+    """Stands in for a publisher and keeps what is published, with its stamp [ns]."""
 
-    def __init__(self):
-        self.got = []
+    def __init__(self, kind):
+        self._kind, self.got = kind, []
 
-    def publish(self, message):
-        self.got.append((convert.nanoseconds_of(message.header.stamp), message))
+    def publish(self, data):
+        self.got.append((messages.stamp_of_bytes(data), self._kind.decode(data)))
 
 
 class Bench:
     def __init__(self, node, clock):
         self.node, self.clock = node, clock
-        self.objects, self.events = Tape(), Tape()
+        self.objects, self.events = Tape(messages.OBJECTS), Tape(messages.EVENT)
         node._objects_publisher, node._event_publisher = self.objects, self.events
 
     def command(self, number, command=GO):
-        self.node._on_command(convert.command_message_of(command, convert.header_of(0.05 * number)))
+        self.node._on_command(encode(messages.command_message_of(command, messages.header_of(0.05 * number))))
 
     def wait(self, duration):
         for _ in range(round(duration / 0.01)):
@@ -105,13 +107,13 @@ def test_it_waits_until_the_nodes_have_joined_and_says_for_whom(bench):
     try:
         for node in (policy, repair):
             for kind, topic, profile in (
-                (Odometry, qos.EGO, qos.STREAM),
-                (msg.ObjectList, qos.OBJECTS, qos.STREAM),
-                (msg.Route, qos.ROUTE, qos.LATCHED),
+                (Odometry, topics.EGO, qos.STREAM),
+                (msg.ObjectList, topics.OBJECTS, qos.STREAM),
+                (msg.Route, topics.ROUTE, qos.LATCHED),
             ):
                 node.create_subscription(kind, topic, lambda _: None, profile)
-        repair.create_subscription(msg.Command, qos.POLICY_COMMAND, lambda _: None, qos.COMMAND)
-        repair.create_subscription(msg.Trajectory, qos.POLICY_TRAJECTORY, lambda _: None, qos.STREAM)
+        repair.create_subscription(msg.Command, topics.POLICY_COMMAND, lambda _: None, qos.COMMAND)
+        repair.create_subscription(msg.Trajectory, topics.POLICY_TRAJECTORY, lambda _: None, qos.STREAM)
 
         def missing_becomes(expected):
             end = time.monotonic() + 10.0
@@ -123,7 +125,7 @@ def test_it_waits_until_the_nodes_have_joined_and_says_for_whom(bench):
         assert missing_becomes(["repair_node (repair/command)"])
         there.wait(0.05)
         assert there.node._tick is None
-        repair.create_publisher(msg.Command, qos.REPAIR_COMMAND, qos.COMMAND)
+        repair.create_publisher(msg.Command, topics.REPAIR_COMMAND, qos.COMMAND)
         assert missing_becomes([])
         there.wait(0.02)
         assert there.tick == 0

@@ -2,7 +2,6 @@
 
 import os
 import time
-from array import array
 
 import numpy as np
 import pytest
@@ -22,26 +21,34 @@ from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import RepairStatus
 from roadmend.core.route import Route, Stage
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
-from roadmend.nodes import drawing, qos, viz
-from roadmend.nodes.convert import (
+from roadmend.nodes import qos, viz
+from roadmend.recording import topics
+from roadmend.recording.codec import encode
+from roadmend.recording.messages import (
+    MAP,
+    OBJECTS,
+    REPAIR,
+    TRAJECTORY,
+    ego_message_of,
     event_message_of,
     header_of,
+    map_message_of,
     object_message_of,
     route_message_of,
     trajectory_message_of,
 )
-from roadmend.nodes.odometry import OdometryWriter
+from roadmend.world.road_network import LaneMap
 
 LIMIT_S = 10.0  # [s] for anything to arrive
 OUTPUTS = {
-    drawing.MARKERS_OBJECTS: (MarkerArray, qos.STREAM),
-    drawing.MARKERS_EGO: (MarkerArray, qos.STREAM),
-    drawing.MARKERS_PLAN: (MarkerArray, qos.STREAM),
-    drawing.MARKERS_MAP: (MarkerArray, qos.LATCHED),
-    drawing.PLAN: (Path, qos.STREAM),
-    drawing.DISTANCE: (Float64, qos.STREAM),
-    drawing.TF: (TFMessage, qos.STREAM),
-    qos.DIAGNOSTICS: (DiagnosticArray, qos.DIAGNOSTIC),
+    topics.MARKERS_OBJECTS: (MarkerArray, qos.STREAM),
+    topics.MARKERS_EGO: (MarkerArray, qos.STREAM),
+    topics.MARKERS_PLAN: (MarkerArray, qos.STREAM),
+    topics.MARKERS_MAP: (MarkerArray, qos.LATCHED),
+    topics.PLAN: (Path, qos.STREAM),
+    topics.DISTANCE: (Float64, qos.STREAM),
+    topics.TF: (TFMessage, qos.STREAM),
+    topics.DIAGNOSTICS: (DiagnosticArray, qos.DIAGNOSTIC),
 }
 
 
@@ -55,13 +62,13 @@ class Theatre:
             self.node.create_subscription(kind, topic, self.got[topic].append, quality)
         make = self.node.create_publisher
         self.to = {
-            qos.EGO: make(Odometry, qos.EGO, qos.STREAM),
-            qos.OBJECTS: make(msg.ObjectList, qos.OBJECTS, qos.STREAM),
-            qos.POLICY_TRAJECTORY: make(msg.Trajectory, qos.POLICY_TRAJECTORY, qos.STREAM),
-            qos.REPAIR_STATE: make(msg.RepairState, qos.REPAIR_STATE, qos.STREAM),
-            qos.ROUTE: make(msg.Route, qos.ROUTE, qos.LATCHED),
-            qos.MAP: make(msg.Map, qos.MAP, qos.LATCHED),
-            qos.EVENTS: make(msg.ScenarioEvent, qos.EVENTS, qos.EVENT),
+            topics.EGO: make(Odometry, topics.EGO, qos.STREAM),
+            topics.OBJECTS: make(msg.ObjectList, topics.OBJECTS, qos.STREAM),
+            topics.POLICY_TRAJECTORY: make(msg.Trajectory, topics.POLICY_TRAJECTORY, qos.STREAM),
+            topics.REPAIR_STATE: make(msg.RepairState, topics.REPAIR_STATE, qos.STREAM),
+            topics.ROUTE: make(msg.Route, topics.ROUTE, qos.LATCHED),
+            topics.MAP: make(msg.Map, topics.MAP, qos.LATCHED),
+            topics.EVENTS: make(msg.ScenarioEvent, topics.EVENTS, qos.EVENT),
         }
         self.executor = EventsExecutor()
         for node in (self.node, self.viz):
@@ -69,6 +76,9 @@ class Theatre:
         self.until(lambda: all(publisher.get_subscription_count() for publisher in self.to.values()))
         names = [self.viz.resolve_topic_name(topic) for topic in OUTPUTS]
         self.until(lambda: all(self.viz.count_subscribers(name) for name in names))
+
+    def send(self, topic: str, message) -> None:
+        self.to[topic].publish(encode(message))
 
     def until(self, done) -> None:
         limit = time.monotonic() + LIMIT_S
@@ -84,7 +94,7 @@ class Theatre:
     def tick(self, number: int, *, state: bool = True, objects: bool = True) -> None:
         header = header_of(0.05 * number)
         ego = EgoState.from_yaw(float(number), 0.0, 0.0, 5.0, 0.0, 4.0, 2.0)
-        self.to[qos.EGO].publish(OdometryWriter().fill(ego, header))
+        self.send(topics.EGO, ego_message_of(ego, header))
         if objects:
             cars = ObjectList.of(
                 id=[7],
@@ -98,17 +108,23 @@ class Theatre:
                 length=4.0,
                 width=2.0,
             )
-            self.to[qos.OBJECTS].publish(object_message_of(cars, np.empty(0, dtype=np.uint8), header))
+            self.send(topics.OBJECTS, object_message_of(cars, np.empty(0, dtype=np.uint8), header))
         points = np.array([1.0, 2.0])
         plan = Trajectory(0.5, points, 0.0 * points, 0.0 * points, points)
-        self.to[qos.POLICY_TRAJECTORY].publish(trajectory_message_of(plan, header))
+        self.send(topics.POLICY_TRAJECTORY, trajectory_message_of(plan, header))
         if state:
-            self.to[qos.REPAIR_STATE].publish(
-                msg.RepairState(header=header, state=int(RepairStatus.REPAIRED), trigger_id=array("I", [7]))
+            self.send(
+                topics.REPAIR_STATE,
+                REPAIR(
+                    header=header,
+                    state=int(RepairStatus.REPAIRED),
+                    trigger_id=np.array([7], dtype=np.uint32),
+                    trigger_weight=np.ones(1),
+                ),
             )
         self.settle(0.01)
 
-    def drawn(self, topic: str = drawing.MARKERS_EGO) -> list[float]:
+    def drawn(self, topic: str = topics.MARKERS_EGO) -> list[float]:
         stamps = [message.markers[0].header.stamp for message in self.got[topic]]
         return [stamp.sec + stamp.nanosec * 1e-9 for stamp in stamps]
 
@@ -138,23 +154,23 @@ def test_draws_at_its_rate_and_pairs_by_stamp(stage):
         stage.tick(number)
     stage.until(lambda: len(stage.drawn()) >= 5)
     stage.settle()
-    for topic in (drawing.MARKERS_EGO, drawing.MARKERS_OBJECTS, drawing.MARKERS_PLAN):
+    for topic in (topics.MARKERS_EGO, topics.MARKERS_OBJECTS, topics.MARKERS_PLAN):
         assert stage.drawn(topic) == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
-    transform = stage.got[drawing.TF][2].transforms[0]
+    transform = stage.got[topics.TF][2].transforms[0]
     assert (transform.header.frame_id, transform.child_frame_id) == ("map", "base_link")
     assert (transform.header.stamp.nanosec, transform.transform.translation.x) == (200_000_000, 4.0)
-    assert stage.got[drawing.DISTANCE][0].data == pytest.approx(14.0 - 2.0 - 2.4)  # half the car, half the default ego
-    assert len(stage.got[drawing.PLAN][0].poses) == 2
-    assert [marker.id for marker in stage.got[drawing.MARKERS_OBJECTS][0].markers if marker.ns == "triggers"] == [7]
+    assert stage.got[topics.DISTANCE][0].data == pytest.approx(14.0 - 2.0 - 2.4)  # half the car, half the default ego
+    assert len(stage.got[topics.PLAN][0].poses) == 2
+    assert [marker.id for marker in stage.got[topics.MARKERS_OBJECTS][0].markers if marker.ns == "triggers"] == [7]
 
 
 def test_last_tick_is_drawn_when_the_final_event_comes(stage):
     for number in range(4):
         stage.tick(number)
     stage.tick(5, state=False)
-    stage.to[qos.EVENTS].publish(event_message_of(Event(0.25, EventKind.COLLISION, "bang")))
+    stage.send(topics.EVENTS, event_message_of(Event(0.25, EventKind.COLLISION, "bang")))
     stage.until(lambda: stage.drawn()[-1:] == [pytest.approx(0.25)])
-    assert any(marker.ns == "objects" for marker in stage.got[drawing.MARKERS_OBJECTS][-1].markers)
+    assert any(marker.ns == "objects" for marker in stage.got[topics.MARKERS_OBJECTS][-1].markers)
 
 
 def test_without_repair_node_each_tick_is_drawn_when_the_next_begins(stage):
@@ -168,9 +184,9 @@ def test_a_tick_without_objects_is_drawn_without_them(stage):
     stage.tick(0)
     stage.tick(2, objects=False)
     stage.tick(3)
-    stage.until(lambda: len(stage.drawn(drawing.MARKERS_OBJECTS)) >= 2)
-    assert stage.drawn(drawing.MARKERS_OBJECTS)[1] == pytest.approx(0.1)
-    assert [marker.action for marker in stage.got[drawing.MARKERS_OBJECTS][1].markers] == [Marker.DELETEALL]
+    stage.until(lambda: len(stage.drawn(topics.MARKERS_OBJECTS)) >= 2)
+    assert stage.drawn(topics.MARKERS_OBJECTS)[1] == pytest.approx(0.1)
+    assert [marker.action for marker in stage.got[topics.MARKERS_OBJECTS][1].markers] == [Marker.DELETEALL]
 
 
 def test_a_new_episode_is_drawn_from_its_first_tick(stage):
@@ -184,44 +200,38 @@ def test_a_new_episode_is_drawn_from_its_first_tick(stage):
 def test_map_is_drawn_once_and_again_when_it_changes(stage):
     x, limit = np.array([0.0, 50.0]), np.full(2, 13.9)
     route = Route("straight on", 4.0, 2.0, 40.0, 60.0, (Stage(x, np.zeros(2), limit),), (), ())
-    lanes = msg.Map(
-        header=header_of(0.0),
-        lane_begin=array("I", [0]),
-        lane_kind=array("B", [0]),
-        lane_width=array("f", [3.2]),
-        x=array("d", [0.0, 50.0]),
-        y=array("d", [0.0, 0.0]),
-    )
-    stage.to[qos.ROUTE].publish(route_message_of(route, header_of(0.0)))
-    stage.to[qos.MAP].publish(lanes)
+    lane = LaneMap(np.zeros(1, np.int64), np.zeros(1, np.uint8), np.full(1, 3.2), x, np.zeros(2))
+    lanes = map_message_of(lane, header_of(0.0))
+    stage.send(topics.ROUTE, route_message_of(route, header_of(0.0)))
+    stage.send(topics.MAP, lanes)
     stage.settle(0.1)
     for number in range(4):
         stage.tick(number)
-    stage.until(lambda: stage.got[drawing.MARKERS_MAP])
-    assert len(stage.got[drawing.MARKERS_MAP]) == 1
-    names = {marker.ns for marker in stage.got[drawing.MARKERS_MAP][0].markers}
+    stage.until(lambda: stage.got[topics.MARKERS_MAP])
+    assert len(stage.got[topics.MARKERS_MAP]) == 1
+    names = {marker.ns for marker in stage.got[topics.MARKERS_MAP][0].markers}
     assert {"road", "edges", "route", "goal"} <= names
-    stage.to[qos.MAP].publish(lanes)
-    stage.until(lambda: len(stage.got[drawing.MARKERS_MAP]) == 2)  # without a tick: the timer draws it
+    stage.send(topics.MAP, lanes)
+    stage.until(lambda: len(stage.got[topics.MARKERS_MAP]) == 2)  # without a tick: the timer draws it
 
 
 def test_faults_in_the_input_are_reported_and_survived(stage):
-    stage.to[qos.MAP].publish(msg.Map(lane_begin=array("I", [0])))
+    stage.send(topics.MAP, MAP(lane_begin=np.zeros(1, dtype=np.uint32)))
     header = header_of(0.0)
-    stage.to[qos.OBJECTS].publish(msg.ObjectList(header=header, id=array("I", [1, 2])))
-    stage.to[qos.EGO].publish(OdometryWriter().fill(EgoState.from_yaw(0.0, 0.0, 0.0, 5.0, 0.0, 4.0, 2.0), header))
-    stage.to[qos.POLICY_TRAJECTORY].publish(msg.Trajectory(header=header))
-    stage.to[qos.REPAIR_STATE].publish(msg.RepairState(header=header))
+    stage.send(topics.OBJECTS, OBJECTS(header=header, id=np.array([1, 2], dtype=np.uint32)))
+    stage.send(topics.EGO, ego_message_of(EgoState.from_yaw(0.0, 0.0, 0.0, 5.0, 0.0, 4.0, 2.0), header))
+    stage.send(topics.POLICY_TRAJECTORY, TRAJECTORY(header=header))
+    stage.send(topics.REPAIR_STATE, REPAIR(header=header))
     stage.until(lambda: stage.drawn() == [0.0])
-    stage.until(lambda: any(b"\x01" in report.status[0].level for report in stage.got[qos.DIAGNOSTICS]))
-    warning = next(report for report in stage.got[qos.DIAGNOSTICS] if report.status[0].level == b"\x01")
+    stage.until(lambda: any(b"\x01" in report.status[0].level for report in stage.got[topics.DIAGNOSTICS]))
+    warning = next(report for report in stage.got[topics.DIAGNOSTICS] if report.status[0].level == b"\x01")
     assert "differ in length" in warning.status[0].message
 
 
 def test_an_ego_that_is_not_finite_draws_nothing(stage):
     stage.tick(0)
     lost = EgoState.from_yaw(float("nan"), 0.0, 0.0, 5.0, 0.0, 4.0, 2.0)
-    stage.to[qos.EGO].publish(OdometryWriter().fill(lost, header_of(0.1)))
+    stage.send(topics.EGO, ego_message_of(lost, header_of(0.1)))
     stage.tick(3)
     stage.tick(4)
     stage.until(lambda: len(stage.drawn()) >= 2)

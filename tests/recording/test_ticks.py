@@ -1,79 +1,55 @@
 """A recorded episode tick by tick."""
 
-from types import SimpleNamespace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from roadmend.core.command import Command, Trajectory
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import Blame, Event, EventKind
-from roadmend.core.scene import ObjectKind
-from roadmend.recording import ticks as bag_ticks
-from roadmend.recording.encoder import Encoder
+from roadmend.core.repair import Repair, RepairStatus, Trigger
+from roadmend.core.scene import EgoState, ObjectKind
+from roadmend.recording import messages
+from roadmend.recording.codec import encode, type_of
 from roadmend.recording.reader import BagReader
 from roadmend.recording.ticks import BagTicks
-from roadmend.recording.values import event_of
 from roadmend.recording.writer import BagWriter
 
 TICK_NS = 50_000_000
-NONE = SimpleNamespace(x=0.0, y=0.0, z=0.0, w=1.0)
-NAMED = SimpleNamespace(
-    position=NONE, orientation=NONE, linear=SimpleNamespace(x=8.0, y=0.0, z=0.0), angular=SimpleNamespace(x=0, y=0, z=0)
-)
-EGO = SimpleNamespace(
-    child_frame_id="base_link",
-    pose=SimpleNamespace(pose=NAMED, covariance=np.zeros(36)),
-    twist=SimpleNamespace(twist=NAMED, covariance=np.zeros(36)),
-)
 COLUMNS = ("x", "y", "yaw", "speed", "acceleration", "yaw_rate", "length", "width")
+EGO = messages.ego_message_of(EgoState.from_yaw(0.0, 0.0, 0.0, 8.0, 0.0, 4.7, 1.85), None)
+COMMAND = messages.command_message_of(Command(0.5, 0.0, change_lane=True), None)
+PLAN = messages.trajectory_message_of(Trajectory(0.5, *np.ones((4, 1)), "follow"), None)
 
 
 def objects(count, ids=None):
-    columns = {name: np.full(count, 2.0) for name in COLUMNS}
-    return SimpleNamespace(id=[*range(count if ids is None else ids)], kind=[1] * count, signal=[2], **columns)
-
-
-def route(begin=0):
-    lists = {"change_begin", "change_end", "zone_stage", "zone_begin", "zone_end", "zone_rule", "zone_signal"}
-    return SimpleNamespace(
-        scenario="straight",
-        ego_length=4.0,
-        ego_width=1.7,
-        goal=90.0,
-        time_limit=9.0,
-        stage_begin=[begin],
-        x=[0.0, 100.0],
-        y=[0.0, 0.0],
-        speed_limit=[9.0, 9.0],
-        **dict.fromkeys(lists, ()),
+    return messages.OBJECTS(
+        id=np.arange(count if ids is None else ids, dtype=np.uint32),
+        kind=np.ones(count, dtype=np.uint8),
+        signal=np.array([2], dtype=np.uint8),
+        **{name: np.full(count, 2.0) for name in COLUMNS},
     )
 
 
-COMMAND = SimpleNamespace(throttle=0.5, brake=0.0, change_lane=True)
-PLAN = SimpleNamespace(interval=0.5, x=[1.0], y=[0.0], yaw=[0.0], speed=[8.0], behaviour="follow")
-TYPES = {
-    "ego": "nav_msgs/msg/Odometry",
-    "objects": "roadmend_msgs/msg/ObjectList",
-    "route": "roadmend_msgs/msg/Route",
-    "policy/command": "roadmend_msgs/msg/Command",
-    "policy/trajectory": "roadmend_msgs/msg/Trajectory",
-    "events": "roadmend_msgs/msg/ScenarioEvent",
-}
+def route(**fields):
+    x = np.array([0.0, 100.0])
+    limit = np.full(2, 9.0)
+    stage = {"stage_begin": np.zeros(1, dtype=np.uint32), "x": x, "y": np.zeros(2), "speed_limit": limit}
+    size = {"ego_length": 4.0, "ego_width": 1.7}
+    return messages.ROUTE(scenario="straight", goal=90.0, time_limit=9.0, **stage, **size, **fields)
 
 
 @pytest.fixture
 def bag(tmp_path):
     """Writes messages given as (topic, tick, content), or (topic, tick, content, tick at which it arrived)."""
-    encoder = Encoder()
 
-    def write(*messages, prefix=""):
+    def write(*given, prefix=""):
         with BagWriter(tmp_path / "bag") as writer:
-            for short, tick, content, *late in messages:
-                stamp = SimpleNamespace(sec=tick * TICK_NS // 10**9, nanosec=tick * TICK_NS % 10**9)
-                message = SimpleNamespace(header=SimpleNamespace(stamp=stamp, frame_id="map"), **vars(content))
-                writer.add_topic(f"{prefix}/{short}", TYPES[short])
-                data = encoder.encode(TYPES[short], message)
-                writer.write(f"{prefix}/{short}", (late or [tick])[0] * TICK_NS, data)
+            for short, tick, content, *late in given:
+                message = replace(content, header=messages.header_at(tick * TICK_NS))
+                writer.add_topic(f"{prefix}/{short}", type_of(message))
+                writer.write(f"{prefix}/{short}", (late or [tick])[0] * TICK_NS, encode(message))
         return BagTicks(BagReader(tmp_path / "bag"))
 
     return write
@@ -102,10 +78,10 @@ def test_what_belongs_to_one_stamp_is_one_tick_even_if_it_came_late(bag):
 
 
 def test_only_a_second_of_ticks_is_held_at_once(bag, monkeypatch):
-    messages = [(short, tick, one) for tick in range(100) for short, one in (("ego", EGO), ("objects", objects(1)))]
-    ticks = bag(("route", 0, route()), *messages)
+    given = [(short, tick, one) for tick in range(100) for short, one in (("ego", EGO), ("objects", objects(1)))]
+    ticks = bag(("route", 0, route()), *given)
     read = []
-    monkeypatch.setattr(bag_ticks, "ego_of", read.append)
+    monkeypatch.setattr(messages, "ego_of", read.append)
     for number, tick in enumerate(ticks):
         assert tick.stamp == number * TICK_NS
         assert len(read) - number <= 23
@@ -124,32 +100,39 @@ def test_unusable_objects_are_none_but_an_unusable_route_ends_it(bag):
 
 
 def test_a_route_whose_rule_is_unknown_is_refused(bag):
-    wrong = SimpleNamespace(
-        **vars(route())
-        | {"zone_stage": [0], "zone_begin": [1.0], "zone_end": [2.0], "zone_rule": [99], "zone_signal": [-1]}
-    )
+    zone = {"zone_stage": np.zeros(1, np.uint32), "zone_begin": np.ones(1), "zone_end": np.full(1, 2.0)}
+    wrong = route(**zone, zone_rule=np.full(1, 99, np.uint8), zone_signal=np.full(1, -1, np.int32))
     with pytest.raises(InputError, match=r"/route at 0\.00 s: 99 is not a valid RightOfWay"):
         list(bag(("route", 0, wrong), ("ego", 0, EGO), ("objects", 0, objects(1))))
 
 
 def test_the_final_event_is_told(bag):
-    contact = {"object_id": [7], "object_name": ["bus_1"], "object_kind": [3], "blame": 4, "impact_speed": 6.5}
-    event, other = (SimpleNamespace(kind=kind, text=text, **contact) for kind, text in ((2, "hit bus_1"), (99, "")))
+    who = (7,), ("bus_1",), (ObjectKind.BUS,)
+    contact = Event(0.05, EventKind.COLLISION, "hit bus_1", *who, Blame.REAR, 6.5)
+    event = messages.event_message_of(contact)
+    other = messages.EVENT(kind=99)
     first, last = bag(
         ("route", 0, route()), ("ego", 0, EGO), ("objects", 0, objects(1)), ("events", 0, other), ("events", 1, event)
     )
     assert first.final is None
-    assert last.final == Event(
-        0.05, EventKind.COLLISION, "hit bus_1", (7,), ("bus_1",), (ObjectKind.BUS,), Blame.REAR, 6.5
-    )
-
-
-def test_bags_of_earlier_versions_do_not_say_who_is_to_blame():
-    stamp = SimpleNamespace(sec=1, nanosec=0)
-    value = SimpleNamespace(header=SimpleNamespace(stamp=stamp), kind=2, object_id=[7], object_name=["a"], text="hit a")
-    assert event_of(value) == Event(1.0, EventKind.COLLISION, "hit a", (7,), ("a",))
+    assert last.final == contact
 
 
 def test_a_bag_without_an_episode_is_refused(bag):
     with pytest.raises(InputError, match="holds no ego and no route; name a bag that an episode was recorded into"):
         bag(("objects", 0, objects(1)))
+
+
+def test_a_bag_carries_a_repair_without_loss(bag):
+    triggers = (Trigger(7, 0.9), Trigger(3, 0.1))
+    done = Repair(
+        Command(0.0, 0.6, change_lane=True), RepairStatus.REPAIRED, 0.8, 0.5, 0.3, -0.6, True, 2, triggers, "7 ahead"
+    )
+    (tick,) = bag(
+        ("route", 0, route()),
+        ("ego", 0, EGO),
+        ("objects", 0, objects(1)),
+        ("repair/state", 0, messages.repair_message_of(done, "rss", None)),
+        ("repair/command", 0, messages.command_message_of(done.command, None)),
+    )
+    assert tick.repair == done

@@ -15,21 +15,21 @@ from roadmend_msgs import msg
 from std_msgs.msg import Float64
 from visualization_msgs.msg import MarkerArray
 
-from roadmend.nodes import drawing, qos
+from roadmend.recording import topics
 
 LAYOUT = Path(__file__).parents[2] / "config" / "foxglove" / "roadmend.json"
 
 TYPES = {
-    qos.EGO: Odometry,
-    qos.REPAIR_STATE: msg.RepairState,
-    qos.EVENTS: msg.ScenarioEvent,
-    qos.DIAGNOSTICS: DiagnosticArray,
-    drawing.DISTANCE: Float64,
-    drawing.MARKERS_EGO: MarkerArray,
-    drawing.MARKERS_MAP: MarkerArray,
-    drawing.MARKERS_OBJECTS: MarkerArray,
-    drawing.MARKERS_PLAN: MarkerArray,
-    drawing.PLAN: PlannedPath,
+    topics.EGO: Odometry,
+    topics.REPAIR_STATE: msg.RepairState,
+    topics.EVENTS: msg.ScenarioEvent,
+    topics.DIAGNOSTICS: DiagnosticArray,
+    topics.DISTANCE: Float64,
+    topics.MARKERS_EGO: MarkerArray,
+    topics.MARKERS_MAP: MarkerArray,
+    topics.MARKERS_OBJECTS: MarkerArray,
+    topics.MARKERS_PLAN: MarkerArray,
+    topics.PLAN: PlannedPath,
 }
 TOPICS = {f"/{topic.removeprefix('/')}": kind for topic, kind in TYPES.items()}
 

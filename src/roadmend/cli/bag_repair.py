@@ -15,9 +15,10 @@ from roadmend import __version__
 from roadmend.cli.output import OUTCOME_STYLES, wide_console
 from roadmend.core.errors import InputError
 from roadmend.core.repair import Repair
-from roadmend.nodes.episode_recorder import EpisodeRecorder, account_of
-from roadmend.nodes.episode_writer import EpisodeWriter
 from roadmend.policies.registry import make_policy
+from roadmend.recording import topics
+from roadmend.recording.episode_recorder import EpisodeRecorder, account_of
+from roadmend.recording.episode_writer import EpisodeWriter
 from roadmend.recording.new_bag import BagCopy, new_bag
 from roadmend.recording.reader import BagReader
 from roadmend.recording.recorded_run import (
@@ -32,6 +33,7 @@ from roadmend.recording.shadow import ShadowSummary, run_shadow
 from roadmend.recording.ticks import BagTick, BagTicks
 from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.registry import METHODS, make_repairer
+from roadmend.world.road_network import LaneMap
 from roadmend.world.runner import run_episode
 
 
@@ -235,7 +237,7 @@ def resimulate_bag(bag: Path, choice: RepairChoice, from_time: float, out: Path)
         for attachment in reader.attachments.values():
             writer.add_attachment(attachment.name, attachment.media_type, attachment.data)
         methods = {False: plan.method, True: choice.method}
-        recorder = EpisodeRecorder(writer, lambda time: methods[switchover.has_taken_over(time)], _map(reader))
+        recorder = EpisodeRecorder(writer, lambda time: methods[switchover.has_taken_over(time)], _lanes(ticks))
         summary = run_episode(
             plan.scenario, make_policy(plan.policy), switchover, recorder.answered, recorder.ended, recorder.opened
         )
@@ -255,12 +257,9 @@ def resimulate_bag(bag: Path, choice: RepairChoice, from_time: float, out: Path)
     return then, now
 
 
-def _map(reader: BagReader) -> bytes | None:
+def _lanes(ticks: BagTicks) -> LaneMap | None:
     """The map as it was recorded: the world is the same."""
-    kinds = reader.topics
-    names = [name for name in kinds if kinds[name].type_name == "roadmend_msgs/msg/Map" and name.endswith("/map")]
-    record = next(reader.records(names), None) if names else None
-    return None if record is None else record.data
+    return next((tick.lanes for tick in ticks if tick.lanes is not None), None) if topics.MAP in ticks.topics else None
 
 
 def _show_outcomes(outcomes: dict[str, RunOutcome], bags: dict[str, Path]) -> None:

@@ -21,7 +21,6 @@ from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import write_text, written_beside
 from roadmend.measures.driver import driver_key
 from roadmend.networks.checkpoint import find_model
-from roadmend.nodes.evaluation_episode import EvaluationJob
 from roadmend.policies.neural import load_model
 from roadmend.reports.cycle_page import cycle_chart, cycle_page, measure_rows
 from roadmend.reports.result_files import origin, provenance
@@ -30,6 +29,7 @@ from roadmend.sera.backends import BACKENDS, Backend
 from roadmend.sera.bank import Bank, build_bank
 from roadmend.sera.cycle import Cycle, CycleOptions, Evaluation, Generation, Tuned
 from roadmend.sera.describe import entry_of
+from roadmend.sera.evaluation_episode import EvaluationJob
 from roadmend.sera.evaluation_set import disjoint, known_in
 from roadmend.training.few_shot_settings import FewShotSettings, read_few_shot_settings
 from roadmend.world.families import FAMILIES, sample_scenario

@@ -19,11 +19,11 @@ from roadmend.core.journal import Journal
 from roadmend.measures.driver import driver_key
 from roadmend.measures.driving import DrivingMeasures
 from roadmend.measures.summary import summarise, summary_rows
-from roadmend.nodes.evaluation_episode import EvaluatedEpisode, EvaluationJob, Record
-from roadmend.nodes.evaluation_episode import evaluate as drive
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.registry import METHODS
 from roadmend.reports.result_files import provenance, write_report
+from roadmend.sera.evaluation_episode import EvaluatedEpisode, EvaluationJob, Record
+from roadmend.sera.evaluation_episode import evaluate as drive
 from roadmend.sera.evaluation_set import corpus_set, disjoint, known_in, sampled_set
 from roadmend.world.scenario import Scenario
 

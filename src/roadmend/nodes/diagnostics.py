@@ -9,6 +9,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from roadmend.nodes import qos
+from roadmend.recording import topics
 
 PERIOD_S = 1.0
 
@@ -37,7 +38,7 @@ class DiagnosticsReporter:
     def __init__(self, node: Node, collect: Callable[[], Health]) -> None:
         self._node = node
         self._collect = collect
-        self._publisher = node.create_publisher(DiagnosticArray, qos.DIAGNOSTICS, qos.DIAGNOSTIC)
+        self._publisher = node.create_publisher(DiagnosticArray, topics.DIAGNOSTICS, qos.DIAGNOSTIC)
         # Steady time: health must be reported while simulation time stands still.
         self._timer = node.create_timer(PERIOD_S, self.publish, clock=Clock(clock_type=ClockType.STEADY_TIME))
 

@@ -15,13 +15,13 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
-from roadmend.nodes import qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.discovery import look_up, request_for
 from roadmend.nodes.foxglove_parameters import ParameterBridge
 from roadmend.nodes.origin_gate import OriginGate, hidden_address
 from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.spinning import run_node
+from roadmend.recording import topics
 from roadmend.recording.timekeeper import Timekeeper
 
 TEND_PERIOD_S = 0.05  # [s] of wall time between two looks at what clients want and at the clock
@@ -117,7 +117,7 @@ class FoxgloveNode(Node):
         schema = foxglove.Schema(name=definition.type_name, encoding="ros2msg", data=definition.text.encode())
         channel = foxglove.Channel(name, message_encoding="cdr", schema=schema, context=self._sdk_context)
         time_of = self._timekeeper.rule_for(definition)
-        is_clock = name == qos.CLOCK
+        is_clock = name == topics.CLOCK
 
         def pass_on(data: bytes) -> None:
             before = self._timekeeper.now_ns

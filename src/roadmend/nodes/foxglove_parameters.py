@@ -16,6 +16,7 @@ from rclpy.parameter_client import AsyncParameterClient
 from rclpy.task import Future
 
 from roadmend.nodes import qos
+from roadmend.recording import topics
 
 PATIENCE_S = 2.0  # [s] of wall time for a node to answer
 _NUMBERS: dict[int, Callable[[Any], Any]] = {
@@ -42,7 +43,7 @@ class ParameterBridge:
         }
         self._tried = tried
         self._changed = changed
-        node.create_subscription(ParameterEvent, qos.PARAMETER_EVENTS, self._on_event, qos.PARAMETER_EVENT)
+        node.create_subscription(ParameterEvent, topics.PARAMETER_EVENTS, self._on_event, qos.PARAMETER_EVENT)
 
     def get(self, wanted: Sequence[str]) -> list[Shown]:
         """Parameters by their names; all if none is named. What is not there is left out."""

@@ -1,23 +1,8 @@
 """The newest messages of each topic as bytes, found by the stamp of their tick, and when to draw."""
 
-import struct
 from collections import deque
 
-NANOSECONDS = 1_000_000_000
-
-_STAMPS = (struct.Struct(">iI"), struct.Struct("<iI"))  # by the lowest bit of the encapsulation: big, little endian
-
-
-def stamp_of_bytes(data: bytes) -> int:
-    """Stamp [ns] of a serialized message that begins with a std_msgs/Header.
-
-    Raises:
-        ValueError: there are too few bytes.
-    """
-    if len(data) < 12:
-        raise ValueError(f"{len(data)} bytes are too few for a header")
-    seconds, nanoseconds = _STAMPS[data[1] & 1].unpack_from(data, 4)
-    return int(seconds) * NANOSECONDS + int(nanoseconds)
+from roadmend.recording.messages import NANOSECONDS, stamp_of_bytes
 
 
 class TickMemory:

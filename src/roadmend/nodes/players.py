@@ -12,7 +12,8 @@ from roadmend.core.errors import InputError
 from roadmend.nodes.discovery import look_up
 from roadmend.nodes.qos import profile_of
 from roadmend.recording.reader import BagReader, Record
-from roadmend.recording.replay import CLOCK_TOPIC, check_definition, offer_of
+from roadmend.recording.replay import check_definition, offer_of
+from roadmend.recording.topics import CLOCK
 
 
 class Players:
@@ -42,7 +43,7 @@ class Players:
                 node.get_logger().warning(f"not played: {error}")
                 continue
             # Relative, so that the topics follow the node's namespace; the clock is one for all.
-            target = name if name == CLOCK_TOPIC else name.lstrip("/")
+            target = name if name == CLOCK else name.lstrip("/")
             profile = profile_of(offer_of(topic.offers, topic.count))
             self.publishers[name] = node.create_publisher(kind, target, profile)
         if not self.publishers:

@@ -3,22 +3,24 @@
 import sys
 import time
 from collections.abc import Sequence
+from functools import partial
 
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from roadmend_msgs import msg
 
-from roadmend.core.command import Decision, Trajectory
+from roadmend.core.command import Decision
 from roadmend.core.interfaces import Policy
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
-from roadmend.nodes import convert, qos
+from roadmend.nodes import qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
-from roadmend.nodes.odometry import ego_of_bytes, stamp_of_bytes
 from roadmend.nodes.pairing import TickPairing
 from roadmend.nodes.parameters import declare
 from roadmend.nodes.spinning import run_node
 from roadmend.policies.registry import POLICIES, make_policy
+from roadmend.recording import messages, topics
+from roadmend.recording.codec import encode
 
 
 class PolicyNode(Node):
@@ -29,25 +31,23 @@ class PolicyNode(Node):
         name = declare(self, "policy", "modular", "driving policy to run", choices=sorted(POLICIES))
         self._policy: Policy = make_policy(name)
         self._route: Route | None = None
-        self._pairing = TickPairing("ego", "objects")
+        self._pairing = TickPairing(topics.EGO, topics.OBJECTS)
         self._last_stamp = -1
         self._last: Decision | None = None
-        self._sent: Trajectory | None = None
-        self._message = msg.Trajectory()
         self._failure = ""
         self._decided = 0
-        self._command_publisher = self.create_publisher(msg.Command, qos.POLICY_COMMAND, qos.COMMAND)
-        self._trajectory_publisher = self.create_publisher(msg.Trajectory, qos.POLICY_TRAJECTORY, qos.STREAM)
-        self.create_subscription(msg.Route, qos.ROUTE, self._on_route, qos.LATCHED)
-        self.create_subscription(Odometry, qos.EGO, self._on_ego, qos.STREAM, raw=True)
-        self.create_subscription(msg.ObjectList, qos.OBJECTS, self._on_objects, qos.STREAM)
+        self._command_publisher = self.create_publisher(msg.Command, topics.POLICY_COMMAND, qos.COMMAND)
+        self._trajectory_publisher = self.create_publisher(msg.Trajectory, topics.POLICY_TRAJECTORY, qos.STREAM)
+        self.create_subscription(msg.Route, topics.ROUTE, self._on_route, qos.LATCHED, raw=True)
+        for kind, topic in ((Odometry, topics.EGO), (msg.ObjectList, topics.OBJECTS)):
+            self.create_subscription(kind, topic, partial(self._on_part, topic), qos.STREAM, raw=True)
         self._diagnostics = DiagnosticsReporter(self, self._health)
 
-    def _on_route(self, message: msg.Route) -> None:
+    def _on_route(self, data: bytes) -> None:
         self._last_stamp = -1
         self._last = None
         try:
-            self._route = convert.route_of(message)
+            self._route = messages.route_of(messages.ROUTE.decode(data))
             self._policy.reset(self._route)
         except Exception as error:  # noqa: BLE001 - a policy that fails must be seen, not end the node
             self._route = None
@@ -56,26 +56,21 @@ class PolicyNode(Node):
         else:
             self._failure = ""
 
-    def _on_ego(self, data: bytes) -> None:
-        self._add("ego", stamp_of_bytes(data), data)
-
-    def _on_objects(self, message: msg.ObjectList) -> None:
-        self._add("objects", convert.nanoseconds_of(message.header.stamp), message)
-
-    def _add(self, part: str, stamp: int, message: bytes | msg.ObjectList) -> None:
-        tick = self._pairing.add(stamp, part, message, time.monotonic())
+    def _on_part(self, topic: str, data: bytes) -> None:
+        stamp = messages.stamp_of_bytes(data)
+        tick = self._pairing.add(stamp, topic, data, time.monotonic())
         if tick is not None:
-            self._decide(stamp, tick["ego"], tick["objects"])
+            self._decide(stamp, tick[topics.EGO], tick[topics.OBJECTS])
 
-    def _decide(self, stamp: int, ego: bytes, objects: msg.ObjectList) -> None:
+    def _decide(self, stamp: int, ego: bytes, objects: bytes) -> None:
         if self._route is None:
             return  # the simulator repeats the first tick until it is answered
         if stamp != self._last_stamp:
             try:
                 if stamp < self._last_stamp:
                     self._policy.reset(self._route)
-                seen, signals = convert.objects_of(objects)
-                state = ego_of_bytes(ego, self._route.ego_length, self._route.ego_width)
+                seen, signals = messages.objects_of(messages.OBJECTS.decode(objects))
+                state = messages.ego_of(messages.EGO.decode(ego), self._route.ego_length, self._route.ego_width)
                 self._last = self._policy.step(Scene(stamp * 1e-9, state, seen, signals))
             except Exception as error:  # noqa: BLE001 - a policy that fails must be seen, not end the node
                 self._failure = f"{type(error).__name__}: {error}"
@@ -88,12 +83,9 @@ class PolicyNode(Node):
             self._decided += 1
         if self._last is not None:
             # A repeated tick gets the same answer again.
-            if self._last.trajectory is not self._sent:  # the policy gives the same plan until it has a new one
-                self._sent = self._last.trajectory
-                self._message = convert.trajectory_message_of(self._sent, objects.header)
-            self._message.header = objects.header
-            self._trajectory_publisher.publish(self._message)
-            self._command_publisher.publish(convert.command_message_of(self._last.command, objects.header))
+            header = messages.header_at(stamp)
+            self._trajectory_publisher.publish(encode(messages.trajectory_message_of(self._last.trajectory, header)))
+            self._command_publisher.publish(encode(messages.command_message_of(self._last.command, header)))
 
     def _health(self) -> Health:
         values = {"policy": self._policy.name, "decisions": self._decided}

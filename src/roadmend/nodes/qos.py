@@ -1,4 +1,4 @@
-"""Topic names and quality of service, named in this one place."""
+"""Quality of service in ROS's terms: of the graph's topics, and of what bags record."""
 
 from typing import Any
 
@@ -12,42 +12,8 @@ from rclpy.qos import (
     qos_profile_parameter_events,
 )
 
+from roadmend.recording import topics
 from roadmend.recording.qos import INFINITE_NS, Qos
-
-CLOCK = "/clock"
-EGO = "ego"
-OBJECTS = "objects"
-ROUTE = "route"
-MAP = "map"
-EVENTS = "events"
-POLICY_COMMAND = "policy/command"
-POLICY_TRAJECTORY = "policy/trajectory"
-REPAIR_COMMAND = "repair/command"
-REPAIR_STATE = "repair/state"
-DIAGNOSTICS = "/diagnostics"
-PARAMETER_EVENTS = "/parameter_events"
-
-COMMAND_DEADLINE_S = 0.5  # longest silence on the command path before DDS reports a missed deadline
-
-
-def _reliable(depth: int, *, latched: bool = False, deadline: Duration | None = None) -> QoSProfile:
-    profile = QoSProfile(
-        history=HistoryPolicy.KEEP_LAST,
-        depth=depth,
-        reliability=ReliabilityPolicy.RELIABLE,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
-    )
-    if deadline is not None:
-        profile.deadline = deadline
-    return profile
-
-
-STREAM = _reliable(50)  # one message a tick: ego, objects, trajectory, repair state, clock
-COMMAND = _reliable(1, deadline=Duration(seconds=COMMAND_DEADLINE_S))
-LATCHED = _reliable(1, latched=True)  # route, map
-EVENT = _reliable(100, latched=True)  # scenario events, complete for late joiners
-DIAGNOSTIC = _reliable(10)
-PARAMETER_EVENT = qos_profile_parameter_events  # as every ROS node publishes them
 
 
 def profile_of(offer: Qos) -> QoSProfile:
@@ -84,3 +50,11 @@ def _policy(kind: Any, name: str, default: Any) -> Any:
     """A policy by its name in lower case."""
     found = {policy.name.lower(): policy for policy in kind}.get(name, default)
     return default if found.name in {"UNKNOWN", "SYSTEM_DEFAULT", "BEST_AVAILABLE"} else found
+
+
+STREAM = profile_of(topics.STREAM)
+COMMAND = profile_of(topics.COMMAND)
+LATCHED = profile_of(topics.LATCHED)
+EVENT = profile_of(topics.EVENT)
+DIAGNOSTIC = profile_of(topics.DIAGNOSTIC)
+PARAMETER_EVENT = qos_profile_parameter_events  # as every ROS node publishes them

@@ -27,6 +27,7 @@ from roadmend.nodes.discovery import look_up, request_for
 from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.qos import offer_from
 from roadmend.nodes.spinning import run_node
+from roadmend.recording import topics
 from roadmend.recording.definitions import Definition
 from roadmend.recording.enclosure import Attachment, metadata_from_file
 from roadmend.recording.errors import RecordingError
@@ -124,8 +125,8 @@ class RecorderNode(Node):
         self._recorded: dict[str, _Recorded] = {}
         self._skipped: dict[str, str] = {}  # topic and why
         self._outcome: ScenarioEvent | None = None
-        self._events_topic = self.resolve_topic_name(qos.EVENTS)
-        self._to_diagnostics = self.create_publisher(DiagnosticArray, qos.DIAGNOSTICS, qos.DIAGNOSTIC)
+        self._events_topic = self.resolve_topic_name(topics.EVENTS)
+        self._to_diagnostics = self.create_publisher(DiagnosticArray, topics.DIAGNOSTICS, qos.DIAGNOSTIC)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DISCOVERY_PERIOD_S, self._discover, clock=wall)
         self.create_timer(settings.flush_interval, self._flush, clock=wall)

@@ -6,6 +6,7 @@ import sys
 import time
 from collections.abc import Sequence
 from enum import Enum
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -24,13 +25,14 @@ from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.core.whole_file import write_text
-from roadmend.nodes import convert, qos
+from roadmend.nodes import qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
-from roadmend.nodes.odometry import ego_of_bytes, stamp_of_bytes
 from roadmend.nodes.pairing import TickPairing
 from roadmend.nodes.parameters import declare_field, declare_parameters
 from roadmend.nodes.spinning import run_node
 from roadmend.nodes.tally import RepairTally
+from roadmend.recording import messages, topics
+from roadmend.recording.codec import encode
 from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.registry import METHODS, make_repairer
 
@@ -86,17 +88,17 @@ class RepairNode(LifecycleNode):
         self._last_answer = 0.0  # wall time [s]
         self._last_arrival = 0.0  # wall time [s] of the last message of a tick to come
         self._last_repair: Repair | None = None
-        self._last_header: Any = None
-        self._command_publisher = self.create_lifecycle_publisher(msg.Command, qos.REPAIR_COMMAND, qos.COMMAND)
-        self._state_publisher = self.create_lifecycle_publisher(msg.RepairState, qos.REPAIR_STATE, qos.STREAM)
-        self.create_subscription(msg.Route, qos.ROUTE, self._on_route, qos.LATCHED)
-        self.create_subscription(Odometry, qos.EGO, self._on_ego, qos.STREAM, raw=True)
+        self._answered_stamp = -1  # [ns] of the last answer, whatever tick it was about
+        self._command_publisher = self.create_lifecycle_publisher(msg.Command, topics.REPAIR_COMMAND, qos.COMMAND)
+        self._state_publisher = self.create_lifecycle_publisher(msg.RepairState, topics.REPAIR_STATE, qos.STREAM)
+        self.create_subscription(msg.Route, topics.ROUTE, self._on_route, qos.LATCHED, raw=True)
         for part, kind, topic, profile in (
-            ("objects", msg.ObjectList, qos.OBJECTS, qos.STREAM),
-            ("command", msg.Command, qos.POLICY_COMMAND, qos.COMMAND),
-            ("trajectory", msg.Trajectory, qos.POLICY_TRAJECTORY, qos.STREAM),
+            ("ego", Odometry, topics.EGO, qos.STREAM),
+            ("objects", msg.ObjectList, topics.OBJECTS, qos.STREAM),
+            ("command", msg.Command, topics.POLICY_COMMAND, qos.COMMAND),
+            ("trajectory", msg.Trajectory, topics.POLICY_TRAJECTORY, qos.STREAM),
         ):
-            self.create_subscription(kind, topic, self._adder(part), profile)
+            self.create_subscription(kind, topic, partial(self._add, part), profile, raw=True)
         # Steady time: ages are looked at while simulation time stands still.
         self.create_timer(WATCH_PERIOD_S, self._watch, clock=Clock(clock_type=ClockType.STEADY_TIME))
         self._diagnostics = DiagnosticsReporter(self, self._health)
@@ -194,13 +196,13 @@ class RepairNode(LifecycleNode):
 
     # -- input --------------------------------------------------------------------------------------------------------
 
-    def _on_route(self, message: msg.Route) -> None:
+    def _on_route(self, data: bytes) -> None:
         self._pairing.clear()
         self._prepared = (-1, None)
         self._started = False
         self._last_stamp = -1
         try:
-            self._route, self._route_fault = convert.route_of(message), ""
+            self._route, self._route_fault = messages.route_of(messages.ROUTE.decode(data)), ""
         except ValueError as error:  # without a route nothing is answered, so the simulator holds the vehicle
             self._route, self._route_fault = None, str(error)
             self.get_logger().error(f"unusable: {error}")
@@ -208,19 +210,10 @@ class RepairNode(LifecycleNode):
         if self._repairer is not None:
             self._repairer.reset(self._route)
 
-    def _on_ego(self, data: bytes) -> None:
-        self._add("ego", stamp_of_bytes(data), data)
-
-    def _adder(self, part: str) -> Any:
-        def add(message: Any) -> None:
-            self._add(part, convert.nanoseconds_of(message.header.stamp), message)
-
-        return add
-
-    def _add(self, part: str, stamp: int, message: Any) -> None:
-        now = time.monotonic()
+    def _add(self, part: str, data: bytes) -> None:
+        stamp, now = messages.stamp_of_bytes(data), time.monotonic()
         if stamp == self._last_stamp and part == "objects" and self._last_repair is not None:
-            self._publish(self._last_repair, message.header)  # a repeated tick gets the same answer again
+            self._publish(self._last_repair, stamp)  # a repeated tick gets the same answer again
             return
         if stamp < self._last_stamp and part in ("ego", "objects"):
             self._last_stamp = -1  # time ran backwards: the guard sees it and resets the method
@@ -229,7 +222,7 @@ class RepairNode(LifecycleNode):
         if stamp <= self._last_stamp:
             return
         self._last_arrival = now
-        tick = self._pairing.add(stamp, part, message, now)
+        tick = self._pairing.add(stamp, part, data, now)
         if tick is not None:
             self._answer(stamp, tick)
         elif part in {"ego", "objects"}:
@@ -242,36 +235,40 @@ class RepairNode(LifecycleNode):
             with contextlib.suppress(ValueError):  # said when the tick is answered
                 self._prepared = (stamp, self._scene(stamp, waiting[1]))
 
-    def _answer(self, stamp: int, tick: dict[str, Any]) -> None:
-        decision = self._decision(tick)
-        if not self._active or self._repairer is None or decision is None:
+    def _answer(self, stamp: int, tick: dict[str, bytes]) -> None:
+        if not self._active or self._repairer is None:
             return
+        decision = None
         try:
+            decision = self._decision(tick)
             prepared, scene = self._prepared
             if prepared != stamp or scene is None:
                 scene = self._scene(stamp, tick)
-        except ValueError as error:  # the arrays of the object list differ in length
+        except ValueError as error:  # bytes that are no such message, or arrays that differ in length
             repair = self._repairer.controlled_stop(RepairStatus.STALE_OBJECTS, str(error), None, decision)
         else:
-            if scene is None:
+            if scene is None or decision is None:
                 return  # no route yet; the simulator repeats the first tick
             repair = self._repairer.step(scene, decision)
         self._started = True
         self._silent_since = ""
-        self._send(stamp, repair, tick["objects"].header)
+        self._send(stamp, repair)
 
-    def _scene(self, stamp: int, tick: dict[str, Any]) -> Scene | None:
+    def _scene(self, stamp: int, tick: dict[str, bytes]) -> Scene | None:
         if "ego" not in tick or "objects" not in tick or self._route is None:
             return None
-        seen, signals = convert.objects_of(tick["objects"])
-        ego = ego_of_bytes(tick["ego"], self._route.ego_length, self._route.ego_width)
+        seen, signals = messages.objects_of(messages.OBJECTS.decode(tick["objects"]))
+        ego = messages.ego_of(messages.EGO.decode(tick["ego"]), self._route.ego_length, self._route.ego_width)
         return Scene(stamp * 1e-9, ego, seen, signals)
 
     @staticmethod
-    def _decision(tick: dict[str, Any]) -> Decision | None:
+    def _decision(tick: dict[str, bytes]) -> Decision | None:
         if "command" not in tick or "trajectory" not in tick:
             return None
-        return Decision(convert.command_of(tick["command"]), convert.trajectory_of(tick["trajectory"]))
+        return Decision(
+            messages.command_of(messages.COMMAND.decode(tick["command"])),
+            messages.trajectory_of(messages.TRAJECTORY.decode(tick["trajectory"])),
+        )
 
     # -- ages ---------------------------------------------------------------------------------------------------------
 
@@ -302,32 +299,33 @@ class RepairNode(LifecycleNode):
             repair = self._repairer.controlled_stop(status, reason, self._scene(stamp, tick), self._decision(tick))
         except ValueError as error:
             repair = self._repairer.controlled_stop(status, f"{reason}; {error}")
-        self._send(stamp, repair, convert.header_of(stamp * 1e-9))
+        self._send(stamp, repair)
 
     def _repeat_stop(self, now: float) -> None:
         """Real time, and nothing arrives at all: silence never means go."""
-        if self._repairer is None or self._last_header is None:
+        if self._repairer is None or self._answered_stamp < 0:
             return
         age = now - self._last_arrival
         repair = self._repairer.controlled_stop(RepairStatus.STALE_OBJECTS, f"nothing has arrived for {age:.2f} s")
         self._tally.add(repair)
-        self._publish(repair, self._last_header)
+        self._publish(repair, self._answered_stamp)
 
     # -- output -------------------------------------------------------------------------------------------------------
 
-    def _send(self, stamp: int, repair: Repair, header: Any) -> None:
+    def _send(self, stamp: int, repair: Repair) -> None:
         self._last_stamp = stamp
         self._last_repair = repair
-        self._publish(repair, header)
+        self._publish(repair, stamp)
         self._tally.add(repair)
         if repair.status in _COMPLAINTS:
             self.get_logger().warning(f"{repair.status.name}: {repair.reason}", throttle_duration_sec=1.0)
 
-    def _publish(self, repair: Repair, header: Any) -> None:
+    def _publish(self, repair: Repair, stamp: int) -> None:
         self._last_answer = time.monotonic()
-        self._last_header = header
-        self._command_publisher.publish(convert.command_message_of(repair.command, header))
-        self._state_publisher.publish(convert.repair_message_of(repair, self._method, header))
+        self._answered_stamp = stamp
+        header = messages.header_at(stamp)
+        self._command_publisher.publish(encode(messages.command_message_of(repair.command, header)))
+        self._state_publisher.publish(encode(messages.repair_message_of(repair, self._method, header)))
 
     def _health(self) -> Health:
         values = {"method": self._method, "active": self._active, **self._tally.values()}

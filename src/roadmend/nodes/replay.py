@@ -17,13 +17,13 @@ from roadmend.core.errors import InputError
 from roadmend.nodes import qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.discovery import look_up
-from roadmend.nodes.marker_ticks import stamp_of_bytes
 from roadmend.nodes.parameters import declare
 from roadmend.nodes.players import Players
 from roadmend.nodes.spinning import run_node
+from roadmend.recording import topics
+from roadmend.recording.messages import stamp_of_bytes
 from roadmend.recording.reader import BagReader
 from roadmend.recording.replay import (
-    CLOCK_TOPIC,
     Playhead,
     ReplaySource,
     ReplayTick,
@@ -56,7 +56,7 @@ class ReplayNode(Node):
         )
         start = declare(self, "start_offset", 0.0, "[s] after the bag's first message at which to begin", low=0.0)
         self._loop = declare(self, "loop", False, "begin again at the end")
-        topics = declare(self, "topics", [""], "topics to play, and the clock; all if none is named")
+        wanted = declare(self, "topics", [""], "topics to play, and the clock; all if none is named")
         exclude = declare(self, "exclude", [""], "topics not to play")
         clock = declare(
             self,
@@ -68,7 +68,7 @@ class ReplayNode(Node):
         answers = declare(
             self,
             "answers",
-            [qos.REPAIR_COMMAND, qos.REPAIR_STATE],
+            [topics.REPAIR_COMMAND, topics.REPAIR_STATE],
             "lockstep: topics that live nodes answer on; they are not played",
         )
         self._answer_timeout = declare(
@@ -89,12 +89,12 @@ class ReplayNode(Node):
         reader = BagReader(Path(path))
         self._lockstep = clock == "lockstep"
         self._answers = [find_topic(reader, name) for name in answers if name] if self._lockstep else []
-        chosen = select_topics(reader, list(filter(None, topics)), [*filter(None, exclude), *self._answers])
+        chosen = select_topics(reader, list(filter(None, wanted)), [*filter(None, exclude), *self._answers])
         self._players = Players(self, reader, chosen)
         self._source = ReplaySource(reader, [*self._players.publishers, *self._answers], start)
-        self._makes_clock = CLOCK_TOPIC not in reader.topics and CLOCK_TOPIC not in map(absolute, exclude)
+        self._makes_clock = topics.CLOCK not in reader.topics and topics.CLOCK not in map(absolute, exclude)
         if self._makes_clock:
-            self._clock_publisher = self.create_publisher(ClockMessage, CLOCK_TOPIC, qos.STREAM)
+            self._clock_publisher = self.create_publisher(ClockMessage, topics.CLOCK, qos.STREAM)
         self._listen(reader)
         self._playhead = Playhead(rate, paused=paused)
         self._ticks = self._source.ticks()

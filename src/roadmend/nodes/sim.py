@@ -20,11 +20,12 @@ from roadmend.core.outcome import Event, EventKind
 from roadmend.core.parameters import Parameters
 from roadmend.core.tick import INTERVAL, INTERVAL_NS, Tick
 from roadmend.core.whole_file import write_text
-from roadmend.nodes import convert, qos
+from roadmend.nodes import qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
-from roadmend.nodes.odometry import OdometryWriter
 from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.spinning import run_node
+from roadmend.recording import messages, topics
+from roadmend.recording.codec import encode
 from roadmend.world.road_network import lanes_of
 from roadmend.world.runner import EpisodeSummary, TrajectoryDigest, add_tick
 from roadmend.world.scenario_file import load_scenario
@@ -40,16 +41,16 @@ MAX_AGE_TICKS = 3  # real time: oldest tick whose command is still obeyed
 
 # Who must listen to what before an episode begins, so that nothing of it is lost.
 _LISTENERS = {
-    qos.CLOCK: ("foxglove_node",),
-    qos.EGO: ("policy_node", "repair_node", "recorder_node", "viz_node"),
-    qos.OBJECTS: ("policy_node", "repair_node", "recorder_node", "viz_node"),
-    qos.ROUTE: ("policy_node", "repair_node", "recorder_node", "viz_node"),
-    qos.MAP: ("recorder_node", "viz_node"),
-    qos.EVENTS: ("recorder_node", "viz_node"),
-    qos.POLICY_COMMAND: ("repair_node", "recorder_node"),
-    qos.POLICY_TRAJECTORY: ("repair_node", "recorder_node", "viz_node"),
-    qos.REPAIR_COMMAND: ("recorder_node",),
-    qos.REPAIR_STATE: ("recorder_node", "viz_node"),
+    topics.CLOCK: ("foxglove_node",),
+    topics.EGO: ("policy_node", "repair_node", "recorder_node", "viz_node"),
+    topics.OBJECTS: ("policy_node", "repair_node", "recorder_node", "viz_node"),
+    topics.ROUTE: ("policy_node", "repair_node", "recorder_node", "viz_node"),
+    topics.MAP: ("recorder_node", "viz_node"),
+    topics.EVENTS: ("recorder_node", "viz_node"),
+    topics.POLICY_COMMAND: ("repair_node", "recorder_node"),
+    topics.POLICY_TRAJECTORY: ("repair_node", "recorder_node", "viz_node"),
+    topics.REPAIR_COMMAND: ("recorder_node",),
+    topics.REPAIR_STATE: ("recorder_node", "viz_node"),
 }
 
 
@@ -91,16 +92,16 @@ class SimNode(Node):
         self._watchdog_ticks = 0
         self._last_command: tuple[int, Command] | None = None
         self._ended_at = 0.0
-        self._odometry = OdometryWriter()
-        self._clock_publisher = self.create_publisher(ClockMessage, qos.CLOCK, qos.STREAM)
-        self._ego_publisher = self.create_publisher(Odometry, qos.EGO, qos.STREAM)
-        self._objects_publisher = self.create_publisher(msg.ObjectList, qos.OBJECTS, qos.STREAM)
-        self._event_publisher = self.create_publisher(msg.ScenarioEvent, qos.EVENTS, qos.EVENT)
-        self._route_publisher = self.create_publisher(msg.Route, qos.ROUTE, qos.LATCHED)
-        self._map_publisher = self.create_publisher(msg.Map, qos.MAP, qos.LATCHED)
-        self.create_subscription(msg.Command, qos.REPAIR_COMMAND, self._on_command, qos.COMMAND)
-        self._route_publisher.publish(convert.route_message_of(self._simulation.route, convert.header_of(0.0)))
-        self._map_publisher.publish(convert.map_message_of(lanes_of(self._simulation.network), convert.header_of(0.0)))
+        self._clock_publisher = self.create_publisher(ClockMessage, topics.CLOCK, qos.STREAM)
+        self._ego_publisher = self.create_publisher(Odometry, topics.EGO, qos.STREAM)
+        self._objects_publisher = self.create_publisher(msg.ObjectList, topics.OBJECTS, qos.STREAM)
+        self._event_publisher = self.create_publisher(msg.ScenarioEvent, topics.EVENTS, qos.EVENT)
+        self._route_publisher = self.create_publisher(msg.Route, topics.ROUTE, qos.LATCHED)
+        self._map_publisher = self.create_publisher(msg.Map, topics.MAP, qos.LATCHED)
+        self.create_subscription(msg.Command, topics.REPAIR_COMMAND, self._on_command, qos.COMMAND, raw=True)
+        header = messages.header_of(0.0)
+        self._route_publisher.publish(encode(messages.route_message_of(self._simulation.route, header)))
+        self._map_publisher.publish(encode(messages.map_message_of(lanes_of(self._simulation.network), header)))
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._timer = self.create_timer(WATCH_PERIOD_S, self._watch, clock=steady)
         self._real_time = None if self._lockstep else self.create_timer(INTERVAL / self._rate, self._beat, clock=steady)
@@ -118,8 +119,8 @@ class SimNode(Node):
             for name in wanted:
                 if name not in there:
                     missing.setdefault(name, f"{name} ({topic})")
-        if "repair_node" in self._wait_for and not self.count_publishers(qos.REPAIR_COMMAND):
-            missing.setdefault("repair_node", f"repair_node ({qos.REPAIR_COMMAND})")
+        if "repair_node" in self._wait_for and not self.count_publishers(topics.REPAIR_COMMAND):
+            missing.setdefault("repair_node", f"repair_node ({topics.REPAIR_COMMAND})")
         return list(missing.values())
 
     def _begin(self) -> None:
@@ -164,11 +165,11 @@ class SimNode(Node):
         else:
             self._advance(command, obeyed=True)
 
-    def _on_command(self, message: msg.Command) -> None:
+    def _on_command(self, data: bytes) -> None:
         if self._tick is None or self._ended_at:
             return
-        stamp = convert.nanoseconds_of(message.header.stamp)
-        command = convert.command_of(message)
+        message = messages.COMMAND.decode(data)
+        stamp, command = messages.stamp_of(message.header), messages.command_of(message)
         if command.fault:
             self.get_logger().error(f"refused a command: {command.fault}", throttle_duration_sec=1.0)
             return
@@ -213,20 +214,21 @@ class SimNode(Node):
         self._publish_scene(tick)
         self._summary.observe(tick)
         for event in tick.events:
-            self._event_publisher.publish(convert.event_message_of(event))
+            self._event_publisher.publish(encode(messages.event_message_of(event)))
         self._tick_at = time.monotonic()
 
     def _publish_scene(self, tick: Tick) -> None:
-        header = convert.header_of(tick.scene.time)
-        self._ego_publisher.publish(self._odometry.fill(tick.scene.ego, header))
-        self._objects_publisher.publish(convert.object_message_of(tick.scene.objects, tick.scene.signals, header))
+        scene = tick.scene
+        header = messages.header_of(scene.time)
+        self._ego_publisher.publish(encode(messages.ego_message_of(scene.ego, header)))
+        self._objects_publisher.publish(encode(messages.object_message_of(scene.objects, scene.signals, header)))
         # Last, because nobody on the command path waits for it.
-        self._clock_publisher.publish(ClockMessage(clock=header.stamp))
+        self._clock_publisher.publish(encode(messages.clock_message_of(scene.time)))
 
     def _announce(self, kind: EventKind, text: str) -> None:
         event = Event(self._tick.scene.time if self._tick is not None else 0.0, kind, text)
         self._summary.events.append(event)
-        self._event_publisher.publish(convert.event_message_of(event))
+        self._event_publisher.publish(encode(messages.event_message_of(event)))
         self.get_logger().warning(f"{kind.name}: {text}")
 
     def _end(self) -> None:

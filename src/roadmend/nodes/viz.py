@@ -3,19 +3,19 @@
 import math
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
-from nav_msgs.msg import Odometry
+from nav_msgs.msg import Odometry, Path
 from pydantic import Field
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.serialization import deserialize_message
 from roadmend_msgs import msg
-from std_msgs.msg import Header
+from std_msgs.msg import Float64
+from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from roadmend.core.command import Trajectory
@@ -25,22 +25,33 @@ from roadmend.core.parameters import Parameters
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, ObjectList, Scene
 from roadmend.nodes import qos
-from roadmend.nodes.convert import MAP_FRAME, ego_of, nanoseconds_of, objects_of, route_of, trajectory_of
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
-from roadmend.nodes.drawing import DRAWINGS, MARKERS_MAP, draw_tick
-from roadmend.nodes.marker_map import map_markers
-from roadmend.nodes.marker_ticks import NANOSECONDS, Cadence, TickMemory
+from roadmend.nodes.marker_ticks import Cadence, TickMemory
 from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.spinning import run_node
+from roadmend.recording import messages, topics
+from roadmend.recording.codec import MessageType, encode
+from roadmend.recording.drawing import draw_tick
+from roadmend.recording.marker_map import map_markers
+from roadmend.recording.messages import NANOSECONDS
 
-DEFAULT_SIZE = (4.8, 1.8)  # [m] of the ego until its route has told
+Value = TypeVar("Value")
+
 PATIENCE_S = 0.5  # [s] of simulation time for which a topic counts as present after its last message
 
 _TICK_TOPICS = {
-    qos.EGO: Odometry,
-    qos.OBJECTS: msg.ObjectList,
-    qos.POLICY_TRAJECTORY: msg.Trajectory,
-    qos.REPAIR_STATE: msg.RepairState,
+    topics.EGO: Odometry,
+    topics.OBJECTS: msg.ObjectList,
+    topics.POLICY_TRAJECTORY: msg.Trajectory,
+    topics.REPAIR_STATE: msg.RepairState,
+}
+_DRAWINGS = {  # what is drawn at every tick
+    topics.TF: TFMessage,
+    topics.MARKERS_OBJECTS: MarkerArray,
+    topics.MARKERS_EGO: MarkerArray,
+    topics.MARKERS_PLAN: MarkerArray,
+    topics.PLAN: Path,
+    topics.DISTANCE: Float64,
 }
 
 
@@ -74,20 +85,20 @@ class VizNode(Node):
         self._final_draws = 0  # how many more times a message of the last tick is drawn at once
         self._drawn = 0
         self._last_draw_s = 0.0
-        self._stamp = Header(frame_id=MAP_FRAME).stamp
+        self._stamp = 0  # [ns] of the last tick that was drawn
         self._fault = ""
         self._create_outputs()
         for topic, kind in _TICK_TOPICS.items():
             self.create_subscription(kind, topic, partial(self._on_bytes, topic), qos.STREAM, raw=True)
-        self.create_subscription(msg.Route, qos.ROUTE, self._on_route, qos.LATCHED)
-        self.create_subscription(msg.Map, qos.MAP, self._on_map, qos.LATCHED, raw=True)
-        self.create_subscription(msg.ScenarioEvent, qos.EVENTS, self._on_event, qos.EVENT)
-        nearest_distance(EgoState.from_yaw(0.0, 0.0, 0.0, 0.0, 0.0, *DEFAULT_SIZE), ObjectList.empty())  # compile
+        self.create_subscription(msg.Route, topics.ROUTE, self._on_route, qos.LATCHED, raw=True)
+        self.create_subscription(msg.Map, topics.MAP, self._on_map, qos.LATCHED, raw=True)
+        self.create_subscription(msg.ScenarioEvent, topics.EVENTS, self._on_event, qos.EVENT, raw=True)
+        nearest_distance(EgoState.from_yaw(0.0, 0.0, 0.0, 0.0, 0.0, *messages.EGO_SIZE), ObjectList.empty())  # compile
         self._diagnostics = DiagnosticsReporter(self, self._health)
 
     def _create_outputs(self) -> None:
-        self._outputs = {topic: self.create_publisher(kind, topic, qos.STREAM) for topic, kind in DRAWINGS.items()}
-        self._to_map = self.create_publisher(MarkerArray, MARKERS_MAP, qos.LATCHED)
+        self._outputs = {topic: self.create_publisher(kind, topic, qos.STREAM) for topic, kind in _DRAWINGS.items()}
+        self._to_map = self.create_publisher(MarkerArray, topics.MARKERS_MAP, qos.LATCHED)
 
     def _on_parameters(self, changed: list[Parameter]) -> None:
         names = VizParameters.model_fields
@@ -96,9 +107,9 @@ class VizNode(Node):
             self._cadence.set(self._settings.rate, self._settings.load)
 
     def _on_bytes(self, topic: str, data: bytes) -> None:
-        before = self._memory.newest(qos.EGO)
+        before = self._memory.newest(topics.EGO)
         stamp = self._memory.put(topic, data)
-        if topic == qos.EGO and before is not None:
+        if topic == topics.EGO and before is not None:
             if stamp < before:
                 self._memory.drop_after(stamp)
                 self._restart()
@@ -121,11 +132,11 @@ class VizNode(Node):
                 return False
             if newest > stamp - PATIENCE_S * NANOSECONDS and self._memory.at(topic, stamp) is None:
                 return False
-        return self._memory.at(qos.EGO, stamp) is not None
+        return self._memory.at(topics.EGO, stamp) is not None
 
-    def _on_route(self, message: msg.Route) -> None:
+    def _on_route(self, data: bytes) -> None:
         try:
-            self._route = route_of(message)
+            self._route = messages.route_of(messages.ROUTE.decode(data))
         except (ValueError, IndexError) as error:
             self._fault = f"route: {error}"
             return
@@ -135,14 +146,14 @@ class VizNode(Node):
         self._map = data
         self._map_is_due = True
 
-    def _on_event(self, message: msg.ScenarioEvent) -> None:
-        kind = EventKind(message.kind) if message.kind in set(EventKind) else EventKind.ABORTED
-        if kind is EventKind.STARTED:
-            self._memory.drop_after(nanoseconds_of(message.header.stamp))
+    def _on_event(self, data: bytes) -> None:
+        event = messages.event_of(messages.EVENT.decode(data))
+        if event is not None and event.kind is EventKind.STARTED:
+            self._memory.drop_after(messages.stamp_of_bytes(data))
             self._restart()
-        elif kind.is_final:
+        elif event is None or event.kind.is_final:
             self._final_draws = len(_TICK_TOPICS)  # the event may overtake the messages of its tick
-            newest = self._memory.newest(qos.EGO)
+            newest = self._memory.newest(topics.EGO)
             if newest is not None:
                 self._draw(newest, at_once=True)
 
@@ -151,16 +162,15 @@ class VizNode(Node):
         self._cadence.restart()
 
     def _draw(self, stamp: int, *, at_once: bool = False) -> None:
-        raw_ego = self._memory.at(qos.EGO, stamp)
+        raw_ego = self._memory.at(topics.EGO, stamp)
         if raw_ego is None or not (at_once or self._cadence.may_draw(time.monotonic())):
             return
         begin = time.thread_time()
-        size = DEFAULT_SIZE if self._route is None else (self._route.ego_length, self._route.ego_width)
-        odometry = deserialize_message(raw_ego, Odometry)
-        ego = ego_of(odometry, *size)
+        size = messages.EGO_SIZE if self._route is None else (self._route.ego_length, self._route.ego_width)
+        ego = messages.ego_of(messages.EGO.decode(raw_ego), *size)
         if all(math.isfinite(value) for value in (ego.x, ego.y, ego.yaw, ego.speed, *size)):
-            self._stamp = odometry.header.stamp
-            self._publish(ego, Header(stamp=self._stamp, frame_id=MAP_FRAME), stamp)
+            self._stamp = stamp
+            self._publish(ego, stamp)
             self._drawn += 1
         else:
             self._fault = "ego: a number is not finite"
@@ -169,37 +179,33 @@ class VizNode(Node):
         if self._map_is_due:
             self._draw_map()  # after the tick: it takes long, and thousands of ticks may pass meanwhile
 
-    def _publish(self, ego: EgoState, header: Header, stamp: int) -> None:
-        objects, signals = self._objects_at(stamp)
-        raw = self._decoded(qos.POLICY_TRAJECTORY, stamp)
-        plan = Trajectory.empty() if raw is None else trajectory_of(raw)
+    def _publish(self, ego: EgoState, stamp: int) -> None:
+        nobody = (ObjectList.empty(), np.empty(0, dtype=np.uint8))
+        objects, signals = self._read(topics.OBJECTS, messages.OBJECTS, messages.objects_of, stamp) or nobody
+        plan = self._read(topics.POLICY_TRAJECTORY, messages.TRAJECTORY, messages.trajectory_of, stamp)
+        repair = self._read(topics.REPAIR_STATE, messages.REPAIR, messages.repair_of, stamp)
         scene = Scene(stamp / NANOSECONDS, ego, objects, signals)
-        state = self._decoded(qos.REPAIR_STATE, stamp)
-        for topic, drawing in draw_tick(scene, plan, state, self._route, header, self._settings.text_radius):
-            self._outputs[topic].publish(drawing)
+        header = messages.header_at(stamp)
+        radius = self._settings.text_radius
+        for topic, drawing in draw_tick(scene, plan or Trajectory.empty(), repair, self._route, header, radius):
+            self._outputs[topic].publish(encode(drawing))
 
-    def _decoded(self, topic: str, stamp: int) -> Any:
+    def _read(self, topic: str, kind: MessageType, value_of: Callable[[Any], Value], stamp: int) -> Value | None:
+        """What a topic says of a tick; None where it says nothing, or nothing that can be read."""
         data = self._memory.at(topic, stamp)
-        return None if data is None else deserialize_message(data, _TICK_TOPICS[topic])
-
-    def _objects_at(self, stamp: int) -> tuple[ObjectList, np.ndarray]:
-        message = self._decoded(qos.OBJECTS, stamp)
-        if message is not None:
-            try:
-                return objects_of(message)
-            except ValueError as error:
-                self._fault = str(error)
-        return ObjectList.empty(), np.empty(0, dtype=np.uint8)
+        try:
+            return None if data is None else value_of(kind.decode(data))
+        except ValueError as error:
+            self._fault = str(error)
+            return None
 
     def _draw_map(self) -> None:
         """Publish lanes and route; latched, and complete in this one message."""
         self._map_is_due = False
-        header = Header(stamp=self._stamp, frame_id=MAP_FRAME)
-        lanes = None if self._map is None else deserialize_message(self._map, msg.Map)
-        if lanes is not None:
-            header.stamp = lanes.header.stamp
+        header = messages.header_at(self._stamp if self._map is None else messages.stamp_of_bytes(self._map))
         try:
-            self._to_map.publish(map_markers(lanes, self._route, header))
+            lanes = None if self._map is None else messages.lanes_of(messages.MAP.decode(self._map))
+            self._to_map.publish(encode(map_markers(lanes, self._route, header)))
         except (ValueError, IndexError) as error:
             self._fault = str(error)
 
@@ -214,8 +220,8 @@ class VizNode(Node):
         fault, self._fault = self._fault, ""
         if fault:
             return Health(Level.WARN, fault, values)
-        if self._memory.newest(qos.EGO) is None:
-            return Health(Level.OK, f"waiting for {self.resolve_topic_name(qos.EGO)}", values)
+        if self._memory.newest(topics.EGO) is None:
+            return Health(Level.OK, f"waiting for {self.resolve_topic_name(topics.EGO)}", values)
         return Health(Level.OK, "drawing", values)
 
 

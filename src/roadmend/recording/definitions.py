@@ -1,4 +1,4 @@
-"""Message definitions as text, found where ROS packages install them. Needs no ROS library."""
+"""Message definitions as text: as ROS packages install them, or as they come with roadmend. Needs no ROS."""
 
 import json
 import os
@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 
@@ -57,9 +58,10 @@ class Definition:
 
 @cache
 def find(type_name: str) -> Definition:
-    """The definition of an installed message type.
+    """The definition of a message type.
 
-    Searches share/ of each prefix in AMENT_PREFIX_PATH, then of the running Python.
+    Searches share/ of each prefix in AMENT_PREFIX_PATH, then of the running Python, then what comes with roadmend: its
+    own messages and those of the packages in msg/vendor, and ROS's common ones without their comments.
 
     Args:
         type_name: package/msg/Name or package/Name.
@@ -109,16 +111,34 @@ def _fields(text: str, package: str) -> Iterator[str]:
 
 
 def _read(name: str) -> str:
-    for path in _candidates(name, ".msg"):
+    for path in (*_candidates(name, ".msg"), *_shipped(name)):
         try:
             return path.read_text("utf-8")
         except FileNotFoundError:
             continue
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(str(path), f"cannot be read ({error})", "install the package anew") from error
-    raise InputError(
-        name, "no such message type is installed", "install its package or add its prefix to AMENT_PREFIX_PATH"
-    )
+    store, full_name = _common(), name.replace("/", "/msg/")
+    if full_name not in store.fielddefs:
+        raise InputError(
+            name, "no such message type is installed", "install its package or add its prefix to AMENT_PREFIX_PATH"
+        )
+    return str(store.generate_msgdef(full_name, ros_version=2)[0]).split(f"{_SEPARATOR}\n", maxsplit=1)[0]
+
+
+@cache
+def _common() -> Any:
+    """The packages that every ROS has; half a second to load, and needed only where they are not installed."""
+    return get_typestore(Stores.ROS2_JAZZY)
+
+
+def _shipped(name: str) -> Iterator[Path]:
+    """Where the source tree has a type, or the installed package's data."""
+    package, stem = name.split("/")
+    source = Path(__file__).parents[3] / "msg"
+    yield (source if package == "roadmend_msgs" else source / "vendor" / package) / "msg" / f"{stem}.msg"
+    for parent in (Path(sys.prefix), *Path(__file__).parents):
+        yield parent / "share" / "roadmend" / "msg" / package / f"{stem}.msg"
 
 
 def _candidates(name: str, suffix: str) -> Iterator[Path]:

@@ -9,15 +9,14 @@ from typing import Any
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
 from roadmend.core.repair import RepairStatus
-from roadmend.recording.decoding import Decoder
+from roadmend.recording.codec import Codec
 from roadmend.recording.enclosure import Attachment
 from roadmend.recording.layout import REPEATED
 from roadmend.recording.recovery import files_left
 from roadmend.recording.rhythm import Rhythm
 from roadmend.recording.scan import Item, NamedTexts, Scan, ScannedMessage, ScannedTopic
+from roadmend.recording.topics import EVENTS, REPAIR_STATE, TYPES
 
-_STATE_TYPE = "roadmend_msgs/msg/RepairState"
-_EVENT_TYPE = "roadmend_msgs/msg/ScenarioEvent"
 _RECORD = "roadmend"  # metadata that the recorder writes
 _HIDDEN = {"rosbag2", REPEATED}  # metadata that repeat what the rest of the information says
 SECOND = 1e9  # [ns]
@@ -121,7 +120,7 @@ class _Reading:
         self._attachments: dict[str, int] = {}
         self._repair: Interventions | None = None
         self._outcome: tuple[str, str] | None = None  # with its text, as the events tell it
-        self._decoder = Decoder()
+        self._codec = Codec()
 
     def take(self, item: Item) -> None:
         if isinstance(item, NamedTexts):
@@ -131,13 +130,13 @@ class _Reading:
         else:
             self._rhythms.setdefault(item.topic.name, Rhythm()).add(item.time_ns)
             self._topics[item.topic.name] = item.topic
-            if item.topic.definition.type_name in {_STATE_TYPE, _EVENT_TYPE}:
-                with contextlib.suppress(InputError):  # a message that was altered on the disk
+            if item.topic.definition.type_name in {TYPES[REPAIR_STATE], TYPES[EVENTS]}:
+                with contextlib.suppress(ValueError):  # a message that was altered on the disk
                     self._look_into(item)
 
     def _look_into(self, item: ScannedMessage) -> None:
-        value = self._decoder.decode(item.topic.definition, item.data)
-        if item.topic.definition.type_name == _STATE_TYPE:
+        value = self._codec.decode(item.topic.definition, item.data)
+        if item.topic.definition.type_name == TYPES[REPAIR_STATE]:
             self._repair = self._repair or Interventions()
             self._repair.add(int(value.state), intervened=bool(value.intervened))
             return

@@ -18,7 +18,7 @@ from zstandard import ZstdError
 
 from roadmend.core.errors import InputError
 from roadmend.recording import layout, qos
-from roadmend.recording.decoding import Decoder
+from roadmend.recording.codec import Codec
 from roadmend.recording.definitions import ENCODINGS, Definition
 from roadmend.recording.enclosure import Attachment
 from roadmend.recording.layout import FileSummary, TopicSummary
@@ -84,7 +84,7 @@ class BagReader:
         self.metadata: dict[str, dict[str, str]] = {}  # records of one name joined, later values win
         self._paths = layout.files_of(path)
         self._repeated: list[Counter[str]] = []  # for each file, how many messages of a topic repeat earlier ones
-        self._decoder = Decoder()
+        self._codec = Codec()
         for file in self._paths:
             with _reading(file) as reader:
                 self._read_summary(file, reader)
@@ -150,8 +150,8 @@ class BagReader:
     def decode(self, record: Record) -> Any:
         """The fields of a message, by the definition that the bag carries."""
         try:
-            return self._decoder.decode(self.definitions[record.type_name], record.data)
-        except InputError as error:
+            return self._codec.decode(self.definitions[record.type_name], record.data)
+        except ValueError as error:
             what = f"a message on {record.topic} is not a {record.type_name}"
             raise InputError(str(self.path), what, "take another bag") from error
 

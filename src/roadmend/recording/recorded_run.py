@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from roadmend.core.errors import InputError
 from roadmend.core.geometry import nearest_distance
 from roadmend.core.outcome import EventKind
+from roadmend.core.route import Route
 from roadmend.core.yaml_file import parse_yaml
 from roadmend.policies.registry import POLICIES
+from roadmend.recording.messages import sized
 from roadmend.recording.reader import BagReader
 from roadmend.recording.ticks import BagTicks
-from roadmend.recording.values import EGO_SIZE, sized
 from roadmend.world.runner import EpisodeSummary
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import parse_scenario
@@ -88,15 +89,15 @@ def recorded_outcome(ticks: BagTicks, method: str) -> RunOutcome:
     """
     outcome, text, stamp = EventKind.ABORTED, "no final event was recorded", -1
     interventions, nearest = 0, math.inf
-    size = EGO_SIZE
+    route: Route | None = None
     for tick in ticks:
         if tick.ego is None:
             continue
         stamp = tick.stamp
-        if tick.route is not None:
-            size = (tick.route.ego_length, tick.route.ego_width)
+        route = tick.route or route
         if tick.objects is not None:
-            nearest = min(nearest, nearest_distance(sized(tick.ego, *size), tick.objects))
+            ego = tick.ego if route is None else sized(tick.ego, route)
+            nearest = min(nearest, nearest_distance(ego, tick.objects))
         if tick.final is not None:
             outcome, text = tick.final.kind, tick.final.text  # nobody drives on the answer to this tick
         elif tick.repair is not None:

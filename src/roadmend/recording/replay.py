@@ -8,8 +8,8 @@ from roadmend.core.errors import InputError
 from roadmend.recording.definitions import computed_hash, find
 from roadmend.recording.qos import Qos
 from roadmend.recording.reader import BagReader, Record
+from roadmend.recording.topics import CLOCK
 
-CLOCK_TOPIC = "/clock"
 DEPTH_MAX = 1000  # messages that a replayed publisher keeps at most where the bag does not tell its depth
 _NANOSECONDS = 1_000_000_000
 _TICK_BYTES_MAX = 1 << 26  # a bag without a clock is one tick as a whole: such a tick is played in parts
@@ -130,11 +130,11 @@ def select_topics(reader: BagReader, wanted: Collection[str], exclude: Collectio
         InputError: a name is no topic of the bag, or nothing is left to play.
     """
     names = [find_topic(reader, name) for name in wanted] or [*reader.topics]
-    if CLOCK_TOPIC in reader.topics:
-        names.append(CLOCK_TOPIC)
+    if CLOCK in reader.topics:
+        names.append(CLOCK)
     # A bag without a clock is played with one, which can be excluded as well.
     left_out = {absolute(name) for name in exclude}
-    for name in left_out - {CLOCK_TOPIC}:
+    for name in left_out - {CLOCK}:
         find_topic(reader, name)
     chosen = [name for name in dict.fromkeys(names) if name not in left_out]
     if not chosen:

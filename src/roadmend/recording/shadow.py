@@ -9,6 +9,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.route import Route
 from roadmend.recording.ticks import BagTick, BagTicks
+from roadmend.recording.topics import REPAIR_COMMAND
 from roadmend.repair.guard import GuardedRepairer
 from roadmend.world.ego import VehicleParameters
 
@@ -47,7 +48,7 @@ def run_shadow(
     first: float | None = None
     difference = 0.0
     route: Route | None = None
-    repaired = "repair/command" in ticks.topics
+    repaired = REPAIR_COMMAND in ticks.topics
     for tick in ticks:
         if tick.route is not None:
             route = tick.route

@@ -1,8 +1,8 @@
-"""A recorded episode tick by tick, in little memory however long it is. Needs no ROS."""
+"""A recorded episode tick by tick, in little memory however long it is. The one reader of episodes. Needs no ROS."""
 
 import contextlib
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -14,30 +14,11 @@ from roadmend.core.outcome import Event
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, ObjectList, Scene
+from roadmend.recording import messages, topics
 from roadmend.recording.reader import BagReader
-from roadmend.recording.values import (
-    command_of,
-    ego_of,
-    event_of,
-    objects_of,
-    repair_of,
-    route_of,
-    sized,
-    stamp_of,
-    trajectory_of,
-)
+from roadmend.world.road_network import LaneMap
 
 LATE_NS = 1_000_000_000  # [ns] how much later than its tick a message may stand in a bag
-_TYPES = {
-    "ego": "nav_msgs/msg/Odometry",
-    "objects": "roadmend_msgs/msg/ObjectList",
-    "route": "roadmend_msgs/msg/Route",
-    "events": "roadmend_msgs/msg/ScenarioEvent",
-    "policy/command": "roadmend_msgs/msg/Command",
-    "policy/trajectory": "roadmend_msgs/msg/Trajectory",
-    "repair/command": "roadmend_msgs/msg/Command",
-    "repair/state": "roadmend_msgs/msg/RepairState",
-}
 
 
 @dataclass(slots=True)
@@ -46,6 +27,7 @@ class BagTick:
 
     stamp: int  # [ns]
     route: Route | None = None  # where an episode begins
+    lanes: LaneMap | None = None  # likewise
     ego: EgoState | None = None
     objects: ObjectList | None = None
     signals: NDArray[np.uint8] | None = None
@@ -53,14 +35,13 @@ class BagTick:
     trajectory: Trajectory | None = None
     driven: Command | None = None  # what the repair node sent
     repair: Repair | None = None  # its account of that
-    final: Event | None = None  # how the episode ended with this tick
+    events: list[Event] = field(default_factory=list)
 
     def scene(self, route: Route) -> Scene | None:
         """The scene as the nodes saw it, the ego as large as the route tells."""
         if self.ego is None or self.objects is None or self.signals is None:
             return None
-        ego = sized(self.ego, route.ego_length, route.ego_width)
-        return Scene(self.stamp * 1e-9, ego, self.objects, self.signals)
+        return Scene(self.stamp * 1e-9, messages.sized(self.ego, route), self.objects, self.signals)
 
     @property
     def decision(self) -> Decision | None:
@@ -69,22 +50,28 @@ class BagTick:
             return None
         return Decision(self.command, self.trajectory)
 
+    @property
+    def final(self) -> Event | None:
+        """How the episode ended with this tick."""
+        return next((event for event in reversed(self.events) if event.kind.is_final), None)
+
 
 class BagTicks:
     """The ticks of the one episode that a bag holds.
 
     Args:
         reader: the bag.
+        needed: topics that it must have; without these three no tick can be judged again.
 
     Raises:
-        InputError: the bag lacks odometry, objects or the route, without which no tick can be judged again.
+        InputError: the bag lacks one of them.
     """
 
-    def __init__(self, reader: BagReader) -> None:
+    def __init__(self, reader: BagReader, needed: Sequence[str] = (topics.EGO, topics.OBJECTS, topics.ROUTE)) -> None:
         self.path = reader.path
         self._reader = reader
         self.topics = _topics(reader)  # the graph's name of a topic -> its name in the bag
-        missing = [short for short in ("ego", "objects", "route") if short not in self.topics]
+        missing = [topic for topic in needed if topic not in self.topics]
         if missing:
             raise InputError(
                 str(reader.path), f"holds no {' and no '.join(missing)}", "name a bag that an episode was recorded into"
@@ -93,7 +80,7 @@ class BagTicks:
     @property
     def namespace(self) -> str:
         """Namespace that the graph was recorded in; empty for the root."""
-        return self.topics["ego"].removesuffix("/ego")
+        return self.topics[topics.EGO].removesuffix(f"/{topics.EGO}")
 
     def __iter__(self) -> Iterator[BagTick]:
         """The ticks in the order of their stamps.
@@ -101,16 +88,16 @@ class BagTicks:
         Raises:
             InputError: the bag is corrupt, or its route is unusable.
         """
-        shorts = {name: short for short, name in self.topics.items()}
+        takers = {name: _TAKERS[topic] for topic, name in self.topics.items()}
         open_ticks: dict[int, BagTick] = {}
-        for message in self._reader.messages(list(shorts)):
-            stamp = stamp_of(message.value)
+        for message in self._reader.messages(list(takers)):
+            stamp = messages.stamp_of(message.value.header)
             if stamp not in open_ticks:
                 open_ticks[stamp] = BagTick(stamp)
                 for done in sorted(known for known in open_ticks if known < stamp - LATE_NS):
                     yield open_ticks.pop(done)
             try:
-                _take(open_ticks[stamp], shorts[message.topic], message.value)
+                takers[message.topic](open_ticks[stamp], message.value)
             except (ValueError, IndexError) as error:
                 where = f"{message.topic} at {stamp * 1e-9:.2f} s"
                 raise InputError(str(self.path), f"{where}: {error}", "take another bag") from error
@@ -121,36 +108,68 @@ class BagTicks:
 def _topics(reader: BagReader) -> dict[str, str]:
     """Topics of the graph as they are named in the bag: perhaps in a namespace, then in the shortest one."""
     found = {}
-    for short, kind in _TYPES.items():
-        names = [
-            name for name, topic in reader.topics.items() if topic.type_name == kind and name.endswith(f"/{short}")
-        ]
+    for topic, kind in topics.TYPES.items():
+        names = [name for name, one in reader.topics.items() if one.type_name == kind and name.endswith(f"/{topic}")]
         if names:
-            found[short] = min(names, key=len)
+            found[topic] = min(names, key=len)
     return found
 
 
-def _take(tick: BagTick, short: str, value: Any) -> None:
-    match short:
-        case "ego":
-            tick.ego = ego_of(value)
-        case "objects":
-            with contextlib.suppress(ValueError):  # a fault that the repair node has met as well, and answered
-                tick.objects = objects_of(value)
-                tick.signals = np.array(value.signal, dtype=np.uint8)
-        case "route":
-            tick.route = route_of(value)
-        case "policy/command":
-            tick.command = command_of(value)
-        case "policy/trajectory":
-            tick.trajectory = trajectory_of(value)
-        case "repair/command":
-            tick.driven = command_of(value)
-        case "repair/state":
-            tick.repair = repair_of(value)
-        case "events":
-            event = event_of(value)
-            if event is not None and event.kind.is_final:
-                tick.final = event
+def _take_ego(tick: BagTick, message: Any) -> None:
+    tick.ego = messages.ego_of(message)
+
+
+def _take_objects(tick: BagTick, message: Any) -> None:
+    with contextlib.suppress(ValueError):  # a fault that the repair node has met as well, and answered
+        tick.objects, tick.signals = messages.objects_of(message)
+
+
+def _take_route(tick: BagTick, message: Any) -> None:
+    tick.route = messages.route_of(message)
+
+
+def _take_map(tick: BagTick, message: Any) -> None:
+    tick.lanes = messages.lanes_of(message)
+
+
+def _take_event(tick: BagTick, message: Any) -> None:
+    event = messages.event_of(message)
+    if event is not None:
+        tick.events.append(event)
+
+
+def _take_policy_command(tick: BagTick, message: Any) -> None:
+    tick.command = messages.command_of(message)
+
+
+def _take_trajectory(tick: BagTick, message: Any) -> None:
+    tick.trajectory = messages.trajectory_of(message)
+
+
+def _take_repair_command(tick: BagTick, message: Any) -> None:
+    tick.driven = messages.command_of(message)
+    _join(tick)
+
+
+def _take_repair_state(tick: BagTick, message: Any) -> None:
+    tick.repair = messages.repair_of(message)
+    _join(tick)
+
+
+def _join(tick: BagTick) -> None:
+    """The command that was sent is exact; its account knows only the difference of throttle and brake."""
     if tick.repair is not None and tick.driven is not None:
         tick.repair = replace(tick.repair, command=tick.driven)
+
+
+_TAKERS: dict[str, Callable[[BagTick, Any], None]] = {
+    topics.EGO: _take_ego,
+    topics.OBJECTS: _take_objects,
+    topics.ROUTE: _take_route,
+    topics.MAP: _take_map,
+    topics.EVENTS: _take_event,
+    topics.POLICY_COMMAND: _take_policy_command,
+    topics.POLICY_TRAJECTORY: _take_trajectory,
+    topics.REPAIR_COMMAND: _take_repair_command,
+    topics.REPAIR_STATE: _take_repair_state,
+}

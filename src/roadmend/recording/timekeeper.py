@@ -1,18 +1,16 @@
 """Which moment of simulation time a serialized message belongs to."""
 
-import struct
 import time
 from collections.abc import Callable
 
 from roadmend.recording.definitions import Definition
+from roadmend.recording.messages import stamp_of_bytes
 
 CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
 _HEADER = "std_msgs/Header"
 _SECOND = 1_000_000_000
 # A stamp beyond this, while the clock is below it, was taken from the wall clock: simulations do not begin in 2001.
 _WALL_NS = 1_000_000_000 * _SECOND
-_STAMP = struct.Struct("<iI")  # builtin_interfaces/Time, little-endian, behind the 4 bytes that open every message
-_STAMP_OFFSET = 4
 
 
 class Timekeeper:
@@ -40,12 +38,12 @@ class Timekeeper:
         return self._of_bare
 
     def _of_clock(self, data: bytes) -> int:
-        now_ns = max(_stamp(data), 0)
+        now_ns = max(stamp_of_bytes(data), 0)
         self.now_ns = now_ns
         return now_ns
 
     def _of_header(self, data: bytes) -> int:
-        stamp = _stamp(data)
+        stamp = stamp_of_bytes(data)
         if stamp < 0:
             return self._of_bare(data)
         if stamp >= _WALL_NS > self.now_ns and self._simulated:
@@ -55,8 +53,3 @@ class Timekeeper:
 
     def _of_bare(self, _data: bytes) -> int:
         return self.now_ns if self._simulated else time.time_ns()
-
-
-def _stamp(data: bytes) -> int:
-    seconds, nanoseconds = _STAMP.unpack_from(data, _STAMP_OFFSET)
-    return int(seconds * _SECOND + nanoseconds)

@@ -182,10 +182,11 @@ def lanes_of(network: RoadNetwork) -> LaneMap:
     lanes = [(edge, lane) for edge in network.edges.values() for lane in edge.lanes if len(lane.shape) >= 2]
     points = np.concatenate([lane.shape for _, lane in lanes]) if lanes else np.empty((0, 2), dtype=np.float64)
     counts = [len(lane.shape) for _, lane in lanes]
+    widths = np.array([lane.width for _, lane in lanes], dtype=np.float32)  # as a message of the map has them
     return LaneMap(
         np.cumsum([0, *counts], dtype=np.int64)[:-1],
         np.array([_kind(edge, lane) for edge, lane in lanes], dtype=np.uint8),
-        np.array([lane.width for _, lane in lanes], dtype=np.float64),
+        widths.astype(np.float64),
         np.ascontiguousarray(points[:, 0]),
         np.ascontiguousarray(points[:, 1]),
     )

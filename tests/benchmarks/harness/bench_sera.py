@@ -36,12 +36,12 @@ from roadmend.core.resources import config_folder
 from roadmend.core.settings import check_settings
 from roadmend.measures.driver import driver_key
 from roadmend.networks.checkpoint import find_model
-from roadmend.nodes.evaluation_episode import EvaluatedEpisode, EvaluationJob, evaluate
 from roadmend.reports.result_files import provenance
 from roadmend.search.corpus_plan import LAST_FRESH
 from roadmend.sera.analyser import EmbeddedAnalyser
 from roadmend.sera.analysis import read_incidents
 from roadmend.sera.bank import Bank, build_bank
+from roadmend.sera.evaluation_episode import EvaluatedEpisode, EvaluationJob, evaluate
 from roadmend.sera.incident import Incident
 from roadmend.sera.pattern import FailurePattern
 from roadmend.training.device import choose_torch_device

@@ -2,19 +2,14 @@
 
 from collections.abc import Callable
 
-from rclpy.serialization import serialize_message
-
 from roadmend.core.command import Decision
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.tick import Tick
-from roadmend.nodes import convert
-from roadmend.nodes.episode_writer import EpisodeWriter
+from roadmend.recording.episode_writer import EpisodeWriter
 from roadmend.recording.writer import BagWriter
-from roadmend.world.network import network_file
-from roadmend.world.road_network import lanes_of, read_network
+from roadmend.world.road_network import LaneMap
 from roadmend.world.runner import EpisodeSummary
-from roadmend.world.scenario import Scenario
 
 DRAWN = 2  # every second tick is drawn: 10 times a second, as viz_node does
 
@@ -25,19 +20,19 @@ class EpisodeRecorder:
     Args:
         writer: the bag.
         method_at: which repair method answers at a time [s].
-        map_data: the serialized map; without it the bag has none.
+        lanes: the map; without it the bag has none.
     """
 
-    def __init__(self, writer: BagWriter, method_at: Callable[[float], str], map_data: bytes | None) -> None:
+    def __init__(self, writer: BagWriter, method_at: Callable[[float], str], lanes: LaneMap | None) -> None:
         self._episode = EpisodeWriter(writer)
         self._method_at = method_at
-        self._map = map_data
+        self._lanes = lanes
         self._route: Route | None = None
 
     def opened(self, route: Route) -> None:
         """The episode begins."""
         self._route = route
-        self._episode.route(route, self._map)
+        self._episode.route(route, self._lanes)
 
     def answered(self, tick: Tick, decision: Decision, repair: Repair) -> None:
         """A tick was decided."""
@@ -61,12 +56,6 @@ class EpisodeRecorder:
     def _draw(self, tick: Tick, decision: Decision | None = None, repair: Repair | None = None) -> None:
         if self._route is not None:
             self._episode.drawing(tick.scene, self._route, decision, repair)
-
-
-def map_data_of(scenario: Scenario) -> bytes:
-    """The serialized map of a scenario's road network."""
-    lanes = lanes_of(read_network(network_file(scenario.network)))
-    return bytes(serialize_message(convert.map_message_of(lanes, convert.header_of(0.0))))
 
 
 def account_of(summary: EpisodeSummary, messages: int) -> dict[str, str]:

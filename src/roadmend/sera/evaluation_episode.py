@@ -13,12 +13,14 @@ from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.tick import Tick
 from roadmend.measures.driving import DrivingMeasures, MeasuresObserver
-from roadmend.nodes.episode_recorder import EpisodeRecorder, account_of, map_data_of
 from roadmend.policies.registry import make_policy
+from roadmend.recording.episode_recorder import EpisodeRecorder, account_of
 from roadmend.recording.new_bag import new_bag
 from roadmend.recording.recorded_run import RECORD
 from roadmend.recording.writer import BagWriter
 from roadmend.repair.registry import make_repairer
+from roadmend.world.network import network_file
+from roadmend.world.road_network import lanes_of, read_network
 from roadmend.world.runner import EpisodeSummary, run_episode
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import dump_scenario
@@ -88,7 +90,8 @@ class _Run:
         if writer is not None:
             file = f"{job.scenario.name}.yaml"
             writer.add_attachment(file, "application/yaml", dump_scenario(job.scenario).encode())
-            self._recorder = EpisodeRecorder(writer, lambda _: job.method, map_data_of(job.scenario))
+            network = read_network(network_file(job.scenario.network))
+            self._recorder = EpisodeRecorder(writer, lambda _: job.method, lanes_of(network))
         self.summary: EpisodeSummary = run_episode(
             job.scenario, make_policy(job.policy), make_repairer(job.method), self._answered, self._ended, self._opened
         )

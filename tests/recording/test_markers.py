@@ -1,24 +1,22 @@
 """Markers: complete pictures, exact outlines, finite numbers, and what stands out in them."""
 
 import math
-from array import array
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-from roadmend_msgs import msg
-from visualization_msgs.msg import Marker, MarkerArray
+from visualization_msgs.msg import Marker
 
 from roadmend.core.appearance import KIND_COLOUR, KIND_HEIGHT, STATUS_COLOUR, TRIGGER_COLOUR
-from roadmend.core.command import Trajectory
+from roadmend.core.command import Command, Trajectory
 from roadmend.core.geometry import fill_corners
-from roadmend.core.repair import RepairStatus
+from roadmend.core.repair import Repair, RepairStatus, Trigger
 from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
-from roadmend.nodes.convert import header_of
-from roadmend.nodes.marker_map import band_edges, map_markers
-from roadmend.nodes.marker_parts import colour_of
-from roadmend.nodes.marker_ticks import Cadence, TickMemory, stamp_of_bytes
-from roadmend.nodes.markers import (
+from roadmend.recording.marker_map import band_edges, map_markers
+from roadmend.recording.marker_parts import Shape, colour_of
+from roadmend.recording.markers import (
     caption_of,
     ego_markers,
     object_markers,
@@ -27,6 +25,8 @@ from roadmend.nodes.markers import (
     signal_markers,
     transform_of,
 )
+from roadmend.recording.messages import header_of
+from roadmend.world.road_network import LaneMap
 
 HEADER = header_of(12.35)
 EGO = EgoState.from_yaw(3.0, 4.0, 0.7, 8.0, 0.0, 4.8, 1.8)
@@ -62,42 +62,32 @@ def plan() -> Trajectory:
     return Trajectory(0.5, np.array([4.0, 8.0, 12.0]), np.zeros(3), np.zeros(3), np.full(3, 8.0), "follow")
 
 
-def lane_map(count: int = 4) -> msg.Map:
+def lane_map(count: int = 4) -> LaneMap:
     """Lanes of three points each, kinds in turn."""
-    return msg.Map(
-        header=header_of(0.0),
-        lane_begin=array("I", [3 * lane for lane in range(count)]),
-        lane_kind=array("B", [lane % 3 for lane in range(count)]),
-        lane_width=array("f", [3.2] * count),
-        x=array("d", [value for _ in range(count) for value in (0.0, 10.0, 20.0)]),
-        y=array("d", [3.2 * lane for lane in range(count) for _ in range(3)]),
+    lane = np.arange(count)
+    return LaneMap(
+        3 * lane,
+        (lane % 3).astype(np.uint8),
+        np.full(count, 3.2),
+        np.tile([0.0, 10.0, 20.0], count),
+        np.repeat(3.2 * lane, 3),
     )
 
 
-def state(**changes: object) -> msg.RepairState:
+def repair(**changes: object) -> Repair:
     """A repair with a reason."""
-    known = {
-        "header": HEADER,
-        "state": int(RepairStatus.REPAIRED),
-        "method": "rule",
-        "score": 0.9,
-        "threshold": 0.5,
-        "policy_action": 0.4,
-        "repair_action": -0.8,
-        "final_action": -0.8,
-        "intervened": True,
-        "trigger_id": array("I", [2]),
-        "reason": "car 2 ahead",
-    }
-    return msg.RepairState(**(known | changes))
+    known = Repair(
+        Command(0.0, 0.8), RepairStatus.REPAIRED, 0.9, 0.5, 0.4, -0.8, True, 0, (Trigger(2, 1.0),), "car 2 ahead"
+    )
+    return replace(known, **changes)
 
 
-def in_namespace(markers: MarkerArray, namespace: str) -> list[Marker]:
+def in_namespace(markers: Any, namespace: str) -> list[Any]:
     """The markers of one namespace."""
     return [marker for marker in markers.markers if marker.ns == namespace]
 
 
-def numbers_of(markers: MarkerArray) -> list[float]:
+def numbers_of(markers: Any) -> list[float]:
     """Every number that places or sizes something."""
     found: list[float] = []
     for marker in markers.markers:
@@ -108,12 +98,12 @@ def numbers_of(markers: MarkerArray) -> list[float]:
     return found
 
 
-def every_picture() -> dict[str, MarkerArray]:
+def every_picture() -> dict[str, Any]:
     """One of each kind of picture."""
     objects = objects_at((1, ObjectKind.CAR, 0.0, 9.0, 0.3), (2, ObjectKind.BUS, 20.0, 0.0, -1.0))
     return {
         "objects": object_markers(objects, EGO, HEADER, triggers=frozenset({2})),
-        "ego": ego_markers(EGO, state(), HEADER),
+        "ego": ego_markers(EGO, repair(), HEADER),
         "plan": plan_markers(plan(), EGO, HEADER),
         "map": map_markers(lane_map(), route(), HEADER),
         "no objects": object_markers(ObjectList.empty(), EGO, HEADER),
@@ -200,25 +190,24 @@ def test_an_unknown_kind_and_the_largest_id_are_drawn() -> None:
 
 @pytest.mark.parametrize("status", list(RepairStatus))
 def test_ego_wears_the_colour_of_the_repair_state(status: RepairStatus) -> None:
-    box = in_namespace(ego_markers(EGO, state(state=int(status)), HEADER), "ego")[0]
+    box = in_namespace(ego_markers(EGO, repair(status=status), HEADER), "ego")[0]
     assert box.color == colour_of(STATUS_COLOUR[status])
 
 
 def test_ego_text_accounts_for_an_intervention() -> None:
-    lines = caption_of(EGO, state()).splitlines()
+    lines = caption_of(EGO, repair()).splitlines()
     assert lines == ["REPAIRED  8.0 m/s", "score 0.90 > 0.50", "action +0.40 -> -0.80", "car 2 ahead"]
 
 
 def test_ego_text_without_score_and_without_command() -> None:
-    stale = state(
-        state=int(RepairStatus.STALE_COMMAND), score=math.nan, threshold=math.nan, policy_action=math.nan, reason=""
+    stale = repair(
+        status=RepairStatus.STALE_COMMAND, score=math.nan, threshold=math.nan, policy_action=math.nan, reason=""
     )
     assert caption_of(EGO, stale).splitlines() == ["STALE_COMMAND  8.0 m/s", "action none -> -0.80"]
-    assert caption_of(EGO, state(state=0, intervened=False, score=0.2)).splitlines() == [
+    assert caption_of(EGO, repair(status=RepairStatus.PASS, intervened=False, score=0.2)).splitlines() == [
         "PASS  8.0 m/s",
         "score 0.20 <= 0.50",
     ]
-    assert caption_of(EGO, state(state=250)).startswith("MODEL_FAULT")
 
 
 def test_plan_begins_at_the_ego_and_has_a_sphere_for_each_point() -> None:
@@ -307,57 +296,13 @@ def test_band_survives_hairpins_and_repeated_or_broken_points() -> None:
 
 
 @pytest.mark.parametrize(
-    "change", [{"x": array("d", [0.0])}, {"lane_kind": array("B", [0])}, {"lane_begin": array("I", [3, 0, 6, 9])}]
+    "change", [{"x": np.zeros(1)}, {"kind": np.zeros(1, dtype=np.uint8)}, {"begin": np.array([3, 0, 6, 9])}]
 )
 def test_map_that_does_not_fit_together_is_refused(change: dict[str, object]) -> None:
-    broken = lane_map()
-    for name, value in change.items():
-        setattr(broken, name, value)
     with pytest.raises(ValueError, match="map: "):
-        map_markers(broken, None, HEADER)
+        map_markers(replace(lane_map(), **change), None, HEADER)
 
 
-def test_stamp_is_read_without_decoding() -> None:
-    from rclpy.serialization import serialize_message
-
-    assert stamp_of_bytes(serialize_message(state())) == 12_350_000_000
-    assert stamp_of_bytes(b"\x00\x00\x00\x00\x00\x00\x00\x01\x00\x00\x00\x02") == 1_000_000_002
-    with pytest.raises(ValueError, match="too few"):
-        stamp_of_bytes(b"\x00\x01")
-
-
-def test_memory_pairs_by_stamp_and_forgets_the_future() -> None:
-    memory = TickMemory(("ego", "objects"), depth=3)
-    packets = [b"\x00\x01\x00\x00" + bytes([tick, 0, 0, 0, 0, 0, 0, 0]) for tick in range(6)]
-    for packet in packets:
-        memory.put("ego", packet)
-    assert memory.newest("ego") == 5_000_000_000
-    assert memory.newest("objects") is None
-    assert memory.at("ego", 4_000_000_000) == packets[4]
-    assert memory.at("ego", 1_000_000_000) is None
-    memory.drop_after(3_000_000_000)
-    assert memory.newest("ego") == 3_000_000_000
-
-
-def test_cadence_draws_the_first_tick_of_each_period() -> None:
-    cadence, drawn = Cadence(10.0, 1.0), []
-    for tick in range(21):
-        stamp = tick * 50_000_000
-        if cadence.is_due(stamp) and cadence.may_draw(float(tick)):
-            cadence.drawn(stamp, float(tick), 0.0)
-            drawn.append(tick)
-    assert drawn == list(range(0, 21, 2))
-    cadence.restart()
-    assert cadence.is_due(0)
-
-
-def test_cadence_stays_under_its_load() -> None:
-    cadence = Cadence(10.0, 0.25)
-    cadence.drawn(0, 101.0, 1.0)
-    assert not cadence.may_draw(103.9)
-    assert cadence.may_draw(104.0)
-    cadence.drawn(350_000_000, 104.1, 0.1)
-    assert cadence.left_out == 2
-    cadence.restart()
-    cadence.drawn(0, 105.0, 0.0)
-    assert cadence.left_out == 2
+@pytest.mark.parametrize("shape", Shape)
+def test_shapes_mirror_the_message(shape: Shape) -> None:
+    assert getattr(Marker, shape.name) == shape

@@ -1,17 +1,24 @@
 """What does not move: lanes, the ego's route, its windows and conflict zones, and the goal."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import Point
 from numpy.typing import NDArray
-from roadmend_msgs import msg
-from std_msgs.msg import Header
-from visualization_msgs.msg import Marker, MarkerArray
 
 from roadmend.core.appearance import GOAL_COLOUR, ROUTE_COLOUR, RULE_COLOUR, WINDOW_COLOUR
 from roadmend.core.route import Route, Stage
-from roadmend.nodes.marker_parts import colour_of, complete_picture, line_of, marker_of, points_of, text_of
+from roadmend.recording.marker_parts import (
+    Shape,
+    colour_of,
+    complete_picture,
+    line_of,
+    marker_of,
+    points_of,
+    pose_of,
+    text_of,
+)
+from roadmend.world.road_network import LaneKind, LaneMap
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -21,13 +28,13 @@ ROUTE_LANE_WIDTH = 3.2  # [m] of the lines drawn across the route
 EDGE_WIDTH = 0.12  # [m]
 
 _SURFACES = {  # kind: namespace, colour, height [m] (apart, or a display flickers between them)
-    msg.Map.KIND_ROAD: ("road", "#3d4450", -0.06),
-    msg.Map.KIND_JUNCTION: ("junction", "#4a5160", -0.04),
-    msg.Map.KIND_WALK: ("walk", "#6e675c", -0.02),
+    LaneKind.ROAD: ("road", "#3d4450", -0.06),
+    LaneKind.JUNCTION: ("junction", "#4a5160", -0.04),
+    LaneKind.WALK: ("walk", "#6e675c", -0.02),
 }
 
 
-def map_markers(lanes: msg.Map | None, route: Route | None, header: Header) -> MarkerArray:
+def map_markers(lanes: LaneMap | None, route: Route | None, header: Any) -> Any:
     """Lanes as surfaces with edges, and the route on top of them; either may be missing.
 
     A handful of markers holds any number of lanes, and neighbouring triangles share their points, so that 3000 lanes
@@ -36,7 +43,7 @@ def map_markers(lanes: msg.Map | None, route: Route | None, header: Header) -> M
     Raises:
         ValueError: the arrays of the map do not fit together.
     """
-    markers: list[Marker] = []
+    markers: list[Any] = []
     if lanes is not None:
         markers += lane_markers(lanes, header)
     if route is not None:
@@ -44,22 +51,20 @@ def map_markers(lanes: msg.Map | None, route: Route | None, header: Header) -> M
     return complete_picture(header, markers)
 
 
-def lane_markers(lanes: msg.Map, header: Header) -> list[Marker]:
+def lane_markers(lanes: LaneMap, header: Any) -> list[Any]:
     """One TRIANGLE_LIST for each kind of lane and one LINE_LIST for the edges of all roads.
 
     Raises:
         ValueError: the arrays of the map do not fit together.
     """
-    x, y = np.array(lanes.x, dtype=np.float64), np.array(lanes.y, dtype=np.float64)
-    begin = np.array(lanes.lane_begin, dtype=np.int64)
-    kind, width = np.array(lanes.lane_kind, dtype=np.uint8), np.array(lanes.lane_width, dtype=np.float64)
+    x, y, begin, kind, width = lanes.x, lanes.y, lanes.begin, lanes.kind, lanes.width
     if not len(x) == len(y) or not len(begin) == len(kind) == len(width):
         raise ValueError("map: the arrays differ in length")
     if not len(begin) or not len(x):
         return []
     counts = np.diff(begin, append=len(x))
     if begin[0] != 0 or (counts < 0).any():
-        raise ValueError("map: lane_begin does not rise from 0 to the number of points")
+        raise ValueError("map: the lanes' begins do not rise from 0 to the number of points")
     lane = np.repeat(np.arange(len(begin)), counts)
     left, right, joined = band_edges(x, y, lane, 0.5 * width[lane])
     left_points, right_points = _flat_points(left), _flat_points(right)
@@ -67,9 +72,7 @@ def lane_markers(lanes: msg.Map, header: Header) -> list[Marker]:
     for code, (namespace, colour, z) in _SURFACES.items():
         segments = np.flatnonzero(joined & (kind[lane[:-1]] == code)).tolist()
         if segments:
-            surface = marker_of(header, namespace, 0, Marker.TRIANGLE_LIST, colour_of(colour), (1.0, 1.0, 1.0))
-            surface.pose.position.z = z
-            surface.points = [
+            corners = [
                 corner
                 for i in segments
                 for corner in (
@@ -81,14 +84,16 @@ def lane_markers(lanes: msg.Map, header: Header) -> list[Marker]:
                     left_points[i + 1],
                 )
             ]
-            found.append(surface)
-    segments = np.flatnonzero(joined & (kind[lane[:-1]] == msg.Map.KIND_ROAD)).tolist()
+            pose, scale = pose_of(0.0, 0.0, z), (1.0, 1.0, 1.0)
+            group, paint = (namespace, 0), colour_of(colour)
+            found.append(marker_of(header, group, Shape.TRIANGLE_LIST, paint, scale, pose=pose, points=corners))
+    segments = np.flatnonzero(joined & (kind[lane[:-1]] == LaneKind.ROAD)).tolist()
     if segments:
-        edges = marker_of(header, "edges", 0, Marker.LINE_LIST, colour_of("#aeb4bf", 0.55), (EDGE_WIDTH, 0.0, 0.0))
-        edges.points = [
+        ends = [
             end for i in segments for end in (left_points[i], left_points[i + 1], right_points[i], right_points[i + 1])
         ]
-        found.append(edges)
+        scale = (EDGE_WIDTH, 0.0, 0.0)
+        found.append(marker_of(header, ("edges", 0), Shape.LINE_LIST, colour_of("#aeb4bf", 0.55), scale, points=ends))
     return found
 
 
@@ -122,32 +127,32 @@ def band_edges(x: Floats, y: Floats, lane: NDArray[np.int64], half_width: Floats
     return points + across, points - across, joined
 
 
-def route_markers(route: Route, header: Header) -> list[Marker]:
+def route_markers(route: Route, header: Any) -> list[Any]:
     """Stages, windows, conflict zones with their stop lines, and the goal."""
-    found: list[Marker] = []
+    found: list[Any] = []
     for index, stage in enumerate(route.stages):
         colour = colour_of(ROUTE_COLOUR, 0.9)
-        found.append(line_of(header, "route", index, (stage.x, stage.y), z=0.02, width=0.35, colour=colour))
+        found.append(line_of(header, ("route", index), (stage.x, stage.y), z=0.02, width=0.35, colour=colour))
     for index, window in enumerate(route.windows):
         stretch = stretch_of(route.stages[index], window.begin, window.end)
         colour = colour_of(WINDOW_COLOUR, 0.45)
-        found.append(line_of(header, "windows", index, stretch, z=0.01, width=1.2, colour=colour))
+        found.append(line_of(header, ("windows", index), stretch, z=0.01, width=1.2, colour=colour))
     for index, zone in enumerate(route.zones):
         stage, colour = route.stages[zone.stage], RULE_COLOUR[zone.rule]
         stretch = stretch_of(stage, zone.begin, zone.end)
-        found.append(line_of(header, "zones", index, stretch, z=0.03, width=1.2, colour=colour_of(colour, 0.45)))
+        found.append(line_of(header, ("zones", index), stretch, z=0.03, width=1.2, colour=colour_of(colour, 0.45)))
         bar = bar_across(stage, zone.begin)
-        found.append(line_of(header, "stop_lines", index, bar, z=0.05, width=0.4, colour=colour_of(colour)))
+        found.append(line_of(header, ("stop_lines", index), bar, z=0.05, width=0.4, colour=colour_of(colour)))
     if route.stages:
         found += _goal(route, header)
     return found
 
 
-def _goal(route: Route, header: Header) -> Iterator[Marker]:
+def _goal(route: Route, header: Any) -> Iterator[Any]:
     stage, colour = route.stages[-1], colour_of(GOAL_COLOUR)
-    yield line_of(header, "goal", 0, bar_across(stage, route.goal), z=0.06, width=0.6, colour=colour)
+    yield line_of(header, ("goal", 0), bar_across(stage, route.goal), z=0.06, width=0.6, colour=colour)
     x, y, _ = stage.pose(route.goal)
-    yield text_of(header, "goal", 1, "goal", at=(x, y, 2.0), height=1.4, colour=colour)
+    yield text_of(header, ("goal", 1), "goal", at=(x, y, 2.0), height=1.4, colour=colour)
 
 
 def stretch_of(stage: Stage, begin: float, end: float) -> tuple[Floats, Floats]:
@@ -167,5 +172,5 @@ def bar_across(stage: Stage, position: float) -> tuple[Floats, Floats]:
     return x - offset * np.sin(yaw), y + offset * np.cos(yaw)
 
 
-def _flat_points(values: Floats) -> list[Point]:
+def _flat_points(values: Floats) -> list[Any]:
     return points_of(values[:, 0], values[:, 1], 0.0)

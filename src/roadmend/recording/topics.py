@@ -1,0 +1,53 @@
+"""The graph's topics: names, types, and what their publishers offer. Named in this one place."""
+
+from roadmend.recording.qos import Qos
+
+CLOCK = "/clock"
+EGO = "ego"
+OBJECTS = "objects"
+ROUTE = "route"
+MAP = "map"
+EVENTS = "events"
+POLICY_COMMAND = "policy/command"
+POLICY_TRAJECTORY = "policy/trajectory"
+REPAIR_COMMAND = "repair/command"
+REPAIR_STATE = "repair/state"
+MARKERS_OBJECTS = "markers/objects"
+MARKERS_EGO = "markers/ego"
+MARKERS_PLAN = "markers/plan"
+MARKERS_MAP = "markers/map"
+PLAN = "plan"
+DISTANCE = "ego/distance"
+TF = "/tf"
+DIAGNOSTICS = "/diagnostics"
+PARAMETER_EVENTS = "/parameter_events"
+
+COMMAND_DEADLINE_NS = 500_000_000  # longest silence on the command path before DDS reports a missed deadline
+
+STREAM = Qos(depth=50)  # one message a tick: ego, objects, trajectory, repair state, clock
+COMMAND = Qos(depth=1, deadline_ns=COMMAND_DEADLINE_NS)
+LATCHED = Qos(depth=1, durability="transient_local")  # route, map
+EVENT = Qos(depth=100, durability="transient_local")  # scenario events, complete for late joiners
+DIAGNOSTIC = Qos(depth=10)
+
+OFFERS = {  # that differ from STREAM
+    ROUTE: LATCHED,
+    MAP: LATCHED,
+    MARKERS_MAP: LATCHED,
+    EVENTS: EVENT,
+    POLICY_COMMAND: COMMAND,
+    REPAIR_COMMAND: COMMAND,
+    DIAGNOSTICS: DIAGNOSTIC,
+}
+
+TYPES = {  # of what a recorded episode is read from
+    EGO: "nav_msgs/msg/Odometry",
+    OBJECTS: "roadmend_msgs/msg/ObjectList",
+    ROUTE: "roadmend_msgs/msg/Route",
+    MAP: "roadmend_msgs/msg/Map",
+    EVENTS: "roadmend_msgs/msg/ScenarioEvent",
+    POLICY_COMMAND: "roadmend_msgs/msg/Command",
+    POLICY_TRAJECTORY: "roadmend_msgs/msg/Trajectory",
+    REPAIR_COMMAND: "roadmend_msgs/msg/Command",
+    REPAIR_STATE: "roadmend_msgs/msg/RepairState",
+}
