@@ -23,6 +23,22 @@ def configuration() -> list[tuple[str, list[str]]]:
     return list(folders.items())
 
 
+def definitions() -> list[tuple[str, list[str]]]:
+    """List the files of the message definitions beside src likewise: the offline commands need no installed ones."""
+    messages = HERE.parent / "msg"
+    packages = [
+        (NAME + "_msgs", messages),
+        *((path.name, path) for path in sorted((messages / "vendor").glob("*_msgs"))),
+    ]
+    return [
+        (
+            f"share/{NAME}/msg/{package}",
+            [os.path.relpath(path, HERE) for path in sorted((folder / "msg").glob("*.msg"))],
+        )
+        for package, folder in packages
+    ]
+
+
 setup(
     name=NAME,
     version=VERSION,
@@ -32,6 +48,7 @@ setup(
         ("share/ament_index/resource_index/packages", ["resource/" + NAME]),
         ("share/" + NAME, ["package.xml"]),
         *configuration(),
+        *definitions(),
     ],
     install_requires=["setuptools"],
     zip_safe=False,

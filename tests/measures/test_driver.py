@@ -10,12 +10,12 @@ from harness import hindsight_file
 from roadmend.core import source_digest as digests
 from roadmend.core.journal import entry_key
 from roadmend.measures.driver import driver_key
-from roadmend.nodes.evaluation_episode import EvaluationJob
 from roadmend.safe.driving import Job, Task
 from roadmend.search.campaign import Campaign
 from roadmend.search.evaluation import Subject
 from roadmend.search.registry import read_technique_parameters
 from roadmend.search.rerun import Rerunner
+from roadmend.sera.evaluation_episode import EvaluationJob
 from roadmend.training import dagger
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.adreft.trial_plan import TrialPlan
