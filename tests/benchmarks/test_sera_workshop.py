@@ -39,10 +39,10 @@ def done(monkeypatch):
         arrays = np.array([2], np.int16), np.zeros(1, np.float32), np.zeros(1, np.int8), np.zeros(1, np.int32)
         return Samples(tokens, *arrays, ("GOAL",))
 
-    def repair(model, scenarios, settings, seed, out, *, validation, gathering, driving):
+    def repair(model, scenarios, settings, seed, out, *, validation, labour):
         found.append(f"tune {model.stem} {seed}")
-        list(gathering(lessons_of(scenarios[0], model, settings)))
-        list(driving(model, validation))
+        list(labour.gathering(lessons_of(scenarios[0], model, settings)))
+        list(labour.driving(model, validation))
         header = {
             "kind": "neural",
             "configuration": {},

@@ -35,13 +35,14 @@ def lessons(monkeypatch):
 
     def few_shot_repair(model, scenarios, settings, seed, out, **others):
         given.append((model, [*scenarios], settings, seed, others))
-        others["report"]("learning", 1, 1)
+        others["labour"].report("learning", 1, 1)
         shutil.copy(model, out)
         trial = SimpleNamespace(epochs=0, driving_score=60.0)
         return SimpleNamespace(kept=trial, trials=(trial,))
 
     repair, device = ModuleType("roadmend.training.few_shot"), ModuleType("roadmend.training.device")
     repair.few_shot_repair, repair.Origin = few_shot_repair, lambda *values: values
+    repair.Labour = lambda workers, report: SimpleNamespace(workers=workers, report=report)
     device.choose_torch_device = lambda *_: None
     for module in (repair, device):
         monkeypatch.setitem(sys.modules, module.__name__, module)
@@ -73,7 +74,7 @@ def test_the_cycle_end_to_end_from_the_sample_bags_and_once_more(tmp_path, capsy
     model, scenarios, settings, seed, others = given
     assert (model.name, settings.epochs, seed, len(scenarios)) == ("neural.safetensors", 2, 0, 2)
     assert [scenario.name for scenario in scenarios] == first["selected"]
-    assert others["workers"] == 1
+    assert others["labour"].workers == 1
 
     assert main(command) == 0
     printed = capsys.readouterr().out

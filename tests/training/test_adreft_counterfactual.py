@@ -10,6 +10,7 @@ from roadmend.repair.adreft.weighing import AVERTED, CAUSED, DANGER, Weighing
 from roadmend.training.adreft.configuration import ModelSection, PracticeSection
 from roadmend.training.adreft.counterfactual import Counterfactuals
 from roadmend.training.adreft.counterfactual_stage import CounterfactualStage
+from roadmend.training.adreft.stage import StageRun
 from roadmend.training.adreft.trial_set import TrialSet
 from roadmend.training.adreft.trials import PASS
 from roadmend.training.device import choose_torch_device
@@ -90,7 +91,7 @@ def stage_of(tmp_path, epochs=30, state="state.safetensors", model=MODEL):
     trials = worlds()
     labels = Counterfactuals.join(trials, section)
     return CounterfactualStage(
-        model, section, TrialSet.join(trials, section), labels, seed=3, device="cpu", state=tmp_path / state
+        model, section, TrialSet.join(trials, section), labels, StageRun(3, "cpu", tmp_path / state)
     )
 
 
@@ -135,6 +136,4 @@ def test_trials_that_tell_nothing_are_refused(tmp_path):
     trials = [trials_of([GOAL], [PASS, PASS], [0.5, 0.5])]
     labels = Counterfactuals.join(trials, section)
     with pytest.raises(InputError, match="tells of an intervention"):
-        CounterfactualStage(
-            MODEL, section, TrialSet.join(trials, section), labels, seed=0, device="cpu", state=tmp_path / "s"
-        )
+        CounterfactualStage(MODEL, section, TrialSet.join(trials, section), labels, StageRun(0, "cpu", tmp_path / "s"))

@@ -7,6 +7,7 @@ from roadmend.core.outcome import EventKind
 from roadmend.repair.actions import ACTIONS
 from roadmend.training.adreft.configuration import ModelSection, PracticeSection
 from roadmend.training.adreft.practice import PracticeStage
+from roadmend.training.adreft.stage import StageRun
 from roadmend.training.adreft.trial_set import TrialSet
 from roadmend.training.adreft.trials import PASS, CaseTrials
 from roadmend.training.device import choose_torch_device
@@ -97,7 +98,7 @@ def stage_of(state, **changes):
     section = PracticeSection(
         **{"epochs": 30, "learning_rate": 1e-2, "batch": 32, "monte_carlo_epochs": 25, "dose": 2.0, **changes}
     )
-    return PracticeStage(MODEL, section, TrialSet.join(lesson(1), section), seed=2, device="cpu", state=state)
+    return PracticeStage(MODEL, section, TrialSet.join(lesson(1), section), StageRun(2, "cpu", state))
 
 
 def values_of(stage, danger):

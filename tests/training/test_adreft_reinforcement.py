@@ -16,6 +16,7 @@ from roadmend.training.adreft.configuration import ModelSection, ReinforcementSe
 from roadmend.training.adreft.exploring import Rolled, Transitions, explore
 from roadmend.training.adreft.network import AdreftNetwork, save_model, tensors_of
 from roadmend.training.adreft.reinforcement import ReinforcementStage, spread
+from roadmend.training.adreft.stage import RepairedPolicy, StageRun, TrainingSubject
 from roadmend.training.closed_loop import CaseResult, summarise
 from roadmend.training.device import choose_torch_device
 
@@ -99,6 +100,10 @@ def networks():
     return tensors
 
 
+def subject_of(training, validation):
+    return TrainingSubject(RepairedPolicy("modular", "", "", training), validation)
+
+
 def stage_of(state, mapper=toy_world, seed=3, tensors=None, validation=VALIDATION, **changes):
     values = {
         "episodes": 80,
@@ -118,13 +123,9 @@ def stage_of(state, mapper=toy_world, seed=3, tensors=None, validation=VALIDATIO
         tensors or networks(),
         0.5,
         section,
-        "modular",
-        TRAINING,
-        validation,
-        seed=seed,
-        device="cpu",
+        subject_of(TRAINING, validation),
+        StageRun(seed, "cpu", state),
         mapper=mapper,
-        state=state,
     )
 
 
@@ -229,13 +230,9 @@ def test_violations_have_their_share_of_the_episodes(tmp_path):
             networks(),
             0.5,
             ReinforcementSection(),
-            "modular",
-            TRAINING[::2],
-            VALIDATION,
-            seed=0,
-            device="cpu",
+            subject_of(TRAINING[::2], VALIDATION),
+            StageRun(0, "cpu", tmp_path / "other"),
             mapper=toy_world,
-            state=tmp_path / "other",
         )
 
 

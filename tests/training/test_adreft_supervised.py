@@ -8,6 +8,7 @@ import pytest
 from roadmend.core.errors import InputError
 from roadmend.training.adreft.configuration import ModelSection, SupervisedSection
 from roadmend.training.adreft.frames import FrameSet
+from roadmend.training.adreft.stage import StageRun
 from roadmend.training.adreft.supervised import SupervisedStage
 from roadmend.training.device import choose_torch_device
 
@@ -44,7 +45,7 @@ def stage_of(state, training=None, seed=1, **changes):
         "clip": 1.0,
     }
     section = SupervisedSection(**{**values, **changes})
-    return SupervisedStage(MODEL, section, training or frame_set(0), frame_set(1), seed=seed, device="cpu", state=state)
+    return SupervisedStage(MODEL, section, training or frame_set(0), frame_set(1), StageRun(seed, "cpu", state))
 
 
 def same(one, other):

@@ -12,7 +12,7 @@ from roadmend.core.errors import InputError
 from roadmend.measures.driving import DrivingMeasures
 from roadmend.networks.checkpoint import find_model, load_checkpoint, save_checkpoint
 from roadmend.policies.neural import NeuralPolicy
-from roadmend.training.few_shot import Origin, few_shot_repair, lessons_of, replay_lessons
+from roadmend.training.few_shot import Labour, Origin, few_shot_repair, lessons_of, replay_lessons
 from roadmend.training.few_shot_settings import FewShotSettings, read_few_shot_settings
 from roadmend.training.imitation_rollout import gather
 from roadmend.training.samples import Samples
@@ -57,7 +57,13 @@ def repair(scenarios, out, gathering, hard, ordinary, **more):
     def driving(_model, chosen):
         return iter([GOOD if next(turns[chosen[0] is scenarios[0]]) else BAD] * len(chosen))
 
-    arguments = {"settings": SETTINGS, "seed": 1, "out": out, "gathering": gathering, "driving": driving, **more}
+    arguments = {
+        "settings": SETTINGS,
+        "seed": 1,
+        "out": out,
+        "labour": Labour(gathering=gathering, driving=driving),
+        **more,
+    }
     found = few_shot_repair(MODEL, scenarios, **arguments)
     assert not [*turns[True], *turns[False]]  # nothing was left undriven
     return found
@@ -139,8 +145,7 @@ def test_a_repaired_policy_can_be_repaired_again_and_remembers_all_its_ancestors
         settings,
         0,
         tmp_path / "b.safetensors",
-        gathering=gathering,
-        driving=lambda _model, chosen: iter([GOOD] * len(chosen)),
+        labour=Labour(gathering=gathering, driving=lambda _model, chosen: iter([GOOD] * len(chosen))),
     )
     assert load_checkpoint(again.path).header["ancestry"][:2] == [first.digest, load_checkpoint(MODEL).digest]
 

@@ -188,7 +188,7 @@ class _Steps:
     def tune(self, policy: str, scenarios: Sequence[Scenario], selection: str, out: Path) -> Tuned:
         # torch takes seconds to import, and a cycle that finds everything done does without.
         from roadmend.training.device import choose_torch_device  # noqa: PLC0415
-        from roadmend.training.few_shot import Origin, few_shot_repair  # noqa: PLC0415
+        from roadmend.training.few_shot import Labour, Origin, few_shot_repair  # noqa: PLC0415
 
         choose_torch_device("cpu", 1)
         repaired = few_shot_repair(
@@ -198,8 +198,7 @@ class _Steps:
             self._seed,
             out,
             origin=Origin(selection, "", "roadmend sera cycle"),
-            workers=self._workers,
-            report=self._told,
+            labour=Labour(self._workers, self._told),
         )
         return Tuned(out, repaired.kept.epochs, repaired.kept.driving_score, repaired.trials[0].driving_score)
 

@@ -18,7 +18,7 @@ from roadmend.sera.bank import Bank
 from roadmend.sera.evaluation_set import corpus_set, disjoint, known_in
 from roadmend.sera.recommendation import Stage, read_selection, scenarios_of
 from roadmend.training.device import choose_torch_device
-from roadmend.training.few_shot import Origin, Repair, few_shot_repair
+from roadmend.training.few_shot import Labour, Origin, Repair, few_shot_repair
 from roadmend.training.few_shot_settings import read_few_shot_settings
 from roadmend.world.corpus import SPLITS
 
@@ -101,8 +101,7 @@ def tune(
             out,
             validation=hard,
             origin=origin,
-            workers=workers,
-            report=report,
+            labour=Labour(workers, report),
         )
     if as_json:
         click.echo(json.dumps({**asdict(repaired), "path": str(out)}, indent=2))

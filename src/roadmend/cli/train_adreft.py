@@ -19,12 +19,11 @@ from roadmend.training.adreft.pipeline import (
     PRACTICE_STATE,
     REINFORCEMENT_STATE,
     SUPERVISED_STATE,
-    Driver,
     Only,
     Pipeline,
-    Subject,
     Trained,
 )
+from roadmend.training.adreft.stage import RepairedPolicy, TrainingSubject
 from roadmend.training.device import choose_torch_device
 from roadmend.world.corpus import Corpus, corpus_of
 
@@ -141,7 +140,7 @@ def adreft(
     work = work or out.with_name(f"{out.stem}.training")
     _open_work(work, resume=resume, keep_supervised=only == "reinforcement")
     validation = corpus.select(split="validation")
-    subject = Subject(_driver(corpus), validation, [_driver(corpus_of(other)) for other in also])
+    subject = TrainingSubject(_driver(corpus), validation, [_driver(corpus_of(other)) for other in also])
     chosen = choose_torch_device(device, configuration.threads)
     columns = (
         TextColumn("{task.description}"),
@@ -179,8 +178,8 @@ def _setting(text: str) -> tuple[str, Any]:
     raise InputError("--set", f"{text!r} is no SECTION.NAME=VALUE", "write for instance practice.dose=0.1")
 
 
-def _driver(corpus: Corpus) -> Driver:
-    return Driver(corpus.policy, corpus.model or "", corpus.digest, corpus.select(split="training"))
+def _driver(corpus: Corpus) -> RepairedPolicy:
+    return RepairedPolicy(corpus.policy, corpus.model or "", corpus.digest, corpus.select(split="training"))
 
 
 def _changed(configuration: TrainingConfiguration, changes: dict[str, dict[str, Any]]) -> TrainingConfiguration:

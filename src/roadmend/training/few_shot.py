@@ -59,6 +59,16 @@ class Repair:
     outcomes: tuple[str, ...] = field(default=())  # of the demonstrations' episodes
 
 
+@dataclass(frozen=True)
+class Labour:
+    """Who does the work of a repair, and who hears of it."""
+
+    workers: int = 1  # processes
+    report: Report = lambda _what, _done, _total: None  # hears what is being done
+    gathering: Gather | None = None  # drives lessons instead of processes of its own, for instance from a store
+    driving: Drive | None = None  # drives the validation set, likewise
+
+
 def few_shot_repair(
     model: Path,
     scenarios: Sequence[Scenario],
@@ -68,10 +78,7 @@ def few_shot_repair(
     *,
     validation: Sequence[Scenario] = (),
     origin: Origin | None = None,
-    workers: int = 1,
-    report: Report = lambda _what, _done, _total: None,
-    gathering: Gather | None = None,
-    driving: Drive | None = None,
+    labour: Labour | None = None,
 ) -> Repair:
     """Fine-tune a neural policy on scenarios; the same arguments give the same model file.
 
@@ -83,10 +90,7 @@ def few_shot_repair(
         out: model file to write; its header names the parent, the selection, the bank, the settings and the seed.
         validation: what the kept epoch is chosen by, beside ordinary scenarios; the scenarios themselves if none.
         origin: goes into the header.
-        workers: processes.
-        report: hears what is being done.
-        gathering: drives lessons instead of this function's own processes, for instance from a store.
-        driving: drives the validation set, likewise.
+        labour: who does it, and who hears of it.
 
     Raises:
         InputError: there is no scenario, the model is no neural policy's, or ``out`` cannot be written.
@@ -94,11 +98,10 @@ def few_shot_repair(
     """
     if not scenarios:
         raise InputError("scenarios", "there is none to learn from", "select at least one")
-    parent = load_model(model)
-    with fan_out(workers) as mapper:
-        work = _Work(
-            model, parent, settings, seed, gathering or _gathering(mapper), driving or _driving(mapper), report
-        )
+    parent, labour = load_model(model), labour or Labour()
+    with fan_out(labour.workers) as mapper:
+        gather, drive = labour.gathering or _gathering(mapper), labour.driving or _driving(mapper)
+        work = _Work(model, parent, settings, seed, gather, drive, labour.report)
         return work.repair(scenarios, validation or scenarios, out, origin or Origin())
 
 

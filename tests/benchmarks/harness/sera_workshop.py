@@ -11,7 +11,7 @@ from roadmend.measures.driving import DrivingMeasures
 from roadmend.networks.checkpoint import load_checkpoint
 from roadmend.policies.neural import load_model
 from roadmend.repair.adreft.model import KIND
-from roadmend.training.few_shot import drive_once, few_shot_repair, repair_model
+from roadmend.training.few_shot import Labour, drive_once, few_shot_repair, repair_model
 from roadmend.training.few_shot_settings import FewShotSettings
 from roadmend.training.imitation_rollout import Lesson, gather
 from roadmend.training.samples import Samples, load_samples, save_samples
@@ -97,8 +97,7 @@ class Workshop:
                 seed,
                 path,
                 validation=validation,
-                gathering=self.gather,
-                driving=lambda tuned, chosen: iter(self.drive(tuned, chosen)),
+                labour=Labour(gathering=self.gather, driving=lambda tuned, chosen: iter(self.drive(tuned, chosen))),
             )
             self.report("tuned")
         return path

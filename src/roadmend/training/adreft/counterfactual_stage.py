@@ -5,7 +5,6 @@ an estimate of an estimate: every label is what an episode came to.
 """
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from roadmend.repair.adreft.weighing import AVERTED, CAUSED, DANGER
 from roadmend.training.adreft.configuration import PracticeSection
 from roadmend.training.adreft.counterfactual import Counterfactuals
 from roadmend.training.adreft.practice import Loss, PracticeStage, cross_entropy
+from roadmend.training.adreft.stage import StageRun
 from roadmend.training.adreft.trial_set import TrialSet
 
 # Weights of the losses beside the monitor's; decisions that tell of the last two are far fewer.
@@ -25,7 +25,7 @@ _DANGER, _AVERTED, _CAUSED = 2.0, 0.5, 0.25
 
 
 class CounterfactualStage(PracticeStage):
-    """One run of the stage. ``state`` is the file from which it goes on after an interruption."""
+    """One run of the stage. It goes on from its state after an interruption."""
 
     _stream = 7
 
@@ -35,11 +35,7 @@ class CounterfactualStage(PracticeStage):
         section: PracticeSection,
         trials: TrialSet,
         labels: Counterfactuals,
-        *,
-        seed: int,
-        device: str,
-        state: Path,
-        log: Path | None = None,
+        run: StageRun,
         start: Mapping[str, NDArray[Any]] | None = None,
     ) -> None:
         """As PracticeStage, with the labels of the trials.
@@ -47,7 +43,7 @@ class CounterfactualStage(PracticeStage):
         Raises:
             InputError: the file is of another run, or the trials tell nothing.
         """
-        super().__init__(model, section, trials, seed=seed, device=device, state=state, log=log, start=start)
+        super().__init__(model, section, trials, run, start)
         if not len(labels.alone) or not len(labels.interfered):
             raise InputError("training split", "has no trial that tells of an intervention", "allow more trials a case")
         self._labels = labels

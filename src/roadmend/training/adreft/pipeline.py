@@ -28,6 +28,7 @@ from roadmend.training.adreft.network import digest_of_cases, save_model
 from roadmend.training.adreft.practice import PracticeFigures, PracticeStage
 from roadmend.training.adreft.random_case import random_cases
 from roadmend.training.adreft.reinforcement import ReinforcementStage, RoundFigures
+from roadmend.training.adreft.stage import StageRun, TrainingSubject
 from roadmend.training.adreft.supervised import EpochFigures, SupervisedStage
 from roadmend.training.adreft.trial_plan import TrialPlan
 from roadmend.training.adreft.trial_set import TrialSet
@@ -41,29 +42,6 @@ REINFORCEMENT_STATE = "reinforcement.safetensors"
 
 Only = Literal["supervised", "reinforcement"] | None
 Report = Callable[[str, int, int, str], None]  # what is done, how much of it, of how much, and a word on how it goes
-
-
-@dataclass(frozen=True, slots=True)
-class Driver:
-    """A policy, and the cases that its repair is learned from."""
-
-    policy: str
-    policy_digest: str  # of the policy's model; empty where it has none
-    corpus_digest: str
-    training: Sequence[EpisodeCase]
-
-    def as_header(self) -> dict[str, str]:
-        """What a model's header says of it."""
-        return {"corpus": self.corpus_digest, "policy": self.policy_digest, "training": digest_of_cases(self.training)}
-
-
-@dataclass(frozen=True, slots=True)
-class Subject:
-    """Whom the model is trained for, and on what."""
-
-    driver: Driver
-    validation: Sequence[EpisodeCase]
-    also: Sequence[Driver] = ()  # whose trials are practised on too: braking does much the same under any driver
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +72,7 @@ class Pipeline:
     def __init__(
         self,
         configuration: TrainingConfiguration,
-        subject: Subject,
+        subject: TrainingSubject,
         *,
         seed: int,
         device: str,
@@ -189,17 +167,17 @@ class Pipeline:
             labels = Counterfactuals.join(gathered, own) if own.method == "counterfactual" else None
             if number + 1 == section.rounds:
                 gathered.clear()  # gigabytes, which the joined trials hold once more
-            how: dict[str, Any] = {
-                "seed": self._seed + number,
-                "device": self._device,
-                "state": self._work / PRACTICE_STATE.format(number),
-                "log": self._work / "tensorboard" / f"practice-{number}",
-                "start": None if result is None else result.tensors,
-            }
+            run = StageRun(
+                self._seed + number,
+                self._device,
+                self._work / PRACTICE_STATE.format(number),
+                self._work / "tensorboard" / f"practice-{number}",
+            )
+            start = None if result is None else result.tensors
             if labels is None:
-                stage = PracticeStage(self._model, own, trials, **how)
+                stage = PracticeStage(self._model, own, trials, run, start)
             else:
-                stage = CounterfactualStage(self._model, own, trials, labels, **how)
+                stage = CounterfactualStage(self._model, own, trials, labels, run, start)
 
             def report(figures: PracticeFigures, size: int = len(trials), of: int = own.epochs) -> None:
                 self._report("practice", figures.epoch, of, f"{size} decisions, loss {figures.value_loss:.4f}")
@@ -254,10 +232,7 @@ class Pipeline:
             section,
             training,
             validation,
-            seed=self._seed,
-            device=self._device,
-            state=state,
-            log=self._work / "tensorboard",
+            StageRun(self._seed, self._device, state, self._work / "tensorboard"),
         )
 
         def report(epoch: int, figures: EpochFigures | None) -> None:
@@ -302,20 +277,8 @@ class Pipeline:
 
     def _reinforce(self, before: _Supervised, threshold: float) -> tuple[dict[str, NDArray[Any]], list[RoundFigures]]:
         section, subject = self._configuration.reinforcement, self._subject
-        stage = ReinforcementStage(
-            before.model,
-            before.tensors,
-            threshold,
-            section,
-            subject.driver.policy,
-            subject.driver.training,
-            subject.validation,
-            seed=self._seed,
-            device=self._device,
-            mapper=self._mapper,
-            state=self._work / REINFORCEMENT_STATE,
-            log=self._work / "tensorboard",
-        )
+        run = StageRun(self._seed, self._device, self._work / REINFORCEMENT_STATE, self._work / "tensorboard")
+        stage = ReinforcementStage(before.model, before.tensors, threshold, section, subject, run, mapper=self._mapper)
         best = -math.inf
 
         def report(episodes: int, figures: RoundFigures) -> None:

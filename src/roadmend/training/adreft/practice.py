@@ -9,7 +9,6 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,6 +25,7 @@ from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.training.adreft.bystanders import forget
 from roadmend.training.adreft.configuration import PracticeSection
 from roadmend.training.adreft.network import AdreftNetwork, load_tensors, tensors_of
+from roadmend.training.adreft.stage import StageRun
 from roadmend.training.adreft.supervised import check_identity
 from roadmend.training.adreft.trial_set import TrialBatch, TrialSet
 from roadmend.training.optimizer_state import load_optimizer, optimizer_tensors
@@ -47,7 +47,7 @@ class PracticeFigures:
 
 
 class PracticeStage:
-    """One run of the stage. ``state`` is the file from which it goes on after an interruption."""
+    """One run of the stage. It goes on from its state after an interruption."""
 
     _stream = 5  # of random numbers, so that stages of one seed share none
 
@@ -56,11 +56,7 @@ class PracticeStage:
         model: ModelConfiguration,
         section: PracticeSection,
         trials: TrialSet,
-        *,
-        seed: int,
-        device: str,
-        state: Path,
-        log: Path | None = None,
+        run: StageRun,
         start: Mapping[str, NDArray[Any]] | None = None,
     ) -> None:
         """Prepare the stage, or load where it stood.
@@ -69,10 +65,7 @@ class PracticeStage:
             model: what to train.
             section: how.
             trials: what to learn from.
-            seed: of the initial weights and of the order of the decisions.
-            device: torch's name of where to compute.
-            state: file of the state; one that exists is gone on with.
-            log: folder for TensorBoard.
+            run: its seed is that of the initial weights and of the order of the decisions.
             start: tensors of an earlier round to begin with.
 
         Raises:
@@ -81,9 +74,9 @@ class PracticeStage:
         if not len(trials):
             raise InputError("training split", "gives no trial", "give a corpus with cases in it")
         self._section, self._trials = section, trials
-        self._seed, self._device, self._state, self._log = seed, device, state, log
-        torch.manual_seed(seed)
-        self.network = AdreftNetwork(model).to(device)
+        self._run = run
+        torch.manual_seed(run.seed)
+        self.network = AdreftNetwork(model).to(run.device)
         if start is not None:
             load_tensors(self.network, start)
         self._optimizer = torch.optim.AdamW(
@@ -94,11 +87,11 @@ class PracticeStage:
             # Prices are added when the model drives: others go with the same networks.
             "model": model.model_dump(mode="json", exclude={"weighing"}),
             "practice": section.model_dump(mode="json"),
-            "seed": seed,
+            "seed": run.seed,
             "trials": trials.digest,
         }
         self.history: list[PracticeFigures] = []
-        if state.exists():
+        if run.state.exists():
             self._load()
 
     @property
@@ -112,7 +105,7 @@ class PracticeStage:
         Args:
             report: called after every epoch.
         """
-        writer = SummaryWriter(str(self._log), purge_step=self.epoch + 1) if self._log is not None else None
+        writer = SummaryWriter(str(self._run.log), purge_step=self.epoch + 1) if self._run.log is not None else None
         while self.epoch < self._section.epochs:
             figures = self._learn()
             self.history.append(figures)
@@ -146,7 +139,7 @@ class PracticeStage:
 
     def _learn(self) -> PracticeFigures:
         """One epoch; its chance comes from the seed and its number alone."""
-        trials, generator = self._trials, np.random.default_rng([self._seed, self._stream, self.epoch])
+        trials, generator = self._trials, np.random.default_rng([self._run.seed, self._stream, self.epoch])
         drawn, loss = self._draw(generator)
         critical, judged = torch.from_numpy(trials.critical), torch.from_numpy(trials.judged)
         size, forgotten = self._section.batch, self._section.forget
@@ -160,7 +153,7 @@ class PracticeStage:
             mask = batch.mask if not forgotten else forget(batch.tokens, batch.mask, forgotten, generator)
             logits, outputs = self._judge(batch, mask, generator)
             value = loss(outputs, chosen)
-            monitor = cross_entropy(logits, critical[chosen].to(self._device), judged[chosen].to(self._device))
+            monitor = cross_entropy(logits, critical[chosen].to(self._run.device), judged[chosen].to(self._run.device))
             self._optimizer.zero_grad(set_to_none=True)
             (value + monitor).backward()  # type: ignore[no-untyped-call]
             torch.nn.utils.clip_grad_norm_(self.network.parameters(), _CLIP)
@@ -178,8 +171,8 @@ class PracticeStage:
 
     def _loss(self, targets: Tensor, outputs: Tensor, chosen: NDArray[np.int64]) -> Tensor:
         """How far the adapter's outputs, shape (B, actions), are from what the chosen decisions should be worth."""
-        counted = torch.from_numpy(self._trials.alike)[chosen].to(self._device, torch.float32)
-        wanted = targets[chosen].to(self._device)[:, None].expand_as(outputs)
+        counted = torch.from_numpy(self._trials.alike)[chosen].to(self._run.device, torch.float32)
+        wanted = targets[chosen].to(self._run.device)[:, None].expand_as(outputs)
         apart = functional.smooth_l1_loss(outputs, wanted, reduction="none") * counted
         return (apart.sum(dim=1) / counted.sum(dim=1).clamp(min=1.0)).mean()
 
@@ -207,7 +200,7 @@ class PracticeStage:
         return section.learning_rate * rise * 0.5 * (1.0 + math.cos(math.pi * min(1.0, share)))
 
     def _to(self, array: NDArray[Any]) -> Tensor:
-        return torch.from_numpy(np.ascontiguousarray(array)).to(self._device)
+        return torch.from_numpy(np.ascontiguousarray(array)).to(self._run.device)
 
     def _save(self) -> None:
         tensors = {**tensors_of(self.network, "now."), **optimizer_tensors(self._optimizer, "optimizer.")}
@@ -218,11 +211,11 @@ class PracticeStage:
             "ancestry": [],
             "metrics": {"history": [asdict(figures) for figures in self.history]},
         }
-        save_checkpoint(self._state, tensors, header)
+        save_checkpoint(self._run.state, tensors, header)
 
     def _load(self) -> None:
-        checkpoint = load_checkpoint(self._state, KIND)
-        check_identity(self._state, checkpoint.header["configuration"], self._identity)
+        checkpoint = load_checkpoint(self._run.state, KIND)
+        check_identity(self._run.state, checkpoint.header["configuration"], self._identity)
         load_tensors(self.network, checkpoint.tensors, "now.")
         load_optimizer(self._optimizer, checkpoint.tensors, "optimizer.")
         self.history = [PracticeFigures(**entry) for entry in checkpoint.header["metrics"]["history"]]

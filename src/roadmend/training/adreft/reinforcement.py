@@ -4,7 +4,6 @@ import hashlib
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,6 +22,7 @@ from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.training.adreft.configuration import ReinforcementSection
 from roadmend.training.adreft.exploring import ReplayMemory, Roll, Rolled, Transitions, explore
 from roadmend.training.adreft.network import digest_of_cases, load_tensors, save_model, tensors_of
+from roadmend.training.adreft.stage import StageRun, TrainingSubject
 from roadmend.training.adreft.supervised import check_identity
 from roadmend.training.closed_loop import EpisodeCase, Summary, evaluate_cases, summarise
 from roadmend.training.optimizer_state import load_optimizer, optimizer_tensors
@@ -48,7 +48,7 @@ class RoundFigures:
 
 
 class ReinforcementStage:
-    """One run of the stage. ``state`` is the file from which it goes on after an interruption."""
+    """One run of the stage. It goes on from its state after an interruption."""
 
     def __init__(
         self,
@@ -56,15 +56,10 @@ class ReinforcementStage:
         tensors: dict[str, NDArray[Any]],
         threshold: float,
         section: ReinforcementSection,
-        policy: str,
-        training: Sequence[EpisodeCase],
-        validation: Sequence[EpisodeCase],
+        subject: TrainingSubject,
+        run: StageRun,
         *,
-        seed: int,
-        device: str,
         mapper: Mapper,
-        state: Path,
-        log: Path | None = None,
     ) -> None:
         """Prepare the stage, or load where it stood.
 
@@ -73,28 +68,23 @@ class ReinforcementStage:
             tensors: of the whole network after the supervised stage.
             threshold: lambda_safe.
             section: how to train.
-            policy: name of the policy under repair.
-            training: cases to learn from.
-            validation: cases on which adapters are compared.
-            seed: of all chance.
-            device: torch's name of where to compute.
+            subject: the policy under repair, cases to learn from and those on which adapters are compared.
+            run: its seed is that of all chance.
             mapper: runs episodes side by side; nothing depends on how many at a time.
-            state: file of the state; one that exists is gone on with.
-            log: folder for TensorBoard.
 
         Raises:
             InputError: the file is of another run, or there is no case of a kind that is wanted.
         """
         self._model, self._tensors, self._threshold = model, dict(tensors), threshold
-        self._section, self._policy, self._seed, self._device = section, policy, seed, device
-        self._mapper, self._state, self._log = mapper, state, log
+        policy, training, seed = subject.driver.policy, subject.driver.training, run.seed
+        self._section, self._policy, self._run, self._mapper = section, policy, run, mapper
         self._episodes = _draw_episodes(training, section, seed)
-        self._validation = spread(validation, section.validation_cases)
+        self._validation = spread(subject.validation, section.validation_cases)
         torch.manual_seed(seed)
-        self._online = Head(model.adapter_shape).to(device)
+        self._online = Head(model.adapter_shape).to(run.device)
         if section.start == "supervised":
             load_tensors(self._online, self._tensors, _ADAPTER)
-        self._target = Head(model.adapter_shape).to(device)
+        self._target = Head(model.adapter_shape).to(run.device)
         self._target.load_state_dict(self._online.state_dict())
         self._optimizer = torch.optim.Adam(self._online.parameters(), lr=section.learning_rate)
         self._memory = ReplayMemory(section.memory, model.encoder.hidden)
@@ -107,14 +97,14 @@ class ReinforcementStage:
             "threshold": threshold,
             "networks": _digest_of(self._tensors),
             "training": digest_of_cases(training),
-            "validation": digest_of_cases(validation),
+            "validation": digest_of_cases(subject.validation),
         }
         self.episode = 0  # episodes done
         self.updates = 0
         self.history: list[RoundFigures] = []
         self._best: dict[str, NDArray[Any]] = tensors_of(self._online, _ADAPTER)
         self._best_worth: float | None = None
-        if state.exists():
+        if run.state.exists():
             self._load()
 
     def run(
@@ -128,7 +118,7 @@ class ReinforcementStage:
         section = self._section
         if self.episode >= section.episodes:
             return self._result()
-        writer = SummaryWriter(str(self._log), purge_step=self.episode) if self._log is not None else None
+        writer = SummaryWriter(str(self._run.log), purge_step=self.episode) if self._run.log is not None else None
         if not self.history and section.keep == "best" and section.start == "supervised":
             self._keep_figures(
                 self._validate(RoundFigures(0, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0, None, None)), writer, report
@@ -196,7 +186,7 @@ class ReinforcementStage:
                 self._threshold,
                 section,
                 epsilon,
-                (self._seed, 3, number),
+                (self._run.seed, 3, number),
             )
             for number in numbers
         ]
@@ -210,7 +200,7 @@ class ReinforcementStage:
         section = self._section
         if self._memory.added < section.warm_up or not len(self._memory):
             return 0.0, 0.0
-        generator = np.random.default_rng([self._seed, 4, self.episode])
+        generator = np.random.default_rng([self._run.seed, 4, self.episode])
         losses, values = [], []
         for _ in range(round(fresh * section.updates_per_step)):
             loss, value = self._update(self._memory.sample(section.batch, generator))
@@ -245,7 +235,7 @@ class ReinforcementStage:
 
     def _validate(self, figures: RoundFigures) -> RoundFigures:
         """Drive the validation cases with the adapter as it is, and keep it if none was better."""
-        path = self._state.with_name("candidate.safetensors")
+        path = self._run.state.with_name("candidate.safetensors")
         save_model(path, self._model, self._networks(), self._threshold)
         results = evaluate_cases(self._validation, self._policy, "adreft", {"model": str(path)}, mapper=self._mapper)
         path.unlink()
@@ -264,7 +254,7 @@ class ReinforcementStage:
         return {**self._tensors, **self._best} if self._section.keep == "best" else self._networks()
 
     def _to(self, array: NDArray[Any]) -> Tensor:
-        return torch.from_numpy(np.ascontiguousarray(array)).to(self._device)
+        return torch.from_numpy(np.ascontiguousarray(array)).to(self._run.device)
 
     def _save(self) -> None:
         tensors = {
@@ -284,12 +274,12 @@ class ReinforcementStage:
             "updates": self.updates,
             "added": self._memory.added,
         }
-        save_checkpoint(self._state, tensors, header)
+        save_checkpoint(self._run.state, tensors, header)
 
     def _load(self) -> None:
-        checkpoint = load_checkpoint(self._state, KIND)
+        checkpoint = load_checkpoint(self._run.state, KIND)
         header, tensors = checkpoint.header, checkpoint.tensors
-        check_identity(self._state, header["configuration"], self._identity)
+        check_identity(self._run.state, header["configuration"], self._identity)
         load_tensors(self._online, tensors, "online.")
         load_tensors(self._target, tensors, "target.")
         load_optimizer(self._optimizer, tensors, "optimizer.")

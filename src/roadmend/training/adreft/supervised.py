@@ -22,6 +22,7 @@ from roadmend.training.adreft.calibration import calibrate, monitor_quality
 from roadmend.training.adreft.configuration import SupervisedSection
 from roadmend.training.adreft.frames import Batch, FrameSet
 from roadmend.training.adreft.network import AdreftNetwork, load_tensors, tensors_of
+from roadmend.training.adreft.stage import StageRun
 from roadmend.training.optimizer_state import load_optimizer, optimizer_tensors
 
 KIND = "adreft-supervised-state"
@@ -55,7 +56,7 @@ class SupervisedResult:
 
 
 class SupervisedStage:
-    """One run of the stage. ``state`` is the file from which it goes on after an interruption."""
+    """One run of the stage. It goes on from its state after an interruption."""
 
     def __init__(
         self,
@@ -63,11 +64,7 @@ class SupervisedStage:
         section: SupervisedSection,
         training: FrameSet,
         validation: FrameSet,
-        *,
-        seed: int,
-        device: str,
-        state: Path,
-        log: Path | None = None,
+        run: StageRun,
     ) -> None:
         """Prepare the stage, or load where it stood.
 
@@ -76,10 +73,7 @@ class SupervisedStage:
             section: how.
             training: frames to learn from.
             validation: frames to judge by.
-            seed: of the initial weights and of the order of the frames.
-            device: torch's name of where to compute.
-            state: file of the state; one that exists is gone on with.
-            log: folder for TensorBoard.
+            run: its seed is that of the initial weights and of the order of the frames.
 
         Raises:
             InputError: the file is of another run, or there is nothing to learn from or to judge by.
@@ -88,16 +82,16 @@ class SupervisedStage:
             if not np.any((frames.critical > 0.5) & (frames.critical_weight > 0.0)):
                 raise InputError(f"{name} split", "no frame is critical", "give a corpus with violations in it")
         self._section, self._training, self._validation = section, training, validation
-        self._seed, self._device, self._state, self._log = seed, device, state, log
-        torch.manual_seed(seed)
-        self.network = AdreftNetwork(model).to(device)
+        self._run = run
+        torch.manual_seed(run.seed)
+        self.network = AdreftNetwork(model).to(run.device)
         kind = torch.optim.AdamW if section.optimizer == "adamw" else torch.optim.Adam
         self._optimizer = kind(self.network.parameters(), lr=section.learning_rate, weight_decay=section.weight_decay)
         self._identity = {
             "code": source_digest([type(self).__module__]),
             "model": model.model_dump(mode="json"),
             "supervised": section.model_dump(mode="json"),
-            "seed": seed,
+            "seed": run.seed,
             "training": training.digest,
             "validation": validation.digest,
         }
@@ -105,7 +99,7 @@ class SupervisedStage:
         self.history: list[EpochFigures] = []
         self._best: dict[str, NDArray[Any]] = tensors_of(self.network)
         self._best_figures: EpochFigures | None = None
-        if state.exists():
+        if run.state.exists():
             self._load()
 
     def run(
@@ -117,7 +111,7 @@ class SupervisedStage:
             report: called after every epoch with its number, from 1, and its figures where it was validated.
         """
         section = self._section
-        writer = SummaryWriter(str(self._log), purge_step=self.epoch + 1) if self._log is not None else None
+        writer = SummaryWriter(str(self._run.log), purge_step=self.epoch + 1) if self._run.log is not None else None
         while self.epoch < section.epochs:
             loss = self._learn()
             self.epoch += 1
@@ -148,7 +142,7 @@ class SupervisedStage:
     def _learn(self) -> float:
         """One epoch; its chance comes from the seed and its number alone, so nothing but weights need be kept."""
         section, frames = self._section, self._training
-        generator = np.random.default_rng([self._seed, 1, self.epoch])
+        generator = np.random.default_rng([self._run.seed, 1, self.epoch])
         chosen = frames.draw(section.frames_per_epoch or len(frames), section.critical_share, generator)
         for group in self._optimizer.param_groups:
             group["lr"] = self._rate()
@@ -205,7 +199,7 @@ class SupervisedStage:
         )
 
     def _to(self, array: NDArray[Any]) -> Tensor:
-        return torch.from_numpy(np.ascontiguousarray(array)).to(self._device)
+        return torch.from_numpy(np.ascontiguousarray(array)).to(self._run.device)
 
     def _save(self) -> None:
         tensors = {
@@ -222,11 +216,11 @@ class SupervisedStage:
             "metrics": {"history": [asdict(figures) for figures in self.history], "best": best},
             "epoch": self.epoch,
         }
-        save_checkpoint(self._state, tensors, header)
+        save_checkpoint(self._run.state, tensors, header)
 
     def _load(self) -> None:
-        checkpoint = load_checkpoint(self._state, KIND)
-        check_identity(self._state, checkpoint.header["configuration"], self._identity)
+        checkpoint = load_checkpoint(self._run.state, KIND)
+        check_identity(self._run.state, checkpoint.header["configuration"], self._identity)
         load_tensors(self.network, checkpoint.tensors, "now.")
         load_optimizer(self._optimizer, checkpoint.tensors, "optimizer.")
         self._best = {
