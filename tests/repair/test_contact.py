@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from roadmend.core.command import Trajectory
-from roadmend.repair.contact import Forecast, ego_position, first_contact, is_follower, merit, roll_object
-from roadmend.repair.planned_path import PathFinder
+from roadmend.repair.contact import Forecast, braked_position, first_contact, is_follower, merit, roll_object
+from roadmend.repair.planned_path import PathFinder, planned_position
 
 from .playground import Box, ego_at, object_list, straight_route
 
@@ -41,9 +41,9 @@ def test_braking_ends_at_standstill():
 )
 def test_the_ego_goes_no_farther_than_planned_or_braked(deceleration, time, position):
     path = path_of(10.0)
-    assert ego_position(path, 8.0, deceleration, time) == pytest.approx(position)
+    assert braked_position(planned_position(path, time), 8.0, deceleration, time) == pytest.approx(position)
     still = path._replace(progress=np.zeros(2), tail_speed=0.0)
-    assert ego_position(still, 8.0, deceleration, time) == 0.0
+    assert braked_position(planned_position(still, time), 8.0, deceleration, time) == 0.0
 
 
 def path_of(speed: float):

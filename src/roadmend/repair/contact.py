@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from roadmend.core.geometry import Outline, corner_distance, fill_corners
 from roadmend.core.jit import compiled
 from roadmend.core.scene import EgoState, Objects
-from roadmend.repair.planned_path import PlannedPath, coordinates_on, planned_position, pose_on
+from roadmend.repair.planned_path import PlannedPath, coordinates_on, pose_at, position_at
 
 Floats = NDArray[np.float64]
 
@@ -45,12 +45,11 @@ class Forecast(NamedTuple):
 
 
 @compiled
-def ego_position(path: PlannedPath, speed: float, deceleration: float, time: float) -> float:
-    """Arc length [m] after ``time`` [s]: the plan's, or less where braking from ``speed`` allows less.
+def braked_position(planned: float, speed: float, deceleration: float, time: float) -> float:
+    """Arc length [m] after ``time`` [s]: the planned one, or less where braking from ``speed`` allows less.
 
     A negative ``deceleration`` [m/s2] stands for no braking at all; 0 for rolling on at ``speed``.
     """
-    planned = planned_position(path, time)
     if deceleration < 0.0:
         return planned
     braking = time if deceleration == 0.0 else min(time, speed / deceleration)
@@ -75,13 +74,15 @@ def first_contact(
     """
     objects, poses, required = forecast.objects, forecast.poses, forecast.required
     speed = max(0.0, ego.speed)
+    points, progress, interval, tail_speed = path.points, path.progress, path.interval, path.tail_speed
     own = np.empty((4, 2), dtype=np.float64)
     their = np.empty((4, 2), dtype=np.float64)
     own_radius = 0.5 * math.hypot(ego.length, ego.width)
     low, high = (0, poses.shape[0]) if focus < 0 else (focus, focus + 1)
     for step in range(begin, end + 1):
-        position = ego_position(path, speed, deceleration, step * forecast.interval)
-        x, y, yaw = pose_on(path, position)
+        time = step * forecast.interval
+        position = braked_position(position_at(progress, interval, tail_speed, time), speed, deceleration, time)
+        x, y, yaw = pose_at(points, path.size, position)
         fill_corners(own, x, y, yaw, ego.length, ego.width)
         for index in range(low, high):
             if required[index] < 0.0:
@@ -103,16 +104,18 @@ def merit(path: PlannedPath, ego: EgoState, deceleration: float, forecast: Forec
 
     The least gap [m] where outlines stay apart, otherwise minus the relative speed [m/s] at the first contact.
     """
-    objects, poses, required, interval = forecast.objects, forecast.poses, forecast.required, forecast.interval
+    objects, poses, required = forecast.objects, forecast.poses, forecast.required
     speed = max(0.0, ego.speed)
+    points, progress, interval, tail_speed = path.points, path.progress, path.interval, path.tail_speed
     own = np.empty((4, 2), dtype=np.float64)
     their = np.empty((4, 2), dtype=np.float64)
     own_radius = 0.5 * math.hypot(ego.length, ego.width)
     least, before = math.inf, 0.0
     for step in range(end + 1):
-        position = ego_position(path, speed, deceleration, step * interval)
-        x, y, yaw = pose_on(path, position)
-        own_speed = (position - before) / interval if step else speed
+        time = step * forecast.interval
+        position = braked_position(position_at(progress, interval, tail_speed, time), speed, deceleration, time)
+        x, y, yaw = pose_at(points, path.size, position)
+        own_speed = (position - before) / forecast.interval if step else speed
         before = position
         fill_corners(own, x, y, yaw, ego.length, ego.width)
         for index in range(poses.shape[0]):

@@ -121,10 +121,9 @@ def _lay(
 
 
 @compiled
-def pose_on(path: PlannedPath, position: float) -> tuple[float, float, float]:
-    """Point [m] and heading [rad] of the path at an arc length; it goes straight on beyond its ends."""
-    points = path.points
-    index = segment_at(points[S, : path.size], position)
+def pose_at(points: Floats, size: int, position: float) -> tuple[float, float, float]:
+    """As pose_on, for loops: numba counts references to all arrays of a record whenever it is handed on."""
+    index = segment_at(points[S, :size], position)
     share = (position - points[S, index]) / (points[S, index + 1] - points[S, index])
     turn = wrap_angle(points[YAW, index + 1] - points[YAW, index])
     return (
@@ -135,25 +134,36 @@ def pose_on(path: PlannedPath, position: float) -> tuple[float, float, float]:
 
 
 @compiled
+def pose_on(path: PlannedPath, position: float) -> tuple[float, float, float]:
+    """Point [m] and heading [rad] of the path at an arc length; it goes straight on beyond its ends."""
+    return pose_at(path.points, path.size, position)
+
+
+@compiled
 def coordinates_on(path: PlannedPath, x: float, y: float, yaw: float) -> tuple[float, float, float]:
     """Arc length [m], offset [m] and heading relative to the path [rad] of the path's point nearest to a pose."""
     points, count = path.points, path.size
     middle = 0.5 * (points[S, 0] + points[S, count - 1])
     s, d = project(points[X, :count], points[Y, :count], points[S, :count], x, y, middle, math.inf)
-    _, _, heading = pose_on(path, s)
+    _, _, heading = pose_at(points, count, s)
     return s, d, wrap_angle(yaw - heading)
+
+
+@compiled
+def position_at(progress: Floats, interval: float, tail_speed: float, time: float) -> float:
+    """As planned_position, for loops."""
+    last = progress.shape[0] - 1
+    index = int(time / interval)
+    position: float = progress[last] + tail_speed * (time - last * interval)
+    if index < last:
+        position = progress[index] + (time / interval - index) * (progress[index + 1] - progress[index])
+    return position
 
 
 @compiled
 def planned_position(path: PlannedPath, time: float) -> float:
     """Arc length [m] at which the plan has the ego's centre ``time`` [s] from now."""
-    progress, interval = path.progress, path.interval
-    last = progress.shape[0] - 1
-    index = int(time / interval)
-    position: float = progress[last] + path.tail_speed * (time - last * interval)
-    if index < last:
-        position = progress[index] + (time / interval - index) * (progress[index + 1] - progress[index])
-    return position
+    return position_at(path.progress, path.interval, path.tail_speed, time)
 
 
 @compiled

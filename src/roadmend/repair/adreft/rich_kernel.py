@@ -9,8 +9,16 @@ from roadmend.core.geometry import Outline, corner_distance, fill_corners, fill_
 from roadmend.core.jit import compiled
 from roadmend.core.scene import EgoState, Objects
 from roadmend.repair.conflict import shared_ground
-from roadmend.repair.contact import ego_position, roll_object
-from roadmend.repair.planned_path import PlannedPath, coordinates_on, planned_position, planned_time, pose_on
+from roadmend.repair.contact import braked_position, roll_object
+from roadmend.repair.planned_path import (
+    PlannedPath,
+    coordinates_on,
+    planned_position,
+    planned_time,
+    pose_at,
+    pose_on,
+    position_at,
+)
 
 Floats = NDArray[np.float64]
 Tokens = NDArray[np.float32]
@@ -77,12 +85,13 @@ def _forecast(
     """
     own, their = corners[0], corners[1]
     speed = max(0.0, ego.speed)
+    points, progress, interval, tail_speed = path.points, path.progress, path.interval, path.tail_speed
     least, when = NEAR, HORIZON
     radii = 0.5 * (math.hypot(ego.length, ego.width) + math.hypot(other.length, other.width))
     for step in range(STEPS + 1):
         time = step * INTERVAL
-        position = ego_position(path, speed, deceleration, time)
-        x, y, yaw = pose_on(path, position)
+        position = braked_position(position_at(progress, interval, tail_speed, time), speed, deceleration, time)
+        x, y, yaw = pose_at(points, path.size, position)
         dx, dy = poses[step, 0] - x, poses[step, 1] - y
         if math.hypot(dx, dy) - radii >= least:
             continue
