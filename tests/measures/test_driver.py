@@ -67,6 +67,7 @@ def change(monkeypatch, tmp_path):
         digests._read.cache_clear()
 
     def change(name):
+        assert found(name) is not None, name
         copy = tmp_path / found(name).name
         copy.write_text(found(name).read_text() + "\nmore = 1\n")
         monkeypatch.setattr(digests, "_path", lambda each: copy if each == name else found(each))
@@ -97,7 +98,7 @@ def test_lessons_of_the_expert_hang_on_the_expert_and_the_world(change):
     [
         ("search", "roadmend.search.danger"),
         ("safe", "roadmend.safe.layout"),
-        ("trials", "roadmend.training.adreft.blinding"),
+        ("trials", "roadmend.training.adreft.blinded_policy"),
         ("frames", "roadmend.repair.adreft.rich_kernel"),
         ("evaluation", "roadmend.recording.writer"),
         ("bound", "harness.pulse"),

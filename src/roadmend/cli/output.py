@@ -10,6 +10,7 @@ from rich.progress import (
     DownloadColumn,
     MofNCompleteColumn,
     Progress,
+    ProgressColumn,
     TextColumn,
     TimeElapsedColumn,
     TimeRemainingColumn,
@@ -35,10 +36,15 @@ def show_rows(rows: Sequence[Sequence[str]]) -> None:
 Report = Callable[[str, int, int | None], None]  # what is being done, how much of it is done, how much there is
 
 
-def counting() -> Progress:
-    """Bars on standard error with what is done, how much of how many, and how long it will take yet."""
+def counting(*more: ProgressColumn, is_transient: bool = False) -> Progress:
+    """Bars on standard error with what is done, how much of how many, and how long it will take yet.
+
+    Args:
+        more: columns.
+        is_transient: whether they are gone at the end.
+    """
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    return Progress(*columns, console=Console(stderr=True))
+    return Progress(*columns, *more, console=Console(stderr=True), transient=is_transient)
 
 
 @contextlib.contextmanager

@@ -5,12 +5,10 @@ from dataclasses import asdict
 from pathlib import Path
 
 import click
-from rich.console import Console
-from rich.progress import Progress
 
 from roadmend.cli.language_options import language_options
 from roadmend.cli.options import WORKERS
-from roadmend.cli.output import show_rows
+from roadmend.cli.output import counting, show_rows
 from roadmend.cli.sera_language import keeping_exchanges, open_backend, show_usage
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
@@ -54,7 +52,7 @@ def analyse_bags(
     readings = []
     with (
         fan_out(workers, len(found)) as mapper,
-        Progress(console=Console(stderr=True), transient=True) as progress,
+        counting(is_transient=True) as progress,
     ):
         task = progress.add_task("bags", total=len(found))
         for reading in mapper(read_incidents, found):

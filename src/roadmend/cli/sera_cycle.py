@@ -7,12 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import click
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from roadmend.cli.language_options import language_options
 from roadmend.cli.options import WORKERS
-from roadmend.cli.output import show_rows
+from roadmend.cli.output import counting, show_rows
 from roadmend.cli.sera_evaluate import chosen_set, drive_jobs
 from roadmend.cli.sera_options import EMBEDDER, JSON, set_options
 from roadmend.core.fanout import fan_out
@@ -121,8 +119,7 @@ def cycle(
     first = tuple(find_bags(bags)) if bags else ()
     whole_set = chosen_set(scenarios, first_seed, corpus, split)
     opened = Backend.open(backend, settings, recording, attempts)
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+    with counting(is_transient=True) as progress:
         whole = progress.add_task("starting", total=generations + 1)
         part = progress.add_task("", total=None)
 

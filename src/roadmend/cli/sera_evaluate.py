@@ -7,11 +7,9 @@ from pathlib import Path
 from typing import Any, cast
 
 import click
-from rich.console import Console
-from rich.progress import Progress
 
 from roadmend.cli.options import WORKERS
-from roadmend.cli.output import show_rows
+from roadmend.cli.output import counting, show_rows
 from roadmend.cli.sera_options import set_options
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
@@ -81,7 +79,7 @@ def evaluate(
     chosen = disjoint(whole, known_in(known))
     driver = driver_key(policy, method)
     jobs = [EvaluationJob(one, policy, method, out / _BAGS, cast(Record, record), driver) for one in chosen]
-    with Progress(console=Console(stderr=True), transient=True) as progress:
+    with counting(is_transient=True) as progress:
         task = progress.add_task("episodes", total=len(jobs))
         found = drive_jobs(jobs, out, workers, lambda done, _: progress.update(task, completed=done))
     content = _content(jobs, found, len(whole) - len(chosen))

@@ -6,10 +6,10 @@ from typing import Any
 
 import click
 import yaml
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import TextColumn
 
 from roadmend.cli.options import WORKERS
+from roadmend.cli.output import counting
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
 from roadmend.core.resources import config_folder
@@ -142,15 +142,7 @@ def adreft(
     validation = corpus.select(split="validation")
     subject = TrainingSubject(_driver(corpus), validation, [_driver(corpus_of(other)) for other in also])
     chosen = choose_torch_device(device, configuration.threads)
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TimeRemainingColumn(),
-        TextColumn("{task.fields[how]}"),
-    )
-    with Progress(*columns, console=Console(stderr=True)) as progress, fan_out(workers) as mapper:
+    with counting(TextColumn("{task.fields[how]}")) as progress, fan_out(workers) as mapper:
         tasks: dict[str, Any] = {}
 
         def report(what: str, done: int, total: int, how: str) -> None:

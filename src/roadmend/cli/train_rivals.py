@@ -17,11 +17,12 @@ from roadmend.core.settings import check_settings
 from roadmend.core.whole_file import write_text
 from roadmend.core.yaml_file import read_fields
 from roadmend.measures.contenders import TunedMethods
+from roadmend.measures.driver import driver_key
 from roadmend.networks.checkpoint import SUFFIX, load_checkpoint, models_folder
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.self_oracle import KIND
 from roadmend.training.tuning import EPISODES, FORMAT, Tuned, Tuning
-from roadmend.training.tuning_grid import rivals_of
+from roadmend.training.tuning_grid import Rival, rivals_of
 from roadmend.world.corpus import Case, corpus_of
 
 _RIVALS = tuple(rival.name for rival in rivals_of(""))
@@ -113,7 +114,8 @@ def rivals(
     interrupted. Rivals that are not asked for keep what an earlier call of the same kind has written.
     """
     corpus = corpus_of(policy, corpus_file)
-    chosen = [rival for rival in rivals_of(str(model_file) if model_file else policy) if not only or rival.name in only]
+    every = rivals_of(str(model_file) if model_file else policy)
+    chosen = [rival for rival in every if not only or rival.name in only]
     model = ""
     if any(rival.method == "model" for rival in chosen):
         model = load_checkpoint(model_file or models_folder() / f"self_oracle-{policy}{SUFFIX}", KIND).digest
@@ -128,7 +130,11 @@ def rivals(
         "roadmend": __version__,
         "command": f"./roadmend train rivals --policy {policy}{f' --cases {number}' if number else ''} --out {out.name}",
     }
-    found = _written(out, header)
+    written = _written(out, header)
+    left = [rival for rival in every if rival not in chosen and rival.name in written]
+    found = {
+        rival.name: written[rival.name] for rival in left if written[rival.name].get("code") == _code(policy, rival)
+    }
     identity = {"policy": policy, "corpus": corpus.digest}
     with counting() as progress, fan_out(workers) as mapper:
         report = stages_of(progress)
@@ -138,11 +144,17 @@ def rivals(
             with Journal(file, EPISODES, identity | of_model) as journal:
                 tuned = Tuning(cases, policy, journal, mapper, report).tune(rival)
             found[rival.name] = tuned.dump() | ({"model_digest": model} if rival.method == "model" else {})
+            found[rival.name]["code"] = _code(policy, rival)
             if rival.method == "model" and model_file is not None:
                 found[rival.name]["parameters"]["model"] = policy  # a setting holds wherever the model lies
             _write(out, header, found)
             _show(tuned, progress.console)
     click.echo(f"{out}: {', '.join(found)}")
+
+
+def _code(policy: str, rival: Rival) -> str:
+    """Digest of what drove when a rival was tuned, its setting aside."""
+    return driver_key(policy, rival.method, rival.grid[0])
 
 
 def _first(cases: list[Case], number: int | None) -> list[Case]:
@@ -158,7 +170,7 @@ def _first(cases: list[Case], number: int | None) -> list[Case]:
 
 
 def _written(path: Path, header: dict[str, Any]) -> dict[str, Any]:
-    """Rivals in a file of the same kind; nothing where the file is of another corpus, version or number of cases."""
+    """Rivals in a file of the same kind; nothing where the file is of another corpus or number of cases."""
     if not path.exists():
         return {}
     mend = "remove it, or choose another --out"
