@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from roadmend.core.command import Command, Decision, Trajectory
-from roadmend.core.repair import Proposal, RepairStatus
+from roadmend.core.repair import Proposal, RepairStatus, Trigger
 from roadmend.repair.guard import GRAVITY, GuardedRepairer, gravest
 from roadmend.repair.none import NoRepair
 from roadmend.repair.parameters import GuardParameters
@@ -296,3 +296,311 @@ def test_a_warm_up_leaves_no_trace():
     repairer.reset(straight_route())
     assert step(repairer).status == RepairStatus.RESET
     assert step(repairer, time=0.05).status == RepairStatus.PASS
+
+
+class Spy(Scripted):
+    """Remembers the routes that it was reset to as well."""
+
+    def __init__(self, answer=QUIET):
+        super().__init__(answer)
+        self.routes = []
+
+    def reset(self, route):
+        super().reset(route)
+        self.routes.append(route)
+
+
+def spied(answer=QUIET, method=None, **parameters):
+    """A guard whose own rule is a spy, one tick into the episode."""
+    repairer = guarded(method, **parameters)
+    repairer._rule = Spy(answer)
+    return repairer
+
+
+def braking(brake):
+    return Decision(Command(0.0, brake), Trajectory.empty())
+
+
+@pytest.mark.parametrize(
+    ("deceleration", "full", "brake"), [(4.0, 8.0, 0.5), (3.0, 12.0, 0.25), (4.0, 4.0, 1.0), (8.0, 2.0, 1.0)]
+)
+def test_the_brake_of_a_controlled_stop_is_its_share_of_the_full_deceleration(deceleration, full, brake):
+    repairer = guarded(stop_deceleration=deceleration, full_brake=full)
+    assert repairer.stop_brake == brake
+    assert repairer.controlled_stop(RepairStatus.STALE_COMMAND).command == Command(0.0, brake)
+
+
+def test_without_parameters_the_defaults_hold_and_the_name_is_the_methods():
+    repairer = GuardedRepairer(Scripted())
+    assert repairer.parameters == GuardParameters()
+    assert repairer.name == "scripted"
+
+
+def test_both_are_told_the_route():
+    repairer = GuardedRepairer(Spy())
+    repairer._rule = Spy()
+    route = straight_route()
+    repairer.reset(route)
+    assert repairer._method.routes == repairer._rule.routes == [route]
+
+
+@pytest.mark.parametrize("count", [63, 64, 65, 200])
+def test_objects_are_dropped_from_lists_of_any_length(count):
+    method = Scripted()
+    boxes = [Box(index, 5.0 * index, 50.0) for index in range(count - 1)]
+    repair = step(guarded(method), [*boxes, Box(0, 1.0, 50.0)])
+    assert repair.dropped_objects == 1
+    assert len(method.seen[-1][0].objects) == count - 1
+
+
+@pytest.mark.parametrize(
+    ("bound", "box"),
+    [
+        ({"max_length": 5.0}, Box(1, 50.0, 9.0, length=5.5)),
+        ({"max_width": 3.0}, Box(1, 50.0, 9.0, width=3.5)),
+        ({"max_speed": 30.0}, Box(1, 50.0, 9.0, speed=35.0)),
+    ],
+)
+def test_what_an_object_may_measure_is_a_parameter(bound, box):
+    assert step(guarded(), [box]).dropped_objects == 0
+    assert step(guarded(**bound), [box]).dropped_objects == 1
+
+
+def test_nothing_is_copied_where_nothing_is_wrong():
+    method = Scripted()
+    repairer = guarded(method)
+    scene = scene_of([Box(1, 50.0, 9.0)])
+    decision = keep_on(scene)
+    repairer.step(scene, decision)
+    assert method.seen[-1] == (scene, decision)
+    assert method.seen[-1][0] is scene
+    assert method.seen[-1][1] is decision
+
+
+def test_an_invalid_command_costs_the_plan_nothing_and_an_unusable_plan_not_the_command():
+    method = Scripted()
+    repairer = guarded(method)
+    scene = scene_of([])
+    plan = keep_on(scene).trajectory
+    repairer.step(scene, Decision(Command(2.0, 0.0), plan))
+    assert method.seen[-1][1].trajectory is plan
+    assert method.seen[-1][1].command == Command(1.0, 0.0)
+    bad = np.array([math.nan])
+    both = step(repairer, time=0.05, command=Command(2.0, 0.0), trajectory=Trajectory(0.1, bad, bad, bad, bad))
+    assert both.status == RepairStatus.INVALID_COMMAND
+    assert "taken as +1.00" in both.reason
+    assert "route is used" in both.reason
+    assert len(method.seen[-1][1].trajectory) == 0
+
+
+def test_the_account_holds_what_the_method_said():
+    trigger = Trigger(7, 0.4)
+    repair = step(guarded(Scripted(Proposal(0.9, 0.5, -0.6, (trigger,), "because"))), [Box(1, math.nan, 0.0)])
+    assert (repair.score, repair.threshold, repair.triggers) == (0.9, 0.5, (trigger,))
+    assert repair.dropped_objects == 1
+    assert repair.status == RepairStatus.INVALID_OBJECTS
+    assert repair.final_action == -0.6
+    assert "dropped 1 unusable of 1 objects" in repair.reason
+    assert repair.reason.endswith("; because")
+
+
+@pytest.mark.parametrize(
+    ("pause", "status"),
+    [
+        (0.001, RepairStatus.PASS),
+        (0.5, RepairStatus.PASS),
+        (0.51, RepairStatus.RESET),
+        (0.0, RepairStatus.RESET),
+        (-0.001, RepairStatus.RESET),
+    ],
+)
+def test_a_pause_up_to_the_clock_jump_is_none(pause, status):
+    repairer = guarded(clock_jump=0.5)
+    step(repairer, time=1.0)
+    step(repairer, time=2.0)
+    assert step(repairer, time=2.0 + pause).status == status
+
+
+def test_time_is_measured_from_tick_to_tick():
+    repairer = guarded()
+    assert {step(repairer, time=0.9 * tick).status for tick in range(5)} == {RepairStatus.PASS}
+
+
+def test_a_new_episode_begins_with_a_reset_even_where_its_time_goes_on():
+    method = Scripted()
+    repairer = guarded(method)
+    step(repairer, time=0.0)
+    repairer.reset(straight_route())
+    repair = step(repairer, time=0.05)
+    assert repair.status == RepairStatus.RESET
+    assert repair.reason == ""
+    assert method.resets == 2
+
+
+def test_the_first_tick_tells_the_graver_of_a_reset_and_of_what_is_dropped():
+    repairer = GuardedRepairer(Scripted())
+    repairer.reset(straight_route())
+    assert step(repairer, [Box(1, math.nan, 0.0)]).status == RepairStatus.INVALID_OBJECTS
+
+
+def test_a_rule_that_cannot_be_reset_is_a_fault_too_and_both_are_told():
+    repairer = guarded()
+    repairer._rule.reset = lambda route: fail()
+    repairer.reset(straight_route())
+    repair = step(repairer)
+    assert repair.status == RepairStatus.MODEL_FAULT
+    assert "rss could not be reset" in repair.reason
+    repairer._method.reset = lambda route: fail()
+    repairer.reset(straight_route())
+    repair = step(repairer, time=0.05)
+    assert "scripted could not be reset" in repair.reason
+    assert "rss could not be reset" in repair.reason
+
+
+def test_time_that_runs_back_takes_the_rules_memory_as_well():
+    repairer = spied()
+    step(repairer, time=-7.0)
+    assert repairer._rule.resets == 1
+
+
+def test_the_rule_is_shown_what_the_method_was_and_is_answered_for():
+    trigger = Trigger(3, 0.2)
+    repairer = spied(Proposal(0.2, 0.1, -0.7, (trigger,), "near"), Scripted(fail))
+    scene = scene_of([Box(1, math.nan, 0.0), Box(2, 50.0, 9.0)])
+    repair = repairer.step(scene, Decision(Command(0.3, 0.0), Trajectory.empty()))
+    ((seen, decision),) = repairer._rule.seen
+    assert seen.objects.id.tolist() == [2]
+    assert decision.command == Command(0.3, 0.0)
+    assert (repair.score, repair.threshold, repair.triggers) == (0.2, 0.1, (trigger,))
+    assert (repair.policy_action, repair.repair_action, repair.final_action) == (0.3, -0.7, -0.7)
+    assert repair.dropped_objects == 1
+    assert "out of tune" in repair.reason
+    assert repair.reason.endswith("near")
+
+
+def test_where_method_and_rule_fail_the_stop_is_no_softer_than_what_was_asked():
+    for answer in (fail, Proposal(math.nan, 0.0, 0.0)):
+        repairer = spied(answer, Scripted(fail))
+        scene = scene_of([Box(1, math.nan, 0.0)])
+        repair = repairer.step(scene, braking(0.9))
+        assert repair.status == RepairStatus.MODEL_FAULT
+        assert repair.command == Command(0.0, 0.9)
+        assert repair.dropped_objects == 1
+        assert len(repairer._rule.seen) == 1
+        assert "dropped 1" in repair.reason
+        assert "scripted failed" in repair.reason
+        assert repair.reason.count("out of tune") == (2 if answer is fail else 1)
+
+
+def test_neither_a_missing_route_nor_blind_odometry_softens_the_brake_that_was_asked_for():
+    starting = GuardedRepairer(NoRepair()).step(scene_of([]), braking(0.9))
+    assert (starting.status, starting.command.brake) == (RepairStatus.STARTING, 0.9)
+    blind = guarded().step(scene_of([], ego=ego_at()._replace(x=math.nan)), braking(0.9))
+    assert (blind.status, blind.command.brake) == (RepairStatus.STALE_OBJECTS, 0.9)
+    assert starting.reason
+    assert blind.reason
+
+
+def test_without_a_decision_the_scene_still_counts():
+    repair = guarded().step(scene_of([Box(1, 9.0, 0.0)]), None)
+    assert repair.status == RepairStatus.STALE_COMMAND
+    assert repair.command.brake > 0.9
+
+
+@pytest.mark.parametrize("scene", [None, 7])
+def test_what_is_no_scene_stops_the_vehicle(scene):
+    repair = guarded().step(scene, braking(0.9))
+    assert repair.status == RepairStatus.STALE_OBJECTS
+    assert repair.command == Command(0.0, 0.5)
+    assert "unusable input" in repair.reason
+
+
+@pytest.mark.parametrize(
+    ("asked", "brake", "intervened"),
+    [
+        (Command(0.4, 0.0, change_lane=True), 0.5, True),
+        (Command(0.0, 0.2), 0.5, True),
+        (Command(0.0, 0.5), 0.5, False),
+        (Command(0.0, 0.9), 0.9, False),
+    ],
+)
+def test_a_controlled_stop_tells_what_was_asked(asked, brake, intervened):
+    decision = Decision(asked, Trajectory.empty())
+    repair = guarded().controlled_stop(RepairStatus.STALE_OBJECTS, "blind", decision=decision)
+    assert repair.command == Command(0.0, brake)
+    assert (repair.policy_action, repair.repair_action, repair.intervened) == (asked.action, -brake, intervened)
+    assert math.isnan(repair.score)
+    assert math.isnan(repair.threshold)
+    assert (repair.dropped_objects, repair.triggers) == (0, ())
+    assert "blind" in repair.reason
+
+
+def test_a_controlled_stop_takes_an_invalid_command_for_none():
+    decision = Decision(Command(math.nan, 0.0), Trajectory.empty())
+    repair = guarded().controlled_stop(RepairStatus.STALE_OBJECTS, decision=decision)
+    assert (repair.policy_action, repair.final_action) == (-0.5, -0.5)
+    broken = guarded().controlled_stop(RepairStatus.STALE_OBJECTS, decision=Decision(None, None))
+    assert broken.final_action == -0.5
+    assert math.isnan(broken.policy_action)
+
+
+@pytest.mark.parametrize(
+    ("wanted", "brake"), [(-0.95, 0.95), (-1.0, 1.0), (-0.9, 0.9), (-0.7, 0.9), (0.8, 0.9), (-1.5, 0.9)]
+)
+def test_in_a_controlled_stop_the_rule_may_only_brake_harder(wanted, brake):
+    trigger = Trigger(3, 0.2)
+    repairer = spied(Proposal(0.2, 0.1, wanted, (trigger,), "near"))
+    scene = scene_of([Box(1, math.nan, 0.0), Box(2, 50.0, 9.0)])
+    repair = repairer.controlled_stop(RepairStatus.STALE_COMMAND, "late", scene, braking(0.9))
+    ((seen, decision),) = repairer._rule.seen
+    assert seen.objects.id.tolist() == [2]
+    assert decision.command == Command(0.0, 0.9)
+    assert len(decision.trajectory) == 0
+    assert repair.command == Command(0.0, brake)
+    assert (repair.policy_action, repair.repair_action) == (-0.9, -brake)
+    if brake > 0.9:
+        assert (repair.score, repair.threshold, repair.triggers) == (0.2, 0.1, (trigger,))
+        assert "late; rss: near" in repair.reason
+    else:
+        assert math.isnan(repair.score)
+        assert repair.triggers == ()
+        assert "near" not in repair.reason
+
+
+def test_a_controlled_stop_asks_the_rule_only_where_there_are_route_and_odometry():
+    repairer = GuardedRepairer(Scripted())
+    repairer._rule = Spy(Proposal(0.9, 0.5, -1.0))
+    assert repairer.controlled_stop(RepairStatus.STARTING, scene=scene_of([])).final_action == -0.5
+    repairer.reset(straight_route())
+    assert repairer.controlled_stop(RepairStatus.STALE_COMMAND).final_action == -0.5
+    blind = scene_of([], ego=ego_at()._replace(x=math.nan))
+    assert repairer.controlled_stop(RepairStatus.STALE_COMMAND, scene=blind).final_action == -0.5
+    assert repairer._rule.seen == []
+    assert repairer.controlled_stop(RepairStatus.STALE_COMMAND, scene=scene_of([])).final_action == -1.0
+
+
+@pytest.mark.parametrize(("budget", "status"), [(2.0, RepairStatus.PASS), (0.99, RepairStatus.MODEL_FAULT)])
+def test_the_budget_is_not_overrun_by_what_uses_it_up(monkeypatch, budget, status):
+    clock = itertools.count(100, 2)
+    repairer = guarded(budget=budget if status == RepairStatus.PASS else 10.0)
+    repairer.parameters = GuardParameters(budget=budget)
+    monkeypatch.setattr("roadmend.repair.guard.time.perf_counter", lambda: next(clock))
+    repair = step(repairer)
+    assert repair.status == status
+    assert ("took 2000.0 ms of 990.0 ms" in repair.reason) is (status == RepairStatus.MODEL_FAULT)
+
+
+def test_a_warm_up_calls_everything_once_on_an_ordinary_scene():
+    method = Spy()
+    repairer = GuardedRepairer(method)
+    repairer._rule = rule = Spy()
+    repairer.warm_up()
+    ((scene, decision),) = method.seen
+    assert len(rule.seen) == 1
+    assert method.routes == rule.routes
+    (route,) = method.routes
+    assert route.stages[0].length > scene.objects.x[0] > scene.ego.x > 0.0
+    assert scene.ego.y == scene.objects.y[0] == scene.ego.yaw == 0.0
+    assert scene.ego.speed > 0.0
+    assert decision.command.fault == ""
+    assert scene.signals.shape == (0,)

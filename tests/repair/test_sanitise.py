@@ -76,6 +76,18 @@ def test_odometry_must_make_sense(field, bad):
     assert not is_usable_ego(ego_at()._replace(**{field: bad}), 0.0)
 
 
+@pytest.mark.parametrize(("field", "limit"), [("x", 1e8), ("x", -1e8), ("y", 1e8), ("y", -1e8)])
+def test_the_ego_is_less_than_100_000_km_away(field, limit):
+    assert is_usable_ego(ego_at()._replace(**{field: 0.999 * limit}), 0.0)
+    assert not is_usable_ego(ego_at()._replace(**{field: limit}), 0.0)
+
+
+@pytest.mark.parametrize("field", ["length", "width"])
+def test_the_ego_may_be_small_but_has_a_size(field):
+    assert is_usable_ego(ego_at()._replace(**{field: 0.01}), 0.0)
+    assert not is_usable_ego(ego_at()._replace(**{field: 0.0}), 0.0)
+
+
 def usable(objects) -> tuple[int, list[bool]]:
     keep = np.zeros(max(64, len(objects)), dtype=np.bool_)
     dropped = mark_usable(keep, objects.table, 60.0, 10.0, 150.0)
@@ -113,6 +125,25 @@ def test_the_bounds_themselves_are_usable(field, good):
     assert usable(object_list([replace(Box(2, 5.0, 0.0), **{field: good})])) == (0, [True])
 
 
+@pytest.mark.parametrize(
+    ("field", "limit"),
+    [("x", 1e8), ("y", 1e8), ("yaw", 1e4), ("acceleration", 1e4), ("yaw_rate", 1e4)],
+)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_up_to_the_limits_of_all_reason_an_object_is_usable(field, limit, sign):
+    assert usable(object_list([replace(Box(2, 5.0, 0.0), **{field: 0.999 * sign * limit})])) == (0, [True])
+    assert usable(object_list([replace(Box(2, 5.0, 0.0), **{field: sign * limit})])) == (1, [False])
+
+
+@pytest.mark.parametrize("count", [0, 1, 8, 9, 16, 17, 33, 64])
+def test_no_id_is_taken_for_another(count):
+    """Neither those of a real list nor those that fall on one place of the table, nor the largest."""
+    for ids in (range(count), range(0, 16 * count, 16), range(2**32 - count, 2**32)):
+        assert usable(object_list([Box(number, 0.0, 0.0) for number in ids])) == (0, [True] * count)
+        twice = [Box(number, 0.0, 0.0) for number in ids] * 2
+        assert usable(object_list(twice)) == (count, [True] * count + [False] * count)
+
+
 def test_of_equal_ids_the_first_usable_one_stays():
     boxes = [Box(7, math.nan, 0.0), Box(7, 1.0, 0.0), Box(8, 2.0, 0.0), Box(7, 3.0, 0.0), Box(7, 4.0, 0.0)]
     assert usable(object_list(boxes)) == (3, [False, True, True, False, False])
@@ -140,3 +171,45 @@ def test_a_plan_must_be_finite_and_even(column, bad):
     assert not is_usable_plan(0.1, *arrays)
     arrays[column] = np.ones(2)
     assert not is_usable_plan(0.1, *arrays)
+
+
+@pytest.mark.parametrize("column", range(4))
+def test_up_to_the_limits_of_all_reason_a_plan_is_usable(column):
+    limit = (1e8, 1e8, 1e4, 1e4)[column]
+    for sign in (1.0, -1.0):
+        for share, expected in ((0.999, True), (1.0, False)):
+            for point in range(3):
+                arrays = [np.ones(3) for _ in range(4)]
+                arrays[column][point] = share * sign * limit
+                assert is_usable_plan(0.1, *arrays) is expected
+
+
+@pytest.mark.parametrize("interval", [1e-3, 0.5, 100.0])
+def test_any_positive_interval_will_do(interval):
+    points = np.ones(3)
+    assert is_usable_plan(interval, points, points, points, points)
+
+
+def test_a_plan_without_points_is_usable():
+    none = np.empty(0)
+    assert is_usable_plan(1.0, none, none, none, none)
+
+
+@pytest.mark.parametrize("stop", [0.125, 0.5, 1.0])
+def test_without_a_number_the_stop_or_the_harder_brake_that_was_asked_for(stop):
+    for brake in (0.0, 0.3, 0.7, 1.0, 3.0):
+        expected = Command(0.0, max(stop, min(1.0, brake)))
+        for throttle in (math.nan, math.inf, -math.inf):
+            assert sanitise_command(Command(throttle, brake, change_lane=True), stop) == expected
+    for throttle in (-0.5, 0.0, 0.4, 1.0):
+        assert sanitise_command(Command(throttle, math.nan, change_lane=True), stop) == Command(0.0, stop)
+
+
+@pytest.mark.parametrize("change_lane", [False, True])
+@pytest.mark.parametrize(
+    ("throttle", "brake", "expected"),
+    [(-0.4, 0.0, -0.4), (-0.4, 0.3, -0.4), (-0.4, 0.6, -0.6), (-1.2, 0.5, -1.0), (0.7, 0.2, -0.2), (1.5, -0.3, 1.0)],
+)
+def test_a_wish_that_is_a_number_keeps_its_lane_change(throttle, brake, expected, change_lane):
+    found = sanitise_command(Command(throttle, brake, change_lane), 0.5)
+    assert found == Command.from_action(expected, change_lane=change_lane)
