@@ -1,13 +1,21 @@
 """A small set of made-up cases and their results."""
 
+from roadmend.core.episode_result import EpisodeResult
+from roadmend.core.outcome import Event, EventKind
 from roadmend.measures.case_result import CaseResult
 from roadmend.world.corpus import Case
 
 
-def result(case, violation, outcome, frames=0, change=0.0, family="S1", deceleration=2.0, jerk=4.0):
-    return CaseResult(
-        case, family, violation, outcome, 200, 10.0, frames, change, 1.5, deceleration, jerk, f"{case}{outcome}" * 8
+def episode(outcome, ticks=200, interventions=0, change=0.0, digest="", deceleration=2.0, jerk=4.0):
+    final = Event(10.0, EventKind[outcome], "")
+    return EpisodeResult(
+        "s", "p", "m", final, (final,), ticks, 10.0, 1.5, interventions, change, deceleration, jerk, digest, True
     )
+
+
+def result(case, violation, outcome, frames=0, change=0.0, family="S1", deceleration=2.0):
+    came_to = episode(outcome, 200, frames, change, f"{case}{outcome}" * 8, deceleration)
+    return CaseResult(case, family, violation, came_to)
 
 
 def case(name, violation, family="S1"):

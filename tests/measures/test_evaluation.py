@@ -8,14 +8,14 @@ from roadmend.measures import evaluation
 from roadmend.measures.evaluation import Driven, Trial, drive_trial, evaluate, evaluation_rows, trials_of
 from roadmend.world.families import sample_scenario
 
-from .results import result
+from .results import episode
 
 SCENARIOS = [sample_scenario("S3", seed) for seed in range(4)]
 
 
 def driven(method, outcomes):
     return [
-        Driven(Trial(scenario, "modular", method, method), result(scenario.name, False, outcome))
+        Driven(Trial(scenario, "modular", method, method), replace(episode(outcome), scenario=scenario.name))
         for scenario, outcome in zip(SCENARIOS, outcomes, strict=True)
     ]
 

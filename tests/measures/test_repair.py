@@ -1,6 +1,7 @@
 import pytest
 
-from roadmend.measures.case_result import CaseResult, peaks
+from roadmend.core.episode_result import peaks
+from roadmend.measures.case_result import CaseResult
 from roadmend.measures.repair import advantage, share_of_bound, summarise
 
 from .results import result, run

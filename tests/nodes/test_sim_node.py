@@ -13,6 +13,7 @@ from rclpy.node import Node
 from roadmend_msgs import msg
 
 from roadmend.core.command import Command
+from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
 from roadmend.nodes import qos
@@ -254,10 +255,10 @@ def test_the_end_is_announced_written_down_and_lingered_for(bench, tmp_path):
     there = bench(time_limit=0.5, summary=str(tmp_path / "sim.json"))
     there.drive(10)
     assert there.kinds[-1] is EventKind.TIMEOUT
-    told = json.loads((tmp_path / "sim.json").read_text())
-    assert (told["outcome"], told["ticks"], told["duration"]) == ("TIMEOUT", 10, 0.5)
-    assert told["min_distance"] is None  # nobody was there
-    assert len(told["digest"]) == 64
+    told = EpisodeResult.parse(json.loads((tmp_path / "sim.json").read_text())["result"])
+    assert (told.outcome, told.ticks, told.duration) == (EventKind.TIMEOUT, 10, 0.5)
+    assert told.min_distance is None  # nobody was there
+    assert len(told.digest) == 64
     assert not there.node.finished
     there.command(10)
     there.node._beat()
@@ -273,7 +274,8 @@ def test_an_episode_that_is_stopped_is_recorded_as_aborted(bench, tmp_path):
     there.drive(4)
     there.node.close()
     assert there.kinds[-1] is EventKind.ABORTED
-    assert json.loads((tmp_path / "sim.json").read_text())["outcome"] == "ABORTED"
+    told = json.loads((tmp_path / "sim.json").read_text())["result"]
+    assert EpisodeResult.parse(told).outcome is EventKind.ABORTED
 
 
 @pytest.mark.parametrize(

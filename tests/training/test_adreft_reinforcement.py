@@ -1,6 +1,5 @@
 """Reinforcement fine-tuning in a toy world in place of the simulation: it learns, resumes exactly and keeps the best."""
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,6 +8,7 @@ import pytest
 import torch
 
 from roadmend.core.errors import InputError
+from roadmend.measures.case_result import CaseResult
 from roadmend.networks.compiled_encoder import CompiledHead
 from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.model import AdreftModel
@@ -17,8 +17,9 @@ from roadmend.training.adreft.exploring import Rolled, Transitions, explore
 from roadmend.training.adreft.network import AdreftNetwork, save_model, tensors_of
 from roadmend.training.adreft.reinforcement import ReinforcementStage, spread
 from roadmend.training.adreft.stage import RepairedPolicy, StageRun, TrainingSubject
-from roadmend.training.closed_loop import CaseResult, summarise
+from roadmend.training.closed_loop import summarise
 from roadmend.training.device import choose_torch_device
+from tests.measures.results import episode
 
 MODEL = ModelSection(hidden=8, layers=1, heads=2, feed_forward=8, monitor=(4,), adapter=(24,)).configuration()
 STEPS = 8
@@ -90,7 +91,7 @@ def toy_result(case, model):
     rows = list(live(case, lambda state: int(loaded.values(state, 0.8).argmax())))
     dose = 0.05 * sum(0.8 - ACTIONS[row[1]] for row in rows)
     outcome = "COLLISION" if rows[-1][3] else "GOAL"
-    return CaseResult(case.name, case.family, case.is_violation, outcome, len(rows), len(rows), 1.0, dose, math.inf, "")
+    return CaseResult(case.name, case.family, case.is_violation, episode(outcome, len(rows), len(rows), dose / 0.05))
 
 
 def networks():

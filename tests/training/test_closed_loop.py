@@ -1,30 +1,30 @@
 """Cases in closed loop: what they come to, whatever the number of workers, and how it is summed up."""
 
-import math
-
 import pytest
 
 from roadmend.core.errors import InputError
-from roadmend.training.closed_loop import CaseResult, evaluate_cases, summarise
+from roadmend.measures.case_result import CaseResult
+from roadmend.training.closed_loop import evaluate_cases, summarise
+from tests.measures.results import episode
 
 from .cases import Drawn
 
 CASES = [Drawn("S5", 3), Drawn("S4", 1), Drawn("S5", 4)]
 
 
-def result(is_violation, outcome, *, ticks=100, interventions=0, intensity=0.0, dose=0.0):
-    return CaseResult("", "S1", is_violation, outcome, ticks, interventions, intensity, dose, math.inf, "")
+def result(is_violation, outcome, *, ticks=100, interventions=0, change=0.0):
+    return CaseResult("", "S1", is_violation, episode(outcome, ticks, interventions, change))
 
 
 def test_the_results_do_not_depend_on_the_workers():
     one = evaluate_cases(CASES, "modular", "random", {"probability": 0.3})
     two = evaluate_cases(CASES, "modular", "random", {"probability": 0.3}, workers=2)
     assert one == two
-    assert [entry.name for entry in one] == ["S5-3", "S4-1", "S5-4"]
-    assert all(entry.interventions for entry in one)
+    assert [entry.case for entry in one] == ["S5-3", "S4-1", "S5-4"]
+    assert all(entry.episode.interventions for entry in one)
     alone = evaluate_cases(CASES[:1], "modular", "none")
-    assert alone[0].interventions == 0 == alone[0].dose
-    assert alone[0].digest != one[0].digest
+    assert alone[0].episode.interventions == 0 == alone[0].episode.dose
+    assert alone[0].episode.digest != one[0].episode.digest
 
 
 def test_results_are_reported_as_they_come():
@@ -45,12 +45,12 @@ def test_what_cannot_be_is_said_before_anything_runs(policy, method, parameters)
 def test_a_stop_is_no_fix_and_a_late_success_no_degradation():
     summary = summarise(
         [
-            result(True, "GOAL", interventions=10, intensity=1.0, dose=0.5),
-            result(True, "TIMEOUT", interventions=30, intensity=2.0, dose=3.0),
+            result(True, "GOAL", interventions=10, change=10.0),
+            result(True, "TIMEOUT", interventions=30, change=60.0),
             result(True, "COLLISION"),
-            result(True, "GOAL", dose=0.5),
+            result(True, "GOAL", change=10.0),
             result(False, "GOAL"),
-            result(False, "COLLISION", dose=1.0),
+            result(False, "COLLISION", change=20.0),
             result(False, "OFF_ROUTE"),
             result(False, "TIMEOUT"),
         ]
@@ -58,7 +58,7 @@ def test_a_stop_is_no_fix_and_a_late_success_no_degradation():
     assert (summary.violations, summary.successes) == (4, 4)
     assert (summary.fix, summary.fix_loose, summary.deg, summary.late) == (50.0, 75.0, 25.0, 50.0)
     assert (summary.delta_e, summary.delta_e_loose) == (25.0, 50.0)
-    assert summary.intensity == pytest.approx((10 * 1.0 + 30 * 2.0) / 40)
+    assert summary.intensity == pytest.approx(100 / 40)
     assert (summary.dose, summary.dose_success) == (1.0, 0.25)
     assert summary.intervened_frames == 5.0
     assert summary.as_dict()["fix"] == 50.0

@@ -6,11 +6,12 @@ import pytest
 
 from roadmend.core.errors import InputError
 from roadmend.core.journal import Journal
+from roadmend.measures.case_result import CaseResult
 from roadmend.repair.registry import METHODS, make_repairer
 from roadmend.training import tuning
-from roadmend.training.closed_loop import CaseResult
 from roadmend.training.tuning import EPISODES, FINALISTS, Tuning, part_of
 from roadmend.training.tuning_grid import Rival, rivals_of
+from tests.measures.results import episode
 
 from .cases import Drawn
 
@@ -25,7 +26,7 @@ def drive(driven, question, *, policy, method):
     value = parameters["probability"]
     collided = case.seed / 24.0 > min(value, 0.4) if case.is_violation else value > 0.55
     outcome = "COLLISION" if collided else "GOAL"
-    return CaseResult(case.name, case.family, case.is_violation, outcome, 100, 10, value, 0.1, 1.0, "")
+    return CaseResult(case.name, case.family, case.is_violation, episode(outcome, 100, 10, 10 * value))
 
 
 @pytest.fixture

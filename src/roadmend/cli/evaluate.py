@@ -76,7 +76,7 @@ def evaluate(
         "faults": faults,
     }
     content["episodes"] = [
-        {"policy": each.trial.policy, "repair": each.trial.method, **each.result.dump()}
+        {**each.result.figures(), "policy": each.trial.policy, "method": each.trial.method}
         for each in driven
         if each.result is not None
     ]

@@ -1,9 +1,11 @@
 """What a repair is: the command that goes to the vehicle and the account of how it came about."""
 
+import math
 from dataclasses import dataclass, field
 from enum import IntEnum
 
 from roadmend.core.command import Command
+from roadmend.core.tick import INTERVAL
 
 
 class RepairStatus(IntEnum):
@@ -55,6 +57,36 @@ class Repair:
     reason: str = ""
 
     @property
+    def change(self) -> float:
+        """By how much the policy's action was changed, 0 .. 2; 0 where it said nothing that is a number."""
+        change = abs(self.policy_action - self.final_action)
+        return 0.0 if math.isnan(change) else change
+
+    @property
     def final_action(self) -> float:
         """Throttle - brake that goes to the vehicle."""
         return self.command.action
+
+
+@dataclass(slots=True)
+class Interventions:
+    """Replaced commands, counted and measured (ADReFT section 4, metrics)."""
+
+    ticks: int = 0  # whose command was replaced
+    change: float = 0.0  # sum of |policy's action - final action| over them, 0 .. 2 each
+
+    def add(self, repair: Repair) -> None:
+        """Count one answer."""
+        if repair.intervened:
+            self.ticks += 1
+            self.change += repair.change
+
+    @property
+    def intensity(self) -> float:
+        """Mean change of a replaced command, 0 .. 2; 0 where none was."""
+        return self.change / self.ticks if self.ticks else 0.0
+
+    @property
+    def dose(self) -> float:
+        """Seconds of full command: the change times the interval."""
+        return self.change * INTERVAL

@@ -17,7 +17,7 @@ from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.core.tick import Tick
-from roadmend.measures.case_result import CaseWatcher
+from roadmend.measures.case_result import CaseResult
 from roadmend.measures.contenders import Contender
 from roadmend.measures.monitor import Confusion
 from roadmend.policies.registry import make_policy
@@ -112,12 +112,11 @@ def run_job(job: Job) -> Outcome:
 
 def _repair(job: Job) -> tuple[dict[str, Any], ...]:
     case, (contender,) = job.case, job.contenders
-    watcher = CaseWatcher()
     repairer = job.repairer or make_repairer(contender.method, contender.parameters, case_seed(case))
-    summary = run_episode(case.scenario(), make_policy(contender.policy), repairer, watcher)
-    if not summary.finite:
+    episode = run_episode(case.scenario(), make_policy(contender.policy), repairer)
+    if not episode.is_finite:
         raise SimulationError("a pose or a command was not a number")
-    return (watcher.result(case.name, case.family, summary, violation=case.is_violation).dump(),)
+    return (CaseResult(case.name, case.family, case.is_violation, episode).dump(),)
 
 
 def _monitor(job: Job, labels: Labels) -> tuple[dict[str, Any], ...]:

@@ -2,14 +2,15 @@
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
+from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import SimulationError
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal, Key, entry_key
 from roadmend.core.outcome import EventKind
-from roadmend.measures.case_result import CaseResult, CaseWatcher
+from roadmend.measures.case_result import CaseResult
 from roadmend.measures.driver import driver_key
 from roadmend.measures.intervals import wilson
 from roadmend.measures.repair import summarise
@@ -44,7 +45,7 @@ class Driven:
     """What a trial came to, or why there is nothing."""
 
     trial: Trial
-    result: CaseResult | None = None
+    result: EpisodeResult | None = None
     fault: str = ""
 
 
@@ -76,7 +77,7 @@ def run_trials(
     """
     known = {trial.key: kept for trial in trials if (kept := journal.get(trial.key)) is not None}
     missing = [trial for trial in trials if trial.key not in known]
-    found = {key: CaseResult.parse(kept) for key, kept in known.items()}
+    found = {key: EpisodeResult.parse(kept) for key, kept in known.items()}
     faults: dict[str, str] = {}
     told(len(trials) - len(missing))
     with fan_out(workers, len(missing)) as mapper:
@@ -92,16 +93,16 @@ def run_trials(
 
 def drive_trial(trial: Trial) -> Driven:
     """Drive one episode in this process; whatever goes wrong is a result here."""
-    scenario, watcher = trial.scenario, CaseWatcher()
+    scenario = trial.scenario
     try:
         repairer = make_repairer(trial.method, seed=_seed_of(scenario))
-        summary = run_episode(scenario, make_policy(trial.policy), repairer, watcher)
-        if not summary.finite:
+        result = run_episode(scenario, make_policy(trial.policy), repairer)
+        if not result.is_finite:
             raise SimulationError("a pose or a command was not a number")  # noqa: TRY301
     except Exception as error:  # noqa: BLE001 - the others shall go on, and this one is reported
         text = " ".join(f"{type(error).__name__}: {error}".split())
         return Driven(trial, fault=f"{scenario.name}, policy {trial.policy}, {trial.method}: {text}")
-    return Driven(trial, watcher.result(scenario.name, scenario.family or "", summary, violation=False))
+    return Driven(trial, result)
 
 
 def _seed_of(scenario: Scenario) -> int:
@@ -115,29 +116,26 @@ def evaluate(driven: Sequence[Driven]) -> dict[str, dict[str, dict[str, Any]]]:
     A scenario in which the policy alone collides is a violation, one in which it reaches its goal a success: of these
     are the figures of ``measures.repair.summarise``, and ``goal`` and ``collision`` [%] of all scenarios.
     """
-    results: dict[str, dict[str, dict[str, CaseResult]]] = {}
+    results: dict[str, dict[str, list[EpisodeResult]]] = {}
     for each in driven:
         if each.result is not None:
-            results.setdefault(each.trial.policy, {}).setdefault(each.trial.method, {})[each.trial.key] = each.result
+            results.setdefault(each.trial.policy, {}).setdefault(each.trial.method, []).append(each.result)
     return {
-        policy: {method: _figures([*found.values()], _by_case(methods[ALONE])) for method, found in methods.items()}
+        policy: {method: _figures(found, methods[ALONE]) for method, found in methods.items()}
         for policy, methods in results.items()
         if ALONE in methods
     }
 
 
-def _by_case(alone: Mapping[str, CaseResult]) -> dict[str, CaseResult]:
-    return {result.case: result for result in alone.values()}
-
-
-def _figures(results: Sequence[CaseResult], alone: Mapping[str, CaseResult]) -> dict[str, Any]:
+def _figures(results: Sequence[EpisodeResult], alone: Sequence[EpisodeResult]) -> dict[str, Any]:
+    violations = {before.scenario: before.collided for before in alone if before.collided or before.reached_goal}
     decided = [
-        replace(result, violation=alone[result.case].collided)
+        CaseResult(result.scenario, "", violations[result.scenario], result)
         for result in results
-        if result.case in alone and (alone[result.case].collided or alone[result.case].reached_goal)
+        if result.scenario in violations
     ]
     goals, count = sum(result.reached_goal for result in results), len(results)
-    outcomes = {kind.name: sum(result.outcome == kind.name for result in results) for kind in EventKind}
+    outcomes = {kind.name: sum(result.outcome is kind for result in results) for kind in EventKind}
     return {
         "episodes": count,
         "outcomes": {name: number for name, number in outcomes.items() if number},

@@ -26,56 +26,93 @@ class Split:
     @classmethod
     def of(cls, results: Sequence[CaseResult]) -> "Split":
         """Part the results."""
-        violations = tuple(result for result in results if result.violation)
-        return cls(violations, tuple(result for result in results if not result.violation))
+        violations = tuple(result for result in results if result.is_violation)
+        return cls(violations, tuple(result for result in results if not result.is_violation))
+
+    @property
+    def fixed(self) -> int:
+        """Violations that now end at the goal."""
+        return sum(result.episode.reached_goal for result in self.violations)
+
+    @property
+    def unharmed(self) -> int:
+        """Violations that no longer end in a collision."""
+        return sum(not result.episode.collided for result in self.violations)
+
+    @property
+    def stopped(self) -> int:
+        """Violations that now end by the time limit."""
+        return sum(result.episode.timed_out for result in self.violations)
+
+    @property
+    def degraded(self) -> int:
+        """Successes that now end in a collision."""
+        return sum(result.episode.collided for result in self.successes)
+
+    @property
+    def lost(self) -> int:
+        """Successes that no longer end at the goal."""
+        return sum(not result.episode.reached_goal for result in self.successes)
 
 
-def summarise(results: Sequence[CaseResult]) -> Figures:
-    """Figures of one method over some cases; shares in percent, NaN is None.
+def figures_of(results: Sequence[CaseResult]) -> Figures:
+    """Figures of one method over some cases; shares in percent, None where there is nothing to count.
 
     ``fix``: violations that now end at the goal; ``fix_loose``: that no longer end in a collision (the paper's count);
     ``deg``: successes that now end in a collision; ``delta_e`` = fix - deg; ``stopped``: violations that now end by
     the time limit, and no fix for that; ``goal_lost``: successes that no longer end at the goal, for any reason.
     ``intensity``: mean |policy's action - final action|, 0 .. 2, over all replaced frames of all cases pooled.
     ``dose`` [s] and ``intervened_frames``: means a case. ``peak_deceleration`` [m/s2], ``peak_jerk`` [m/s3]: means of
-    the cases' peaks. ``intervals`` has the 95 % intervals: Wilson's for shares, Newcombe's for delta_e, the bootstrap
-    over cases, drawn within violations and successes, for the rest.
+    the cases' peaks.
     """
     split = Split.of(results)
     violations, successes = split.violations, split.successes
-    fixed = sum(result.reached_goal for result in violations)
-    unharmed = sum(not result.collided for result in violations)
-    degraded = sum(result.collided for result in successes)
-    stopped = sum(result.timed_out for result in violations)
-    lost = sum(not result.reached_goal for result in successes)
-    frames = sum(result.frames for result in results)
+    frames = sum(result.episode.interventions for result in results)
     total = len(results)
-    figures: Figures = {
+    fix, fix_loose = _percent(split.fixed, len(violations)), _percent(split.unharmed, len(violations))
+    deg = _percent(split.degraded, len(successes))
+    return {
         "violations": len(violations),
         "successes": len(successes),
-        "fix": _percent(fixed, len(violations)),
-        "deg": _percent(degraded, len(successes)),
-        "delta_e": _difference(fixed, len(violations), degraded, len(successes)),
-        "intensity": _ratio(_sum(result.change for result in results), frames),
-        "dose": _ratio(_sum(result.dose for result in results), total),
-        "dose_violations": _ratio(_sum(result.dose for result in violations), len(violations)),
-        "dose_successes": _ratio(_sum(result.dose for result in successes), len(successes)),
+        "fix": fix,
+        "deg": deg,
+        "delta_e": None if fix is None or deg is None else delta_e(fix, deg),
+        "intensity": _ratio(_sum(result.episode.change for result in results), frames),
+        "dose": _ratio(_sum(result.episode.dose for result in results), total),
+        "dose_violations": _ratio(_sum(result.episode.dose for result in violations), len(violations)),
+        "dose_successes": _ratio(_sum(result.episode.dose for result in successes), len(successes)),
         "intervened_frames": _ratio(frames, total),
-        "fix_loose": _percent(unharmed, len(violations)),
-        "delta_e_loose": _difference(unharmed, len(violations), degraded, len(successes)),
-        "stopped": _percent(stopped, len(violations)),
-        "goal_lost": _percent(lost, len(successes)),
-        "untouched": _percent(sum(result.frames == 0 for result in successes), len(successes)),
-        "peak_deceleration": _ratio(_sum(result.peak_deceleration for result in results), total),
-        "peak_jerk": _ratio(_sum(result.peak_jerk for result in results), total),
+        "fix_loose": fix_loose,
+        "delta_e_loose": None if fix_loose is None or deg is None else delta_e(fix_loose, deg),
+        "stopped": _percent(split.stopped, len(violations)),
+        "goal_lost": _percent(split.lost, len(successes)),
+        "untouched": _percent(sum(result.episode.interventions == 0 for result in successes), len(successes)),
+        "peak_deceleration": _ratio(_sum(result.episode.peak_deceleration for result in results), total),
+        "peak_jerk": _ratio(_sum(result.episode.peak_jerk for result in results), total),
     }
+
+
+def delta_e(fix: float, deg: float) -> float:
+    """The paper's first figure: violations that are repaired less successes that are spoilt, both in percent."""
+    return fix - deg
+
+
+def summarise(results: Sequence[CaseResult]) -> Figures:
+    """The figures with their 95 % intervals in ``intervals``.
+
+    Wilson's for shares, Newcombe's for delta_e, the bootstrap over cases, drawn within violations and successes, for the
+    rest.
+    """
+    split = Split.of(results)
+    violations, successes = split.violations, split.successes
+    figures = figures_of(results)
     figures["intervals"] = {
-        "fix": _share_interval(fixed, len(violations)),
-        "deg": _share_interval(degraded, len(successes)),
-        "delta_e": _difference_interval(fixed, len(violations), degraded, len(successes)),
-        "fix_loose": _share_interval(unharmed, len(violations)),
-        "stopped": _share_interval(stopped, len(violations)),
-        "goal_lost": _share_interval(lost, len(successes)),
+        "fix": _share_interval(split.fixed, len(violations)),
+        "deg": _share_interval(split.degraded, len(successes)),
+        "delta_e": _difference_interval(split.fixed, len(violations), split.degraded, len(successes)),
+        "fix_loose": _share_interval(split.unharmed, len(violations)),
+        "stopped": _share_interval(split.stopped, len(violations)),
+        "goal_lost": _share_interval(split.lost, len(successes)),
         **_bootstraps(split),
     }
     return figures
@@ -93,10 +130,20 @@ def advantage(results: Sequence[CaseResult], others: Sequence[CaseResult]) -> Fi
         raise ValueError("results of different cases cannot be paired")
     pairs = list(zip(results, others, strict=True))
     violations = np.array(
-        [(a.reached_goal - b.reached_goal, a.dose - b.dose) for a, b in pairs if a.violation], dtype=np.float64
+        [
+            (a.episode.reached_goal - b.episode.reached_goal, a.episode.dose - b.episode.dose)
+            for a, b in pairs
+            if a.is_violation
+        ],
+        dtype=np.float64,
     ).reshape(-1, 2)
     successes = np.array(
-        [(a.collided - b.collided, a.dose - b.dose) for a, b in pairs if not a.violation], dtype=np.float64
+        [
+            (a.episode.collided - b.episode.collided, a.episode.dose - b.episode.dose)
+            for a, b in pairs
+            if not a.is_violation
+        ],
+        dtype=np.float64,
     ).reshape(-1, 2)
     strata = violations, successes
 
@@ -129,20 +176,26 @@ def share_of_bound(results: Sequence[CaseResult], bound: Mapping[str, CaseResult
         ``dose_ratio``: dose of the method over dose of the bound on the violations that both repair, sums of both;
         ``dose_ratio_all``: the same on all that the bound repairs, fixed by the method or not.
     """
-    pairs = [(result, bound[result.case]) for result in results if result.violation and result.case in bound]
-    pairs = [(result, best) for result, best in pairs if best.reached_goal]
-    both = [(result, best) for result, best in pairs if result.reached_goal]
+    pairs = [(result, bound[result.case]) for result in results if result.is_violation and result.case in bound]
+    pairs = [(result, best) for result, best in pairs if best.episode.reached_goal]
+    both = [(result, best) for result, best in pairs if result.episode.reached_goal]
     return {
         "repairable": len(pairs),
         "fix_share": _percent(len(both), len(pairs)),
-        "dose_ratio": _ratio(_sum(result.dose for result, _ in both), _sum(best.dose for _, best in both)),
-        "dose_ratio_all": _ratio(_sum(result.dose for result, _ in pairs), _sum(best.dose for _, best in pairs)),
+        "dose_ratio": _ratio(
+            _sum(result.episode.dose for result, _ in both), _sum(best.episode.dose for _, best in both)
+        ),
+        "dose_ratio_all": _ratio(
+            _sum(result.episode.dose for result, _ in pairs), _sum(best.episode.dose for _, best in pairs)
+        ),
     }
 
 
 def _bootstraps(split: Split) -> dict[str, list[float] | None]:
     tables = tuple(
-        np.array([(1.0, result.change, result.frames) for result in results], dtype=np.float64).reshape(-1, 3)
+        np.array(
+            [(1.0, result.episode.change, result.episode.interventions) for result in results], dtype=np.float64
+        ).reshape(-1, 3)
         for results in (split.violations, split.successes)
     )
     cases = max(1, sum(len(table) for table in tables))
@@ -179,12 +232,6 @@ def _ratio(value: float, by: float) -> float | None:
 
 def _percent(count: int, trials: int) -> float | None:
     return 100.0 * count / trials if trials else None
-
-
-def _difference(count: int, trials: int, others: int, other_trials: int) -> float | None:
-    if not trials or not other_trials:
-        return None
-    return 100.0 * count / trials - 100.0 * others / other_trials
 
 
 def _share_interval(count: int, trials: int) -> list[float] | None:

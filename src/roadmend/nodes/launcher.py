@@ -14,7 +14,9 @@ from types import FrameType
 from typing import Any, NoReturn
 
 from roadmend.core.claim import check_name, claim_folder, claim_numbered
+from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import InputError, RoadmendError
+from roadmend.core.repair import Interventions
 from roadmend.nodes.children import Child, stop
 from roadmend.nodes.domain import own_domain
 from roadmend.nodes.provenance import provenance
@@ -264,23 +266,25 @@ class _Run:
         with contextlib.suppress(OSError, json.JSONDecodeError):
             repair = json.loads((self._folder / "repair.json").read_text(encoding="utf-8"))
         options = self._options
+        episode = EpisodeResult.parse(sim["result"])
+        done = Interventions(repair.get("interventions", 0), repair.get("change", 0.0))
         return RunResult(
-            scenario=sim["scenario"],
+            scenario=episode.scenario,
             policy=options.policy,
             method=options.method,
             clock=options.clock,
-            outcome=sim["outcome"],
-            text=sim["text"],
-            duration=sim["duration"],
-            ticks=sim["ticks"],
-            min_distance=sim["min_distance"],
-            interventions=repair.get("interventions", 0),
-            intensity=repair.get("intensity", 0.0),
-            dose=repair.get("dose", 0.0),
+            outcome=episode.outcome.name,
+            text=episode.text,
+            duration=episode.duration,
+            ticks=episode.ticks,
+            min_distance=episode.min_distance,
+            interventions=done.ticks,
+            intensity=done.intensity,
+            dose=done.dose,
             watchdog_ticks=sim["watchdog_ticks"],
             restarts=sum(child.restarts for child in [*self._observers, *self._drivers]),
             real_time_factor=sim["real_time_factor"],
-            digest=sim["digest"],
+            digest=episode.digest,
             bag=str(self._bag or ""),
             recording_error=self._recording_error(),
         )

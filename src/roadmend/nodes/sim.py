@@ -1,7 +1,6 @@
 """sim_node: runs a scenario in SUMO, publishes what there is to see, drives the ego on the repaired command."""
 
 import json
-import math
 import sys
 import time
 from collections.abc import Sequence
@@ -16,6 +15,7 @@ from roadmend_msgs import msg
 from rosgraph_msgs.msg import Clock as ClockMessage
 
 from roadmend.core.command import Command
+from roadmend.core.episode_result import EpisodeResult, ResultBuilder
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.parameters import Parameters
 from roadmend.core.tick import INTERVAL, INTERVAL_NS, Tick
@@ -27,7 +27,6 @@ from roadmend.nodes.spinning import run_node
 from roadmend.recording import messages, topics
 from roadmend.recording.codec import encode
 from roadmend.world.road_network import lanes_of
-from roadmend.world.runner import EpisodeSummary, TrajectoryDigest, add_tick
 from roadmend.world.scenario_file import load_scenario
 from roadmend.world.simulation import Simulation
 
@@ -83,8 +82,7 @@ class SimNode(Node):
         self._wait_for = settings.wait_for
         self._summary_path = settings.summary
         self._simulation = Simulation(load_scenario(Path(settings.scenario)))
-        self._summary = EpisodeSummary(self._simulation.scenario.name)
-        self._digest = TrajectoryDigest()
+        self._builder = ResultBuilder(self._simulation.scenario.name)
         self._tick: Tick | None = None
         self._tick_at = 0.0  # wall time [s] at which the current tick was published
         self._begun_at = 0.0  # wall time [s] of the first answer
@@ -106,7 +104,7 @@ class SimNode(Node):
         self._timer = self.create_timer(WATCH_PERIOD_S, self._watch, clock=steady)
         self._real_time = None if self._lockstep else self.create_timer(INTERVAL / self._rate, self._beat, clock=steady)
         self._diagnostics = DiagnosticsReporter(self, self._health)
-        self.get_logger().info(f"{self._summary.scenario}: waiting for {', '.join(self._wait_for) or 'nobody'}")
+        self.get_logger().info(f"{self._builder.scenario}: waiting for {', '.join(self._wait_for) or 'nobody'}")
 
     # -- start --------------------------------------------------------------------------------------------------------
 
@@ -203,16 +201,16 @@ class SimNode(Node):
         self._tick = self._simulation.step(command)
         self._publish(self._tick)
         # Book-keeping comes after the messages have left: the others work meanwhile.
-        add_tick(self._digest, tick, command)
+        self._builder.command(tick, command)
         if self._tick.final is not None:
-            add_tick(self._digest, self._tick, Command(0.0, 0.0))
+            self._builder.command(self._tick, Command(0.0, 0.0))
             self._end()
 
     # -- output -------------------------------------------------------------------------------------------------------
 
     def _publish(self, tick: Tick) -> None:
         self._publish_scene(tick)
-        self._summary.observe(tick)
+        self._builder.see(tick)
         for event in tick.events:
             self._event_publisher.publish(encode(messages.event_message_of(event)))
         self._tick_at = time.monotonic()
@@ -227,43 +225,33 @@ class SimNode(Node):
 
     def _announce(self, kind: EventKind, text: str) -> None:
         event = Event(self._tick.scene.time if self._tick is not None else 0.0, kind, text)
-        self._summary.events.append(event)
+        self._builder.note(event)
         self._event_publisher.publish(encode(messages.event_message_of(event)))
         self.get_logger().warning(f"{kind.name}: {text}")
 
     def _end(self) -> None:
         self._ended_at = time.monotonic()
-        self._summary.digest = self._digest.hexadecimal
-        self._write_summary()
-        summary = self._summary
-        self.get_logger().info(f"{summary.outcome.name} after {summary.duration:.2f} s: {summary.text}")
+        result = self._builder.result()
+        self._write_summary(result)
+        self.get_logger().info(f"{result.outcome.name} after {result.duration:.2f} s: {result.text}")
 
     def _real_time_factor(self) -> float:
         wall = (self._ended_at or time.monotonic()) - self._begun_at
-        return self._summary.duration / wall if self._begun_at and wall > 0.0 else 0.0
+        return self._builder.duration / wall if self._begun_at and wall > 0.0 else 0.0
 
-    def _write_summary(self) -> None:
+    def _write_summary(self, result: EpisodeResult) -> None:
         if not self._summary_path:
             return
-        summary = self._summary
-        distance = summary.min_distance
         content = {
-            "scenario": summary.scenario,
-            "outcome": summary.outcome.name,
-            "text": summary.text,
-            "ticks": summary.ticks,
-            "duration": summary.duration,
-            "min_distance": distance if math.isfinite(distance) else None,
+            "result": result.dump(),
             "watchdog_ticks": self._watchdog_ticks,
             "real_time_factor": self._real_time_factor(),
-            "digest": summary.digest,
-            "scenario_digest": self._simulation.scenario.digest,
         }
         write_text(Path(self._summary_path), json.dumps(content, indent=1))
 
     def _health(self) -> Health:
         values = {
-            "scenario": self._summary.scenario,
+            "scenario": self._builder.scenario,
             "tick": self._tick.number if self._tick else 0,
             "objects": len(self._tick.scene.objects) if self._tick else 0,
             "real_time_factor": f"{self._real_time_factor():.2f}",
@@ -273,13 +261,12 @@ class SimNode(Node):
             return Health(Level.WARN, f"waiting for {', '.join(self._missing())}", values)
         if self._watchdog:
             return Health(Level.ERROR, "no repaired commands: the watchdog brakes", values)
-        return Health(Level.OK, self._summary.outcome.name if self._ended_at else "running", values)
+        return Health(Level.OK, self._builder.final.kind.name if self._builder.final else "running", values)
 
     def close(self) -> None:
         """An episode that is stopped before its end is recorded as aborted."""
         if not self._ended_at and self._tick is not None:
             self._announce(EventKind.ABORTED, "stopped before the end")
-            self._summary.outcome, self._summary.text = EventKind.ABORTED, "stopped before the end"
             self._end()
         self._simulation.close()
 

@@ -3,13 +3,13 @@
 from collections.abc import Callable
 
 from roadmend.core.command import Decision
+from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.tick import Tick
 from roadmend.recording.episode_writer import EpisodeWriter
 from roadmend.recording.writer import BagWriter
 from roadmend.world.road_network import LaneMap
-from roadmend.world.runner import EpisodeSummary
 
 DRAWN = 2  # every second tick is drawn: 10 times a second, as viz_node does
 
@@ -58,7 +58,7 @@ class EpisodeRecorder:
             self._episode.drawing(tick.scene, self._route, decision, repair)
 
 
-def account_of(summary: EpisodeSummary, messages: int) -> dict[str, str]:
+def account_of(summary: EpisodeResult, messages: int) -> dict[str, str]:
     """What a bag says of the end of the run in it."""
     return {
         "clock": "lockstep",

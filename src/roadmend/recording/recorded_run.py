@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 
+from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import InputError
 from roadmend.core.geometry import nearest_distance
 from roadmend.core.outcome import EventKind
@@ -12,7 +13,6 @@ from roadmend.policies.registry import POLICIES
 from roadmend.recording.messages import sized
 from roadmend.recording.reader import BagReader
 from roadmend.recording.ticks import BagTicks
-from roadmend.world.runner import EpisodeSummary
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import parse_scenario
 
@@ -108,7 +108,8 @@ def recorded_outcome(ticks: BagTicks, method: str) -> RunOutcome:
     return RunOutcome(method, outcome.name, text, stamp * 1e-9, distance, interventions)
 
 
-def driven_outcome(summary: EpisodeSummary, method: str) -> RunOutcome:
+def driven_outcome(summary: EpisodeResult, method: str) -> RunOutcome:
     """What a run in this process came to."""
-    distance = summary.min_distance if math.isfinite(summary.min_distance) else None
-    return RunOutcome(method, summary.outcome.name, summary.text, summary.duration, distance, summary.interventions)
+    return RunOutcome(
+        method, summary.outcome.name, summary.text, summary.duration, summary.min_distance, summary.interventions
+    )

@@ -72,7 +72,7 @@ def reproduce(role: Role, policy: str, budget: int, seed: int = 0) -> Reproducti
         except RoadmendError as error:
             said = str(error)
             continue
-        gap = trial.summary.min_distance
+        gap = math.inf if trial.summary.min_distance is None else trial.summary.min_distance
         if trial.contact is not None:
             layout = lay_out(answer(role.crash, drawn), drawn)
             verdict = judge(role.crash, layout, role.ego, trial.contact)

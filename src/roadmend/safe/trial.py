@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.command import Decision
+from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import SimulationError
 from roadmend.core.geometry import fill_corners
-from roadmend.core.outcome import EventKind
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, ObjectList
@@ -17,7 +17,7 @@ from roadmend.core.tick import Tick
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.safe.dsl import Side
-from roadmend.world.runner import EpisodeSummary, drive
+from roadmend.world.runner import drive
 from roadmend.world.scenario import Scenario
 from roadmend.world.simulation import Simulation
 
@@ -78,7 +78,7 @@ class Film:
 class Trial:
     """What an episode came to."""
 
-    summary: EpisodeSummary
+    summary: EpisodeResult
     film: Film
     route: Route
     contact: Contact | None
@@ -86,12 +86,12 @@ class Trial:
     @property
     def is_collision(self) -> bool:
         """Whether the ego collided."""
-        return self.summary.outcome is EventKind.COLLISION
+        return self.summary.collided
 
     @property
     def is_at_fault(self) -> bool:
         """Whether it did by its own fault."""
-        return self.summary.events[-1].at_fault
+        return self.summary.final.at_fault
 
 
 def run_trial(scenario: Scenario, policy: str) -> Trial:
@@ -115,7 +115,7 @@ def run_trial(scenario: Scenario, policy: str) -> Trial:
         route = simulation.route
     if not film.ego:
         raise SimulationError(f"{scenario.name} begins with a collision")
-    hit = summary.events[-1].object_names if summary.outcome is EventKind.COLLISION else ()
+    hit = summary.final.object_names
     return Trial(summary, film, route, _contact(film, hit[0]) if hit else None)
 
 

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -111,12 +110,11 @@ def evaluate_scenario(
         behaviour.watch(tick.scene.ego)
 
     summary = run_episode(scenario, make_policy(policy), make_repairer(method, repair), watch)
-    fitness, blame = min(BEST - 1e-6, -danger.least), summary.events[-1].blame
+    fitness, blame = min(BEST - 1e-6, -danger.least), summary.final.blame
     if summary.outcome is EventKind.COLLISION:
         fitness = BEST if blame.is_egos else BLAMELESS_FITNESS
-    distance = summary.min_distance if math.isfinite(summary.min_distance) else None
     return Evaluation(
-        summary.outcome.name, summary.text, summary.digest, fitness, distance, blame, behaviour.features()
+        summary.outcome.name, summary.text, summary.digest, fitness, summary.min_distance, blame, behaviour.features()
     )
 
 

@@ -1,6 +1,5 @@
 """Runs cases of a corpus again, each in a fresh simulation, to see whether they come to the same."""
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -47,13 +46,12 @@ def rerun(policy: str, case: Case) -> Rerun:
         summary = run_episode(case.scenario(), make_policy(policy), make_repairer(METHOD))
     except Exception as error:  # noqa: BLE001 - see above
         return Rerun(CRASH, "", " ".join(f"{type(error).__name__}: {error}".split()), None, 0.0)
-    distance = summary.min_distance if math.isfinite(summary.min_distance) else None
-    final = summary.events[-1]
+    final = summary.final
     return Rerun(
         summary.outcome.name,
         summary.digest,
         summary.text,
-        distance,
+        summary.min_distance,
         summary.duration,
         final.blame.name,
         final.object_kinds[0].name.lower() if final.object_kinds else "",

@@ -6,6 +6,7 @@ from typing import Literal
 
 from roadmend import __version__
 from roadmend.core.command import Decision
+from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import RoadmendError, SimulationError
 from roadmend.core.journal import Key, entry_key
 from roadmend.core.outcome import EventKind
@@ -21,7 +22,7 @@ from roadmend.recording.writer import BagWriter
 from roadmend.repair.registry import make_repairer
 from roadmend.world.network import network_file
 from roadmend.world.road_network import lanes_of, read_network
-from roadmend.world.runner import EpisodeSummary, run_episode
+from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import dump_scenario
 
@@ -92,7 +93,7 @@ class _Run:
             writer.add_attachment(file, "application/yaml", dump_scenario(job.scenario).encode())
             network = read_network(network_file(job.scenario.network))
             self._recorder = EpisodeRecorder(writer, lambda _: job.method, lanes_of(network))
-        self.summary: EpisodeSummary = run_episode(
+        self.summary: EpisodeResult = run_episode(
             job.scenario, make_policy(job.policy), make_repairer(job.method), self._answered, self._ended, self._opened
         )
         if writer is not None:

@@ -7,7 +7,8 @@ from functools import partial
 from typing import Any, Protocol
 
 from roadmend.core.fanout import Mapper, fan_out
-from roadmend.core.outcome import EventKind
+from roadmend.measures.case_result import CaseResult
+from roadmend.measures.repair import delta_e, figures_of
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.world.runner import run_episode
@@ -35,32 +36,6 @@ class EpisodeCase(Protocol):
 
     def scenario(self) -> Scenario:
         """The scenario itself."""
-
-
-@dataclass(frozen=True, slots=True)
-class CaseResult:
-    """What one case came to under repair."""
-
-    name: str
-    family: str
-    is_violation: bool  # without repair
-    outcome: str  # an EventKind's name
-    ticks: int
-    interventions: int  # ticks whose command was replaced
-    intensity: float  # mean |policy action - final action| over those ticks, 0 .. 2
-    dose: float  # [s] sum of |policy action - final action| * interval
-    min_distance: float  # [m] inf where the ego met nobody
-    digest: str  # of the trajectory
-
-    @property
-    def reached_goal(self) -> bool:
-        """Whether the route was completed within the scenario's time limit."""
-        return self.outcome == EventKind.GOAL.name
-
-    @property
-    def collided(self) -> bool:
-        """Whether the ego collided."""
-        return self.outcome == EventKind.COLLISION.name
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,50 +97,29 @@ def evaluate_cases(
 
 
 def _evaluate(case: EpisodeCase, *, policy: str, method: str, parameters: Mapping[str, Any]) -> CaseResult:
-    summary = run_episode(case.scenario(), make_policy(policy), make_repairer(method, parameters))
-    return CaseResult(
-        case.name,
-        case.family,
-        case.is_violation,
-        summary.outcome.name,
-        summary.ticks,
-        summary.interventions,
-        summary.intensity,
-        summary.dose,
-        summary.min_distance,
-        summary.digest,
-    )
+    episode = run_episode(case.scenario(), make_policy(policy), make_repairer(method, parameters))
+    return CaseResult(case.name, case.family, case.is_violation, episode)
 
 
 def summarise(results: Sequence[CaseResult]) -> Summary:
     """Sum up results."""
-    violations = [result for result in results if result.is_violation]
-    successes = [result for result in results if not result.is_violation]
-    fix = _share(violations, lambda result: result.reached_goal)
-    fix_loose = _share(violations, lambda result: not result.collided)
-    deg = _share(successes, lambda result: result.collided)
-    frames = sum(result.interventions for result in results)
-    change = sum(result.intensity * result.interventions for result in results)
-    ticks = sum(result.ticks for result in results)
+    known = figures_of(results)
+    figures = {name: value or 0.0 for name, value in known.items()}
+    ticks = sum(result.episode.ticks for result in results)
+    frames = sum(result.episode.interventions for result in results)
+    successes = [result.episode for result in results if not result.is_violation]
+    late = sum(not (episode.reached_goal or episode.collided) for episode in successes)
     return Summary(
-        violations=len(violations),
-        successes=len(successes),
-        fix=fix,
-        fix_loose=fix_loose,
-        deg=deg,
-        late=_share(successes, lambda result: not result.reached_goal and not result.collided),
-        delta_e=fix - deg,
-        delta_e_loose=fix_loose - deg,
-        intensity=change / frames if frames else 0.0,
-        dose=_mean([result.dose for result in violations]),
-        dose_success=_mean([result.dose for result in successes]),
+        violations=known["violations"],
+        successes=known["successes"],
+        fix=figures["fix"],
+        fix_loose=figures["fix_loose"],
+        deg=figures["deg"],
+        late=100.0 * late / len(successes) if successes else 0.0,
+        delta_e=delta_e(figures["fix"], figures["deg"]),
+        delta_e_loose=delta_e(figures["fix_loose"], figures["deg"]),
+        intensity=figures["intensity"],
+        dose=figures["dose_violations"],
+        dose_success=figures["dose_successes"],
         intervened_frames=100.0 * frames / ticks if ticks else 0.0,
     )
-
-
-def _share(results: Sequence[CaseResult], holds: Callable[[CaseResult], bool]) -> float:
-    return 100.0 * sum(map(holds, results)) / len(results) if results else 0.0
-
-
-def _mean(values: Sequence[float]) -> float:
-    return sum(values) / len(values) if values else 0.0

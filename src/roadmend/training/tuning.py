@@ -5,15 +5,16 @@ of equals the one with the least intensity, of equals again the one that stands 
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
 from roadmend.core.journal import Journal, Key, entry_key
+from roadmend.measures.case_result import CaseResult
 from roadmend.measures.driver import driver_key
-from roadmend.training.closed_loop import CaseResult, EpisodeCase, Summary, evaluate_cases, summarise
+from roadmend.training.closed_loop import EpisodeCase, Summary, evaluate_cases, summarise
 from roadmend.training.tuning_grid import Rival, Values
 
 FORMAT = "roadmend-tuning/1"
@@ -147,15 +148,15 @@ class Tuning:
             partial(_evaluate, policy=self._policy, method=rival.method), [question for _, question in missing]
         )
         for (key, _), result in zip(missing, results, strict=True):
-            self._journal.add(key, asdict(result))
+            self._journal.add(key, result.dump())
             done += 1
             self._report(rival.name, done, total)
         return [summarise([self._result(key) for key in row]) for row in keys]
 
     def _result(self, key: Key) -> CaseResult:
         try:
-            return CaseResult(**(self._journal.get(key) or {}))
-        except TypeError:
+            return CaseResult.parse(self._journal.get(key) or {})
+        except ValueError:
             raise InputError(str(self._journal.path), "is damaged", "remove it") from None
 
 

@@ -104,14 +104,17 @@ def _dense(family: str, count: int) -> list[Scenario]:
 
 def _time_loop(scenario: Scenario, policy: Any, repairer: Any) -> tuple[int, float]:
     """Ticks of an episode and the seconds that they took, start-up left out as it is for bare SUMO."""
-    first = [0.0]
+    first, last = [0.0], [0.0]
 
     def watch(tick: Any, _decision: Any, _repair: Any) -> None:
         if tick.number == 0:
             first[0] = time.perf_counter()
 
-    summary = run_episode(scenario, policy, repairer, watch)
-    return summary.ticks, summary.loop_ended - first[0]
+    def end(_tick: Any) -> None:
+        last[0] = time.perf_counter()
+
+    summary = run_episode(scenario, policy, repairer, watch, end)
+    return summary.ticks, last[0] - first[0]
 
 
 def _graph(repeats: int, advance: Callable[[], None]) -> dict[str, Any]:

@@ -1,6 +1,5 @@
 """``roadmend bench outcomes``: how a policy fares in random scenarios, and that runs repeat bit for bit."""
 
-import math
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ from rich.progress import Progress
 
 from harness.figures import Figures
 from roadmend.cli.options import WORKERS
+from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.fanout import fan_out
 from roadmend.core.outcome import EventKind
 from roadmend.measures.intervals import wilson
@@ -19,7 +19,7 @@ from roadmend.policies.registry import POLICIES, make_policy
 from roadmend.repair.registry import METHODS, make_repairer
 from roadmend.reports.result_files import provenance
 from roadmend.world.families import FAMILIES, sample_scenario
-from roadmend.world.runner import EpisodeSummary, run_episode
+from roadmend.world.runner import run_episode
 
 _OUTCOMES = (EventKind.GOAL, EventKind.COLLISION, EventKind.TIMEOUT, EventKind.OFF_ROUTE)
 
@@ -44,8 +44,8 @@ class _Report:
     ticks: int
 
 
-def _finite(summary: EpisodeSummary) -> bool:
-    return math.isfinite(summary.duration) and not math.isnan(summary.min_distance) and summary.finite
+def _finite(summary: EpisodeResult) -> bool:
+    return summary.is_finite
 
 
 def _work(job: _Job) -> _Report:
@@ -59,7 +59,7 @@ def _work(job: _Job) -> _Report:
     return _Report(job.family, job.seed, first.outcome.name, first.digest, fault, first.interventions, first.ticks)
 
 
-def _episode(job: _Job) -> EpisodeSummary:
+def _episode(job: _Job) -> EpisodeResult:
     scenario = sample_scenario(job.family, job.seed)
     return run_episode(scenario, make_policy(job.policy), make_repairer(job.method))
 

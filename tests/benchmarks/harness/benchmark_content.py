@@ -69,10 +69,10 @@ def case_table(measured: Sequence[Measured]) -> dict[str, Any]:
             "alone": "".join("C" if case.is_violation else "G" for case in each.entrants.cases),
             "methods": {
                 method: {
-                    "outcomes": "".join(_LETTERS[result.outcome] for result in results),
-                    "frames": [result.frames for result in results],
-                    "doses": [round(result.dose, 4) for result in results],
-                    "digests": [result.digest[:12] for result in results],
+                    "outcomes": "".join(_LETTERS[result.episode.outcome.name] for result in results),
+                    "frames": [result.episode.interventions for result in results],
+                    "doses": [round(result.episode.dose, 4) for result in results],
+                    "digests": [result.episode.digest[:12] for result in results],
                 }
                 for method, results in each.results.items()
             },
@@ -166,6 +166,6 @@ def _figures(results: Mapping[str, tuple[CaseResult, ...]]) -> dict[str, Any]:
             figures["bound"] = share_of_bound(mine, bound)
         if ours is not None and method != OURS:
             figures["adreft_minus_this"] = advantage(ours, mine)
-        figures["trajectories"] = hashlib.sha256("".join(result.digest for result in mine).encode()).hexdigest()
+        figures["trajectories"] = hashlib.sha256("".join(result.episode.digest for result in mine).encode()).hexdigest()
         summaries[method] = figures
     return summaries

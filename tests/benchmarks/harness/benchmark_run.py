@@ -53,7 +53,7 @@ class Measured:
         """Cases that the policy alone does not drive as its corpus says; empty where it was not run alone."""
         alone = self.results.get("none", ())
         pairs = zip(self.entrants.cases, alone, strict=False)
-        return tuple(case.name for case, result in pairs if case.digest != result.digest)
+        return tuple(case.name for case, result in pairs if case.digest != result.episode.digest)
 
 
 def find_jobs(entrants: Entrants, journal: Journal, labels: Labels) -> list[Job]:

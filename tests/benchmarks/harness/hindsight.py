@@ -18,6 +18,7 @@ from typing import Any, Protocol, Self
 
 from harness.pulse import DoseExceededError, Pulse, PulsePlayer
 from roadmend.core.command import Decision
+from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.interfaces import Policy
 from roadmend.core.outcome import EventKind
 from roadmend.core.repair import Repair
@@ -25,7 +26,7 @@ from roadmend.core.scene import Scene
 from roadmend.core.tick import INTERVAL, Tick
 from roadmend.repair.actions import ACTIONS
 from roadmend.training.collision import Collision, describe_collision
-from roadmend.world.runner import EpisodeSummary, run_episode
+from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Scenario
 
 BUDGET = 60  # re-simulations of a case
@@ -165,7 +166,7 @@ class PulseSearch:
         before = run_episode(self._scenario, self._policy, player, watch)
         self._actions = list(player.actions)
         self._impact = before.ticks
-        collision = describe_collision(scene, before.events[-1]) if scene is not None else None
+        collision = describe_collision(scene, before.final) if scene is not None else None
         if before.outcome == EventKind.COLLISION:
             self._look_around()
             self._refine()
@@ -254,7 +255,7 @@ class PulseSearch:
         self._best = found
         return True
 
-    def _run(self, pulse: Pulse, limit: float) -> EpisodeSummary | None:
+    def _run(self, pulse: Pulse, limit: float) -> EpisodeResult | None:
         """The episode with a pulse, where it reaches the goal below ``limit`` [s]."""
         self._tries += 1
         try:

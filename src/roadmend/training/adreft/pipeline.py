@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from roadmend import __version__
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
+from roadmend.measures.case_result import CaseResult
 from roadmend.networks.checkpoint import load_checkpoint
 from roadmend.repair.adreft.configuration import ModelConfiguration, read_configuration
 from roadmend.repair.adreft.model import KIND, AdreftModel
@@ -33,7 +34,7 @@ from roadmend.training.adreft.supervised import EpochFigures, SupervisedStage
 from roadmend.training.adreft.trial_plan import TrialPlan
 from roadmend.training.adreft.trial_set import TrialSet
 from roadmend.training.adreft.trials import CaseTrials, gather_trials
-from roadmend.training.closed_loop import CaseResult, EpisodeCase, Summary, evaluate_cases, summarise
+from roadmend.training.closed_loop import EpisodeCase, Summary, evaluate_cases, summarise
 
 SUPERVISED_STATE = "supervised.safetensors"
 PRACTICE_STATE = "practice-{}.safetensors"  # one a round

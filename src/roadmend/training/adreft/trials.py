@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from roadmend.core.array_file import load_record, save_record
 from roadmend.core.command import Command, Decision
+from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
 from roadmend.core.journal import Key, entry_key, file_of
@@ -39,7 +40,7 @@ from roadmend.training.adreft.blinded_policy import BlindedPolicy, Blindness, dr
 from roadmend.training.adreft.gathering import Recipe, gather_files
 from roadmend.training.adreft.trial_plan import Hold, TrialPlan
 from roadmend.training.closed_loop import EpisodeCase
-from roadmend.world.runner import EpisodeSummary, run_episode
+from roadmend.world.runner import run_episode
 
 PASS = -1  # in the place of an action: the policy's own
 _LEAD = 0.2  # [s] before the first intervention from which a trial is kept: before that it is the episode untouched
@@ -149,10 +150,10 @@ def try_case(case: EpisodeCase, recipe: Recipe, plan: TrialPlan, guide: Path | N
         InputError: the scenario is unusable, or the policy drives it otherwise than the corpus says.
         SimulationError: SUMO failed.
     """
-    driven: list[tuple[_Trial, EpisodeSummary]] = []
+    driven: list[tuple[_Trial, EpisodeResult]] = []
     model = None if guide is None else AdreftModel.load(guide)
 
-    def drive(holds: Sequence[Hold], blindness: Blindness | None = None) -> EpisodeSummary:
+    def drive(holds: Sequence[Hold], blindness: Blindness | None = None) -> EpisodeResult:
         trial = _Trial(make_tokenizer(recipe.tokenizer), holds, plan.interval, model)
         policy = make_policy(recipe.policy)
         driver = policy if blindness is None else BlindedPolicy(policy, blindness)
