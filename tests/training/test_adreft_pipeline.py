@@ -62,8 +62,8 @@ def train(tmp_path, monkeypatch):
     """Runs the command for the blind policy in this process; returns its exit code."""
     monkeypatch.setitem(POLICIES, "blind", BlindPolicy)
     monkeypatch.setitem(POLICIES, "sleepy", BlindPolicy)
-    monkeypatch.delitem(sys.modules, "roadmend.cli.train_adreft", raising=False)  # its choices are read at import
-    importlib.import_module("roadmend.cli.train_adreft")
+    monkeypatch.delitem(sys.modules, "roadmend.cli.train", raising=False)  # its choices are read at import
+    importlib.import_module("roadmend.cli.train")
 
     def run(corpus, configuration, out, *options):
         save_corpus(corpus, tmp_path / "corpus.jsonl")
@@ -73,7 +73,7 @@ def train(tmp_path, monkeypatch):
         return main(["train", "adreft", *fixed, *files, "--out", str(tmp_path / out), *options])
 
     yield run
-    sys.modules.pop("roadmend.cli.train_adreft", None)
+    sys.modules.pop("roadmend.cli.train", None)
 
 
 def test_a_tiny_budget_saves_some_of_those_that_would_collide(train, tmp_path, capsys):

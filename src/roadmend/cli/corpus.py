@@ -3,14 +3,15 @@
 import json
 import statistics
 from collections import Counter
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import click
 from rich.progress import Progress as Bar
 from rich.table import Table
 
-from roadmend.cli.options import WORKERS
+from roadmend.cli.options import WORKERS, options_of
 from roadmend.cli.output import counting, wide_console
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.fanout import fan_out
@@ -47,72 +48,101 @@ def corpus() -> None:
     """Gather, verify and show the scenarios that a policy is repaired, trained and measured on."""
 
 
+@dataclass(frozen=True)
+class BuildOptions:
+    """What is gathered, from where, and where it goes."""
+
+    policy: Annotated[
+        str, click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
+    ]
+    families: Annotated[
+        str, click.option("--families", default=",".join(FAMILIES), show_default=True, help="Separated by commas.")
+    ]
+    searches: Annotated[
+        Path,
+        click.option(
+            "--searches",
+            required=True,
+            type=click.Path(path_type=Path, file_okay=False),
+            help="Folder for the searches, in POLICY/FAMILY/SPLIT-NUMBER; those that are there go on.",
+        ),
+    ]
+    out: Annotated[
+        Path,
+        click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="File to write."),
+    ]
+    plan_file: Annotated[
+        Path | None,
+        click.option(
+            "--plan",
+            "plan_file",
+            type=click.Path(path_type=Path, dir_okay=False),
+            help="YAML file that says what to gather (see config/search/corpus.yaml).",
+        ),
+    ]
+    fresh_seed: Annotated[
+        int | None,
+        click.option(
+            "--fresh-seed",
+            type=click.IntRange(0, LAST_FRESH),
+            help="Gather a test set alone, from searches with this seed that nothing else uses.",
+        ),
+    ]
+    cases: Annotated[
+        int,
+        click.option(
+            "--cases",
+            default=10,
+            show_default=True,
+            type=click.IntRange(1, 1000),
+            help="With --fresh-seed: violations, and as many successes, of each family.",
+        ),
+    ]
+    allow_partial: Annotated[
+        bool,
+        click.option(
+            "--allow-partial", is_flag=True, help="Search nothing: make do with what the searches found so far."
+        ),
+    ]
+    workers: Annotated[int, WORKERS]
+
+
 @corpus.command()
-@click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
-@click.option("--families", default=",".join(FAMILIES), show_default=True, help="Separated by commas.")
-@click.option(
-    "--searches",
-    required=True,
-    type=click.Path(path_type=Path, file_okay=False),
-    help="Folder for the searches, in POLICY/FAMILY/SPLIT-NUMBER; those that are there go on.",
-)
-@click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="File to write.")
-@click.option(
-    "--plan",
-    "plan_file",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="YAML file that says what to gather (see config/search/corpus.yaml).",
-)
-@click.option(
-    "--fresh-seed",
-    type=click.IntRange(0, LAST_FRESH),
-    help="Gather a test set alone, from searches with this seed that nothing else uses.",
-)
-@click.option(
-    "--cases",
-    default=10,
-    show_default=True,
-    type=click.IntRange(1, 1000),
-    help="With --fresh-seed: violations, and as many successes, of each family.",
-)
-@click.option("--allow-partial", is_flag=True, help="Search nothing: make do with what the searches found so far.")
-@WORKERS
-def build(
-    policy: str,
-    families: str,
-    searches: Path,
-    out: Path,
-    plan_file: Path | None,
-    fresh_seed: int | None,
-    cases: int,
-    workers: int,
-    *,
-    allow_partial: bool,
-) -> int:
+@options_of(BuildOptions)
+def build(given: BuildOptions) -> int:
     """Gather a corpus; exit code 1 if there were not enough cases to be found.
 
     The same plan gives the same file, whatever the number of workers and however often it is interrupted. Every case
     is run twice: in the search that found it, and again in a fresh simulation before it is taken.
     """
-    chosen = [name.strip() for name in families.split(",")]
+    chosen = [name.strip() for name in given.families.split(",")]
     for name in chosen:
         if name not in FAMILIES:
             raise InputError("families", f"there is no {name!r}", f"choose from {','.join(FAMILIES)}")
-    if fresh_seed is not None and (plan_file is not None or allow_partial):
+    if given.fresh_seed is not None and (given.plan_file is not None or given.allow_partial):
         raise click.UsageError("--fresh-seed goes neither with --plan nor with --allow-partial")
-    plan = read_corpus_plan(plan_file) if fresh_seed is None else fresh_plan(fresh_seed, cases)
+    plan = read_corpus_plan(given.plan_file) if given.fresh_seed is None else fresh_plan(given.fresh_seed, given.cases)
     with counting() as bar:
         report = _reporter(bar)
-        if fresh_seed is not None:
-            gathered = gather_fresh(policy, fresh_seed, cases, searches, workers, report, families=chosen)
-        else:
-            command = f"roadmend corpus build --policy {policy}"
-            command += f" --families {','.join(chosen)}" if chosen != [*FAMILIES] else ""
-            command += " --allow-partial" if allow_partial else ""
-            gathered = gather(
-                plan, policy, chosen, searches, workers, report, command=command, is_partial=allow_partial
+        if given.fresh_seed is not None:
+            gathered = gather_fresh(
+                given.policy, given.fresh_seed, given.cases, given.searches, given.workers, report, families=chosen
             )
-    return _finish(gathered, out, allow_partial=allow_partial)
+        else:
+            command = f"roadmend corpus build --policy {given.policy}"
+            command += f" --families {','.join(chosen)}" if chosen != [*FAMILIES] else ""
+            command += " --allow-partial" if given.allow_partial else ""
+            gathered = gather(
+                plan,
+                given.policy,
+                chosen,
+                given.searches,
+                given.workers,
+                report,
+                command=command,
+                is_partial=given.allow_partial,
+            )
+    return _finish(gathered, given.out, allow_partial=given.allow_partial)
 
 
 def _finish(gathered: Gathered, out: Path, *, allow_partial: bool) -> int:

@@ -1,24 +1,37 @@
 """Options of the commands that may ask a language model."""
 
 from collections.abc import Callable, Collection
+from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
 from typing import Any
 
 import click
 
+from roadmend.cli.options import FILE, PATH
 from roadmend.language.question import ATTEMPTS
 
 
+@dataclass(frozen=True)
+class LanguageChoice:
+    """Which backend, and how it is asked."""
+
+    backend: str
+    settings: Path | None
+    recording: Path | None
+    attempts: int
+
+
 def language_options(backends: Collection[str]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Options ``--backend``, ``--settings``, ``--recording`` and ``--attempts``."""
+    """Options ``--backend``, ``--settings``, ``--recording`` and ``--attempts``, which the command gets as ``language``."""
     options = [
         click.option("--backend", default="embedded", show_default=True, type=click.Choice([*backends])),
         click.option(
             "--settings",
-            type=click.Path(path_type=Path, dir_okay=False),
+            type=FILE,
             help="YAML file with the endpoint of openai (see config/language); the environment wins.",
         ),
-        click.option("--recording", type=click.Path(path_type=Path), help="Results of an earlier run, for replay."),
+        click.option("--recording", type=PATH, help="Results of an earlier run, for replay."),
         click.option(
             "--attempts",
             default=ATTEMPTS,
@@ -29,8 +42,14 @@ def language_options(backends: Collection[str]) -> Callable[[Callable[..., Any]]
     ]
 
     def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        @wraps(command)
+        def with_choice(
+            *, backend: str, settings: Path | None, recording: Path | None, attempts: int, **given: Any
+        ) -> Any:
+            return command(language=LanguageChoice(backend, settings, recording, attempts), **given)
+
         for option in reversed(options):
-            command = option(command)
-        return command
+            with_choice = option(with_choice)
+        return with_choice
 
     return decorate

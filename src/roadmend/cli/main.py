@@ -19,27 +19,27 @@ _BAG: Table = {
     "resimulate": ("roadmend.cli.bag_repair", "resimulate", "Drive a bag's scenario again with another method."),
 }
 _SAFE: Table = {
-    "extract": ("roadmend.cli.safe_extract", "extract", "Read crash reports: what happened, in the scenario language."),
-    "build": ("roadmend.cli.safe_build", "build", "Build the scenarios of crash reports."),
-    "test": ("roadmend.cli.safe_test", "safe_test", "Drive the scenarios of crash reports with a policy."),
-    "reproduce": ("roadmend.cli.safe_reproduce", "reproduce", "Search for the crash that a report describes."),
-    "export": ("roadmend.cli.safe_export", "export", "Write a scenario as ASAM OpenSCENARIO and OpenDRIVE."),
+    "extract": ("roadmend.cli.safe", "extract", "Read crash reports: what happened, in the scenario language."),
+    "build": ("roadmend.cli.safe", "build", "Build the scenarios of crash reports."),
+    "test": ("roadmend.cli.safe", "safe_test", "Drive the scenarios of crash reports with a policy."),
+    "reproduce": ("roadmend.cli.safe", "reproduce", "Search for the crash that a report describes."),
+    "export": ("roadmend.cli.safe", "export", "Write a scenario as ASAM OpenSCENARIO and OpenDRIVE."),
 }
 _SERA: Table = {
     "bank": ("roadmend.cli.sera_bank", "bank", "Build, show, search, export and import a scenario bank."),
     "evaluate": (
-        "roadmend.cli.sera_evaluate",
+        "roadmend.cli.sera_cycle",
         "evaluate",
         "Drive an evaluation set: four measures, and bags of failures.",
     ),
-    "analyse": ("roadmend.cli.sera_analyse", "analyse_bags", "Find the failures in bags, and the patterns in them."),
-    "recommend": ("roadmend.cli.sera_recommend", "recommend", "Select scenarios to learn from."),
+    "analyse": ("roadmend.cli.sera", "analyse_bags", "Find the failures in bags, and the patterns in them."),
+    "recommend": ("roadmend.cli.sera", "recommend", "Select scenarios to learn from."),
     "tune": ("roadmend.cli.sera_tune", "tune", "Fine-tune a neural policy on a selection."),
     "cycle": ("roadmend.cli.sera_cycle", "cycle", "Run several generations of all this, and plot them."),
 }
 _TRAIN: Table = {
-    "policy": ("roadmend.cli.train_policy", "policy", "A neural driving policy, by imitation of the expert."),
-    "adreft": ("roadmend.cli.train_adreft", "adreft", "ADReFT for one policy, from its corpus."),
+    "policy": ("roadmend.cli.train", "policy", "A neural driving policy, by imitation of the expert."),
+    "adreft": ("roadmend.cli.train", "adreft", "ADReFT for one policy, from its corpus."),
     "self-oracle": ("roadmend.cli.train_rivals", "self_oracle", "The autoencoder of the rival ModelRepair."),
     "rivals": ("roadmend.cli.train_rivals", "rivals", "The rivals' best settings on the validation split."),
 }

@@ -19,12 +19,13 @@ WORKERS = click.option("--workers", default=os.cpu_count() or 1, show_default="c
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 
 
-def options_of(kind: type[Settings]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Options of a command as one object, which the command takes first; further options stay arguments.
+def options_of(kind: type[Settings], name: str = "given") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Options of a command as one object; further options stay arguments of their own.
 
     Args:
         kind: a dataclass whose fields are annotated with their options, ``Annotated[int, click.option(...)]``, in the
             order of the help.
+        name: of the command's argument that takes the object.
     """
     options = [option for field in fields(kind) for option in get_args(field.type)[1:]]  # type: ignore[arg-type]
     names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
@@ -32,7 +33,8 @@ def options_of(kind: type[Settings]) -> Callable[[Callable[..., Any]], Callable[
     def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
         @wraps(command)
         def with_settings(**given: Any) -> Any:
-            return command(kind(**{name: given.pop(name) for name in names}), **given)
+            settings = kind(**{each: given.pop(each) for each in names})
+            return command(**given, **{name: settings})
 
         for option in reversed(options):
             with_settings = option(with_settings)

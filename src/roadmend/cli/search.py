@@ -1,14 +1,15 @@
 """``roadmend search``: find scenarios in which a policy under repair collides."""
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
+from typing import Annotated
 
 import click
 from rich.table import Table
 
-from roadmend.cli.options import WORKERS
+from roadmend.cli.options import WORKERS, options_of
 from roadmend.cli.output import counting, wide_console
 from roadmend.core.fanout import fan_out
 from roadmend.core.yaml_file import read_fields
@@ -23,70 +24,84 @@ from roadmend.world.families import FAMILIES
 _FAMILY_HELP = "; ".join(f"{family.name} {family.title}" for family in FAMILIES.values())
 
 
+@dataclass(frozen=True)
+class SearchOptions:
+    """What is searched for, and how long."""
+
+    family: Annotated[str, click.option("--family", required=True, type=click.Choice([*FAMILIES]), help=_FAMILY_HELP)]
+    technique: Annotated[
+        str, click.option("--technique", default="avfuzzer", show_default=True, type=click.Choice([*TECHNIQUES]))
+    ]
+    policy: Annotated[
+        str, click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
+    ]
+    method: Annotated[
+        str, click.option("--repair", "method", default="none", show_default=True, type=click.Choice(sorted(METHODS)))
+    ]
+    budget: Annotated[
+        int,
+        click.option(
+            "--budget",
+            default=200,
+            show_default=True,
+            type=click.IntRange(1, 1_000_000),
+            help="Scenarios to run in all, those of earlier calls included.",
+        ),
+    ]
+    seed: Annotated[int, click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))]
+    file: Annotated[
+        Path | None,
+        click.option(
+            "--parameters",
+            "file",
+            type=click.Path(path_type=Path, dir_okay=False),
+            help="YAML file with parameters of the technique (see config/search).",
+        ),
+    ]
+    out: Annotated[
+        Path,
+        click.option(
+            "--out",
+            required=True,
+            type=click.Path(path_type=Path, file_okay=False),
+            help="Folder for the ledger and the scenarios found; a search that is there goes on.",
+        ),
+    ]
+    workers: Annotated[int, WORKERS]
+    as_json: Annotated[bool, click.option("--json", "as_json", is_flag=True, help="Print JSON.")]
+
+
 @click.command()
-@click.option("--family", required=True, type=click.Choice([*FAMILIES]), help=_FAMILY_HELP)
-@click.option("--technique", default="avfuzzer", show_default=True, type=click.Choice([*TECHNIQUES]))
-@click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
-@click.option("--repair", "method", default="none", show_default=True, type=click.Choice(sorted(METHODS)))
-@click.option(
-    "--budget",
-    default=200,
-    show_default=True,
-    type=click.IntRange(1, 1_000_000),
-    help="Scenarios to run in all, those of earlier calls included.",
-)
-@click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
-@click.option(
-    "--parameters",
-    "file",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="YAML file with parameters of the technique (see config/search).",
-)
-@click.option(
-    "--out",
-    required=True,
-    type=click.Path(path_type=Path, file_okay=False),
-    help="Folder for the ledger and the scenarios found; a search that is there goes on.",
-)
-@WORKERS
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def search(
-    family: str,
-    technique: str,
-    policy: str,
-    method: str,
-    budget: int,
-    seed: int,
-    file: Path | None,
-    out: Path,
-    workers: int,
-    *,
-    as_json: bool,
-) -> int:
+@options_of(SearchOptions)
+def search(given: SearchOptions) -> int:
     """Find scenarios in which a policy under repair collides by its own fault; exit code 1 if one could not be run.
 
     The same settings give the same scenarios, whatever the number of workers. Every one that ends in such a collision
     is written to the folder, with the command that shows it again in ledger.jsonl.
     """
     chosen = read_technique_parameters(
-        technique, read_fields(file, "give names and values, see config/search") if file else None
+        given.technique, read_fields(given.file, "give names and values, see config/search") if given.file else None
     )
-    campaign = Campaign(Subject(family, policy, method, seed), technique, chosen)
-    with Ledger(out, campaign.settings) as ledger:
+    campaign = Campaign(Subject(given.family, given.policy, given.method, given.seed), given.technique, chosen)
+    with Ledger(given.out, campaign.settings) as ledger:
         with counting() as progress:
             violations = tally(ledger.entries).violations
-            task = progress.add_task(_label(violations), total=budget, completed=min(budget, len(ledger.entries)))
+            task = progress.add_task(
+                _label(violations), total=given.budget, completed=min(given.budget, len(ledger.entries))
+            )
 
             def report(entry: Entry) -> None:
                 nonlocal violations
                 violations += entry.evaluation.is_violation
                 progress.update(task, advance=1, description=_label(violations))
 
-            with fan_out(workers) as mapper:
-                run_campaign(campaign, ledger, partial(mapper, partial(evaluate, campaign.subject)), budget, report)
+            with fan_out(given.workers) as mapper:
+                run_campaign(
+                    campaign, ledger, partial(mapper, partial(evaluate, campaign.subject)), given.budget, report
+                )
         found = tally(ledger.entries)
-    if as_json:
-        click.echo(json.dumps({**campaign.settings, **asdict(found), "folder": str(out)}, indent=2))
+    if given.as_json:
+        click.echo(json.dumps({**campaign.settings, **asdict(found), "folder": str(given.out)}, indent=2))
     else:
         _show(campaign, found)
     return 1 if found.crashes else 0

@@ -5,14 +5,16 @@ import json
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import click
 from rich.table import Table
 
+from roadmend.cli.options import JSON, options_of
 from roadmend.cli.output import stages, wide_console
-from roadmend.cli.sera_options import BANK, EMBEDDER, JSON, PATTERN, filter_options, filters_of
+from roadmend.cli.sera_options import BANK, EMBEDDER, PATTERN, filter_options, filters_of
 from roadmend.sera.bank import Bank, Built, Report, build_bank
 from roadmend.sera.describe import entry_of, entry_of_case
 from roadmend.sera.descriptor import Entry
@@ -34,61 +36,79 @@ def bank() -> None:
     """Build, show, search, export and import a scenario bank."""
 
 
+@dataclass(frozen=True)
+class BuildOptions:
+    """What a bank is built from."""
+
+    count: Annotated[
+        int,
+        click.option(
+            "--sample",
+            "count",
+            default=0,
+            show_default=True,
+            type=click.IntRange(0),
+            help="Draw so many of each family.",
+        ),
+    ]
+    seed: Annotated[
+        int,
+        click.option(
+            "--seed", default=0, show_default=True, type=click.IntRange(0), help="Of the first scenario drawn."
+        ),
+    ]
+    corpora: Annotated[
+        tuple[Path, ...],
+        click.option(
+            "--corpus",
+            "corpora",
+            multiple=True,
+            type=click.Path(path_type=Path, dir_okay=False),
+            help="Cases with what a policy made of them. May be repeated.",
+        ),
+    ]
+    splits: Annotated[
+        tuple[str, ...],
+        click.option(
+            "--split",
+            "splits",
+            multiple=True,
+            default=("training",),
+            show_default=True,
+            type=click.Choice(SPLITS),
+            help="Of the corpora. May be repeated.",
+        ),
+    ]
+    scenarios: Annotated[
+        tuple[Path, ...], click.argument("scenarios", nargs=-1, type=click.Path(path_type=Path, dir_okay=False))
+    ]
+    embedder: Annotated[str | None, _EMBEDDER]
+    out: Annotated[Path, _OUT]
+    as_json: Annotated[bool, JSON]
+
+
 @bank.command()
-@click.option(
-    "--sample", "count", default=0, show_default=True, type=click.IntRange(0), help="Draw so many of each family."
-)
-@click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="Of the first scenario drawn.")
-@click.option(
-    "--corpus",
-    "corpora",
-    multiple=True,
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="Cases with what a policy made of them. May be repeated.",
-)
-@click.option(
-    "--split",
-    "splits",
-    multiple=True,
-    default=("training",),
-    show_default=True,
-    type=click.Choice(SPLITS),
-    help="Of the corpora. May be repeated.",
-)
-@click.argument("scenarios", nargs=-1, type=click.Path(path_type=Path, dir_okay=False))
-@_EMBEDDER
-@_OUT
-@JSON
-def build(
-    count: int,
-    seed: int,
-    corpora: tuple[Path, ...],
-    splits: tuple[str, ...],
-    scenarios: tuple[Path, ...],
-    embedder: str | None,
-    out: Path,
-    *,
-    as_json: bool,
-) -> None:
+@options_of(BuildOptions)
+def build(given: BuildOptions) -> None:
     """Build a bank from families, corpora and scenario files; it replaces OUT when it is whole."""
-    loaded = [load_corpus(path) for path in corpora]
+    loaded = [load_corpus(path) for path in given.corpora]
     entries = itertools.chain(
-        (entry_of(load_scenario(path), f"file {path.name}") for path in scenarios),
+        (entry_of(load_scenario(path), f"file {path.name}") for path in given.scenarios),
         (
             entry_of_case(case, corpus)
             for corpus in loaded
-            for split in dict.fromkeys(splits)
+            for split in dict.fromkeys(given.splits)
             for case in corpus.select(split=split)
         ),
         (
-            entry_of(sample_scenario(family, seed + place), f"family {family}")
-            for place in range(count)
+            entry_of(sample_scenario(family, given.seed + place), f"family {family}")
+            for place in range(given.count)
             for family in FAMILIES
         ),
     )
-    total = len(scenarios) + count * len(FAMILIES)
-    total += sum(len(corpus.select(split=split)) for corpus in loaded for split in dict.fromkeys(splits))
-    _build(out, entries, embedder or DEFAULT, total, as_json=as_json)
+    total = len(given.scenarios) + given.count * len(FAMILIES)
+    total += sum(len(corpus.select(split=split)) for corpus in loaded for split in dict.fromkeys(given.splits))
+    _build(given.out, entries, given.embedder or DEFAULT, total, as_json=given.as_json)
 
 
 @bank.command(name="import")
@@ -201,11 +221,11 @@ def search(
     count: int,
     *,
     as_json: bool,
-    **given: tuple[str, ...],
+    terms: dict[str, tuple[str, ...]],
 ) -> None:
     """Find the scenarios that fit failure patterns best."""
     wanted = [pattern for each in patterns for pattern in read_patterns(each)]
-    filters = filters_of(given)
+    filters = filters_of(terms)
     with Bank(bank_file, embedder) as opened:
         found: list[dict[str, Any]] = [
             {"pattern": pattern.name, "score": round(hit.score, 4), **described(opened.entry(hit.number))}

@@ -1,150 +1,294 @@
-"""``roadmend sera cycle``: generations of a policy, each learning from what the one before got wrong."""
+"""``roadmend sera evaluate`` and ``cycle``: how a policy fares, and generations that each learn from what the one before got wrong."""
 
 import json
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, cast
 
 import click
 
-from roadmend.cli.language_options import language_options
-from roadmend.cli.options import WORKERS
+from roadmend.cli.language_options import LanguageChoice, language_options
+from roadmend.cli.options import JSON, WORKERS, options_of
 from roadmend.cli.output import counting, show_rows
-from roadmend.cli.sera_evaluate import chosen_set, drive_jobs
-from roadmend.cli.sera_options import EMBEDDER, JSON, set_options
+from roadmend.cli.sera_options import EMBEDDER, SetChoice, set_options
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import entry_key
 from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import write_text, written_beside
 from roadmend.measures.driver import driver_key
+from roadmend.measures.driving import DrivingMeasures
+from roadmend.measures.summary import summarise, summary_rows
 from roadmend.networks.checkpoint import find_model
 from roadmend.policies.neural import load_model
+from roadmend.policies.registry import POLICIES
+from roadmend.repair.registry import METHODS
 from roadmend.reports.cycle_page import cycle_chart, cycle_page, measure_rows
-from roadmend.reports.result_files import origin, provenance
+from roadmend.reports.result_files import origin, provenance, write_report
 from roadmend.sera.analysis import Reading, find_bags, read_incidents
 from roadmend.sera.backends import BACKENDS, Backend
 from roadmend.sera.bank import Bank, build_bank
 from roadmend.sera.cycle import Cycle, CycleOptions, Evaluation, Generation, Tuned
 from roadmend.sera.describe import entry_of
-from roadmend.sera.evaluation_episode import EvaluationJob
-from roadmend.sera.evaluation_set import disjoint, known_in
+from roadmend.sera.evaluation_episode import EvaluatedEpisode, EvaluationJob, Record, drive_jobs
+from roadmend.sera.evaluation_set import chosen_set, disjoint, known_in
 from roadmend.training.few_shot_settings import FewShotSettings, read_few_shot_settings
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario import Scenario
+
+_BAGS = "bags"
+_NAME = "measures"
+
+
+@dataclass(frozen=True)
+class EvaluateOptions:
+    """Who drives, on what, and what is recorded."""
+
+    policy: Annotated[
+        str,
+        click.option(
+            "--policy",
+            default="modular",
+            show_default=True,
+            help=f"One of {', '.join(sorted(POLICIES))}, or the model file of a neural policy.",
+        ),
+    ]
+    method: Annotated[
+        str, click.option("--repair", "method", default="none", show_default=True, type=click.Choice(sorted(METHODS)))
+    ]
+    chosen: Annotated[SetChoice, set_options]
+    known: Annotated[
+        tuple[Path, ...],
+        click.option(
+            "--disjoint-from",
+            "known",
+            multiple=True,
+            type=click.Path(path_type=Path, dir_okay=False),
+            help="A bank, a corpus or a scenario file: what is in it is left out. May be repeated.",
+        ),
+    ]
+    record: Annotated[
+        str,
+        click.option(
+            "--record",
+            default="failures",
+            show_default=True,
+            type=click.Choice(["failures", "all", "none"]),
+            help="Bags; failures: of what does not end at the goal or is repaired on the way.",
+        ),
+    ]
+    workers: Annotated[int, WORKERS]
+    out: Annotated[
+        Path,
+        click.option(
+            "--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Folder; resumes there."
+        ),
+    ]
+    as_json: Annotated[bool, click.option("--json", "as_json", is_flag=True, help="Print JSON.")]
+
+
+@click.command()
+@options_of(EvaluateOptions)
+def evaluate(given: EvaluateOptions) -> int:
+    """Drive a policy through an evaluation set in this process: four measures, and bags for 'sera analyse'.
+
+    An interrupted call goes on where it stopped; the outcome does not depend on the number of workers. The exit code is
+    1 if an episode could not be driven.
+    """
+    whole = chosen_set(given.chosen.scenarios, given.chosen.first_seed, given.chosen.corpus, given.chosen.split)
+    chosen = disjoint(whole, known_in(given.known))
+    driver = driver_key(given.policy, given.method)
+    jobs = [
+        EvaluationJob(one, given.policy, given.method, given.out / _BAGS, cast(Record, given.record), driver)
+        for one in chosen
+    ]
+    with counting(is_transient=True) as progress:
+        task = progress.add_task("episodes", total=len(jobs))
+        found = drive_jobs(jobs, given.out, given.workers, lambda done, _: progress.update(task, completed=done))
+    content = _measured(jobs, found, len(whole) - len(chosen))
+    families = {one.family or "other" for one in chosen}
+    measures = {name: _measures(jobs, found, name) for name in [*sorted(families), "all"]}
+    content["summary"] = summarise(measures["all"])
+    content["families"] = {name: summarise(measures[name]) for name in sorted(families)}
+    rows = summary_rows({**content["families"], "all": content["summary"]})
+    write_report(given.out, _NAME, f"{given.policy} with repair {given.method}", content, rows)
+    if given.as_json:
+        click.echo(json.dumps(content, indent=2))
+    else:
+        _show_measures(rows, content)
+    for fault in content["faults"]:
+        click.echo(fault, err=True)
+    return 1 if content["faults"] else 0
+
+
+def _measured(jobs: Sequence[EvaluationJob], found: Sequence[EvaluatedEpisode], left_out: int) -> dict[str, Any]:
+    first = jobs[0]
+    episodes = [
+        {"scenario": job.scenario.name, "family": job.scenario.family, "digest": job.scenario.digest, **asdict(episode)}
+        for job, episode in zip(jobs, found, strict=True)
+        if not episode.fault
+    ]
+    return {
+        "provenance": provenance(f"./roadmend sera evaluate --policy {first.policy} --repair {first.method}"),
+        "policy": first.policy,
+        "method": first.method,
+        "left_out": left_out,
+        "faults": [episode.fault for episode in found if episode.fault],
+        "episodes": episodes,
+    }
+
+
+def _measures(jobs: Sequence[EvaluationJob], found: Sequence[EvaluatedEpisode], family: str) -> list[DrivingMeasures]:
+    return [
+        episode.measures
+        for job, episode in zip(jobs, found, strict=True)
+        if episode.measures is not None and family in {"all", job.scenario.family or "other"}
+    ]
+
+
+def _show_measures(rows: Sequence[Sequence[str]], content: dict[str, Any]) -> None:
+    show_rows(rows)
+    bags = sum(bool(episode["bag"]) for episode in content["episodes"])
+    left = content["left_out"]
+    click.echo(f"{bags} bag{'' if bags == 1 else 's'}" + (f"; {left} known scenarios left out" if left else ""))
+
 
 _BANK_SEED = 600_000  # of the bank that is built where none is given; nothing else draws from there
 _METHOD = "none"
 Told = Callable[[str, int, int], None]  # what is being done, how much of it is done, how much there is
 
 
+@dataclass(frozen=True)
+class CycleSettings:
+    """What goes into every generation."""
+
+    policy: Annotated[
+        str,
+        click.option(
+            "--policy", default="neural", show_default=True, help="A neural policy that ships, or its model file."
+        ),
+    ]
+    bags: Annotated[
+        tuple[Path, ...],
+        click.option(
+            "--bags",
+            multiple=True,
+            type=click.Path(path_type=Path),
+            help="Bags that the first generation learns from instead of the evaluation's; or folders. May be repeated.",
+        ),
+    ]
+    generations: Annotated[
+        int,
+        click.option(
+            "--generations", default=2, show_default=True, type=click.IntRange(1, 50), help="Times it is tuned."
+        ),
+    ]
+    chosen: Annotated[SetChoice, set_options]
+    bank_file: Annotated[
+        Path | None,
+        click.option(
+            "--bank",
+            "bank_file",
+            type=click.Path(path_type=Path, dir_okay=False),
+            help="Bank to learn from.  [default: one is built of random scenarios]",
+        ),
+    ]
+    bank_scenarios: Annotated[
+        int,
+        click.option(
+            "--bank-scenarios",
+            default=40,
+            show_default=True,
+            type=click.IntRange(1, 10_000),
+            help="Of each family in the bank that is built.",
+        ),
+    ]
+    embedder: Annotated[str | None, EMBEDDER]
+    count: Annotated[
+        int,
+        click.option(
+            "-k",
+            "count",
+            default=24,
+            show_default=True,
+            type=click.IntRange(1, 1000),
+            help="Scenarios to learn from in a generation, shared among the failure patterns by how many episodes show them.",
+        ),
+    ]
+    file: Annotated[
+        Path | None,
+        click.option(
+            "--config",
+            "file",
+            type=click.Path(path_type=Path, dir_okay=False),
+            help="YAML file with the settings of the tuning; config/training/few-shot.yaml if not given.",
+        ),
+    ]
+    epochs: Annotated[
+        int | None, click.option("--epochs", type=click.IntRange(1, 100), help="Instead of the settings'.")
+    ]
+    language: Annotated[LanguageChoice, language_options(BACKENDS)]
+    seed: Annotated[int, click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))]
+    workers: Annotated[int, WORKERS]
+    out: Annotated[
+        Path,
+        click.option(
+            "--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Folder; resumes there."
+        ),
+    ]
+    as_json: Annotated[bool, JSON]
+
+
 @click.command()
-@click.option("--policy", default="neural", show_default=True, help="A neural policy that ships, or its model file.")
-@click.option(
-    "--bags",
-    multiple=True,
-    type=click.Path(path_type=Path),
-    help="Bags that the first generation learns from instead of the evaluation's; or folders. May be repeated.",
-)
-@click.option("--generations", default=2, show_default=True, type=click.IntRange(1, 50), help="Times it is tuned.")
-@set_options
-@click.option(
-    "--bank",
-    "bank_file",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="Bank to learn from.  [default: one is built of random scenarios]",
-)
-@click.option(
-    "--bank-scenarios",
-    default=40,
-    show_default=True,
-    type=click.IntRange(1, 10_000),
-    help="Of each family in the bank that is built.",
-)
-@EMBEDDER
-@click.option(
-    "-k",
-    "count",
-    default=24,
-    show_default=True,
-    type=click.IntRange(1, 1000),
-    help="Scenarios to learn from in a generation, shared among the failure patterns by how many episodes show them.",
-)
-@click.option(
-    "--config",
-    "file",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="YAML file with the settings of the tuning; config/training/few-shot.yaml if not given.",
-)
-@click.option("--epochs", type=click.IntRange(1, 100), help="Instead of the settings'.")
-@language_options(BACKENDS)
-@click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
-@WORKERS
-@click.option("--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Folder; resumes there.")
-@JSON
-def cycle(
-    policy: str,
-    bags: tuple[Path, ...],
-    generations: int,
-    scenarios: int | None,
-    first_seed: int | None,
-    corpus: Path | None,
-    split: str | None,
-    bank_file: Path | None,
-    bank_scenarios: int,
-    embedder: str | None,
-    count: int,
-    file: Path | None,
-    epochs: int | None,
-    backend: str,
-    settings: Path | None,
-    recording: Path | None,
-    attempts: int,
-    seed: int,
-    workers: int,
-    out: Path,
-    *,
-    as_json: bool,
-) -> int:
+@options_of(CycleSettings)
+def cycle(given: CycleSettings) -> int:
     """Drive, analyse the failures, recommend scenarios, tune, and drive again, for several generations.
 
     The evaluation set shares no scenario with the bank, and every generation learns from scenarios that are new to it.
     Everything is kept in one folder; an interrupted call goes on where it stopped. The exit code is 1 if an episode
     could not be driven.
     """
-    model = find_model(policy)
+    model = find_model(given.policy)
     load_model(model)
-    few_shot = read_few_shot_settings(file or config_folder() / "training" / "few-shot.yaml")
-    few_shot = few_shot if epochs is None else few_shot.model_copy(update={"epochs": epochs})
-    first = tuple(find_bags(bags)) if bags else ()
-    whole_set = chosen_set(scenarios, first_seed, corpus, split)
-    opened = Backend.open(backend, settings, recording, attempts)
+    few_shot = read_few_shot_settings(given.file or config_folder() / "training" / "few-shot.yaml")
+    few_shot = few_shot if given.epochs is None else few_shot.model_copy(update={"epochs": given.epochs})
+    first = tuple(find_bags(given.bags)) if given.bags else ()
+    whole_set = chosen_set(given.chosen.scenarios, given.chosen.first_seed, given.chosen.corpus, given.chosen.split)
+    opened = Backend.open(
+        given.language.backend, given.language.settings, given.language.recording, given.language.attempts
+    )
     with counting(is_transient=True) as progress:
-        whole = progress.add_task("starting", total=generations + 1)
+        whole = progress.add_task("starting", total=given.generations + 1)
         part = progress.add_task("", total=None)
 
         def told(what: str, done: int, total: int) -> None:
             progress.update(part, description=what, completed=done, total=total)
 
-        bank_path = bank_file or _built_bank(out, bank_scenarios, told)
+        bank_path = given.bank_file or _built_bank(given.out, given.bank_scenarios, told)
         evaluated = disjoint(whole_set, known_in([bank_path]))
-        steps = _Steps(evaluated, few_shot, seed, out, workers, told)
-        options = CycleOptions(generations, count, seed, first, json.dumps([few_shot.model_dump(mode="json"), backend]))
+        steps = _Steps(evaluated, few_shot, given.seed, given.out, given.workers, told)
+        options = CycleOptions(
+            given.generations,
+            given.count,
+            given.seed,
+            first,
+            json.dumps([few_shot.model_dump(mode="json"), given.language.backend]),
+        )
         found = []
-        with Bank(bank_path, embedder) as bank:
+        with Bank(bank_path, given.embedder) as bank:
             digests = [scenario.digest for scenario in evaluated]
             runs = Cycle(
-                bank, opened, steps, digests, out, options, lambda what: progress.update(whole, description=what)
+                bank, opened, steps, digests, given.out, options, lambda what: progress.update(whole, description=what)
             )
             for generation in runs.run(str(model)):
                 found.append(generation)
                 progress.update(whole, completed=len(found))
-                content = _content(found, out, generations)
-    _write(content, out)
-    if as_json:
+                content = _content(found, given.out, given.generations)
+    _write(content, given.out)
+    if given.as_json:
         click.echo(json.dumps(content, indent=2))
     else:
-        _show(content, out)
+        _show_generations(content, given.out)
     return 1 if any(generation.faults for generation in found) else 0
 
 
@@ -238,7 +382,7 @@ def _write(content: dict[str, Any], out: Path) -> None:
         cycle_chart(generations).savefig(beside, format="png", dpi=150)
 
 
-def _show(content: dict[str, Any], out: Path) -> None:
+def _show_generations(content: dict[str, Any], out: Path) -> None:
     generations = content["generations"]
     show_rows(measure_rows(generations))
     for each in generations:

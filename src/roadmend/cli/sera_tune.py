@@ -2,14 +2,15 @@
 
 import hashlib
 import json
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Annotated
 
 import click
 
-from roadmend.cli.options import WORKERS
+from roadmend.cli.options import JSON, WORKERS, options_of
 from roadmend.cli.output import show_rows, stages
-from roadmend.cli.sera_options import BANK, JSON
+from roadmend.cli.sera_options import BANK
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
 from roadmend.core.resources import config_folder
@@ -23,88 +24,118 @@ from roadmend.training.few_shot_settings import read_few_shot_settings
 from roadmend.world.corpus import SPLITS
 
 
+@dataclass(frozen=True)
+class TuneOptions:
+    """What is tuned on what, and how."""
+
+    policy: Annotated[
+        str,
+        click.option(
+            "--policy", default="neural", show_default=True, help="A neural policy that ships, or its model file."
+        ),
+    ]
+    bank_file: Annotated[Path, BANK]
+    selected: Annotated[
+        Path,
+        click.option(
+            "--selection",
+            "selected",
+            required=True,
+            type=click.Path(path_type=Path, dir_okay=False),
+            help="What 'sera recommend --json' printed.",
+        ),
+    ]
+    stage: Annotated[
+        Stage,
+        click.option(
+            "--stage",
+            default="refined",
+            show_default=True,
+            type=click.Choice(["initial", "refined", "random"]),
+            help="Of the selection.",
+        ),
+    ]
+    out: Annotated[
+        Path,
+        click.option(
+            "--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Model file to write."
+        ),
+    ]
+    validation: Annotated[
+        Path | None,
+        click.option(
+            "--validation",
+            type=click.Path(path_type=Path, dir_okay=False),
+            help="Corpus to choose the best epoch by, what is in the selection left out.  [default: the selection]",
+        ),
+    ]
+    split: Annotated[
+        str,
+        click.option(
+            "--split", default="validation", show_default=True, type=click.Choice(SPLITS), help="Of that corpus."
+        ),
+    ]
+    file: Annotated[
+        Path | None,
+        click.option(
+            "--config",
+            "file",
+            type=click.Path(path_type=Path, dir_okay=False),
+            help="YAML file with the settings; config/training/few-shot.yaml if not given.",
+        ),
+    ]
+    epochs: Annotated[
+        int | None, click.option("--epochs", type=click.IntRange(1, 100), help="Instead of the settings'.")
+    ]
+    learning_rate: Annotated[
+        float | None,
+        click.option(
+            "--learning-rate", type=click.FloatRange(0.0, 0.1, min_open=True), help="Instead of the settings'."
+        ),
+    ]
+    seed: Annotated[int, click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))]
+    workers: Annotated[int, WORKERS]
+    as_json: Annotated[bool, JSON]
+
+
 @click.command()
-@click.option("--policy", default="neural", show_default=True, help="A neural policy that ships, or its model file.")
-@BANK
-@click.option(
-    "--selection",
-    "selected",
-    required=True,
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="What 'sera recommend --json' printed.",
-)
-@click.option(
-    "--stage",
-    default="refined",
-    show_default=True,
-    type=click.Choice(["initial", "refined", "random"]),
-    help="Of the selection.",
-)
-@click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Model file to write.")
-@click.option(
-    "--validation",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="Corpus to choose the best epoch by, what is in the selection left out.  [default: the selection]",
-)
-@click.option("--split", default="validation", show_default=True, type=click.Choice(SPLITS), help="Of that corpus.")
-@click.option(
-    "--config",
-    "file",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="YAML file with the settings; config/training/few-shot.yaml if not given.",
-)
-@click.option("--epochs", type=click.IntRange(1, 100), help="Instead of the settings'.")
-@click.option("--learning-rate", type=click.FloatRange(0.0, 0.1, min_open=True), help="Instead of the settings'.")
-@click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
-@WORKERS
-@JSON
-def tune(
-    policy: str,
-    bank_file: Path,
-    selected: Path,
-    stage: Stage,
-    out: Path,
-    validation: Path | None,
-    split: str,
-    file: Path | None,
-    epochs: int | None,
-    learning_rate: float | None,
-    seed: int,
-    workers: int,
-    *,
-    as_json: bool,
-) -> None:
+@options_of(TuneOptions)
+def tune(given: TuneOptions) -> None:
     """Fine-tune a neural policy on a selection, guarded against forgetting; writes a new model file.
 
     The expert and the policy drive the selected scenarios, the expert says what should be done, and scenes of ordinary
     episodes are mixed in. The policy drives a validation set after every epoch; that epoch is kept that scores best
     without losing on ordinary scenarios.
     """
-    settings = read_few_shot_settings(file or config_folder() / "training" / "few-shot.yaml")
-    given = {"epochs": epochs, "learning_rate": learning_rate}
-    settings = settings.model_copy(update={name: value for name, value in given.items() if value is not None})
-    if out.suffix != ".safetensors":
-        raise InputError("--out", f"{out} is no model file's name", "end it with .safetensors")
-    selection = read_selection(selected, stage)
-    with Bank(bank_file) as bank:
+    settings = read_few_shot_settings(given.file or config_folder() / "training" / "few-shot.yaml")
+    instead = {"epochs": given.epochs, "learning_rate": given.learning_rate}
+    settings = settings.model_copy(update={name: value for name, value in instead.items() if value is not None})
+    if given.out.suffix != ".safetensors":
+        raise InputError("--out", f"{given.out} is no model file's name", "end it with .safetensors")
+    selection = read_selection(given.selected, given.stage)
+    with Bank(given.bank_file) as bank:
         scenarios = scenarios_of(selection, bank)
-    hard = [] if validation is None else disjoint(corpus_set(validation, split), known_in([bank_file]))
-    command = f"./roadmend sera tune --policy {Path(policy).name} --stage {stage} --seed {seed}"
-    origin = Origin(selection.digest, _digest(bank_file), command)
+    hard = (
+        []
+        if given.validation is None
+        else disjoint(corpus_set(given.validation, given.split), known_in([given.bank_file]))
+    )
+    command = f"./roadmend sera tune --policy {Path(given.policy).name} --stage {given.stage} --seed {given.seed}"
+    origin = Origin(selection.digest, _digest(given.bank_file), command)
     choose_torch_device("cpu", 1)
     with stages() as report:
         repaired = few_shot_repair(
-            find_model(policy),
+            find_model(given.policy),
             scenarios,
             settings,
-            seed,
-            out,
+            given.seed,
+            given.out,
             validation=hard,
             origin=origin,
-            labour=Labour(workers, report),
+            labour=Labour(given.workers, report),
         )
-    if as_json:
-        click.echo(json.dumps({**asdict(repaired), "path": str(out)}, indent=2))
+    if given.as_json:
+        click.echo(json.dumps({**asdict(repaired), "path": str(given.out)}, indent=2))
         return
     _show(repaired, len(scenarios))
 

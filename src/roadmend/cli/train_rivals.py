@@ -1,10 +1,8 @@
 """``roadmend train self-oracle`` and ``roadmend train rivals``: what ADReFT is held against, at its best."""
 
 from pathlib import Path
-from typing import Any
 
 import click
-import yaml
 from rich.console import Console
 from rich.table import Table
 
@@ -13,17 +11,14 @@ from roadmend.cli.options import WORKERS
 from roadmend.cli.output import counting, stages_of
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal
-from roadmend.core.settings import check_settings
-from roadmend.core.whole_file import write_text
-from roadmend.core.yaml_file import read_fields
-from roadmend.measures.contenders import TunedMethods
 from roadmend.measures.driver import driver_key
 from roadmend.networks.checkpoint import SUFFIX, load_checkpoint, models_folder
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.self_oracle import KIND
+from roadmend.training.tuned_file import first_cases, read_tuned, write_tuned
 from roadmend.training.tuning import EPISODES, FORMAT, Tuned, Tuning
 from roadmend.training.tuning_grid import Rival, rivals_of
-from roadmend.world.corpus import Case, corpus_of
+from roadmend.world.corpus import corpus_of
 
 _RIVALS = tuple(rival.name for rival in rivals_of(""))
 
@@ -119,7 +114,7 @@ def rivals(
     model = ""
     if any(rival.method == "model" for rival in chosen):
         model = load_checkpoint(model_file or models_folder() / f"self_oracle-{policy}{SUFFIX}", KIND).digest
-    cases = _first(corpus.select(split="validation"), number)
+    cases = first_cases(corpus.select(split="validation"), number)
     header = {
         "format": FORMAT,
         "policy": policy,
@@ -130,7 +125,7 @@ def rivals(
         "roadmend": __version__,
         "command": f"./roadmend train rivals --policy {policy}{f' --cases {number}' if number else ''} --out {out.name}",
     }
-    written = _written(out, header)
+    written = read_tuned(out, header)
     left = [rival for rival in every if rival not in chosen and rival.name in written]
     found = {
         rival.name: written[rival.name] for rival in left if written[rival.name].get("code") == _code(policy, rival)
@@ -147,7 +142,7 @@ def rivals(
             found[rival.name]["code"] = _code(policy, rival)
             if rival.method == "model" and model_file is not None:
                 found[rival.name]["parameters"]["model"] = policy  # a setting holds wherever the model lies
-            _write(out, header, found)
+            write_tuned(out, header, found)
             _show(tuned, progress.console)
     click.echo(f"{out}: {', '.join(found)}")
 
@@ -155,38 +150,6 @@ def rivals(
 def _code(policy: str, rival: Rival) -> str:
     """Digest of what drove when a rival was tuned, its setting aside."""
     return driver_key(policy, rival.method, rival.grid[0])
-
-
-def _first(cases: list[Case], number: int | None) -> list[Case]:
-    """The first ``number`` of each family and kind, in order; all of them for None."""
-    counts: dict[tuple[str, bool], int] = {}
-    chosen = []
-    for case in cases:
-        key = case.family, case.is_violation
-        counts[key] = counts.get(key, 0) + 1
-        if number is None or counts[key] <= number:
-            chosen.append(case)
-    return chosen
-
-
-def _written(path: Path, header: dict[str, Any]) -> dict[str, Any]:
-    """Rivals in a file of the same kind; nothing where the file is of another corpus or number of cases."""
-    if not path.exists():
-        return {}
-    mend = "remove it, or choose another --out"
-    content = read_fields(path, mend)
-    check_settings(content, TunedMethods, str(path), mend)
-    same = all(content.get(name) == value for name, value in header.items())
-    return dict(content["methods"]) if same else {}
-
-
-def _write(path: Path, header: dict[str, Any], found: dict[str, Any]) -> None:
-    ordered = {name: found[name] for name in _RIVALS if name in found}
-    text = (
-        "# Each rival's best setting on the validation split, and the whole grid; see 'roadmend train rivals --help'.\n"
-    )
-    text += yaml.safe_dump({**header, "methods": ordered}, sort_keys=False, width=120, default_flow_style=None)
-    write_text(path, text)
 
 
 def _show(tuned: Tuned, console: Console) -> None:

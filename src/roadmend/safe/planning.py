@@ -1,14 +1,19 @@
-"""Which jobs there are for a number of crashes.
+"""Which jobs there are for a number of crashes, and working through them so that a new call goes on.
 
 Apart from the jobs themselves, so that what decides a job's result is not how its report was read.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
+from roadmend.core.fanout import fan_out
+from roadmend.core.journal import Journal, Key
 from roadmend.safe.cases import Case
 from roadmend.safe.construction import Role
-from roadmend.safe.driving import Drawing, Job, Task
+from roadmend.safe.driving import Drawing, Job, Result, Task, do
+
+_WORK = ".work"  # folder for finished jobs in the output
+_FORMAT = "roadmend-safe-work/1"
 
 
 def plan(
@@ -31,3 +36,36 @@ def plan(
         for ego in range(len(case.crash.vehicles))
         for index in range(samples)
     ]
+
+
+def do_all(jobs: Sequence[Job], out: Path, workers: int, told: Callable[[int], None]) -> list[Result]:
+    """Do what has not been done yet; results come in the order of the jobs.
+
+    Args:
+        jobs: to do.
+        out: folder of what is made, and of the finished jobs.
+        workers: processes.
+        told: hears how many are done.
+
+    Raises:
+        InputError: the folder holds something else, or cannot be written.
+        SimulationError: a worker process died.
+    """
+    keys = [job.key for job in jobs]
+    with Journal(out / _WORK / "results.jsonl", _FORMAT, owns_folder=True) as journal:
+        missing = [(key, job) for key, job in zip(keys, jobs, strict=True) if not _is_done(journal, key, out)]
+        before = len(jobs) - len(missing)
+        told(before)
+        with fan_out(workers, len(missing)) as mapper:
+            answers = mapper(do, [job for _, job in missing])
+            for number, ((key, _), result) in enumerate(zip(missing, answers, strict=True), before + 1):
+                journal.add(key, result.as_dict())
+                told(number)
+        found = [journal.get(key) for key in keys]
+    return [Result.from_dict(each) for each in found if each is not None]
+
+
+def _is_done(journal: Journal, key: Key, out: Path) -> bool:
+    """Whether a result is there, and the files that it names are."""
+    kept = journal.get(key)
+    return kept is not None and all((out / kept[name]).is_file() for name in ("scenario", "picture") if kept[name])

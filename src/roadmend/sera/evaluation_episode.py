@@ -1,14 +1,16 @@
 """One episode of an evaluation set, driven in this process: its measures, and a bag where something went wrong."""
 
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from roadmend import __version__
 from roadmend.core.command import Decision
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import RoadmendError, SimulationError
-from roadmend.core.journal import Key, entry_key
+from roadmend.core.fanout import fan_out
+from roadmend.core.journal import Journal, Key, entry_key
 from roadmend.core.outcome import EventKind
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
@@ -26,6 +28,7 @@ from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import dump_scenario
 
+_FORMAT = "roadmend-evaluated-episodes/1"
 Record = Literal["failures", "all", "none"]
 
 
@@ -79,6 +82,41 @@ def _evaluate(job: EvaluationJob) -> EvaluatedEpisode:
             if again.summary.digest != run.summary.digest:
                 raise SimulationError(f"{job.scenario.name}: the run that was recorded differs from the one before")
     return EvaluatedEpisode(run.measures, run.summary.digest, bag.name)
+
+
+def drive_jobs(
+    jobs: Sequence[EvaluationJob], out: Path, workers: int, told: Callable[[int, int], None]
+) -> list[EvaluatedEpisode]:
+    """What each job came to, in order; what is there from an earlier call is not driven again.
+
+    Args:
+        jobs: to do.
+        out: folder of what was done.
+        workers: processes.
+        told: hears how many are done, of how many.
+
+    Raises:
+        InputError: the folder holds something else, or cannot be written.
+        SimulationError: a worker process died.
+    """
+    with Journal(out / "results.jsonl", _FORMAT, owns_folder=True) as journal:
+        done = {job.key: _parse(kept) for job in jobs if (kept := journal.get(job.key)) is not None}
+        missing = [job for job in jobs if job.key not in done]
+        before = len(jobs) - len(missing)
+        told(before, len(jobs))
+        with fan_out(workers, len(missing)) as mapper:
+            for number, (job, episode) in enumerate(zip(missing, mapper(evaluate, missing), strict=True), before + 1):
+                done[job.key] = episode
+                if not episode.fault:
+                    journal.add(job.key, asdict(episode))
+                told(number, len(jobs))
+    return [done[job.key] for job in jobs]
+
+
+def _parse(kept: dict[str, Any]) -> EvaluatedEpisode:
+    measures = dict(kept["measures"])
+    measures["infractions"] = tuple(measures["infractions"])
+    return EvaluatedEpisode(DrivingMeasures(**measures), kept["trajectory"], kept["bag"])
 
 
 class _Run:

@@ -45,6 +45,21 @@ def corpus_set(path: Path, split: str | None) -> list[Scenario]:
     return [case.scenario() for case in load_corpus(path).select(split=split)]
 
 
+def chosen_set(scenarios: int | None, first_seed: int | None, corpus: Path | None, split: str | None) -> list[Scenario]:
+    """The evaluation set that the options stand for.
+
+    Raises:
+        InputError: they contradict each other, or the file is no corpus.
+    """
+    if corpus is None:
+        if split is not None:
+            raise InputError("--split", "is of a corpus, and there is none", "name one with --corpus")
+        return sampled_set(20 if scenarios is None else scenarios, first_seed or 0)
+    if scenarios is not None or first_seed is not None:
+        raise InputError("--corpus", "leaves nothing to draw", "give either --corpus or --scenarios and --first-seed")
+    return corpus_set(corpus, split)
+
+
 def known_in(paths: Iterable[Path]) -> Known:
     """The scenarios of banks, corpora and scenario files.
 

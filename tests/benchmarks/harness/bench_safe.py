@@ -9,7 +9,7 @@ import click
 from harness.figures import Figures
 from harness.scoring import Scores, score_cases
 from roadmend.cli.options import WORKERS
-from roadmend.cli.safe_work import open_cases, work_through
+from roadmend.cli.safe import open_cases, work_through
 from roadmend.policies.registry import POLICIES
 from roadmend.reports.result_files import provenance
 from roadmend.safe.driving import Task

@@ -376,3 +376,23 @@ def _score(
         scores[index] = compiled.score(state, float(actions[index]))
         begin += size
     return scores
+
+
+def open_work(work: Path, *, resume: bool | None, keep_supervised: bool) -> None:
+    """Make the folder; states of an earlier training are gone on with or removed, as was asked for.
+
+    Raises:
+        InputError: there are such states and nothing was asked for, or the folder cannot be made.
+    """
+    states = [work / REINFORCEMENT_STATE]
+    if not keep_supervised:
+        states += [work / SUPERVISED_STATE, *sorted(work.glob(PRACTICE_STATE.format("*")))]
+    found = [state for state in states if state.exists()]
+    if found and resume is None:
+        raise InputError(str(work), "holds a training already", "go on with --resume, or begin anew with --restart")
+    try:
+        for state in found if resume is False else ():
+            state.unlink()
+        work.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(str(work), f"cannot be written ({error.strerror})", "choose a writable folder") from None

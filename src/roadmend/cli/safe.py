@@ -1,0 +1,297 @@
+"""``roadmend safe``: from a crash report to scenarios that test the policy."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated
+
+import click
+from rich.markup import escape
+from rich.table import Table
+
+from roadmend.cli.language_options import LanguageChoice, language_options
+from roadmend.cli.options import FOLDER, JSON, PATH, SEED, WORKERS, options_of
+from roadmend.cli.output import counting, show_rows, wide_console
+from roadmend.core.errors import InputError
+from roadmend.core.whole_file import write_texts
+from roadmend.language.exchange import add_usages
+from roadmend.policies.registry import POLICIES
+from roadmend.reports.crash_tests import report_of_reproductions, report_of_tests
+from roadmend.reports.trial_picture import draw_trial
+from roadmend.safe.backends import BACKENDS, BackendOptions
+from roadmend.safe.cases import Case, gather_cases
+from roadmend.safe.driving import Job, Result, Task
+from roadmend.safe.extraction_run import Extracted, extract_reports
+from roadmend.safe.planning import do_all, plan
+from roadmend.safe.report import find_reports
+from roadmend.safe.sketch_text import is_sketch_read
+from roadmend.safe.stage_one import StageOneOptions
+from roadmend.safe.tally import tally_reproductions, tally_tests
+from roadmend.world.scenario_file import load_scenario
+
+policies_option = click.option(
+    "--policy",
+    "policies",
+    multiple=True,
+    default=["modular"],
+    show_default=True,
+    type=click.Choice(sorted(POLICIES)),
+    help="May be given more than once.",
+)
+
+
+@dataclass(frozen=True)
+class SafeOptions:
+    """What crashes, and where what is made of them goes."""
+
+    paths: Annotated[tuple[Path, ...], click.argument("paths", nargs=-1, required=True, type=PATH)]
+    out: Annotated[
+        Path,
+        click.option(
+            "--out",
+            required=True,
+            type=FOLDER,
+            help="Folder for what is made; a run that was interrupted there goes on.",
+        ),
+    ]
+    seed: Annotated[int, SEED]
+    workers: Annotated[int, WORKERS]
+    as_json: Annotated[bool, JSON]
+
+
+def open_cases(paths: Sequence[Path]) -> list[Case]:
+    """The cases of the arguments; those that cannot be read are named on standard error.
+
+    Raises:
+        InputError: not one can be read.
+    """
+    cases = gather_cases(paths)
+    problems = [case for case in cases if case.crash is None]
+    for case in problems:
+        click.echo(f"{case.name}: {case.problem}", err=True)
+    if len(problems) == len(cases):
+        raise InputError(str(paths[0]), "not one crash could be read", "see what is said of each above")
+    return cases
+
+
+def work_through(jobs: Sequence[Job], out: Path, workers: int, label: str) -> list[Result]:
+    """Do what has not been done yet, with a bar; results come in the order of the jobs.
+
+    Raises:
+        InputError: the folder holds something else, or cannot be written.
+        SimulationError: a worker process died.
+    """
+    with counting() as progress:
+        task = progress.add_task(label, total=len(jobs))
+        return do_all(jobs, out, workers, lambda done: progress.update(task, completed=done))
+
+
+@dataclass(frozen=True)
+class ExtractOptions:
+    """Which reports are read, and how."""
+
+    reports: Annotated[Path, click.argument("reports", type=click.Path(path_type=Path))]
+    out: Annotated[
+        Path,
+        click.option(
+            "--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Folder for the results."
+        ),
+    ]
+    language: Annotated[LanguageChoice, language_options(BACKENDS)]
+    no_prompt_generation: Annotated[
+        bool, click.option("--no-prompt-generation", is_flag=True, help="With a model: ask without the knowledge base.")
+    ]
+    no_validation: Annotated[
+        bool, click.option("--no-validation", is_flag=True, help="With a model: take its answers unchecked.")
+    ]
+    workers: Annotated[int, WORKERS]
+    as_json: Annotated[bool, click.option("--json", "as_json", is_flag=True, help="Print JSON.")]
+
+
+@click.command()
+@options_of(ExtractOptions)
+def extract(given: ExtractOptions) -> int:
+    """Read a crash report, or a folder of them; exit code 1 if one of them gave no scenario.
+
+    A report is a folder with summary.txt and perhaps a sketch (sketch.jpg, .png), or a text file. Reports that an
+    earlier call with the same settings has done are not done again.
+    """
+    options = StageOneOptions(not given.no_prompt_generation, not given.no_validation, given.language.attempts)
+    paths = find_reports(given.reports)
+    extractor = BACKENDS[given.language.backend](
+        BackendOptions(options, given.language.settings, given.language.recording)
+    )
+    # What a model is, and that a sketch is read by a program that may be there or not.
+    decided = [
+        given.language.backend,
+        str(options),
+        str(is_sketch_read()),
+        getattr(getattr(extractor, "model", None), "identity", ""),
+    ]
+    done = []
+    with counting() as progress:
+        task = progress.add_task("reports", total=len(paths))
+        for extracted in extract_reports(paths, extractor, decided, given.out, given.workers):
+            done.append(extracted)
+            progress.advance(task)
+    done.sort(key=lambda extracted: extracted.case)
+    usage = add_usages(extracted.usage for extracted in done)
+    if given.as_json:
+        total = {model: asdict(usage) for model, usage in usage.items()}
+        click.echo(json.dumps({"reports": [asdict(extracted) for extracted in done], "usage": total}, indent=2))
+    else:
+        _show_extracted(done, given.out)
+        for model, used in usage.items():
+            click.echo(f"{model}: {used}")
+    return 1 if any(extracted.error for extracted in done) else 0
+
+
+def _show_extracted(done: Sequence[Extracted], out: Path) -> None:
+    table = Table(
+        "report", "road", "lanes", "vehicles", "environment", "left open", box=None, pad_edge=False, header_style="bold"
+    )
+    for extracted in done:
+        scenario = extracted.scenario
+        if scenario is None:
+            click.echo(extracted.error, err=True)
+            continue
+        vehicles = ", ".join(
+            " ".join(str(vehicle[name] or "?") for name in ("model", "initial_position", "action"))
+            for vehicle in scenario["vehicles"]
+        )
+        environment = " ".join(str(scenario["env"][name] or "?") for name in ("time", "weather"))
+        road = " ".join(filter(None, (scenario["road_type"] or "?", scenario["stem_direction"])))
+        lanes = str(scenario["num_lanes"] or "?")
+        table.add_row(escape(extracted.case), road, lanes, vehicles, environment, str(len(extracted.open_fields)))
+    wide_console().print(table)
+    failed = sum(extracted.error is not None for extracted in done)
+    known = sum(not extracted.is_new for extracted in done)
+    click.echo(f"{len(done) - failed} of {len(done)} read ({known} by an earlier call), in {out}")
+
+
+@click.command()
+@options_of(SafeOptions)
+@click.option("--samples", default=2, show_default=True, type=click.IntRange(1, 1000), help="Scenarios of each role.")
+def build(given: SafeOptions, samples: int) -> int:
+    """Build scenarios: every vehicle of a crash takes the place of the ego in turn.
+
+    PATHS are crash reports (folders with a summary.txt), files of the scenario language, or folders of either. What a
+    report leaves open is drawn from the seed and stands in each scenario under 'origin'. Exit code 1 if a report gave
+    none.
+    """
+    cases = open_cases(given.paths)
+    results = work_through(
+        plan(Task.BUILD, cases, [""], given.out, samples=samples, seed=given.seed),
+        given.out,
+        given.workers,
+        "scenarios",
+    )
+    built = {result.report for result in results if result.scenario}
+    failed = [result for result in results if not result.scenario]
+    content = {
+        "reports": len(cases),
+        "built": len(built),
+        "scenarios": [result.scenario for result in results if result.scenario],
+        "failed": {case.name: case.problem for case in cases if case.crash is None}
+        | {f"{result.report}-v{result.vehicle}": result.text for result in failed},
+    }
+    if given.as_json:
+        click.echo(json.dumps(content, indent=2))
+    else:
+        for result in failed:
+            click.echo(f"{result.report}, vehicle {result.vehicle}: {result.text}", err=True)
+        click.echo(f"{len(results) - len(failed)} scenarios from {len(built)} of {len(cases)} reports in {given.out}")
+    return 0 if len(built) == len(cases) else 1
+
+
+@click.command(name="test")
+@options_of(SafeOptions)
+@policies_option
+@click.option("--samples", default=2, show_default=True, type=click.IntRange(1, 1000), help="Scenarios of each role.")
+@click.option("--pictures/--no-pictures", default=True, show_default=True, help="Draw every scenario.")
+def safe_test(given: SafeOptions, policies: tuple[str, ...], samples: int, *, pictures: bool) -> int:
+    """Drive the scenarios of crash reports with a policy, and write report.md and report.html.
+
+    PATHS as in 'roadmend safe build'. Exit code 1 if a report gave no scenario that runs.
+    """
+    cases = open_cases(given.paths)
+    jobs = plan(
+        Task.TEST, cases, policies, given.out, samples=samples, seed=given.seed, draw=draw_trial if pictures else None
+    )
+    results = work_through(jobs, given.out, given.workers, "episodes")
+    tallies = {policy: tally_tests(cases, [each for each in results if each.policy == policy]) for policy in policies}
+    write_texts(given.out, report_of_tests(cases, tallies, results, given.out))
+    content = {policy: found.as_dict() for policy, found in tallies.items()}
+    if given.as_json:
+        click.echo(json.dumps(content, indent=2))
+    else:
+        titles = (
+            "policy",
+            "reports",
+            "built",
+            "scenarios",
+            "collisions",
+            "at fault",
+            "violation rate",
+            "top-1/2/3",
+            "s per scenario",
+        )
+        show_rows([titles, *((policy, *found.cells()) for policy, found in tallies.items())])
+        click.echo(f"report: {given.out / 'report.html'}")
+    return 0 if all(found.built == found.reports for found in tallies.values()) else 1
+
+
+@click.command()
+@options_of(SafeOptions)
+@policies_option
+@click.option("--budget", default=36, show_default=True, type=click.IntRange(1, 100_000), help="Episodes of each role.")
+@click.option("--pictures/--no-pictures", default=True, show_default=True, help="Draw every crash.")
+def reproduce(given: SafeOptions, policies: tuple[str, ...], budget: int, *, pictures: bool) -> int:
+    """Vary what a report leaves open until the described crash happens with the policy in a vehicle's place.
+
+    PATHS as in 'roadmend safe build'. A crash counts as reproduced if it happens with the policy in the place of at
+    least one of its vehicles: between the vehicles, from the directions, in the manoeuvres and with the one running
+    into the other that the report gives, as far as it gives them.
+    """
+    cases = open_cases(given.paths)
+    jobs = plan(
+        Task.REPRODUCE,
+        cases,
+        policies,
+        given.out,
+        budget=budget,
+        seed=given.seed,
+        draw=draw_trial if pictures else None,
+    )
+    results = work_through(jobs, given.out, given.workers, "roles")
+    tallies = {
+        policy: tally_reproductions(cases, [each for each in results if each.policy == policy]) for policy in policies
+    }
+    write_texts(given.out, report_of_reproductions(cases, tallies, results, given.out))
+    if given.as_json:
+        click.echo(json.dumps({policy: found.as_dict() for policy, found in tallies.items()}, indent=2))
+        return 0
+    titles = ("policy", "reports", "reproduced", "share", "of those with two vehicles or more", "episodes")
+    show_rows([titles, *((policy, *found.cells()) for policy, found in tallies.items())])
+    click.echo(f"report: {given.out / 'reproduction.html'}")
+    return 0
+
+
+@click.command()
+@click.argument("scenario", type=click.Path(path_type=Path, dir_okay=False))
+@click.option("--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Folder for the files.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def export(scenario: Path, out: Path, *, as_json: bool) -> int:
+    """Write a scenario as ASAM OpenSCENARIO (NAME.xosc) and its roads as OpenDRIVE (NAME.xodr).
+
+    SCENARIO is any scenario file with a network of its own. The first call sets up the writer.
+    """
+    from roadmend.safe.openscenario import export_scenario  # noqa: PLC0415 - its writer is set up for this command alone
+
+    story, roads = export_scenario(load_scenario(scenario), out)
+    if as_json:
+        click.echo(json.dumps({"openscenario": str(story), "opendrive": str(roads)}, indent=2))
+    else:
+        click.echo(f"{story}\n{roads}")
+    return 0

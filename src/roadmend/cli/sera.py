@@ -1,0 +1,184 @@
+"""``roadmend sera analyse`` and ``recommend``: from recorded failures to scenarios to learn from."""
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import click
+from rich.table import Table
+
+from roadmend.cli.language_options import LanguageChoice, language_options
+from roadmend.cli.options import JSON, WORKERS, options_of
+from roadmend.cli.output import counting, show_rows, wide_console
+from roadmend.cli.sera_options import (
+    BANK,
+    EMBEDDER,
+    PATTERN,
+    filter_options,
+    filters_of,
+    keeping_exchanges,
+    open_backend,
+    show_usage,
+)
+from roadmend.core.errors import InputError
+from roadmend.core.fanout import fan_out
+from roadmend.core.whole_file import write_text
+from roadmend.sera.analysis import Analysis, analyse, find_bags, read_incidents
+from roadmend.sera.analysis_report import NOTHING, pattern_rows, report
+from roadmend.sera.backends import BACKENDS
+from roadmend.sera.bank import Bank
+from roadmend.sera.pattern import dump_patterns, read_patterns
+from roadmend.sera.recommendation import content_of
+from roadmend.sera.recommendation import recommend as recommend_from
+from roadmend.world.scenario_file import load_scenario
+
+
+@dataclass(frozen=True)
+class AnalyseOptions:
+    """Which bags, and who looks for patterns."""
+
+    bags: Annotated[tuple[Path, ...], click.argument("bags", nargs=-1, required=True, type=click.Path(path_type=Path))]
+    language: Annotated[LanguageChoice, language_options(BACKENDS)]
+    out: Annotated[
+        Path | None,
+        click.option(
+            "--out",
+            type=click.Path(path_type=Path, dir_okay=False),
+            help="The patterns for 'sera recommend', JSON; a report as .md beside it, and what a language model was asked.",
+        ),
+    ]
+    workers: Annotated[int, WORKERS]
+    as_json: Annotated[bool, click.option("--json", "as_json", is_flag=True, help="Print JSON.")]
+
+
+@click.command("analyse")
+@options_of(AnalyseOptions)
+def analyse_bags(given: AnalyseOptions) -> int:
+    """Find the failures and interventions in BAGS, and the patterns in them.
+
+    BAGS are bags, or folders with bags in them. A bag that cannot be read is named, and the others go on; the exit code
+    is then 1.
+    """
+    found = find_bags(given.bags)
+    if given.out is not None and given.out.suffix == ".md":
+        raise InputError("--out", f"{given.out} is where the report would go", "name a .json file")
+    opened = open_backend(
+        given.language.backend, given.language.settings, given.language.recording, given.language.attempts, given.out
+    )
+    readings = []
+    with (
+        fan_out(given.workers, len(found)) as mapper,
+        counting(is_transient=True) as progress,
+    ):
+        task = progress.add_task("bags", total=len(found))
+        for reading in mapper(read_incidents, found):
+            readings.append(reading)
+            progress.advance(task)
+    with keeping_exchanges(opened, given.out):
+        analysis = analyse(readings, opened.analyser)
+    if given.out is not None:
+        write_text(given.out, dump_patterns(analysis.patterns))
+        write_text(given.out.with_suffix(".md"), report(analysis))
+    if given.as_json:
+        click.echo(
+            json.dumps(
+                {**asdict(analysis), "usage": {model: asdict(used) for model, used in opened.usage().items()}},
+                indent=2,
+                allow_nan=False,
+            )
+        )
+    else:
+        _show_patterns(analysis)
+        show_usage(opened)
+    for each in analysis.unreadable:
+        click.echo(f"not read: {each.problem}", err=True)
+    return 1 if analysis.unreadable else 0
+
+
+def _show_patterns(analysis: Analysis) -> None:
+    if not analysis.patterns:
+        click.echo(NOTHING if analysis.bags else "No bag could be read.")
+        return
+    show_rows(pattern_rows(analysis))
+
+
+@dataclass(frozen=True)
+class RecommendOptions:
+    """What is looked for, where, and who reflects on it."""
+
+    bank_file: Annotated[Path, BANK]
+    embedder: Annotated[str | None, EMBEDDER]
+    patterns: Annotated[tuple[str, ...], PATTERN]
+    count: Annotated[
+        int,
+        click.option(
+            "-k", "count", default=8, show_default=True, type=click.IntRange(1, 1000), help="Scenarios a pattern."
+        ),
+    ]
+    seed: Annotated[
+        int,
+        click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="Of the random selection."),
+    ]
+    exclude: Annotated[
+        tuple[Path, ...],
+        click.option(
+            "--exclude",
+            multiple=True,
+            type=click.Path(path_type=Path, dir_okay=False),
+            help="Scenario file that must not come, as one of the evaluation set. May be repeated.",
+        ),
+    ]
+    language: Annotated[LanguageChoice, language_options(BACKENDS)]
+    out: Annotated[
+        Path | None,
+        click.option(
+            "--out",
+            type=click.Path(path_type=Path, dir_okay=False),
+            help="The selections as JSON; beside it what a language model was asked.",
+        ),
+    ]
+    terms: Annotated[dict[str, tuple[str, ...]], filter_options]
+    as_json: Annotated[bool, JSON]
+
+
+@click.command()
+@options_of(RecommendOptions)
+def recommend(given: RecommendOptions) -> None:
+    """Select the best scenarios for each failure pattern, and swap what the selection as a whole is better without."""
+    wanted = [pattern for each in given.patterns for pattern in read_patterns(each)]
+    digests = [load_scenario(path).digest for path in given.exclude]
+    filters = filters_of(given.terms)
+    asked = open_backend(
+        given.language.backend, given.language.settings, given.language.recording, given.language.attempts, given.out
+    )
+    with Bank(given.bank_file, given.embedder) as opened, keeping_exchanges(asked, given.out):
+        found = recommend_from(opened, wanted, given.count, filters, digests, given.seed, asked.reflector)
+        content = content_of(found, wanted, opened)
+    content["usage"] = {model: asdict(used) for model, used in asked.usage().items()}
+    text = json.dumps(content, indent=2)
+    if given.out is not None:
+        write_text(given.out, text + "\n")
+    if given.as_json:
+        click.echo(text)
+    else:
+        _show_selection(content)
+        show_usage(asked)
+
+
+def _show_selection(content: dict[str, Any]) -> None:
+    console = wide_console()
+    table = Table("pattern", "score", "name", "words", box=None, pad_edge=False, header_style="bold")
+    for each in content["refined"]:
+        table.add_row(each["pattern"], f"{each['score']:.3f}", each["name"], each["words"])
+    console.print(table)
+    for swap in content["swaps"]:
+        console.print(f"{swap['out']} -> {swap['into']}: {swap['reason']}")
+    measures = Table("selection", *content["measures"]["initial"], box=None, pad_edge=False, header_style="bold")
+    for name, values in content["measures"].items():
+        measures.add_row(
+            name, *(f"{value:.3f}" if isinstance(value, float) else str(value) for value in values.values())
+        )
+    console.print(measures)
+    if content["missing"]:
+        console.print(f"{content['missing']} places stay empty: the bank has no more that pass")

@@ -1,0 +1,277 @@
+"""``roadmend train policy`` and ``roadmend train adreft``: the networks that ship with the project, or your own."""
+
+import shutil
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import click
+import yaml
+from rich.progress import TextColumn
+
+from roadmend.cli.options import WORKERS, options_of
+from roadmend.cli.output import counting, stages
+from roadmend.core.errors import InputError
+from roadmend.core.fanout import fan_out
+from roadmend.core.resources import config_folder
+from roadmend.core.whole_file import written_beside
+from roadmend.policies.neural_kinds import KINDS
+from roadmend.policies.registry import POLICIES
+from roadmend.training.adreft.ablations import ABLATIONS, ablated
+from roadmend.training.adreft.configuration import read_training_configuration
+from roadmend.training.adreft.pipeline import Only, Pipeline, Trained, open_work
+from roadmend.training.adreft.stage import RepairedPolicy, TrainingSubject
+from roadmend.training.dagger import Training
+from roadmend.training.device import choose_torch_device
+from roadmend.training.imitation_configuration import read_imitation_configuration
+from roadmend.world.corpus import Corpus, corpus_of
+
+_SETTINGS = "policy-{kind}.yaml"
+
+
+@dataclass(frozen=True)
+class PolicyOptions:
+    """Which kind of policy, how it is trained, and where it goes."""
+
+    out: Annotated[
+        Path,
+        click.option(
+            "--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Model file to write."
+        ),
+    ]
+    kind: Annotated[
+        str, click.option("--kind", default="neural", show_default=True, type=click.Choice([*KINDS]), help="Of policy.")
+    ]
+    seed: Annotated[int, click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 10_000))]
+    file: Annotated[
+        Path | None,
+        click.option(
+            "--config",
+            "file",
+            type=click.Path(path_type=Path, dir_okay=False),
+            help="YAML file with the hyper-parameters; that of the kind in config/training if not given.",
+        ),
+    ]
+    rounds: Annotated[
+        int | None, click.option("--rounds", type=click.IntRange(1, 50), help="Only the first so many rounds.")
+    ]
+    episodes: Annotated[
+        int | None,
+        click.option("--episodes", type=click.IntRange(1, 900), help="New episodes of each family in every round."),
+    ]
+    workers: Annotated[int, WORKERS]
+    device: Annotated[str, click.option("--device", default="auto", show_default=True, help="auto, cpu or cuda.")]
+    resume: Annotated[
+        bool, click.option("--resume", is_flag=True, help="Go on with an interrupted training of the same settings.")
+    ]
+
+
+@click.command()
+@options_of(PolicyOptions)
+def policy(given: PolicyOptions) -> None:
+    """Train a neural policy: behaviour cloning of the expert, then rounds of DAgger.
+
+    What the rounds make is kept beside the model file, in NAME.rounds, and TensorBoard's logs with it.
+    """
+    path = given.file or config_folder() / "training" / _SETTINGS.format(kind=given.kind)
+    configuration = read_imitation_configuration(path)
+    if configuration.kind != given.kind:
+        raise InputError(
+            str(path), f"trains a policy of the kind {configuration.kind!r}", f"give --kind {configuration.kind}"
+        )
+    chosen = configuration.rounds[: given.rounds or len(configuration.rounds)]
+    if given.episodes is not None:
+        chosen = tuple(step.model_copy(update={"episodes": given.episodes}) for step in chosen)
+    configuration = configuration.model_copy(update={"rounds": chosen})
+    folder = given.out.with_name(f"{given.out.stem}.rounds")
+    if folder.exists() and not given.resume:
+        raise InputError(str(folder), "holds a training already", "go on with --resume, or give another --out")
+    command = f"./roadmend train policy --kind {given.kind} --out {given.out.name} --seed {given.seed}"
+    command += f" --rounds {given.rounds}" if given.rounds else ""
+    command += f" --episodes {given.episodes}" if given.episodes else ""
+    with stages() as report:
+        # One thread: small batches gain little from more, and the bits are the same on every machine.
+        training = Training(
+            configuration, given.seed, folder, given.workers, choose_torch_device(given.device, 1), command, report
+        )
+        last = training.run()
+    with written_beside(given.out) as beside:
+        shutil.copyfile(last, beside)
+    click.echo(f"{given.out}: trained in {len(chosen)} round{'s' if len(chosen) > 1 else ''}")
+
+
+@dataclass(frozen=True)
+class AdreftOptions:
+    """What is trained on, how, and where it goes."""
+
+    policy: Annotated[
+        str, click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
+    ]
+    corpus_file: Annotated[
+        Path | None,
+        click.option(
+            "--corpus",
+            "corpus_file",
+            type=click.Path(path_type=Path, dir_okay=False),
+            help="The policy's corpus; config/corpora/POLICY.jsonl if not given.",
+        ),
+    ]
+    file: Annotated[
+        Path | None,
+        click.option(
+            "--config",
+            "file",
+            type=click.Path(path_type=Path, dir_okay=False),
+            help="YAML file with the hyper-parameters; config/training/adreft.yaml if not given.",
+        ),
+    ]
+    also: Annotated[
+        tuple[str, ...],
+        click.option(
+            "--also",
+            type=click.Choice(sorted(POLICIES)),
+            multiple=True,
+            help="Practise on the trials of this policy too, on the training cases of its own corpus; may be repeated.",
+        ),
+    ]
+    settings: Annotated[
+        tuple[str, ...],
+        click.option(
+            "--set",
+            "settings",
+            multiple=True,
+            metavar="SECTION.NAME=VALUE",
+            help="Hyper-parameter in the place of the file's; may be repeated.",
+        ),
+    ]
+    out: Annotated[
+        Path,
+        click.option(
+            "--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Model file to write."
+        ),
+    ]
+    seed: Annotated[int, click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))]
+    device: Annotated[str, click.option("--device", default="auto", show_default=True, help="auto, cpu or cuda.")]
+    workers: Annotated[int, WORKERS]
+    only: Annotated[
+        Only, click.option("--only", type=click.Choice(["supervised", "reinforcement"]), help="One of the two stages.")
+    ]
+    start: Annotated[
+        Path | None,
+        click.option(
+            "--start",
+            type=click.Path(path_type=Path, dir_okay=False),
+            help="Model file to fine-tune, in place of the supervised stage.",
+        ),
+    ]
+    ablation: Annotated[
+        str | None,
+        click.option(
+            "--ablation",
+            type=click.Choice([*ABLATIONS]),
+            help="Leave something out: the adapter (rand_r), a stage (only_sl, only_rl), the step reward (wo_sr), "
+            "nearness in the labels (wo_regulation), stepping in before the monitor alarms (wo_precaution).",
+        ),
+    ]
+    work: Annotated[
+        Path | None,
+        click.option(
+            "--work",
+            type=click.Path(path_type=Path, file_okay=False),
+            help="Folder for frames, states and TensorBoard's logs; NAME.training beside the model file if not given.",
+        ),
+    ]
+    resume: Annotated[
+        bool | None,
+        click.option(
+            "--resume/--restart",
+            "resume",
+            default=None,
+            help="Go on with an interrupted training of the same settings, or begin it anew; frames are kept either way.",
+        ),
+    ]
+
+
+@click.command()
+@options_of(AdreftOptions)
+def adreft(given: AdreftOptions) -> None:
+    """Train ADReFT for one policy, by the stages that the configuration has.
+
+    These are a supervised stage on weak labels, as in the paper, or practice in its place, and reinforcement
+    fine-tuning in closed loop.
+
+    The same settings give the same model, whatever the number of workers and interruptions, as far as SUMO repeats
+    itself: in rare episodes it does not, and fine-tuning goes on otherwise from there. The test split is never
+    looked at; what is said at the end was measured on the validation split.
+    """
+    begin = time.perf_counter()
+    configuration = read_training_configuration(
+        given.file or config_folder() / "training" / "adreft.yaml", dict(map(_setting, given.settings))
+    )
+    only = given.only
+    if given.ablation is not None:
+        only, configuration = ablated(configuration, given.ablation, only)
+    if given.also and not configuration.practice.epochs:
+        raise InputError("--also", "nothing is practised by this configuration", "leave it out, or set practice.epochs")
+    if given.policy in given.also:
+        raise InputError("--also", f"'{given.policy}' is the policy itself", "name another one")
+    corpus = corpus_of(given.policy, given.corpus_file)
+    work = given.work or given.out.with_name(f"{given.out.stem}.training")
+    open_work(work, resume=given.resume, keep_supervised=only == "reinforcement")
+    validation = corpus.select(split="validation")
+    subject = TrainingSubject(_driver(corpus), validation, [_driver(corpus_of(other)) for other in given.also])
+    chosen = choose_torch_device(given.device, configuration.threads)
+    with counting(TextColumn("{task.fields[how]}")) as progress, fan_out(given.workers) as mapper:
+        tasks: dict[str, Any] = {}
+
+        def report(what: str, done: int, total: int, how: str) -> None:
+            if what not in tasks:
+                tasks[what] = progress.add_task(what, total=total, how=how)
+            progress.update(tasks[what], completed=done, total=total, how=how)
+
+        pipeline = Pipeline(
+            configuration, subject, seed=given.seed, device=chosen, mapper=mapper, work=work, report=report
+        )
+        trained = pipeline.run(given.out, only, given.start)
+    _say(given.out, trained, time.perf_counter() - begin)
+
+
+def _setting(text: str) -> tuple[str, Any]:
+    """The name and the value of ``SECTION.NAME=VALUE``.
+
+    Raises:
+        InputError: it is no such thing.
+    """
+    name, _, value = text.partition("=")
+    try:
+        if value and all(name.partition(".")):
+            return name, yaml.safe_load(value)
+    except yaml.YAMLError:
+        pass
+    raise InputError("--set", f"{text!r} is no SECTION.NAME=VALUE", "write for instance practice.dose=0.1")
+
+
+def _driver(corpus: Corpus) -> RepairedPolicy:
+    return RepairedPolicy(corpus.policy, corpus.model or "", corpus.digest, corpus.select(split="training"))
+
+
+def _say(out: Path, trained: Trained, seconds: float) -> None:
+    summary, monitor = trained.summary, trained.monitor
+    click.echo(f"{out}: trained in {seconds / 60.0:.1f} min, threshold {trained.threshold:.4f}; on validation:")
+    click.echo(
+        f"  monitor: precision {100 * monitor.precision:.1f} %, recall {100 * monitor.recall:.1f} %, "
+        f"F1 {100 * monitor.f1:.1f} %"
+    )
+    click.echo(
+        f"  {summary.violations} violations: {summary.fix:.1f} % reach their goal, {summary.fix_loose:.1f} % do not "
+        f"collide; dose {summary.dose:.2f} s"
+    )
+    click.echo(
+        f"  {summary.successes} successes: {summary.deg:.1f} % collide, {summary.late:.1f} % do not reach their goal; "
+        f"dose {summary.dose_success:.2f} s"
+    )
+    click.echo(
+        f"  dE {summary.delta_e:.1f}, intensity {summary.intensity:.2f}, {summary.intervened_frames:.1f} % of the "
+        f"frames intervened"
+    )
