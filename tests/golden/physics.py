@@ -33,6 +33,7 @@ FILE = HERE / "trajectories.json"
 CORPORA = HERE.parents[1] / "config" / "corpora"
 POLICIES = ("modular", "neural")
 METHODS = ("none", "rss", "predictive", "adreft")
+OTHERS = (("modular", "rule"), ("modular", "model"), ("modular", "random"), ("deep_sets", "none"), ("ego_mlp", "none"))
 TRACE = 20  # ticks between two entries of the trace: one second
 DIGESTS = ("trajectory", "scenes", "repairs")
 
@@ -67,19 +68,31 @@ def _corpus(policy: str) -> Corpus:
     return load_corpus(CORPORA / f"{policy}.jsonl")
 
 
+def _first(policy: str, family: str, *, violation: bool) -> Scenario:
+    cases = _corpus(policy).select(family, "training", violation=violation)
+    return next(scenario for case in cases if is_settled(scenario := case.scenario()))
+
+
 def episodes() -> Iterator[Golden]:
-    """All episodes: a violation and a success of each family and policy, a crash report's scenario, a user's town."""
+    """All episodes.
+
+    A violation and a success of each family and policy, a crash report's scenario, a user's town; and the policies and
+    methods beside the main ones, in one violation of each family.
+    """
     for policy in POLICIES:
         for family in FAMILIES:
             for violation, methods in ((True, METHODS), (False, ("none", "adreft"))):
-                cases = _corpus(policy).select(family, "training", violation=violation)
-                scenario = next(found for case in cases if is_settled(found := case.scenario()))
+                scenario = _first(policy, family, violation=violation)
                 for method in methods:
                     kind = "violation" if violation else "success"
                     yield Golden(f"{family}-{kind}-{policy}-{method}", scenario, policy, method)
         for name in ("crash-report", "town"):
             for method in ("none", "adreft"):
                 yield Golden(f"{name}-{policy}-{method}", load_scenario(HERE / f"{name}.yaml"), policy, method)
+    for family in FAMILIES:
+        scenario = _first(POLICIES[0], family, violation=True)
+        for policy, method in OTHERS:
+            yield Golden(f"{family}-violation-{policy}-{method}", scenario, policy, method)
 
 
 def drive(golden: Golden) -> dict[str, object]:
