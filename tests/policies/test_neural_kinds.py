@@ -21,7 +21,7 @@ def test_every_kind_ships_a_small_model_that_drives_the_same_again(kind):
     scenario = sample_scenario("S2", 61_000).model_copy(update={"time_limit": 6.0})
     runs = [run_episode(scenario, make_policy(kind), Unrepaired()) for _ in range(2)]
     assert runs[0].digest == runs[1].digest
-    assert runs[0].finite
+    assert runs[0].is_finite
     assert find_model(kind).stat().st_size < 1_000_000
 
 

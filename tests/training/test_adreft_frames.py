@@ -28,8 +28,8 @@ def content(folder):
 
 def test_what_is_gathered_is_the_episode(tmp_path):
     frames = gather_frames(CASES[:1], RECIPE, tmp_path, map)[0]
-    [result] = evaluate_cases(CASES[:1], "modular", "none")
-    assert (frames.name, frames.family, frames.outcome) == ("S5-3", "S5", result.outcome)
+    result = evaluate_cases(CASES[:1], "modular", "none")[0].episode
+    assert (frames.name, frames.family, frames.outcome) == ("S5-3", "S5", result.outcome.name)
     assert len(frames) == -(-result.ticks // 5)
     np.testing.assert_allclose(frames.time, 0.25 * np.arange(len(frames)))
     assert frames.end == pytest.approx(0.05 * result.ticks)

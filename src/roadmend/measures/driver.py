@@ -21,11 +21,12 @@ def driver_key(policy: str, method: str = "none", parameters: Mapping[str, Any] 
         InputError: there is no such policy, model file or method, or a parameter is unusable.
     """
     driver, made = make_policy(policy), make_method(method, parameters)
+    model = getattr(driver, "model_digest", None)
     given = {name: value for name, value in (parameters or {}).items() if name != "model"}  # a place; see the digest
     return entry_key(
         [type(driver).__module__, type(made).__module__, make_repairer.__module__, run_episode.__module__],
-        driver.name,
-        getattr(driver, "model_digest", None),
+        driver.name if model else policy,  # without a model, the registered name says with which settings it is made
+        model,
         method,
         given,
         getattr(getattr(made, "model", None), "digest", None),
