@@ -12,7 +12,7 @@ from roadmend.core.scene import EgoState, Objects, Scene
 from roadmend.policies import behaviour, planner, prediction
 from roadmend.policies.modular import new_driver
 from roadmend.policies.parameters import ModularParameters
-from roadmend.policies.road import Road
+from roadmend.policies.road import RouteTables
 from roadmend.policies.situation import Driver
 
 Floats = NDArray[np.float64]
@@ -59,7 +59,7 @@ def action_for(parameters: Record, wanted: float, speed: float) -> float:
 
 @compiled
 def _consider(
-    route: Road,
+    route: RouteTables,
     driver: Driver,
     ego: EgoState,
     objects: Objects,
@@ -90,7 +90,7 @@ class Expert:
     def __init__(self) -> None:
         self._parameters = expert_parameters(0.9)
         self._driver = new_driver(self._parameters)
-        self._road: Road | None = None
+        self._road: RouteTables | None = None
         self._time = math.nan
 
     def privilege(self, friction: float) -> None:
@@ -100,7 +100,7 @@ class Expert:
 
     def reset(self, route: Route) -> None:
         """Begin an episode on ``route``; all memory of earlier ones is dropped."""
-        self._road = Road.of(route, self._parameters)
+        self._road = RouteTables.of(route, self._parameters)
         self._driver = new_driver(self._parameters)
         self._time = math.nan
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from roadmend.core.jit import compiled
 from roadmend.policies import following, prediction, road
 from roadmend.policies.path_ahead import speed_on
-from roadmend.policies.road import Road
+from roadmend.policies.road import RouteTables
 from roadmend.policies.situation import Situation
 
 Floats = NDArray[np.float64]
@@ -29,7 +29,7 @@ _TRACK, _PLACE, _HALF = range(3)  # row of the track, [m] ahead of the ego there
 
 
 @compiled
-def _neighbours(route: Road, memory: Record, tracks: Floats, half_width: float) -> Floats:
+def _neighbours(route: RouteTables, memory: Record, tracks: Floats, half_width: float) -> Floats:
     """Who is on the next stage's lane, or on its straight extension backwards, or moves there."""
     m, samples, stages = memory[0], route.samples, route.stages
     out = np.empty((tracks.shape[0], 3), dtype=np.float64)

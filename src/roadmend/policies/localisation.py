@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from roadmend.core.jit import compiled
 from roadmend.core.scene import EgoState
 from roadmend.policies import road
-from roadmend.policies.road import Road
+from roadmend.policies.road import RouteTables
 
 Record = NDArray[np.void]
 
@@ -18,7 +18,7 @@ _NOT_BEGUN = 0.02  # share of the lateral way below which a change has not begun
 
 
 @compiled
-def _find(route: Road, ego: EgoState) -> tuple[int, float, float]:
+def _find(route: RouteTables, ego: EgoState) -> tuple[int, float, float]:
     """Stage, arc length [m] and offset [m] of the nearest stage, without any earlier knowledge."""
     stages = route.stages
     best, best_s, best_offset = 0, 0.0, math.inf
@@ -33,7 +33,7 @@ def _find(route: Road, ego: EgoState) -> tuple[int, float, float]:
 
 
 @compiled
-def _look_across(route: Road, memory: Record, stage: int, ego: EgoState, around: float) -> None:
+def _look_across(route: RouteTables, memory: Record, stage: int, ego: EgoState, around: float) -> None:
     """Set s_next and offset_next: the ego's place on the next stage, searched near ``around`` [m] if that is finite."""
     m, stages = memory[0], route.stages
     m.s_next, m.offset_next = math.nan, math.inf
@@ -59,7 +59,7 @@ def share_of_change(weight: float) -> float:
 
 
 @compiled
-def localise(route: Road, parameters: Record, memory: Record, ego: EgoState) -> None:
+def localise(route: RouteTables, parameters: Record, memory: Record, ego: EgoState) -> None:
     """Bring ``memory`` up to date with the ego's position and speed.
 
     Sets stage, s, offset and, where the route has a next stage, s_next and offset_next; changing and progress say

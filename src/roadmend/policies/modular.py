@@ -11,7 +11,7 @@ from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, Objects, Scene
 from roadmend.policies import behaviour, controller, planner, prediction
 from roadmend.policies.parameters import ModularParameters
-from roadmend.policies.road import Road
+from roadmend.policies.road import RouteTables
 from roadmend.policies.situation import Driver, pack
 
 Floats = NDArray[np.float64]
@@ -52,7 +52,7 @@ def new_driver(parameters: ModularParameters) -> Driver:
 
 @compiled
 def _drive(
-    route: Road,
+    route: RouteTables,
     driver: Driver,
     ego: EgoState,
     objects: Objects,
@@ -91,14 +91,14 @@ class ModularPolicy:
     def __init__(self, parameters: ModularParameters | None = None) -> None:
         self.parameters = parameters if parameters is not None else ModularParameters()
         self._driver = new_driver(self.parameters)
-        self._road: Road | None = None
+        self._road: RouteTables | None = None
         self._time = math.nan
         self._planned_at = math.nan
         self._trajectory = Trajectory.empty()
 
     def reset(self, route: Route) -> None:
         """Begin an episode on ``route``; all memory of earlier ones is dropped."""
-        self._road = Road.of(route, self.parameters)
+        self._road = RouteTables.of(route, self.parameters)
         self._forget()
 
     def _forget(self) -> None:

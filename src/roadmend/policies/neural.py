@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from roadmend.core import portable_math
 from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
@@ -77,7 +78,7 @@ def action_of(logits: NDArray[np.float32]) -> float:
     """The action in [-1, 1] that the logits of bins stand for: the mean over the most probable bin and its neighbours."""
     best = int(np.argmax(logits))
     low, high = max(best - _AROUND, 0), min(best + _AROUND + 1, len(logits))
-    weights = np.exp(logits[low:high].astype(np.float64) - float(logits[best]))
+    weights = portable_math.exp(logits[low:high].astype(np.float64) - float(logits[best]))
     places = np.arange(low, high) * (2.0 / (len(logits) - 1)) - 1.0
     return float(np.sum(weights * places) / np.sum(weights))
 

@@ -12,7 +12,7 @@ from roadmend.core.scene import Scene
 from roadmend.policies import neural_tokens, prediction
 from roadmend.policies.parameters import ModularParameters
 from roadmend.policies.path_ahead import PathAhead, pose_ahead, speed_on
-from roadmend.policies.road import Road
+from roadmend.policies.road import RouteTables
 
 Floats = NDArray[np.float64]
 Record = NDArray[np.void]
@@ -49,7 +49,7 @@ class Observer:
 
     def __init__(self) -> None:
         self._parameters = ModularParameters()
-        self._road: Road | None = None
+        self._road: RouteTables | None = None
         self._driver = neural_tokens.new_driver(self._parameters)
         self._time = math.nan
         self._path = PathAhead(np.empty((0, 7)), 1.0)
@@ -59,7 +59,7 @@ class Observer:
 
     def reset(self, route: Route) -> None:
         """Begin an episode on ``route``; all memory of earlier ones is dropped."""
-        self._road = Road.of(route, self._parameters)
+        self._road = RouteTables.of(route, self._parameters)
         self._driver = neural_tokens.new_driver(self._parameters)
         self._time = math.nan
 

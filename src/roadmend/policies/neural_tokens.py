@@ -18,7 +18,7 @@ from roadmend.policies.motion_plan import Intent
 from roadmend.policies.occupancy import HIGH, LOW, SAME_WAY, occupy
 from roadmend.policies.parameters import ModularParameters
 from roadmend.policies.path_ahead import PathAhead
-from roadmend.policies.road import Road
+from roadmend.policies.road import RouteTables
 from roadmend.policies.situation import Driver, Others, Situation, pack, perceive
 
 Floats = NDArray[np.float64]
@@ -308,7 +308,7 @@ def _fill_room(tokens: Tokens, count: int) -> None:
 
 @compiled
 def tokenise(
-    route: Road,
+    route: RouteTables,
     driver: Driver,
     ego: EgoState,
     objects: Objects,
@@ -324,7 +324,7 @@ def tokenise(
     the objects, those that matter most before the others.
     """
     time, interval = clock
-    route, driver, ego = Road(*route), Driver(*driver), EgoState(*ego)
+    route, driver, ego = RouteTables(*route), Driver(*driver), EgoState(*ego)
     parameters, memory, zones = driver.parameters, driver.memory, route.zones
     speed, half = ego.speed, 0.5 * ego.length
     path, tracks = perceive(route, driver, ego, objects, time, interval)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from roadmend.core.jit import compiled
 from roadmend.core.scene import EgoState
 from roadmend.policies import road
-from roadmend.policies.road import Road
+from roadmend.policies.road import RouteTables
 
 Floats = NDArray[np.float64]
 Record = NDArray[np.void]
@@ -45,7 +45,7 @@ def path_spacing(speed: float) -> float:
 
 
 @compiled
-def build_path(route: Road, parameters: Record, memory: Record, ego: EgoState) -> PathAhead:
+def build_path(route: RouteTables, parameters: Record, memory: Record, ego: EgoState) -> PathAhead:
     """The path from just behind the ego on; lateral errors fade out along it.
 
     The swept half width grows in curves because the ego's corners swing out.

@@ -12,7 +12,7 @@ from roadmend.policies import behaviour, following, prediction, road
 from roadmend.policies.motion_plan import AHEAD, SPEED, Intent, contact, roll
 from roadmend.policies.occupancy import HIGH, LOW
 from roadmend.policies.path_ahead import PathAhead, pose_ahead
-from roadmend.policies.road import Road
+from roadmend.policies.road import RouteTables
 from roadmend.policies.situation import Driver, Others, Situation, perceive
 
 Floats = NDArray[np.float64]
@@ -136,7 +136,7 @@ def write_trajectory(path: PathAhead, plan: Floats, out: Floats) -> None:
 
 @compiled
 def deliberate(
-    route: Road,
+    route: RouteTables,
     driver: Driver,
     ego: EgoState,
     objects: Objects,
@@ -150,7 +150,7 @@ def deliberate(
     Returns the wanted acceleration [m/s2], whether to change lane and the word's index. The first three arguments may
     be plain tuples.
     """
-    route, driver, ego = Road(*route), Driver(*driver), EgoState(*ego)
+    route, driver, ego = RouteTables(*route), Driver(*driver), EgoState(*ego)
     m = driver.memory[0]
     path, tracks = perceive(route, driver, ego, objects, time, interval)
     count = tracks.shape[0]

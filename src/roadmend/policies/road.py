@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from roadmend.core import portable_math
 from roadmend.core.jit import compiled
 from roadmend.core.route import Route, Stage
 from roadmend.policies.parameters import ModularParameters
@@ -23,7 +24,7 @@ FIRST, COUNT, LENGTH, WINDOW_BEGIN, WINDOW_END = range(5)  # sample, samples, [m
 STAGE, BEGIN, END, RULE, SIGNAL = range(5)  # stage, [m], [m], RightOfWay, index of the light or -1
 
 
-class Road(NamedTuple):
+class RouteTables(NamedTuple):
     """A route in three tables."""
 
     samples: Floats  # all stages one after another, see the columns above
@@ -31,7 +32,7 @@ class Road(NamedTuple):
     zones: Floats  # one row a zone, by stage and begin
 
     @classmethod
-    def of(cls, route: Route, parameters: ModularParameters) -> "Road":
+    def of(cls, route: Route, parameters: ModularParameters) -> "RouteTables":
         """Sample a route."""
         tables = [_sample(stage, parameters) for stage in route.stages]
         stages = np.full((len(tables), 5), math.inf)
@@ -66,8 +67,8 @@ def _fill_shape(table: Floats, x: Floats, y: Floats, s: Floats) -> None:
     table[-1, X] += beyond * (x[-1] - x[-2]) / before
     table[-1, Y] += beyond * (y[-1] - y[-2]) / before
     dx, dy = np.gradient(table[:, X]), np.gradient(table[:, Y])
-    headings = np.arctan2(dy, dx)
-    table[:, COS], table[:, SIN] = np.cos(headings), np.sin(headings)
+    headings = portable_math.atan2(dy, dx)
+    table[:, COS], table[:, SIN] = portable_math.cos(headings), portable_math.sin(headings)
     turned = np.unwrap(headings)
     low, high = np.maximum(np.arange(count) - _CURVE_REACH, 0), np.minimum(np.arange(count) + _CURVE_REACH, count - 1)
     table[:, CURVATURE] = (turned[high] - turned[low]) / ((high - low) * SPACING)

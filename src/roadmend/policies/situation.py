@@ -10,7 +10,7 @@ from roadmend.core.jit import compiled
 from roadmend.core.scene import EgoState, Objects
 from roadmend.policies import localisation, path_ahead, prediction
 from roadmend.policies.path_ahead import PathAhead
-from roadmend.policies.road import Road
+from roadmend.policies.road import RouteTables
 
 Floats = NDArray[np.float64]
 Record = NDArray[np.void]
@@ -43,7 +43,7 @@ class Others(NamedTuple):
 class Situation(NamedTuple):
     """All that the modules read at one tick; of it they write the memory and what is made of the others."""
 
-    route: Road
+    route: RouteTables
     path: PathAhead
     parameters: Record
     memory: Record
@@ -56,7 +56,7 @@ class Situation(NamedTuple):
 
 @compiled
 def perceive(
-    route: Road, driver: Driver, ego: EgoState, objects: Objects, time: float, interval: float
+    route: RouteTables, driver: Driver, ego: EgoState, objects: Objects, time: float, interval: float
 ) -> tuple[PathAhead, Floats]:
     """Find the ego's place on its route; returns the path ahead and the tracks of those who matter on it."""
     m = driver.memory[0]

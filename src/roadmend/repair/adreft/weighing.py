@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from roadmend.core import portable_math
 from roadmend.core.parameters import Parameters
 from roadmend.repair.actions import ACTIONS
 
@@ -58,13 +59,13 @@ def weigh(foreseen: Floats, asked: float, prices: Weighing) -> Floats:
         asked: the policy's throttle - brake.
         prices: of collisions and interventions.
     """
-    chances = 1.0 / (1.0 + np.exp(-np.clip(foreseen.astype(np.float64), -60.0, 60.0)))
+    chances = 1.0 / (1.0 + portable_math.exp(-np.clip(foreseen.astype(np.float64), -60.0, 60.0)))
     if not math.isfinite(float(foreseen.sum())):
         chances[:] = np.nan
     danger = chances[DANGER]
     strength = _strengths(asked)
     with_it = danger * (1.0 - chances[AVERTED]) + (1.0 - danger) * chances[CAUSED]
-    cost = prices.strength * strength**prices.exponent + prices.any
+    cost = prices.strength * portable_math.power(strength, prices.exponent) + prices.any
     values: NDArray[np.float64] = np.where(
         strength > 0.0, -prices.collision * with_it - cost, -prices.collision * danger
     )
