@@ -138,6 +138,21 @@ def test_another_format_or_space_is_refused(path):
     assert "another parameter space of S1" in refusal(path)
 
 
+def test_another_family_makes_no_other_corpus(path, monkeypatch):
+    before = load_corpus(path)
+    monkeypatch.setitem(FAMILIES, "S6", dataclasses.replace(FAMILIES["S4"], name="S6"))
+    after = load_corpus(path)
+    assert after == before
+    assert dump_corpus(after) == path.read_text()
+
+
+def test_a_corpus_with_a_family_whose_space_it_does_not_name_is_refused(path):
+    spaces = json.loads(path.read_text().partition("\n")[0])["spaces"]
+    assert [*spaces] == ["S1", "S5"]
+    change_header(path, spaces={"S1": spaces["S1"]})
+    assert "another parameter space of S5" in refusal(path)
+
+
 def test_a_corpus_cut_anywhere_is_refused(path):
     content = path.read_text()
     for end in range(0, len(content) - 1, 97):
@@ -161,7 +176,9 @@ def test_a_family_that_has_come_to_need_more_is_told():
 @pytest.mark.parametrize("path", sorted(SHIPPED.glob("*.jsonl")), ids=lambda path: path.stem)
 def test_what_ships_is_whole_and_its_violations_are_the_egos_fault(path):
     corpus = load_corpus(path)
-    for family in FAMILIES:
+    families = {case.family for case in corpus.cases}
+    assert families >= {"S1", "S2", "S3", "S4", "S5"}
+    for family in families:
         for split, count in (("test", 40), ("validation", 20), ("training", 200)):
             violations = corpus.select(family, split, violation=True)
             assert len(violations) == len(corpus.select(family, split, violation=False)) == count

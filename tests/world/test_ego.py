@@ -170,6 +170,20 @@ def test_the_way_of_a_tick_is_that_of_the_mean_speed(command, speed):
         assert body.speed - before == pytest.approx(body.acceleration * DT, rel=1e-9, abs=1e-15)
 
 
+@pytest.mark.parametrize("speed", [5.0, 30.0])  # where the tractive limit, and where the power is what holds
+def test_engine_and_brake_can_be_stronger_or_weaker_from_now_on(speed):
+    own, scaled = (LongitudinalDynamics(VehicleParameters(), 0.9, speed) for _ in range(2))
+    scaled.scale(1.25, 0.75)
+    by_hand = VehicleParameters(acceleration_max=4.375, power_per_mass=75.0, brake_max=6.0)
+    expected = LongitudinalDynamics(by_hand, 0.9, speed)
+    for command in (Command(0.8, 0.0), Command(0.0, 0.7)):
+        for dynamics in (own, scaled, expected):
+            for _ in range(10):
+                dynamics.step(command, 0.05, 0.0)
+        assert scaled.speed == expected.speed
+        assert abs(scaled.speed - own.speed) > 0.05
+
+
 def test_who_is_slower_than_5_cm_per_second_stands():
     assert STANDING == 0.05
 
@@ -248,8 +262,8 @@ def test_a_lane_change_takes_three_seconds_or_12_m(speed, length):
 
 
 @pytest.mark.parametrize("start", [50.0, 60.0, 150.0])
-@pytest.mark.parametrize("apart", [3.2, -3.2])
-@pytest.mark.parametrize("angle", [0.0, 1.2, -2.5, 3.1, -3.1])
+@pytest.mark.parametrize("apart", [3.2, -3.2, 0.8])
+@pytest.mark.parametrize("angle", [0.0, 1.2, 2.1, -2.5, 3.1, -3.1])
 def test_in_a_lane_change_the_offset_is_the_quintic_and_the_nose_points_along_the_way(angle, apart, start):
     follower = RouteFollower(two_lanes(angle, apart), start)
     follower.begin_change(15.0)

@@ -17,7 +17,7 @@ from roadmend.world.scenario import (
     Heedless,
     IntersectionNetwork,
     OpenRoadNetwork,
-    Origin,
+    ReportOrigin,
     Scenario,
     Trigger,
     Vehicle,
@@ -108,7 +108,7 @@ def test_an_arm_may_have_fewer_lanes_out_than_in():
 
 def test_where_a_scenario_comes_from_changes_neither_its_digest_nor_files_without_it():
     plain = road()
-    origin = Origin(report="r", vehicle=1, sampled={"lanes": 2})
+    origin = ReportOrigin(report="r", vehicle=1, sampled={"lanes": 2})
     assert plain.model_copy(update={"origin": origin}).digest == plain.digest
     assert "origin" not in plain.model_dump()
     arm = Arm(name="a", bearing=0.0)

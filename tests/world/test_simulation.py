@@ -14,7 +14,7 @@ from roadmend.core.scene import ObjectKind, Signal
 from roadmend.core.tick import INTERVAL
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.runner import run_episode
-from roadmend.world.scenario import Brake, IntersectionNetwork, NetworkFile, Trigger
+from roadmend.world.scenario import Brake, Ego, IntersectionNetwork, NetworkFile, OpenRoadNetwork, Scenario, Trigger
 from roadmend.world.simulation import Simulation
 
 
@@ -57,6 +57,19 @@ def test_an_empty_road_is_driven_to_the_goal(family):
     summary = run_episode(without_traffic(family), Cruise(8.0), PassThrough())
     assert summary.outcome is EventKind.GOAL
     assert summary.events[0].kind is EventKind.STARTED
+
+
+@pytest.mark.parametrize("speed", [8.0, 70.0])
+def test_a_goal_that_is_not_given_is_reached_before_the_road_ends(speed):
+    road = OpenRoadNetwork(length=300.0, speed_limit=speed)
+    scenario = Scenario(name="road", network=road, ego=Ego(route=["forward"], speed=speed))
+    assert run_episode(scenario, Cruise(speed), PassThrough()).outcome is EventKind.GOAL
+
+
+def test_a_goal_that_only_the_front_can_reach_is_named():
+    ego = Ego(route=["forward"], speed=20.0, goal=299.0)
+    with pytest.raises(SimulationError, match=r"end of the road before its centre came to ego\.goal; choose a smaller"):
+        run_episode(Scenario(name="road", network=OpenRoadNetwork(length=300.0), ego=ego), Cruise(20.0), PassThrough())
 
 
 @pytest.mark.parametrize("family", FAMILIES)

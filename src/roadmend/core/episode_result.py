@@ -14,6 +14,7 @@ from roadmend.core.command import Command
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import Interventions, Repair
 from roadmend.core.scene import EgoState
+from roadmend.core.spell import Spell, SpellBuilder
 from roadmend.core.tick import INTERVAL, Tick
 
 WINDOW = 4  # ticks (0.2 s) over which accelerations and jerks are means
@@ -37,6 +38,9 @@ class EpisodeResult:
     change: float  # sum of |policy's action - final action| over those ticks, 0 .. 2 each
     peak_deceleration: float  # [m/s2], see ``peaks``
     peak_jerk: float  # [m/s3], see ``peaks``
+    mean_jerk: float  # [m/s3] mean size, see ``peaks``
+    distance: float  # [m] that the ego drove
+    spells: tuple[Spell, ...]  # of intervention
     digest: str  # SHA-256 of the trajectory, see ``TrajectoryDigest``
     is_finite: bool  # whether every pose and command was a finite number
 
@@ -152,12 +156,18 @@ class ResultBuilder:
         self._speeds: list[float] = []
         self._digest = TrajectoryDigest()
         self._is_finite = True
+        self._distance = 0.0
+        self._place: tuple[float, float] | None = None
+        self._spells = SpellBuilder()
 
     def see(self, tick: Tick) -> None:
         """Take in what there is to see at a tick."""
         ego = tick.scene.ego
         self._is_finite = self._is_finite and math.isfinite(ego.x + ego.y + ego.yaw + ego.speed)
         self.ticks, self.duration = tick.number, tick.scene.time
+        if self._place is not None:
+            self._distance += math.dist(self._place, (ego.x, ego.y))
+        self._place = ego.x, ego.y
         self._min_distance = min(self._min_distance, tick.min_distance)
         for event in tick.events:
             self.note(event)
@@ -171,6 +181,7 @@ class ResultBuilder:
     def repair(self, repair: Repair) -> None:
         """Take in what the repair method did at a tick."""
         self.interventions.add(repair)
+        self._spells.add(self.duration, repair)
 
     def command(self, tick: Tick, command: Command) -> None:
         """Take in what the ego was told at a tick; at the final one it is told nothing."""
@@ -192,13 +203,15 @@ class ResultBuilder:
             self.interventions.ticks,
             self.interventions.change,
             *peaks(self._speeds),
+            self._distance,
+            self._spells.spells,
             self._digest.hexadecimal,
             self._is_finite,
         )
 
 
-def peaks(speeds: Sequence[float]) -> tuple[float, float]:
-    """The hardest deceleration [m/s2] and the largest jerk, of either sign [m/s3], of an episode.
+def peaks(speeds: Sequence[float]) -> tuple[float, float, float]:
+    """The hardest deceleration [m/s2], and the largest and the mean jerk, of either sign [m/s3], of an episode.
 
     From the ego's speed at 20 Hz: the acceleration is the mean over WINDOW ticks, the jerk that of the acceleration
     over WINDOW ticks again, so that one tick's step of the brake does not count as an infinite jerk. The last tick is
@@ -212,4 +225,5 @@ def peaks(speeds: Sequence[float]) -> tuple[float, float]:
     acceleration = (values[WINDOW:] - values[:-WINDOW]) / window
     jerk = (acceleration[WINDOW:] - acceleration[:-WINDOW]) / window
     hardest = max(0.0, -float(acceleration.min())) if len(acceleration) else 0.0
-    return hardest, float(np.abs(jerk).max()) if len(jerk) else 0.0
+    size = np.abs(jerk)
+    return (hardest, float(size.max()), float(size.mean())) if len(jerk) else (hardest, 0.0, 0.0)

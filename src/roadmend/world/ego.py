@@ -1,7 +1,7 @@
 """The ego's body: longitudinal dynamics driven by throttle and brake, lateral motion along its route."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from roadmend.core.command import Command
 from roadmend.core.geometry import wrap_angle
@@ -34,6 +34,16 @@ class LongitudinalDynamics:
         self._brake = 0.0
         self.speed = speed  # [m/s]
         self.acceleration = 0.0  # [m/s2] over the last step
+
+    def scale(self, engine: float, brake: float) -> None:
+        """From now on the engine and the brake are stronger or weaker by these factors."""
+        p = self._parameters
+        self._parameters = replace(
+            p,
+            acceleration_max=p.acceleration_max * engine,
+            power_per_mass=p.power_per_mass * engine,
+            brake_max=p.brake_max * brake,
+        )
 
     def step(self, command: Command, interval: float, curvature: float) -> float:
         """Advance by ``interval`` [s] on a path of ``curvature`` [1/m]; returns the distance driven [m]."""

@@ -3,6 +3,7 @@
 import contextlib
 import math
 import os
+import random
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -34,6 +35,7 @@ from roadmend.world.scenario import Pedestrian, Scenario, SumoConfiguration
 from roadmend.world.stand_off import StandOff
 from roadmend.world.traffic_file import EGO, traffic_xml
 from roadmend.world.user_configuration import private_copy
+from roadmend.world.variation import Spread, deviation, vary_traffic
 
 LATERAL_RESOLUTION = 0.8  # [m] SUMO's sublane model: partial overlap, bicycles beside cars, gradual lane changes
 
@@ -149,12 +151,35 @@ class Simulation:
         self._step_sumo(distance)
         return self._observe(events)
 
+    def vary(self, seed: int, spread: Spread) -> None:
+        """From now on the world differs, by chance, as another day's might: the others, and how the ego obeys.
+
+        Raises:
+            SimulationError: SUMO failed.
+        """
+        numbers = random.Random(f"{self.scenario.seed}:{self._tick}:{seed}")
+        try:
+            vary_traffic(self.scenario, self._tick * INTERVAL, numbers, spread)
+        except (libsumo.TraCIException, libsumo.FatalTraCIError) as error:
+            raise SimulationError(f"SUMO failed at {self._tick * INTERVAL:.2f} s: {error}") from None
+        engine, brake = (1.0 + deviation(numbers, spread.actuation, spread) for _ in range(2))
+        self._dynamics.scale(engine, brake)
+
     def _step_sumo(self, distance: float) -> None:
         try:
             self._body.follow(self._follower, distance)
             libsumo.simulation.step()
         except (libsumo.TraCIException, libsumo.FatalTraCIError) as error:
-            raise SimulationError(f"SUMO failed at {self._tick * INTERVAL:.2f} s: {error}") from None
+            raise SimulationError(f"SUMO failed at {self._tick * INTERVAL:.2f} s: {self._reason(error)}") from None
+
+    def _reason(self, error: Exception) -> str:
+        follower = self._follower
+        left = follower.route.stages[follower.stage].length - follower.position - 0.5 * self.scenario.ego.length
+        if left <= 0.0 and follower.stage == len(follower.route.stages) - 1:
+            return (
+                "the ego's front came to the end of the road before its centre came to ego.goal; choose a smaller one"
+            )
+        return str(error)
 
     def _observe(self, events: tuple[Event, ...]) -> Tick:
         follower, scenario = self._follower, self.scenario

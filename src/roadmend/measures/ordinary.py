@@ -1,0 +1,67 @@
+"""What repair costs where nothing was wrong: drives in which the policy alone does not collide by its own fault."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import fmean, median
+
+from roadmend.core.episode_result import EpisodeResult
+from roadmend.measures.need import NEEDLESS
+
+TOUCH = 0.2  # [s] of full command from which a drive counts as touched
+
+
+@dataclass(frozen=True, slots=True)
+class OrdinaryFigures:
+    """What a method costs in ordinary drives; shares in percent, None where no drive tells."""
+
+    drives: int  # in which the policy alone does not violate
+    untouched: float | None  # [%] of them whose dose is below TOUCH
+    time_lost: (
+        float | None
+    )  # [%] mean over those that the policy alone brings to the goal, and that do not end early now
+    time_lost_median: float | None  # [%] likewise, the median
+    distance_lost: float | None  # [%] mean over those that the time limit ends
+    needless_dose_per_hour: (
+        float | None
+    )  # [s/h] in spells whose need is below NEEDLESS; None where it was not looked at
+    needless_dose_per_km: float | None  # [s/km]
+    spells_per_km: float | None
+    mean_jerk: float | None  # [m/s3]
+    collisions_bare: int  # of all drives, by the ego's own fault, the policy left alone
+    collisions: int  # likewise, with the method
+    new_collisions: int  # by the ego's own fault where the policy alone has none
+
+
+def ordinary_figures(pairs: Sequence[tuple[EpisodeResult, EpisodeResult]]) -> OrdinaryFigures:
+    """The figures of the same drives, each by the policy alone and with the method."""
+    calm = [(bare, own) for bare, own in pairs if not bare.final.at_fault]
+    to_goal = [own.duration / bare.duration - 1.0 for bare, own in calm if bare.reached_goal and not own.collided]
+    in_time = [
+        1.0 - own.distance / bare.distance
+        for bare, own in calm
+        if bare.timed_out and bare.distance > 0.0 and not own.collided
+    ]
+    hours = sum(own.duration for _, own in calm) / 3600.0
+    kilometres = sum(own.distance for _, own in calm) / 1000.0
+    spells = [spell for _, own in calm for spell in own.spells]
+    needless: float | None = None
+    if all(spell.need is not None for spell in spells):
+        needless = sum(spell.dose for spell in spells if spell.need is not None and spell.need < NEEDLESS)
+    return OrdinaryFigures(
+        len(calm),
+        _percent([own.dose < TOUCH for _, own in calm]),
+        _percent(to_goal),
+        100.0 * median(to_goal) if to_goal else None,
+        _percent(in_time),
+        None if needless is None or not hours else needless / hours,
+        None if needless is None or not kilometres else needless / kilometres,
+        len(spells) / kilometres if kilometres else None,
+        fmean(own.mean_jerk for _, own in calm) if calm else None,
+        sum(bare.final.at_fault for bare, _ in pairs),
+        sum(own.final.at_fault for _, own in pairs),
+        sum(own.final.at_fault for _, own in calm),
+    )
+
+
+def _percent(values: Sequence[float]) -> float | None:
+    return 100.0 * fmean(values) if values else None

@@ -1,0 +1,80 @@
+"""Futures of a moment: continuations of an episode that differ as the world may differ from then on."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+from roadmend.core.branch import branch
+from roadmend.core.command import Decision
+from roadmend.core.interfaces import Policy, Repairer
+from roadmend.core.outcome import Event, EventKind
+from roadmend.core.tick import INTERVAL, Tick
+from roadmend.world.simulation import Simulation
+from roadmend.world.variation import Spread
+
+USUAL = Spread()
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """Where an episode stands: everything that it goes on from."""
+
+    simulation: Simulation  # that stands at ``tick``
+    tick: Tick
+    decision: Decision  # of the policy at ``tick``
+    policy: Policy  # that has just decided
+
+
+@dataclass(frozen=True, slots=True)
+class Future:
+    """What one continuation came to."""
+
+    final: Event | None  # how it ended; None where it went on beyond the horizon
+    duration: float  # [s] from the moment to the end, or the horizon
+    x: float  # [m] the ego's place and speed then, which tell futures apart
+    y: float  # [m]
+    speed: float  # [m/s]
+
+    @property
+    def violates(self) -> bool:
+        """Whether the ego collides by its own fault."""
+        return self.final is not None and self.final.kind is EventKind.COLLISION and self.final.at_fault
+
+
+def futures(
+    moment: Moment, repairer: Repairer | None, seeds: Sequence[int | None], horizon: float, spread: Spread = USUAL
+) -> list[Future]:
+    """Continue an episode several times; the episode itself stays where it is.
+
+    A future follows from the scenario, the moment and its seed, in whatever process and whatever others there are.
+
+    Args:
+        moment: from where.
+        repairer: stands between from now on, as it is before it has seen the tick; None leaves the policy alone.
+        seeds: of what differs, one a future; None for what will be, where nothing differs.
+        horizon: [s] after which nothing counts.
+        spread: how far the futures lie apart.
+
+    Raises:
+        SimulationError: SUMO failed in one of them.
+    """
+    return [branch(partial(_go_on, moment, repairer, seed, horizon, spread)) for seed in seeds]
+
+
+def share_of_violations(found: Sequence[Future]) -> float:
+    """Share of the futures in which the ego collides by its own fault; 0 of none."""
+    return sum(future.violates for future in found) / len(found) if found else 0.0
+
+
+def _go_on(moment: Moment, repairer: Repairer | None, seed: int | None, horizon: float, spread: Spread) -> Future:
+    simulation, tick, decision = moment.simulation, moment.tick, moment.decision
+    if seed is not None:
+        simulation.vary(seed, spread)
+    begin, last = tick.number, tick.number + round(horizon / INTERVAL)
+    while tick.final is None and tick.number < last:
+        command = decision.command if repairer is None else repairer.step(tick.scene, decision).command
+        tick = simulation.step(command)
+        if tick.final is None:
+            decision = moment.policy.step(tick.scene)
+    ego = tick.scene.ego
+    return Future(tick.final, (tick.number - begin) * INTERVAL, ego.x, ego.y, ego.speed)

@@ -1,0 +1,121 @@
+"""How the world may differ from here on: what nobody can know of the others, and how exactly a vehicle obeys."""
+
+import random
+from dataclasses import dataclass
+
+import libsumo
+
+from roadmend.world.scenario import Scenario, Vehicle
+from roadmend.world.traffic_file import EGO
+
+_ASSERTIVENESS = "laneChangeModel.lcAssertive"
+_NOT_BEFORE = 0.1  # [s] from now that somebody who is still to come departs at the earliest
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """How far futures of one moment lie apart. Shares are of a driver's own value, standard deviations where not said."""
+
+    desired_speed: float = 0.05  # share
+    imperfection: float = 0.1  # of SUMO's sigma, 0 .. 1
+    headway: float = 0.1  # share, of SUMO's tau
+    impatience: float = 0.15  # of SUMO's, 0 .. 1, by which smaller gaps are taken at junctions
+    assertiveness: float = 0.15  # share, of the will to change lanes into smaller gaps
+    departure: float = 0.5  # [s] of those who are still to come
+    actuation: float = 0.02  # share by which the ego's engine and brake are stronger or weaker
+    limit: float = 2.0  # standard deviations at most
+
+
+def vary_traffic(scenario: Scenario, time: float, numbers: random.Random, spread: Spread) -> None:
+    """Change everybody in SUMO but the ego.
+
+    Those too who are still to depart, as far as SUMO has read of them (some ten seconds ahead) and where the scenario
+    names them: the traffic of a user's own configuration departs when it would.
+
+    Args:
+        scenario: that is running.
+        time: [s] now.
+        numbers: where chance comes from.
+        spread: how much.
+    """
+    present = sorted(set(libsumo.vehicle.getIDList()) - {EGO})
+    coming = [
+        actor
+        for actor in scenario.actors
+        if isinstance(actor, Vehicle) and actor.depart > time and actor.id not in present and _is_loaded(actor.id)
+    ]
+    for actor in coming:
+        _postpone(actor, max(time + _NOT_BEFORE, actor.depart + deviation(numbers, spread.departure, spread)))
+    for name in [*present, *(actor.id for actor in coming)]:
+        _vary_driver(name, numbers, spread)
+    for name in sorted(libsumo.person.getIDList()):
+        factor = libsumo.person.getSpeedFactor(name)
+        libsumo.person.setSpeedFactor(name, factor * (1.0 + deviation(numbers, spread.desired_speed, spread)))
+
+
+def deviation(numbers: random.Random, size: float, spread: Spread) -> float:
+    """A normal number of the standard deviation ``size``, within the spread's limit."""
+    drawn = numbers.gauss(0.0, 1.0)
+    return size * max(-spread.limit, min(spread.limit, drawn))
+
+
+def _vary_driver(name: str, numbers: random.Random, spread: Spread) -> None:
+    vehicle = libsumo.vehicle
+    factor = vehicle.getSpeedFactor(name)
+    speed, sigma, headway, hurry, will = (
+        deviation(numbers, size, spread)
+        for size in (
+            spread.desired_speed,
+            spread.imperfection,
+            spread.headway,
+            spread.impatience,
+            spread.assertiveness,
+        )
+    )
+    vehicle.setImperfection(name, min(1.0, max(0.0, vehicle.getImperfection(name) + sigma)))
+    vehicle.setTau(name, vehicle.getTau(name) * (1.0 + headway))
+    vehicle.setImpatience(name, min(1.0, max(0.0, vehicle.getImpatience(name) + hurry)))
+    assertive = vehicle.getParameter(name, _ASSERTIVENESS)
+    if assertive:
+        vehicle.setParameter(name, _ASSERTIVENESS, f"{float(assertive) * (1.0 + will):.6g}")
+    vehicle.setSpeedFactor(name, factor * (1.0 + speed))  # last: the others put the type's own back
+
+
+def _postpone(actor: Vehicle, depart: float) -> None:
+    """Let somebody who is still to come do so at another time [s]; waits there for room, unlike at first."""
+    vehicle = libsumo.vehicle
+    kind, factor = vehicle.getTypeID(actor.id), vehicle.getSpeedFactor(actor.id)
+    route = f"{actor.id}_at_another_time"
+    libsumo.route.add(route, list(actor.route))
+    vehicle.remove(actor.id)  # takes its own route with it
+    vehicle.add(
+        actor.id,
+        route,
+        typeID=kind,
+        depart=f"{depart:.2f}",
+        departLane=str(_lane_number(actor)),
+        departPos=f"{actor.position:.2f}",
+        departSpeed="max",
+    )
+    vehicle.setSpeedFactor(actor.id, factor)
+
+
+def _is_loaded(name: str) -> bool:
+    try:
+        libsumo.vehicle.getTypeID(name)
+    except libsumo.TraCIException:
+        return False
+    return True
+
+
+def _lane_number(actor: Vehicle) -> int:
+    """SUMO's number of the lane that the scenario names, which counts lanes for cars only."""
+    edge = actor.route[0]
+    lanes = range(libsumo.edge.getLaneNumber(edge))
+    for_cars = [lane for lane in lanes if _allows_cars(f"{edge}_{lane}")]
+    return for_cars[actor.lane]
+
+
+def _allows_cars(lane: str) -> bool:
+    allowed = libsumo.lane.getAllowed(lane)
+    return not allowed or "passenger" in allowed

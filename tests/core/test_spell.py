@@ -1,0 +1,24 @@
+import pytest
+
+from roadmend.core.command import Command
+from roadmend.core.repair import Repair, RepairStatus
+from roadmend.core.spell import Spell, SpellBuilder
+
+
+def answer(final):
+    """The policy asks for 0.5."""
+    status = RepairStatus.PASS if final == 0.5 else RepairStatus.REPAIRED
+    command = Command(max(final, 0.0), max(-final, 0.0))
+    return Repair(command, status, 0.0, 0.5, 0.5, final, final != 0.5)
+
+
+def test_spells_are_uninterrupted_and_know_their_dose():
+    builder = SpellBuilder()
+    assert builder.spells == ()
+    begins = [builder.add(0.05 * tick, answer(final)) for tick, final in enumerate([0.5, 0.0, -0.5, 0.5, 0.5, -1.0])]
+    assert begins == [False, True, False, False, False, True]
+    first, second = builder.spells
+    assert (first.begin, first.ticks, first.need) == (0.05, 2, None)
+    assert first.dose == pytest.approx(0.05 * (0.5 + 1.0))
+    assert first.end == pytest.approx(0.15)
+    assert second == Spell(0.25, 1, 1.5)

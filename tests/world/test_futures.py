@@ -1,0 +1,101 @@
+import pytest
+
+from roadmend.policies.registry import make_policy
+from roadmend.repair.registry import make_repairer
+from roadmend.world.corpus import corpus_of
+from roadmend.world.families import sample_scenario
+from roadmend.world.futures import Moment, futures, share_of_violations
+from roadmend.world.runner import drive
+from roadmend.world.simulation import Simulation
+from roadmend.world.variation import Spread
+
+AHEAD = 160  # ticks before the end at which the futures begin
+NOTHING = Spread(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@pytest.fixture(scope="module")
+def violation():
+    """The first of the corpus whose impact is hard."""
+    cases = corpus_of("modular").select("S4", "test", violation=True)
+    return next(case for case in cases if case.impact_speed > 6.0)
+
+
+def driven(scenario, begin, *asked, repairer="none", horizon=12.0, **others):
+    """What a scenario came to, and futures of the tick ``begin``, one list for each of ``asked`` seeds."""
+    found = []
+    with Simulation(scenario) as simulation:
+        policy = make_policy("modular")
+
+        def watch(tick, decision, _repair):
+            if tick.number == begin:
+                moment = Moment(simulation, tick, decision, policy)
+                found.extend(futures(moment, None, seeds, horizon, **others) for seeds in asked)
+
+        return drive(simulation, policy, make_repairer(repairer), watch), found
+
+
+def test_the_episode_goes_on_as_if_nobody_had_looked_and_the_future_without_difference_is_what_will_be(violation):
+    begin = round(violation.duration * 20) - AHEAD
+    alone, _ = driven(violation.scenario(), -1)
+    result, ((will_be,),) = driven(violation.scenario(), begin, [None])
+    assert result == alone
+    assert will_be.final == result.final
+    assert will_be.duration == pytest.approx(0.05 * AHEAD)
+    assert will_be.violates
+
+
+def test_a_future_follows_from_its_seed_alone_and_seeds_differ(violation):
+    begin = round(violation.duration * 20) - AHEAD
+    _, (some, again, (third,)) = driven(violation.scenario(), begin, [1, 2, 3, 4], [4, 3, 2, 1], [3])
+    assert some == again[::-1]
+    assert third == some[2]
+    assert len({(future.x, future.y) for future in some}) == 4
+
+
+def test_a_spread_of_nothing_is_what_will_be():
+    scenario = sample_scenario("S3", 4).model_copy(update={"time_limit": 8.0})
+    _, ((will_be, same),) = driven(scenario, 60, [None, 7], spread=NOTHING)
+    assert same == will_be
+
+
+def test_beyond_the_horizon_nothing_counts(violation):
+    begin = round(violation.duration * 20) - AHEAD
+    _, (short,) = driven(violation.scenario(), begin, [1, 2], horizon=2.0)
+    assert [future.final for future in short] == [None, None]
+    assert [future.duration for future in short] == [2.0, 2.0]
+    assert share_of_violations(short) == share_of_violations([]) == 0.0
+
+
+def test_who_is_still_to_come_departs_at_another_time():
+    scenario = next(
+        scenario
+        for scenario in (sample_scenario("S3", seed) for seed in range(50))
+        if any(2.0 < actor.depart < 6.0 for actor in scenario.actors if actor.type == "vehicle")
+    ).model_copy(update={"time_limit": 9.0})
+    only = Spread(0.0, 0.0, 0.0, 0.0, 0.0, 3.0, 0.0)
+    _, ((will_be, *others),) = driven(scenario, 20, [None, 1, 2, 3], spread=only)
+    assert will_be.final is not None
+    assert all(other.final is not None for other in others)
+
+
+def test_with_persons_and_a_repair_method_at_work(violation):
+    scenario = next(
+        scenario
+        for scenario in (sample_scenario("S1", seed) for seed in range(100))
+        if any(actor.type == "pedestrian" for actor in scenario.actors)
+    ).model_copy(update={"time_limit": 6.0})
+    result, ((will_be, *_),) = driven(scenario, 40, [None, 1])
+    assert will_be.final == result.final
+    with Simulation(violation.scenario()) as simulation:
+        policy, found = make_policy("modular"), []
+        begin = round(violation.duration * 20) - AHEAD
+
+        def watch(tick, decision, _repair):
+            if tick.number == begin:
+                moment = Moment(simulation, tick, decision, policy)
+                method = make_repairer("adreft")
+                method.reset(simulation.route)
+                found.extend(futures(moment, method, [None], 12.0))
+
+        drive(simulation, policy, make_repairer("none"), watch)
+    assert not found[0].violates
