@@ -22,7 +22,7 @@ from pathlib import Path
 from roadmend.core.whole_file import write_text
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
-from roadmend.world.corpus import Corpus, load_corpus
+from roadmend.world.corpus import Case
 from roadmend.world.families import FAMILIES
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Pedestrian, Scenario, Vehicle
@@ -49,8 +49,8 @@ class Golden:
 
     @property
     def parameters(self) -> dict[str, str]:
-        """ADReFT runs the model that was trained beside the policy."""
-        return {"model": self.policy} if self.method == "adreft" else {}
+        """ADReFT runs the model that was trained beside the policy, with precaution: it has more to say."""
+        return {"model": f"precaution-{self.policy}"} if self.method == "adreft" else {}
 
 
 def is_settled(scenario: Scenario) -> bool:
@@ -64,13 +64,20 @@ def is_settled(scenario: Scenario) -> bool:
 
 
 @cache
-def _corpus(policy: str) -> Corpus:
-    return load_corpus(CORPORA / f"{policy}.jsonl")
+def _lines(policy: str) -> list[str]:
+    """A corpus's cases as they are written; to read all of them would take seconds."""
+    return (CORPORA / f"{policy}.jsonl").read_text(encoding="utf-8").splitlines()[1:]
 
 
 def _first(policy: str, family: str, *, violation: bool) -> Scenario:
-    cases = _corpus(policy).select(family, "training", violation=violation)
+    lines = (line for line in _lines(policy) if _is_for_training(line, family))
+    cases = (case for line in lines if (case := Case.parse(line)).is_violation == violation)
     return next(scenario for case in cases if is_settled(scenario := case.scenario()))
+
+
+def _is_for_training(line: str, family: str) -> bool:
+    told = json.loads(line)
+    return (told["family"], told["split"]) == (family, "training")
 
 
 def episodes() -> Iterator[Golden]:

@@ -28,7 +28,8 @@ class Clutter:
     def stir(self) -> None:
         """Allocate much, free most of it and half of what was left of earlier calls, in no order."""
         numbers = self._numbers
-        made = [bytearray(numbers.choice(self.SIZES) + numbers.randrange(24)) for _ in range(4000)]
+        sizes, odds = numbers.choices(self.SIZES, k=4000), numbers.choices(range(24), k=4000)
+        made = [bytearray(size + odd) for size, odd in zip(sizes, odds, strict=True)]
         numbers.shuffle(self._kept)
         del self._kept[len(self._kept) // 2 :]
         self._kept += numbers.sample(made, 500)

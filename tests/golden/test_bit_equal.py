@@ -17,7 +17,7 @@ import physics
 import processes
 
 SEEDS = 8  # scenarios of each family
-TIME_LIMIT = 6.0  # [s]
+TIME_LIMIT = 2.0  # [s]
 WAYS = (("modular", "none"), ("modular", "predictive"), ("neural", "rss"), ("neural", "adreft"), ("modular", "random"))
 
 

@@ -35,42 +35,13 @@ import numpy as np
 import pytest
 from mutants import Mutant, find_mutants
 from rich.progress import Progress
+from targets import BAR, SOURCE, TARGETS, Target
 
 REPOSITORY = Path(__file__).parents[2]
-SOURCE = REPOSITORY / "src" / "roadmend"
 SURVIVORS = Path(__file__).with_name("survivors.json")
 JOURNAL = Path(__file__).parent / "__pycache__" / "verdicts.jsonl"
-BAR = 0.95  # of all together
 PATIENCE = 5  # [s] of CPU time, then a mutant counts as one that does not end
 LOADED = ("roadmend.repair.registry", "roadmend.world.simulation")
-
-
-@dataclass(frozen=True)
-class Target:
-    """A file and the tests that must notice."""
-
-    file: str
-    tests: tuple[str, ...]
-    functions: tuple[str, ...] = ()  # only these; all if empty
-    left_out: tuple[str, ...] = ()
-
-    @property
-    def path(self) -> Path:
-        return SOURCE / self.file
-
-    @property
-    def module(self) -> str:
-        return "roadmend." + self.file.removesuffix(".py").replace("/", ".")
-
-
-TARGETS = (
-    Target("world/ego.py", ("world/test_ego.py",)),
-    Target("world/blame.py", ("world/test_blame.py",)),
-    Target("world/simulation.py", ("world/test_verdict.py",), ("_observe", "_hit", "_clear")),
-    Target("repair/guard.py", ("repair/test_guard.py",), left_out=("warm_up",)),  # any scene will do there
-    Target("repair/merger.py", ("repair/test_merger.py",)),
-    Target("repair/sanitise.py", ("repair/test_sanitise.py",)),
-)
 
 
 @dataclass
