@@ -1,7 +1,7 @@
 """What a small benchmark comes to, made up, for the tests of its figures and reports."""
 
-from harness.benchmark_run import Entrants, Measured
-from roadmend.measures.contenders import Absence, Contender
+from harness.benchmark_run import Measured, PolicyBenchmark
+from harness.contenders import Absence, Contender
 from roadmend.measures.monitor import Confusion
 from tests.measures.results import CASES, run
 
@@ -18,7 +18,7 @@ def measured(policy="modular"):
         contender("hindsight", "hindsight bound", "bound", policy),
     )
     absences = (Absence("wo_sr", policy, "there is no model <wo_sr>"),)
-    entrants = Entrants(policy, "", "d" * 64, tuple(CASES), contenders, contenders[1:3], absences)
+    benchmark = PolicyBenchmark(policy, "", "d" * 64, tuple(CASES), contenders, contenders[1:3], absences)
     results = {
         "none": run("CCCCGGGG"),
         "rule": run("GTCCGGGC", 20, 24.0),
@@ -29,7 +29,7 @@ def measured(policy="modular"):
         "rule": (Confusion(1, 1, 9, 89),) * len(CASES),
         "adreft": (Confusion(8, 4, 2, 86),) * len(CASES),
     }
-    return Measured(entrants, results, confusions)
+    return Measured(benchmark, results, confusions)
 
 
 MADE = {

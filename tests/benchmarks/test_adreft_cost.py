@@ -1,6 +1,6 @@
 from harness import adreft_cost
+from harness.contenders import Contender
 from harness.repair_cost import gather_moments
-from roadmend.measures.contenders import Contender
 
 
 def test_every_method_but_the_bound_is_timed_on_the_same_frames(monkeypatch):

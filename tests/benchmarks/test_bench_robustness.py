@@ -4,8 +4,8 @@ import pytest
 
 from bench import main
 from harness import bench_robustness
-from roadmend.core.outcome import Blame
-from roadmend.search.evaluation import Evaluation, parameters_digest
+from roadmend.search.evaluation import parameters_digest
+from tests.search.toy import made_up
 
 
 def toy(subject, parameters, repair=None):
@@ -13,7 +13,7 @@ def toy(subject, parameters, repair=None):
     assert not repair
     digest = parameters_digest(parameters)
     outcome = "COLLISION" if digest[0] in "0123" else "GOAL"
-    return Evaluation(outcome, "", digest, 0.0 if outcome == "COLLISION" else -5.0, 1.0, Blame.FRONT, (0.5,) * 8)
+    return made_up(outcome, digest, 0.0 if outcome == "COLLISION" else -5.0, (0.5,) * 8)
 
 
 def test_curves_are_written_and_a_second_call_searches_nothing(tmp_path, monkeypatch, capfd):

@@ -147,10 +147,11 @@ def test_a_difference_to_the_committed_cases_is_named():
     assert differences(fresh, kept) == []
     columns = kept["modular"]["methods"]["adreft"]
     columns["outcomes"] = "C" + columns["outcomes"][1:]
-    (line,) = differences(fresh, kept)
-    assert line.startswith("modular, adreft, a: G, 10 frames, 0.3 s, ")
+    (moved,) = differences(fresh, kept)
+    assert moved.text.startswith("modular, adreft, a: G, 10 frames, 0.3 s, ")
+    assert moved.ends_otherwise
     del kept["modular"]["methods"]["rule"]
-    assert "modular, rule: is not in the committed table" in differences(fresh, kept)
+    assert "modular, rule: is not in the committed table" in {each.text for each in differences(fresh, kept)}
     assert unequal({"a": {"b": 1.0}}, {"a": {"b": 2.0, "c": 3}}) == ["a.b: 1.0 instead of 2.0"]
     assert len(CASES) == len(fresh["modular"]["names"])
 

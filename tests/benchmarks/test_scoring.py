@@ -7,8 +7,8 @@ import pytest
 
 from harness.scoring import score_cases
 from roadmend.core.errors import InputError
-from roadmend.safe.cases import Case
-from roadmend.safe.dsl import Compass, RoadNetwork, RoadType
+from roadmend.safe.cases import CrashCase
+from roadmend.safe.dsl import Compass, DescribedRoadNetwork, RoadType
 from roadmend.safe.dsl_data import dump_data
 from tests.safe.crashes import CROSSING
 
@@ -20,7 +20,7 @@ def score(tmp_path):
         change(oracle)
         (tmp_path / "c").mkdir(exist_ok=True)
         (tmp_path / "c" / "oracle.json").write_text(json.dumps(oracle), encoding="utf-8")
-        return score_cases([Case("c", crash), Case("other", CROSSING)], tmp_path, text_only=text_only)
+        return score_cases([CrashCase("c", crash), CrashCase("other", CROSSING)], tmp_path, text_only=text_only)
 
     return run
 
@@ -72,7 +72,7 @@ def test_a_field_that_an_oracle_does_not_have_is_not_counted(score):
     assert score(change).overall == 100.0
 
 
-STEM = RoadNetwork(RoadType.T_INTERSECTION, CROSSING.road.lanes, Compass.EAST)
+STEM = DescribedRoadNetwork(RoadType.T_INTERSECTION, CROSSING.road.lanes, Compass.EAST)
 
 
 @pytest.mark.parametrize(
@@ -99,7 +99,7 @@ def test_what_could_not_be_read_is_wrong_everywhere(score):
 
 
 def test_without_oracles_there_is_no_score_and_a_damaged_one_is_an_error(tmp_path):
-    assert score_cases([Case("c", CROSSING)], tmp_path, text_only=True) is None
+    assert score_cases([CrashCase("c", CROSSING)], tmp_path, text_only=True) is None
     (tmp_path / "c").mkdir()
     for damaged, said in (
         ('{"vehicles": 3}', "is no oracle"),
@@ -108,4 +108,4 @@ def test_without_oracles_there_is_no_score_and_a_damaged_one_is_an_error(tmp_pat
     ):
         (tmp_path / "c" / "oracle.json").write_text(damaged, encoding="utf-8")
         with pytest.raises(InputError, match=said):
-            score_cases([Case("c", CROSSING)], tmp_path, text_only=True)
+            score_cases([CrashCase("c", CROSSING)], tmp_path, text_only=True)

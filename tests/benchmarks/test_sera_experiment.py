@@ -1,4 +1,4 @@
-"""The benchmark of SERA without driving: sets, arms, forgetting, summary and page, from a workshop that answers at once."""
+"""The benchmark of SERA without driving: sets, arms, forgetting, summary and page, from a kept_runs that answers at once."""
 
 import json
 from collections import Counter
@@ -33,7 +33,7 @@ MACHINE = {"processor": "some", "cores": 2, "python": "3"}
 MADE = {"command": "c", "commit": "0" * 40, "dirty": False, "machine": MACHINE}
 
 
-class Workshop:
+class KeptRuns:
     """Tuning on n scenarios mends the first n hard ones of what is driven; one epoch is kept, or none of nothing."""
 
     def __init__(self, folder: Path, hard: set[str]) -> None:
@@ -83,7 +83,7 @@ def bank(plan, evaluated, tmp_path_factory):
 @pytest.fixture(scope="module")
 def results(plan, evaluated, bank, tmp_path_factory):
     hard = {each.scenario.digest for each in evaluated if each.is_hard}
-    workshop = Workshop(tmp_path_factory.mktemp("models"), hard)
+    kept_runs = KeptRuns(tmp_path_factory.mktemp("models"), hard)
     patterns = (FailurePattern("cut-in", "a car cuts in"), FailurePattern("crossing", "a pedestrian crosses"))
     experiment = Experiment(
         Path("base.safetensors"),
@@ -91,7 +91,7 @@ def results(plan, evaluated, bank, tmp_path_factory):
         FewShotSettings(),
         evaluated,
         bank,
-        workshop,
+        kept_runs,
         lambda failed: patterns * bool(failed),
         in_depth=True,
     )
@@ -154,7 +154,7 @@ def test_a_policy_that_is_not_looked_at_in_depth_has_neither_half_a_bank_nor_a_s
         FewShotSettings(),
         evaluated,
         bank,
-        Workshop(tmp_path, hard),
+        KeptRuns(tmp_path, hard),
         lambda failed: patterns * bool(failed),
         in_depth=False,
     )
@@ -176,7 +176,7 @@ def test_a_policy_that_fails_nowhere_is_said_to(plan, evaluated, bank, tmp_path)
         FewShotSettings(),
         evaluated,
         bank,
-        Workshop(tmp_path, set()),
+        KeptRuns(tmp_path, set()),
         lambda _failed: (),
         in_depth=False,
     )

@@ -13,11 +13,11 @@ from roadmend.world.scenario_file import save_scenario
 
 @pytest.fixture(scope="session")
 def recorded(tmp_path_factory):
-    """The bag of a run that is repaired, and its result."""
+    """The bag of a run that is repaired, and what it came to."""
     folder = tmp_path_factory.mktemp("recorded")
     save_scenario(sample_scenario("S3", 3).model_copy(update={"time_limit": 8.0}), folder / "crossing.yaml")
     result = run_graph(GraphOptions(folder / "crossing.yaml", method="predictive", bags=folder, name="run", viz=False))
-    return folder / "run", result
+    return folder / "run", result.episode
 
 
 @pytest.fixture

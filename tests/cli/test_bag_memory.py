@@ -1,5 +1,6 @@
 """The commands on bags need no more memory for a large bag than for a small one."""
 
+import json
 import subprocess
 import sys
 
@@ -7,11 +8,14 @@ import pytest
 
 from roadmend.recording.writer import BagWriter
 
-COMMAND = """
-import resource, sys
+COMMANDS = """
+import json, resource, sys
 from roadmend.cli.main import main
-code = main(sys.argv[1:])
-print(code, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, file=sys.stderr)  # [KB]
+told = [
+    (main(["bag", *words]), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)  # [KB]
+    for words in json.loads(sys.argv[1])
+]
+print(json.dumps(told), file=sys.stderr)
 """
 LIMIT_KB = 50_000  # that a bag of 150 MB may take more than an empty one
 BYTES = "std_msgs/msg/UInt8MultiArray"
@@ -30,19 +34,18 @@ def bags(tmp_path_factory):
     return folder
 
 
-def memory(folder, *arguments):
-    """Peak of a command's resident memory [KB]; the command must succeed."""
-    done = subprocess.run(
-        [sys.executable, "-c", COMMAND, "bag", *arguments], cwd=folder, capture_output=True, text=True, check=True
-    )
-    code, peak = done.stderr.split()[-2:]
-    assert code == "0", done.stderr
-    return int(peak)
+def memory(folder, commands):
+    """Peak of one process's resident memory [KB] after each of the commands, which must succeed."""
+    given = [sys.executable, "-c", COMMANDS, json.dumps(commands)]
+    done = subprocess.run(given, cwd=folder, capture_output=True, text=True, check=True)
+    codes, peaks = zip(*json.loads(done.stderr.splitlines()[-1]), strict=True)
+    assert not any(codes), done.stderr
+    return peaks
 
 
 @pytest.mark.parametrize(
     "arguments", [("info", "{}"), ("recover", "{}"), ("diff", "{}", "{}"), ("convert", "{}")], ids=lambda one: one[0]
 )
 def test_memory_does_not_grow_with_the_bag(bags, arguments):
-    small, large = (memory(bags, *(word.format(name) for word in arguments)) for name in ("small", "large"))
+    small, large = memory(bags, [[word.format(name) for word in arguments] for name in ("small", "large")])
     assert large - small < LIMIT_KB

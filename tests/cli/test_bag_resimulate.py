@@ -11,6 +11,8 @@ from roadmend.cli.main import main
 from roadmend.recording import messages
 from roadmend.recording.codec import encode
 from roadmend.recording.reader import BagReader
+from roadmend.recording.recorded_run import read_plan, recorded_result
+from roadmend.recording.ticks import BagTicks
 
 pytestmark = pytest.mark.graph
 
@@ -63,8 +65,10 @@ def poses(bag):
 def test_the_same_method_repeats_the_run_bit_for_bit(recorded, resimulate):
     bag, result = recorded
     told, out = resimulate("--repair", "predictive")
+    reader = BagReader(bag)
+    assert recorded_result(BagTicks(reader), read_plan(reader)) == result
     assert told["now"] == told["then"]
-    assert (told["now"]["outcome"], told["now"]["interventions"]) == (result.outcome, result.interventions)
+    assert (told["now"]["outcome"], told["now"]["interventions"]) == (result.outcome.name, result.interventions)
     assert told["now"]["min_distance"] == result.min_distance
     assert poses(out) == poses(bag)
     then, now = (rows(one, "/repair/command", "throttle", "brake", "change_lane") for one in (bag, out))

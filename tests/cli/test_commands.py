@@ -24,7 +24,7 @@ def scenario(tmp_path):
 @pytest.fixture
 def complaint(capfd, monkeypatch):
     """Runs a command that must be refused with one line, and before any node starts; returns the line."""
-    monkeypatch.setattr("roadmend.nodes.launcher._Run", lambda *_: pytest.fail("started the graph"))
+    monkeypatch.setattr("roadmend.nodes.launcher._GraphRun", lambda *_: pytest.fail("started the graph"))
 
     def run(*arguments, code=2):
         assert main([str(argument) for argument in arguments]) == code

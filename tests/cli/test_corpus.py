@@ -66,6 +66,20 @@ def test_a_difference_is_found(folder, capsys):
     assert "gathered with model 0123" in capsys.readouterr().err
 
 
+def test_a_corpus_is_renewed_without_what_comes_to_something_else(folder, capsys):
+    corpus = load_corpus(folder / "first.jsonl")
+    first, second, third = corpus.cases
+    stale = dataclasses.replace(first, digest="0" * 64, duration=1.0)
+    other = dataclasses.replace(second, outcome="COLLISION", blame="FRONT")
+    old = dataclasses.replace(corpus, cases=(stale, other, third), dropped=2, version="0.0.9")
+    save_corpus(old, folder / "old.jsonl")
+    again = ["corpus", "renew", "--corpus", str(folder / "old.jsonl"), "--out", str(folder / "new.jsonl")]
+    assert main([*again, "--workers", "1"]) == 0
+    assert "2 cases, 1 of them with another trajectory, 1 left out" in capsys.readouterr().out
+    assert load_corpus(folder / "new.jsonl") == dataclasses.replace(corpus, cases=(first, third), dropped=3)
+    assert sorted(file.name for file in folder.glob("new*")) == ["new.jsonl"]
+
+
 def test_a_shortage_is_told(folder, capsys):
     text = PLAN.replace("validation: {violations: 0", "validation: {violations: 50")
     (folder / "more.yaml").write_text(text)

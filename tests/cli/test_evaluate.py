@@ -33,6 +33,7 @@ def test_a_folder_of_scenarios_is_driven_once_with_the_trivial_methods_beside(sc
     assert main(arguments) == 0
     shown = capsys.readouterr().out
     assert "modular  rss" in shown
+    assert "dose [s]" in shown
     assert "ΔE" in (tmp_path / "out" / "evaluation.md").read_text()
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from roadmend.cli.main import main
-from roadmend.sera.pattern import Evidence, FailurePattern, Where, Why, dump_patterns, read_patterns
+from roadmend.sera.pattern import FailurePattern, PatternEvidence, Where, Why, dump_patterns, read_patterns
 
 DEMO = Path(__file__).parents[2] / "config" / "scenarios" / "demo-exit.yaml"
 
@@ -80,7 +80,9 @@ def test_a_bad_export_is_refused_and_leaves_nothing(bank, tmp_path, capsys, chan
 
 def test_recommend_from_a_pattern_file(bank, tmp_path, capsys):
     patterns = [
-        FailurePattern("exit", "cut-in", where=Where(road="highway_exit"), evidence=(Evidence("bags/x", "d", 3.0),)),
+        FailurePattern(
+            "exit", "cut-in", where=Where(road="highway_exit"), evidence=(PatternEvidence("bags/x", "d", 3.0),)
+        ),
         FailurePattern("turn", why=Why("left_turn", "run_right_of_way")),
     ]
     file = tmp_path / "patterns.json"

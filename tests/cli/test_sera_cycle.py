@@ -41,7 +41,7 @@ def lessons(monkeypatch):
         return SimpleNamespace(kept=trial, trials=(trial,))
 
     repair, device = ModuleType("roadmend.training.few_shot"), ModuleType("roadmend.training.device")
-    repair.few_shot_repair, repair.Origin = few_shot_repair, lambda *values: values
+    repair.few_shot_repair, repair.TuningOrigin = few_shot_repair, lambda *values: values
     repair.Labour = lambda workers, report: SimpleNamespace(workers=workers, report=report)
     device.choose_torch_device = lambda *_: None
     for module in (repair, device):

@@ -5,12 +5,21 @@ import contextlib
 import pytest
 
 from roadmend.core.errors import InputError
-from roadmend.language.chat import Image, LanguageError, Message, NotRecordedError, RefusalError, Reply, Request, Role
+from roadmend.language.chat import (
+    ChatMessage,
+    ChatRole,
+    Image,
+    LanguageError,
+    NotRecordedError,
+    RefusalError,
+    Reply,
+    Request,
+)
 from roadmend.language.exchange import RecordingModel, ReplayModel, dump_exchanges, load_exchanges
 
 
 def request(text, image=b"1"):
-    return Request("answer", (Message(Role.USER, (text, Image(image, "image/png"))),), {"type": "object"})
+    return Request("answer", (ChatMessage(ChatRole.USER, (text, Image(image, "image/png"))),), {"type": "object"})
 
 
 class Counting:

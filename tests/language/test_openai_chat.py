@@ -8,7 +8,7 @@ import yaml
 
 from roadmend.core.errors import InputError
 from roadmend.core.resources import config_folder
-from roadmend.language.chat import AnswerError, Image, Message, RefusalError, Request, Role, UnavailableError
+from roadmend.language.chat import AnswerError, ChatMessage, ChatRole, Image, RefusalError, Request, UnavailableError
 from roadmend.language.exchange import RecordingModel, dump_exchanges
 from roadmend.language.openai_chat import OpenAIModel, OpenAISettings, read_openai_settings
 
@@ -18,7 +18,10 @@ KEY = "sk-very-secret-4711"
 SCHEMA = {"type": "object", "properties": {}, "required": [], "additionalProperties": False}
 REQUEST = Request(
     "answer",
-    (Message(Role.SYSTEM, ("Be brief.",)), Message(Role.USER, ("Look:", Image(b"picture", "image/png")))),
+    (
+        ChatMessage(ChatRole.SYSTEM, ("Be brief.",)),
+        ChatMessage(ChatRole.USER, ("Look:", Image(b"picture", "image/png"))),
+    ),
     SCHEMA,
 )
 ERROR = {"error": {"message": f"wrong key {KEY}", "type": "invalid_request_error", "code": "invalid_api_key"}}

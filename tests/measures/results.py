@@ -1,15 +1,33 @@
 """A small set of made-up cases and their results."""
 
 from roadmend.core.episode_result import EpisodeResult
-from roadmend.core.outcome import Event, EventKind
+from roadmend.core.outcome import Blame, Event, EventKind
 from roadmend.measures.case_result import CaseResult
 from roadmend.world.corpus import Case
 
 
-def episode(outcome, ticks=200, interventions=0, change=0.0, digest="", deceleration=2.0, jerk=4.0):
-    final = Event(10.0, EventKind[outcome], "")
+def episode(
+    outcome, ticks=200, interventions=0, change=0.0, digest="", deceleration=2.0, jerk=4.0, blame=Blame.UNKNOWN, text=""
+):
+    final = Event(10.0, EventKind[outcome], text, blame=blame)
     return EpisodeResult(
-        "s", "p", "m", final, (final,), ticks, 10.0, 1.5, interventions, change, deceleration, jerk, digest, True
+        "s",
+        "p",
+        "m",
+        final,
+        (final,),
+        ticks,
+        10.0,
+        1.5,
+        interventions,
+        change,
+        deceleration,
+        jerk,
+        0.5,
+        100.0,
+        (),
+        digest,
+        True,
     )
 
 

@@ -10,7 +10,7 @@ from harness import hindsight_file
 from roadmend.core import source_digest as digests
 from roadmend.core.journal import entry_key
 from roadmend.measures.driver import driver_key
-from roadmend.safe.driving import Job, Task
+from roadmend.safe.driving import CrashTestJob, Task
 from roadmend.search.campaign import Campaign
 from roadmend.search.evaluation import Subject
 from roadmend.search.registry import read_technique_parameters
@@ -20,12 +20,13 @@ from roadmend.training import dagger
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.adreft.trial_plan import TrialPlan
 from roadmend.training.adreft.trials import trial_keys
-from roadmend.world.corpus import load_corpus
+from roadmend.world.corpus import Case
 from roadmend.world.families import sample_scenario
 from tests.safe.crashes import ALL, role
 from tests.training.cases import Drawn
 
-CASE = load_corpus(Path(__file__).parents[2] / "config" / "corpora" / "modular.jsonl").cases[0]
+CORPUS = Path(__file__).parents[2] / "config" / "corpora" / "modular.jsonl"
+CASE = Case.parse(CORPUS.read_text().splitlines()[1])  # of thousands
 RECIPE = Recipe("modular", "rich", 1)
 DRAWN = [Drawn("S5", 3)]
 
@@ -41,7 +42,7 @@ def evaluation_key():
 
 
 def safe_key():
-    return Job(Task.TEST, role(ALL["rear end"]), "modular", 0, 0, 1, Path(), None).key
+    return CrashTestJob(Task.TEST, role(ALL["rear end"]), "modular", 0, 0, 1, Path(), None).key
 
 
 KINDS = {
@@ -59,23 +60,20 @@ OF_EVERY_DRIVER = ("roadmend.world.ego", "roadmend.repair.rss_kernel", "roadmend
 
 @pytest.fixture
 def change(monkeypatch, tmp_path):
-    """Adds a line to a module, as far as digests can see."""
-    found = digests._path
-
-    def forget():
-        digests._digest.cache_clear()
-        digests._read.cache_clear()
+    """Adds a line to a module, as far as digests can see; what they know of the others, they need not read again."""
+    found, known = digests._path, digests._read
 
     def change(name):
         assert found(name) is not None, name
         copy = tmp_path / found(name).name
         copy.write_text(found(name).read_text() + "\nmore = 1\n")
         monkeypatch.setattr(digests, "_path", lambda each: copy if each == name else found(each))
-        forget()
+        monkeypatch.setattr(digests, "_read", lambda each: known.__wrapped__(each) if each == name else known(each))
+        digests._digest.cache_clear()
 
     yield change
     monkeypatch.undo()
-    forget()
+    digests._digest.cache_clear()
 
 
 @pytest.mark.parametrize("name", OF_EVERY_DRIVER)
@@ -134,5 +132,5 @@ def test_a_model_counts_by_what_is_in_it_and_not_by_its_place(tmp_path):
 
 
 def test_another_seed_is_another_key_of_a_job():
-    job = Job(Task.TEST, role(ALL["rear end"]), "modular", 0, 0, 1, Path(), None)
+    job = CrashTestJob(Task.TEST, role(ALL["rear end"]), "modular", 0, 0, 1, Path(), None)
     assert job.key != dataclasses.replace(job, seed=1).key

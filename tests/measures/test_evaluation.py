@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from roadmend.measures import evaluation
-from roadmend.measures.evaluation import Driven, Trial, drive_trial, evaluate, evaluation_rows, trials_of
+from roadmend.measures import evaluation, registry
+from roadmend.measures.evaluation import Driven, EvaluationTrial, drive_trial, trials_of
+from roadmend.measures.evaluation_figures import evaluate, evaluation_rows, meanings
+from roadmend.measures.registry import Column, Measure
 from roadmend.world.families import sample_scenario
 
 from .results import episode
@@ -15,7 +17,7 @@ SCENARIOS = [sample_scenario("S3", seed) for seed in range(4)]
 
 def driven(method, outcomes):
     return [
-        Driven(Trial(scenario, "modular", method, method), replace(episode(outcome), scenario=scenario.name))
+        Driven(EvaluationTrial(scenario, "modular", method, method), replace(episode(outcome), scenario=scenario.name))
         for scenario, outcome in zip(SCENARIOS, outcomes, strict=True)
     ]
 
@@ -28,6 +30,38 @@ def test_what_the_policy_does_alone_decides_what_can_be_fixed_and_degraded():
     assert figures["rss"]["goal"]["share"] == 50.0
     assert figures["rss"]["outcomes"] == {"GOAL": 2, "COLLISION": 2}
     assert evaluation_rows({"modular": figures})[2][:4] == ["modular", "rss", "4", "50.0"]
+
+
+def test_the_table_keeps_its_columns():
+    heading, row = evaluation_rows({"modular": evaluate(driven("none", ["COLLISION", "GOAL"] * 2))["modular"]})
+    cells = iter(zip(heading, row, strict=True))
+    for cell in [
+        ("policy", "modular"),
+        ("repair", "none"),
+        ("episodes", "4"),
+        ("goal [%]", "50.0"),
+        ("95 %", "15.0 .. 85.0"),
+        ("collision [%]", "50.0"),
+        ("%Fix", "0.0"),
+        ("%Deg", "0.0"),
+        ("ΔE", "0.0"),
+        ("95 %", "-65.8 .. 65.8"),
+        ("dose [s]", "0.00"),
+    ]:
+        assert cell in cells  # behind the one before; others may stand between
+
+
+def test_one_line_adds_a_measure_to_the_figures_the_table_and_the_help(monkeypatch):
+    longest = Measure(
+        lambda episodes: max(result.duration for result in episodes.results),
+        (Column("longest", "s", "lower", "episode"),),
+    )
+    monkeypatch.setitem(registry.MEASURES, "longest", longest)
+    figures = evaluate(driven("none", ["GOAL"] * 4))
+    assert figures["modular"]["none"]["longest"] == 10.0
+    rows = evaluation_rows(figures)
+    assert (rows[0][-1], rows[1][-1]) == ("longest [s]", "10.0")
+    assert meanings().endswith("; longest [s]: episode, lower is better")
 
 
 def test_a_policy_that_could_not_be_driven_alone_has_no_figures():
@@ -47,6 +81,6 @@ def test_what_goes_wrong_in_an_episode_is_one_line(error, monkeypatch):
         raise error
 
     monkeypatch.setattr(evaluation, "run_episode", fail)
-    fault = drive_trial(Trial(SCENARIOS[0], "modular", "none", "x")).fault
+    fault = drive_trial(EvaluationTrial(SCENARIOS[0], "modular", "none", "x")).fault
     assert fault.startswith(f"{SCENARIOS[0].name}, policy modular, none: {type(error).__name__}: ")
     assert "\n" not in fault

@@ -74,10 +74,11 @@ def test_shares_of_the_bound_look_only_at_what_it_repairs():
 
 def test_peaks_of_a_constant_deceleration():
     speeds = [20.0] * 20 + [20.0 - 4.0 * 0.05 * tick for tick in range(1, 60)]
-    deceleration, jerk = peaks(speeds)
+    deceleration, jerk, mean = peaks(speeds)
+    assert 0.0 < mean < jerk
     assert deceleration == pytest.approx(4.0)
     assert jerk == pytest.approx(4.0 / 0.2)  # from nothing to 4 m/s2 within one window
-    assert peaks([10.0, 9.0]) == (0.0, 0.0)
+    assert peaks([10.0, 9.0]) == (0.0, 0.0, 0.0)
     assert peaks([float(tick) for tick in range(30)])[0] == 0.0
 
 

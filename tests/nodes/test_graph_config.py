@@ -8,6 +8,7 @@ import yaml
 from rclpy.parameter import Parameter
 
 from roadmend.nodes.foxglove import FoxgloveParameters
+from roadmend.nodes.launcher import NODES
 from roadmend.nodes.policy import PolicyNode
 from roadmend.nodes.recorder import RecorderParameters
 from roadmend.nodes.repair import RepairNode
@@ -46,6 +47,6 @@ def test_the_drivers_defaults(name, factory, domain):
 
 def test_every_node_has_a_section():
     assert set(yaml.safe_load(FILE.read_text())) == {
-        f"/**/{node}_node" for node in ("sim", "policy", "repair", "recorder", "viz", "foxglove")
+        f"/**/{node}_node" for node in ("sim", *(entry.node for entry in NODES))
     }
     assert Parameter("clock", value=section("sim_node")["clock"]).type_ == Parameter.Type.STRING

@@ -8,14 +8,15 @@ from types import SimpleNamespace
 import pytest
 
 from roadmend.core.errors import InputError, RoadmendError
+from roadmend.nodes import launcher
 from roadmend.nodes.children import Child
-from roadmend.nodes.launcher import BAD_INPUT, RESTARTS_MAX, GraphOptions, _as_yaml, _raise, _Run, run_graph
+from roadmend.nodes.launcher import BAD_INPUT, RESTARTS_MAX, GraphOptions, _as_yaml, _GraphRun, _raise, run_graph
 
 
 @pytest.fixture
 def run(tmp_path):
     options = GraphOptions(Path("s.yaml"), bags=tmp_path / "bags", name="bag")
-    return _Run(options, tmp_path / "bags" / "bag", tmp_path, 7, lambda *_: None)
+    return _GraphRun(options, tmp_path / "bags" / "bag", tmp_path, 7, lambda *_: None)
 
 
 def ended(tmp_path, code, fault=None, *, may_restart=False):
@@ -74,7 +75,7 @@ def test_without_a_recorder_it_drives_on_and_says_so_once(run, tmp_path, monkeyp
     run._look_after([recorder])
     run._look_after([recorder])
     assert told == ["recorder_node ended (-9), driving on without it: last words"]
-    run._observers = [recorder]
+    run._nodes = [recorder]
     assert run._recording_error() == "last words"
     recorder.process.exitcode = 0
     assert run._recording_error() == ""
@@ -107,22 +108,34 @@ def test_parameters_keep_their_type_on_the_command_line(value, text):
 
 
 def test_the_recorder_is_waited_for_and_without_observers_nobody_is(run, tmp_path):
-    def waited_for(one):
-        return next(word for word in one._sim.arguments if word.startswith("wait_for:="))
+    def started(one):
+        names = [child.name for child in one._nodes]
+        assert f"wait_for:={json.dumps(names)}" in one._sim.arguments  # everybody who is started is waited for
+        return names
 
-    assert waited_for(run) == 'wait_for:=["policy_node", "repair_node", "recorder_node", "viz_node"]'
-    live = _Run(
+    observers = {"recorder_node", "viz_node", "foxglove_node"}
+    always = {"policy_node", "repair_node"}
+    assert always | {"recorder_node", "viz_node"} <= {*started(run)}
+    assert "foxglove_node" not in started(run)
+    live = _GraphRun(
         GraphOptions(Path("s.yaml"), record=False, viz=False, foxglove=9000), None, tmp_path, 7, lambda *_: None
     )
-    assert waited_for(live) == 'wait_for:=["policy_node", "repair_node", "foxglove_node"]'
-    assert "port:=9000" in live._observers[0].arguments
-    bare = _Run(GraphOptions(Path("s.yaml"), record=False, viz=False), None, tmp_path, 7, lambda *_: None)
-    assert waited_for(bare) == 'wait_for:=["policy_node", "repair_node"]'
-    assert bare._observers == []
+    assert observers & {*started(live)} == {"foxglove_node"}
+    assert "port:=9000" in next(child for child in live._nodes if child.name == "foxglove_node").arguments
+    bare = _GraphRun(GraphOptions(Path("s.yaml"), record=False, viz=False), None, tmp_path, 7, lambda *_: None)
+    assert always <= {*started(bare)}
+    assert not observers & {*started(bare)}
+
+
+def test_one_line_adds_a_node_that_every_run_starts(tmp_path, monkeypatch):
+    monkeypatch.setattr(launcher, "NODES", (*launcher.NODES, launcher.NodeEntry("beacon")))
+    run = _GraphRun(GraphOptions(Path("s.yaml"), record=False), None, tmp_path, 7, lambda *_: None)
+    assert (run._nodes[-1].name, run._nodes[-1].module) == ("beacon_node", "roadmend.nodes.beacon")
+    assert any("beacon_node" in word for word in run._sim.arguments)
 
 
 def test_a_bag_that_is_there_already_is_refused_before_anything_starts(tmp_path, monkeypatch):
-    monkeypatch.setattr("roadmend.nodes.launcher._Run", lambda *_: pytest.fail("started"))
+    monkeypatch.setattr("roadmend.nodes.launcher._GraphRun", lambda *_: pytest.fail("started"))
     (tmp_path / "bag").mkdir()
     with pytest.raises(InputError, match="exists already; choose another --name"):
         run_graph(GraphOptions(Path("s.yaml"), bags=tmp_path, name="bag"))
@@ -139,7 +152,7 @@ def tree(folder):
 @pytest.mark.parametrize("record", [True, False])
 @pytest.mark.parametrize("name", ["kept", ".", "..", "a/b", "../kept", "", "new"])
 def test_a_run_that_is_refused_removes_nothing_but_its_own(tmp_path, monkeypatch, name, record):
-    monkeypatch.setattr("roadmend.nodes.launcher._Run.supervise", refused)
+    monkeypatch.setattr("roadmend.nodes.launcher._GraphRun.supervise", refused)
     out = tmp_path / "out"
     (out / "kept").mkdir(parents=True)
     (out / "kept" / "precious.mcap").write_bytes(b"precious")
@@ -157,11 +170,11 @@ def test_of_runs_begun_in_the_same_second_each_has_a_bag_of_its_own(tmp_path, mo
         (run._bag / "bag.mcap").write_bytes(b"driven")
         begun.append(run._bag.name)
 
-    monkeypatch.setattr("roadmend.nodes.launcher._Run.supervise", drive)
+    monkeypatch.setattr("roadmend.nodes.launcher._GraphRun.supervise", drive)
     options = GraphOptions(Path("s.yaml"), bags=tmp_path)
     run_graph(options)
     with monkeypatch.context() as failing:
-        failing.setattr("roadmend.nodes.launcher._Run.supervise", refused)
+        failing.setattr("roadmend.nodes.launcher._GraphRun.supervise", refused)
         with pytest.raises(InputError):
             run_graph(options)
     run_graph(options)
@@ -175,7 +188,7 @@ def test_a_run_that_recorded_nothing_leaves_no_empty_folder(tmp_path, monkeypatc
     def die(*_):
         raise RoadmendError("sim_node ended")
 
-    monkeypatch.setattr("roadmend.nodes.launcher._Run.supervise", die)
+    monkeypatch.setattr("roadmend.nodes.launcher._GraphRun.supervise", die)
     with pytest.raises(RoadmendError):
         run_graph(GraphOptions(Path("s.yaml"), bags=tmp_path / "bags", name="bag"))
     assert not (tmp_path / "bags" / "bag").exists()

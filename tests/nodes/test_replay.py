@@ -375,7 +375,7 @@ def run(tmp_path_factory):
     scenario = sample_scenario("S3", 3).model_copy(update={"time_limit": 8.0})
     save_scenario(scenario, folder / "s.yaml")
     result = run_graph(GraphOptions(folder / "s.yaml", method="predictive", bags=folder, name="run", viz=False))
-    return folder / "run", result
+    return folder / "run", result.episode
 
 
 @pytest.fixture

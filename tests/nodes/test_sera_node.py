@@ -17,7 +17,7 @@ from roadmend.nodes.pattern_messages import pattern_message_of, patterns_of
 from roadmend.nodes.sera import SeraNode
 from roadmend.sera.bank import Bank, build_bank
 from roadmend.sera.describe import entry_of
-from roadmend.sera.pattern import Evidence, FailurePattern, Where, Who, Why, read_patterns
+from roadmend.sera.pattern import FailurePattern, PatternEvidence, Where, Who, Why, read_patterns
 from roadmend.world.families import sample_scenario
 
 from ..language.server import serving  # noqa: TID252 - one server for all rooms
@@ -31,7 +31,7 @@ FULL = FailurePattern(
     Where("S4", "highway_exit", "priority", 2, 27.78, "dense", "rainy", "nighttime"),
     Who("truck", "left", "reckless"),
     Why("exit", "cut_in", 0.0),
-    (Evidence("a", "5" * 64, 1.5, "late"), Evidence("b")),
+    (PatternEvidence("a", "5" * 64, 1.5, "late"), PatternEvidence("b")),
 )
 
 

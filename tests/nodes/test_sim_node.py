@@ -94,6 +94,19 @@ def bench(domain, tmp_path, monkeypatch, scenario_file):
     rclpy.try_shutdown()
 
 
+def test_of_a_node_that_must_hear_nothing_it_is_enough_that_it_is_there(bench):
+    there = bench(waits=True, wait_for=["beacon_node"])
+    assert there.node._missing() == ["beacon_node"]
+    beacon = Node("beacon_node")
+    try:
+        deadline = time.monotonic() + 10.0
+        while there.node._missing() and time.monotonic() < deadline:
+            time.sleep(0.02)
+        assert there.node._missing() == []
+    finally:
+        beacon.destroy_node()
+
+
 def test_it_waits_until_the_nodes_have_joined_and_says_for_whom(bench):
     there = bench(waits=True)
     there.wait(1.0)

@@ -11,7 +11,7 @@ from visualization_msgs.msg import Marker
 from roadmend.core.appearance import KIND_COLOUR, KIND_HEIGHT, STATUS_COLOUR, TRIGGER_COLOUR
 from roadmend.core.command import Command, Trajectory
 from roadmend.core.geometry import fill_corners
-from roadmend.core.repair import Repair, RepairStatus, Trigger
+from roadmend.core.repair import Repair, RepairStatus, RepairTrigger
 from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
 from roadmend.recording.marker_map import band_edges, map_markers
@@ -77,7 +77,7 @@ def lane_map(count: int = 4) -> LaneMap:
 def repair(**changes: object) -> Repair:
     """A repair with a reason."""
     known = Repair(
-        Command(0.0, 0.8), RepairStatus.REPAIRED, 0.9, 0.5, 0.4, -0.8, True, 0, (Trigger(2, 1.0),), "car 2 ahead"
+        Command(0.0, 0.8), RepairStatus.REPAIRED, 0.9, 0.5, 0.4, -0.8, True, 0, (RepairTrigger(2, 1.0),), "car 2 ahead"
     )
     return replace(known, **changes)
 

@@ -14,7 +14,7 @@ from roadmend_msgs import msg
 
 from roadmend.core.command import Command, Trajectory
 from roadmend.core.outcome import Blame, Event, EventKind
-from roadmend.core.repair import Repair, RepairStatus, Trigger
+from roadmend.core.repair import Repair, RepairStatus, RepairTrigger
 from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
 from roadmend.core.scene import COLUMNS, EgoState, ObjectKind, ObjectList
 from roadmend.recording import messages
@@ -156,7 +156,7 @@ def test_a_route_with_an_unknown_rule_raises():
 
 @pytest.mark.parametrize("status", RepairStatus)
 def test_a_repair_arrives_complete(status):
-    triggers = (Trigger(7, 0.9), Trigger(4_000_000_000, 0.1))
+    triggers = (RepairTrigger(7, 0.9), RepairTrigger(4_000_000_000, 0.1))
     repair = Repair(Command(0.0, 0.6), status, 0.8, 0.5, 0.3, -0.6, True, 3, triggers, "object 7 ahead")
     back = sent(messages.repair_message_of(repair, "rss", header()))
     assert (back.state, back.method, back.reason) == (int(status), "rss", "object 7 ahead")

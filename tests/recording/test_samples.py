@@ -98,7 +98,8 @@ def test_faults_are_answered_by_braking_and_left_again(bags):
     begin = next(seconds(one) for one in bag["/events"] if one.kind == event.WATCHDOG)
     end = next(seconds(one) for one in bag["/events"] if one.kind == event.RECOVERED)
     assert end - begin > 0.3
-    assert not [one for one in bag["/repair/state"] if begin < seconds(one) < end]  # the node was dead
+    answers = [seconds(one) for one in bag["/repair/state"] if begin < seconds(one) < end]
+    assert all(answer > end - 0.1 for answer in answers)  # the node was dead, and its first answers end it
     speeds = [one.twist.twist.linear.x for one in bag["/ego"] if begin + 0.3 < seconds(one) < end]
     assert all(after <= before for before, after in pairwise(speeds))
     stale = [one for one in bag["/repair/state"] if one.state == state.STALE_COMMAND]

@@ -8,7 +8,7 @@ import pytest
 from roadmend.core.command import Command, Trajectory
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import Blame, Event, EventKind
-from roadmend.core.repair import Repair, RepairStatus, Trigger
+from roadmend.core.repair import Repair, RepairStatus, RepairTrigger
 from roadmend.core.scene import EgoState, ObjectKind
 from roadmend.recording import messages
 from roadmend.recording.codec import encode, type_of
@@ -124,7 +124,7 @@ def test_a_bag_without_an_episode_is_refused(bag):
 
 
 def test_a_bag_carries_a_repair_without_loss(bag):
-    triggers = (Trigger(7, 0.9), Trigger(3, 0.1))
+    triggers = (RepairTrigger(7, 0.9), RepairTrigger(3, 0.1))
     done = Repair(
         Command(0.0, 0.6, change_lane=True), RepairStatus.REPAIRED, 0.8, 0.5, 0.3, -0.6, True, 2, triggers, "7 ahead"
     )

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from roadmend.core.command import Command, Decision, Trajectory
-from roadmend.core.repair import Proposal, RepairStatus, Trigger
+from roadmend.core.repair import Proposal, RepairStatus, RepairTrigger
 from roadmend.repair.guard import GRAVITY, GuardedRepairer, gravest
 from roadmend.repair.none import NoRepair
 from roadmend.repair.parameters import GuardParameters
@@ -157,6 +157,7 @@ def test_a_decision_of_the_wrong_shape_is_no_decision(decision):
     repair = guarded().step(scene_of([]), decision)
     assert repair.status == RepairStatus.STALE_COMMAND
     assert repair.final_action == -0.5
+    assert "unusable decision: " in repair.reason
 
 
 @pytest.mark.parametrize("time", [-0.05, -3.0, 5.0])
@@ -394,7 +395,7 @@ def test_an_invalid_command_costs_the_plan_nothing_and_an_unusable_plan_not_the_
 
 
 def test_the_account_holds_what_the_method_said():
-    trigger = Trigger(7, 0.4)
+    trigger = RepairTrigger(7, 0.4)
     repair = step(guarded(Scripted(Proposal(0.9, 0.5, -0.6, (trigger,), "because"))), [Box(1, math.nan, 0.0)])
     assert (repair.score, repair.threshold, repair.triggers) == (0.9, 0.5, (trigger,))
     assert repair.dropped_objects == 1
@@ -464,7 +465,7 @@ def test_time_that_runs_back_takes_the_rules_memory_as_well():
 
 
 def test_the_rule_is_shown_what_the_method_was_and_is_answered_for():
-    trigger = Trigger(3, 0.2)
+    trigger = RepairTrigger(3, 0.2)
     repairer = spied(Proposal(0.2, 0.1, -0.7, (trigger,), "near"), Scripted(fail))
     scene = scene_of([Box(1, math.nan, 0.0), Box(2, 50.0, 9.0)])
     repair = repairer.step(scene, Decision(Command(0.3, 0.0), Trajectory.empty()))
@@ -490,6 +491,7 @@ def test_where_method_and_rule_fail_the_stop_is_no_softer_than_what_was_asked():
         assert "dropped 1" in repair.reason
         assert "scripted failed" in repair.reason
         assert repair.reason.count("out of tune") == (2 if answer is fail else 1)
+        assert repair.reason.endswith("; ValueError('out of tune')") is (answer is fail)
 
 
 def test_neither_a_missing_route_nor_blind_odometry_softens_the_brake_that_was_asked_for():
@@ -497,8 +499,15 @@ def test_neither_a_missing_route_nor_blind_odometry_softens_the_brake_that_was_a
     assert (starting.status, starting.command.brake) == (RepairStatus.STARTING, 0.9)
     blind = guarded().step(scene_of([], ego=ego_at()._replace(x=math.nan)), braking(0.9))
     assert (blind.status, blind.command.brake) == (RepairStatus.STALE_OBJECTS, 0.9)
-    assert starting.reason
-    assert blind.reason
+    assert starting.reason.endswith("no route yet")
+    assert blind.reason.endswith("odometry is not finite")
+
+
+def test_a_stop_tells_where_it_had_to_do_without_the_rule():
+    repairer = spied(fail)
+    stop = repairer.controlled_stop(RepairStatus.STALE_COMMAND, "late", scene_of([]))
+    assert stop.command.brake == 0.5
+    assert stop.reason.endswith("late; without rss: ValueError('out of tune')")
 
 
 def test_without_a_decision_the_scene_still_counts():
@@ -548,7 +557,7 @@ def test_a_controlled_stop_takes_an_invalid_command_for_none():
     ("wanted", "brake"), [(-0.95, 0.95), (-1.0, 1.0), (-0.9, 0.9), (-0.7, 0.9), (0.8, 0.9), (-1.5, 0.9)]
 )
 def test_in_a_controlled_stop_the_rule_may_only_brake_harder(wanted, brake):
-    trigger = Trigger(3, 0.2)
+    trigger = RepairTrigger(3, 0.2)
     repairer = spied(Proposal(0.2, 0.1, wanted, (trigger,), "near"))
     scene = scene_of([Box(1, math.nan, 0.0), Box(2, 50.0, 9.0)])
     repair = repairer.controlled_stop(RepairStatus.STALE_COMMAND, "late", scene, braking(0.9))

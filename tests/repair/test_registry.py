@@ -59,7 +59,7 @@ def test_every_parameter_has_a_meaning_and_a_range(name, field):
 
 @pytest.mark.parametrize("name", ["magic", "", "RSS"])
 def test_an_unknown_method_is_refused_with_the_known_ones(name):
-    with pytest.raises(InputError, match=r"not available.*none, random, rule, rss, predictive, model, adreft"):
+    with pytest.raises(InputError, match=f"not available.*{', '.join(METHODS)}"):
         make_repairer(name)
 
 

@@ -120,7 +120,9 @@ def test_an_object_out_of_all_reason_is_dropped_alone(field, bad):
     assert usable(object_list(boxes)) == (1, [True, False])
 
 
-@pytest.mark.parametrize(("field", "good"), [("length", 60.0), ("length", 0.01), ("width", 10.0), ("speed", 150.0)])
+@pytest.mark.parametrize(
+    ("field", "good"), [("length", 60.0), ("length", 0.01), ("width", 10.0), ("width", 0.4), ("speed", 150.0)]
+)
 def test_the_bounds_themselves_are_usable(field, good):
     assert usable(object_list([replace(Box(2, 5.0, 0.0), **{field: good})])) == (0, [True])
 

@@ -4,18 +4,21 @@ from html.parser import HTMLParser
 
 from roadmend.language.chat import Image
 from roadmend.reports.crash_tests import report_of_reproductions, report_of_tests
-from roadmend.safe.cases import Case
-from roadmend.safe.driving import Result
-from roadmend.safe.tally import tally_reproductions, tally_tests
+from roadmend.safe.cases import CrashCase
+from roadmend.safe.crash_test_summary import summarise_reproductions, summarise_tests
+from roadmend.safe.driving import CrashTestResult
+from tests.measures.results import episode
 from tests.safe.crashes import crash, vehicle
 
 CASES = [
-    Case("head-on", crash("Straight", vehicle("W2E"), vehicle("E2W")), Image(b"sketch", "image/png")),
-    Case("empty", None, problem="summary.txt: is empty"),
+    CrashCase("head-on", crash("Straight", vehicle("W2E"), vehicle("E2W")), Image(b"sketch", "image/png")),
+    CrashCase("empty", None, problem="summary.txt: is empty"),
 ]
 RESULTS = [
-    Result("head-on", 1, "modular", "scenarios/a.yaml", "pictures/a.png", "COLLISION", "hit <b> | it", collision=True),
-    Result("head-on", 2, "modular", text="no lane & no way"),
+    CrashTestResult(
+        "head-on", 1, "modular", "scenarios/a.yaml", "pictures/a.png", episode("COLLISION", text="hit <b> | it")
+    ),
+    CrashTestResult("head-on", 2, "modular", note="no lane & no way"),
 ]
 
 
@@ -42,7 +45,7 @@ def cells_of(page):
 
 
 def test_the_page_has_the_table_of_the_markdown_and_a_picture_of_each_crash(tmp_path):
-    files = report_of_tests(CASES, {"modular": tally_tests(CASES, RESULTS)}, RESULTS, tmp_path)
+    files = report_of_tests(CASES, {"modular": summarise_tests(CASES, RESULTS)}, RESULTS, tmp_path)
     page = cells_of(files["report.html"])
     lines = [line for line in files["report.md"].splitlines() if line.startswith("| ")]
     assert ["| " + " | ".join(row) + " |" for row in page.rows] == [lines[0], *lines[2 : len(page.rows) + 1]]
@@ -56,6 +59,6 @@ def test_the_page_has_the_table_of_the_markdown_and_a_picture_of_each_crash(tmp_
 
 
 def test_a_reproduction_has_its_own_table(tmp_path):
-    files = report_of_reproductions(CASES, {"modular": tally_reproductions(CASES, RESULTS)}, RESULTS, tmp_path)
+    files = report_of_reproductions(CASES, {"modular": summarise_reproductions(CASES, RESULTS)}, RESULTS, tmp_path)
     assert cells_of(files["reproduction.html"]).rows[0][:3] == ["policy", "reports", "reproduced"]
     assert "# Crashes reproduced" in files["reproduction.md"]

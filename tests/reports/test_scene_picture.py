@@ -15,7 +15,7 @@ from PIL import Image
 from roadmend.core.appearance import KIND_COLOUR, SILENT_COLOUR, STATUS_COLOUR, TRIGGER_COLOUR
 from roadmend.core.command import Command, Trajectory
 from roadmend.core.outcome import Event, EventKind
-from roadmend.core.repair import Repair, RepairStatus, Trigger
+from roadmend.core.repair import Repair, RepairStatus, RepairTrigger
 from roadmend.core.route import RightOfWay, Route, Stage, Zone
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
 from roadmend.reports.scene_layers import ASPHALT, Trail
@@ -67,7 +67,7 @@ def view() -> SceneView:
         width=[1.8, 0.6],
     )
     repair = Repair(
-        Command(0.0, 0.8), RepairStatus.REPAIRED, 0.9, 0.5, 0.4, -0.8, True, 0, (Trigger(4, 1.0),), "car 4 ahead"
+        Command(0.0, 0.8), RepairStatus.REPAIRED, 0.9, 0.5, 0.4, -0.8, True, 0, (RepairTrigger(4, 1.0),), "car 4 ahead"
     )
     plan = Trajectory(0.5, np.array([4.0, 8.0]), np.zeros(2), np.zeros(2), np.full(2, 8.0))
     route = Route("", 4.8, 1.8, 95.0, 60.0, (stage,), (), (Zone(0, 68.0, 75.0, RightOfWay.STOP),))

@@ -6,18 +6,18 @@ from roadmend.safe.dsl import (
     MAX_LANES,
     MAX_SPEED_LIMIT,
     Action,
-    Collision,
     Compass,
     CrashScenario,
-    Environment,
+    DescribedCollision,
+    DescribedEnvironment,
+    DescribedRoadNetwork,
+    DescribedVehicle,
+    DslModel,
     Manoeuvre,
-    Model,
     Position,
-    RoadNetwork,
     RoadType,
     Side,
     Time,
-    Vehicle,
     Weather,
 )
 
@@ -44,8 +44,8 @@ def scenarios(draw):
     stem = draw(st.none() | st.sampled_from(Compass)) if road_type is RoadType.T_INTERSECTION else None
     positions = st.none() | st.sampled_from(RAMP if road_type is RoadType.MERGING else COMPASS)
     vehicle = st.builds(
-        Vehicle,
-        st.none() | st.sampled_from(Model),
+        DescribedVehicle,
+        st.none() | st.sampled_from(DslModel),
         positions,
         _actions,
         st.none() | st.integers(1, MAX_SPEED_LIMIT) | st.floats(0.5, MAX_SPEED_LIMIT),
@@ -58,14 +58,16 @@ def scenarios(draw):
     ]
     sides = st.none() | st.sampled_from(Side)
     collision = (
-        st.builds(lambda pair, *both: Collision(*pair, *both), st.sampled_from(pairs), sides, sides)
+        st.builds(lambda pair, *both: DescribedCollision(*pair, *both), st.sampled_from(pairs), sides, sides)
         if pairs
         else st.nothing()
     )
     return CrashScenario(
-        RoadNetwork(road_type, draw(st.none() | st.integers(1, MAX_LANES)), stem),
+        DescribedRoadNetwork(road_type, draw(st.none() | st.integers(1, MAX_LANES)), stem),
         vehicles,
-        Environment(draw(st.none() | st.sampled_from(Time)), draw(st.none() | st.sampled_from(Weather)), draw(_extras)),
+        DescribedEnvironment(
+            draw(st.none() | st.sampled_from(Time)), draw(st.none() | st.sampled_from(Weather)), draw(_extras)
+        ),
         tuple(draw(st.lists(collision, max_size=2))) if pairs else (),
         draw(_extras),
     )

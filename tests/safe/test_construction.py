@@ -6,7 +6,7 @@ import pytest
 
 from roadmend.core.errors import InputError
 from roadmend.safe.construction import build_scenario, draw_scenario
-from roadmend.safe.dsl import Environment, Time, Weather
+from roadmend.safe.dsl import DescribedEnvironment, Time, Weather
 from roadmend.safe.open_questions import open_questions
 from roadmend.world.scenario import Drift, Heedless
 from roadmend.world.scenario_file import load_scenario, save_scenario
@@ -46,7 +46,7 @@ def test_what_the_report_leaves_open_stands_in_the_scenario():
 
 
 def test_light_weather_and_bodies_are_the_reports():
-    dark = Environment(Time.NIGHTTIME, Weather.SNOWY)
+    dark = DescribedEnvironment(Time.NIGHTTIME, Weather.SNOWY)
     what = crash("Intersection", vehicle(), vehicle("S2N", model="Semi Truck"), environment=dark)
     scenario = draw_scenario(role(what), 0)
     assert (scenario.environment.weather, scenario.environment.time_of_day) == ("snowy", "nighttime")

@@ -5,7 +5,7 @@ import random
 import pytest
 
 from roadmend.safe.described_crash import judge, why_not_played
-from roadmend.safe.dsl import Collision, Side
+from roadmend.safe.dsl import DescribedCollision, Side
 from roadmend.safe.layout import lay_out
 from roadmend.safe.open_questions import answer, open_questions
 from roadmend.safe.trial import Contact
@@ -35,22 +35,22 @@ def test_a_contact_from_the_described_sides_and_angle_is_the_crash():
     ],
 )
 def test_every_other_contact_is_not(contact, words):
-    what = crash("Intersection", vehicle("W2E"), vehicle("S2N"), vehicle("S2N"), collisions=[Collision(2, 1)])
+    what = crash("Intersection", vehicle("W2E"), vehicle("S2N"), vehicle("S2N"), collisions=[DescribedCollision(2, 1)])
     found = verdict(what, 0, contact)
     assert not found.is_described
     assert words in found.reason
 
 
 def test_who_had_stopped_must_stand_and_head_on_neither_is_the_one():
-    stopped = crash("Straight", vehicle(), vehicle(manoeuvre="Stop"), collisions=[Collision(1, 2)])
+    stopped = crash("Straight", vehicle(), vehicle(manoeuvre="Stop"), collisions=[DescribedCollision(1, 2)])
     assert "had stopped" in verdict(stopped, 1, Contact("v1", REAR, FRONT, 0.0, 9.0, 0.0)).reason
     assert verdict(stopped, 1, Contact("v1", REAR, FRONT, 0.0, 0.2, 0.0)).is_described
-    head_on = crash("Straight", vehicle("W2E"), vehicle("E2W"), collisions=[Collision(2, 1)])
+    head_on = crash("Straight", vehicle("W2E"), vehicle("E2W"), collisions=[DescribedCollision(2, 1)])
     assert verdict(head_on, 0, Contact("v2", FRONT, FRONT, 178.0, 9.0, 0.0)).is_described
 
 
 def test_some_crashes_cannot_happen_with_a_policy_in_a_vehicles_place():
-    three = crash("Straight", vehicle(), vehicle(), vehicle(), collisions=[Collision(1, 2)])
+    three = crash("Straight", vehicle(), vehicle(), vehicle(), collisions=[DescribedCollision(1, 2)])
     assert "in no collision" in why_not_played(three, 2)
     merges = crash("Straight", vehicle(manoeuvre="Merge"), vehicle(), lanes=4)
     assert "no policy is asked" in why_not_played(merges, 0)

@@ -4,47 +4,47 @@ import pytest
 
 from roadmend.safe.dsl import (
     Action,
-    Collision,
     Compass,
     CrashScenario,
-    Environment,
-    Model,
+    DescribedCollision,
+    DescribedEnvironment,
+    DescribedRoadNetwork,
+    DescribedVehicle,
+    DslModel,
     Position,
-    RoadNetwork,
     RoadType,
-    Vehicle,
 )
 
-CAR = Vehicle(Model.SEDAN, Position.W2E, Action.MOVE_FORWARD, 45)
-NOWHERE = Environment(None, None)
+CAR = DescribedVehicle(DslModel.SEDAN, Position.W2E, Action.MOVE_FORWARD, 45)
+NOWHERE = DescribedEnvironment(None, None)
 
 
 @pytest.mark.parametrize("lanes", [0, -1, 25])
 def test_lanes_out_of_range(lanes):
     with pytest.raises(ValueError, match="num_lanes"):
-        RoadNetwork(RoadType.STRAIGHT, lanes)
+        DescribedRoadNetwork(RoadType.STRAIGHT, lanes)
 
 
 @pytest.mark.parametrize("road_type", [None, *(kind for kind in RoadType if kind is not RoadType.T_INTERSECTION)])
 def test_a_stem_needs_a_t_intersection(road_type):
     with pytest.raises(ValueError, match="stem_direction"):
-        RoadNetwork(road_type, 2, Compass.WEST)
+        DescribedRoadNetwork(road_type, 2, Compass.WEST)
 
 
 @pytest.mark.parametrize("limit", [0, -5, 100.5])
 def test_speed_limits_out_of_range(limit):
     with pytest.raises(ValueError, match="speed_limit_mph"):
-        Vehicle(None, None, None, limit)
+        DescribedVehicle(None, None, None, limit)
 
 
 def test_a_way_needs_two_points():
     with pytest.raises(ValueError, match="action"):
-        Vehicle(None, None, ((0.0, 0.0),), None)
+        DescribedVehicle(None, None, ((0.0, 0.0),), None)
 
 
 def test_a_crash_needs_a_vehicle():
     with pytest.raises(ValueError, match="vehicles is empty"):
-        CrashScenario(RoadNetwork(None, None), (), NOWHERE)
+        CrashScenario(DescribedRoadNetwork(None, None), (), NOWHERE)
 
 
 @pytest.mark.parametrize(
@@ -53,16 +53,16 @@ def test_a_crash_needs_a_vehicle():
 )
 def test_positions_belong_to_road_types(road_type, position):
     with pytest.raises(ValueError, match=r"vehicles\[0\].initial_position"):
-        CrashScenario(RoadNetwork(road_type, 2), (Vehicle(None, position, None, None),), NOWHERE)
+        CrashScenario(DescribedRoadNetwork(road_type, 2), (DescribedVehicle(None, position, None, None),), NOWHERE)
 
 
 def test_collisions_need_two_vehicles_that_are_there():
     with pytest.raises(ValueError, match="itself"):
-        Collision(1, 1)
+        DescribedCollision(1, 1)
     with pytest.raises(ValueError, match="name vehicle 2"):
-        CrashScenario(RoadNetwork(None, None), (CAR,), NOWHERE, (Collision(1, 2),))
+        CrashScenario(DescribedRoadNetwork(None, None), (CAR,), NOWHERE, (DescribedCollision(1, 2),))
 
 
 def test_own_fields_need_their_prefix():
     with pytest.raises(ValueError, match="x-"):
-        Environment(None, None, {"wind": 3})
+        DescribedEnvironment(None, None, {"wind": 3})

@@ -30,7 +30,7 @@ def test_every_vehicle_takes_the_place_of_the_ego(tmp_path):
 
 def test_a_scenario_that_cannot_be_built_is_a_problem_and_no_end(tmp_path, monkeypatch):
     monkeypatch.setattr(
-        report_build, "do", lambda job: do(job) if job.role.ego else replace(do(job), scenario="", text="no room")
+        report_build, "do", lambda job: do(job) if job.role.ego else replace(do(job), scenario="", note="no room")
     )
     built = build_report(REPORT, EmbeddedExtractor(), tmp_path, 1, 0, unwatched)
     assert built.problems == ("vehicle 1: no room",)

@@ -30,4 +30,4 @@ def test_the_film_of_somebody_alone_has_a_middle():
     trial = run_trial(draw_scenario(role(ALL["alone"]), 0), "modular")
     assert trial.film.nearest() == len(trial.film.ego) // 2
     assert trial.film.track("v2").shape == (0, 3)
-    assert (trial.contact, trial.is_collision, trial.is_at_fault) == (None, False, False)
+    assert (trial.contact, trial.summary.collided, trial.summary.final.at_fault) == (None, False, False)

@@ -9,18 +9,20 @@ import pytest
 
 from roadmend.cli.main import main
 from roadmend.core.errors import InputError
-from roadmend.core.outcome import Blame
 from roadmend.core.scene import EgoState, ObjectList, Scene
 from roadmend.search import campaign as module
+from roadmend.search.attempt import CRASH
 from roadmend.search.behaviour import FEATURES, BehaviourRecorder
-from roadmend.search.campaign import Campaign, run_campaign, tally
+from roadmend.search.campaign import Campaign, run_campaign, summarise
 from roadmend.search.danger import CLOSING_WEIGHT, FARTHEST, HORIZON, Danger
-from roadmend.search.evaluation import BEST, CRASH, CRASH_FITNESS, Evaluation, Subject, evaluate, evaluate_scenario
+from roadmend.search.evaluation import BEST, CRASH_FITNESS, Subject, evaluate, evaluate_scenario
 from roadmend.search.ledger import Ledger
 from roadmend.search.registry import TECHNIQUES, read_technique_parameters
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario_file import load_scenario
 from roadmend.world.space import sample
+
+from .toy import made_up
 
 SUSPECTS = [("S5", seed) for seed in (49, *range(300))]  # the first of them collides
 
@@ -29,16 +31,16 @@ def plan(technique, family="S5", seed=1):
     return Campaign(Subject(family, "modular", "none", seed), technique, read_technique_parameters(technique))
 
 
-def made_up(points):
+def by_value(points):
     """Fitness from the point itself; every seventh or so collides."""
     for point in points:
         value = sum(number for number in point.values() if isinstance(number, float)) % 7.0
         outcome = "COLLISION" if value < 1.0 else "GOAL"
         features = tuple(float(point[f"v{slot}.lane"]) for slot in range(6))
-        yield Evaluation(outcome, "", f"{value}", BEST if value < 1.0 else -value, value, Blame.FRONT, features)
+        yield made_up(outcome, f"{value}", BEST if value < 1.0 else -value, features)
 
 
-def search(folder, technique, budget, evaluator=made_up, seed=1):
+def search(folder, technique, budget, evaluator=by_value, seed=1):
     with Ledger(folder, plan(technique, seed=seed).settings) as ledger:
         run_campaign(plan(technique, seed=seed), ledger, evaluator, budget)
         return ledger.entries
@@ -61,7 +63,7 @@ def test_resumed_equals_uninterrupted(tmp_path, technique):
 
         def evaluator(points):
             nonlocal left
-            for evaluation in made_up(points):
+            for evaluation in by_value(points):
                 if not left:
                     raise StoppedError
                 left -= 1
@@ -93,11 +95,11 @@ def test_a_ledger_of_another_version_is_refused(tmp_path, monkeypatch):
 
 
 def test_the_tally_counts_what_is_there(tmp_path):
-    found = tally(search(tmp_path, "random", 60))
+    found = summarise(search(tmp_path, "random", 60))
     assert found.evaluated == 60 == sum(found.outcomes.values())
     assert found.violations == found.outcomes["COLLISION"] == len(list((tmp_path / "found").iterdir()))
     assert 0 < found.distinct <= found.violations
-    assert tally([]).first_violation is None
+    assert summarise([]).first_violation is None
 
 
 def command(folder, technique, workers, capsys):
@@ -110,7 +112,10 @@ def command(folder, technique, workers, capsys):
 def test_a_real_search_runs(tmp_path, technique, capsys):
     printed = command(tmp_path, technique, 1, capsys)
     assert (printed["evaluated"], printed["crashes"], printed["technique"]) == (5, 0, technique)
-    digests = [json.loads(line)["digest"] for line in (tmp_path / "ledger.jsonl").read_text().splitlines()[1:]]
+    digests = [
+        json.loads(line)["evaluation"]["result"]["digest"]
+        for line in (tmp_path / "ledger.jsonl").read_text().splitlines()[1:]
+    ]
     assert len(set(digests)) == 5
 
 
@@ -137,6 +142,7 @@ def test_a_violation_reproduces_from_its_file(tmp_path, monkeypatch):
     assert entry.evaluation.fitness == BEST
     again = load_scenario(tmp_path / entry.reproduction.scenario)
     assert entry.reproduction.command.split()[:4] == ["roadmend", "run", "--scenario", entry.reproduction.scenario]
+    again = again.model_copy(update={"name": "point"})
     assert evaluate_scenario(again, "modular", "none") == entry.evaluation
 
 

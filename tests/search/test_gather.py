@@ -10,20 +10,23 @@ import yaml
 
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import Blame
+from roadmend.search.attempt import Attempt
 from roadmend.search.corpus_plan import FRESH_SEED, CorpusPlan, fresh_plan, read_corpus_plan
-from roadmend.search.evaluation import BEST, Evaluation
+from roadmend.search.evaluation import BEST
 from roadmend.search.gather import gather, gather_fresh
 from roadmend.search.ledger import Ledger
-from roadmend.search.rerun import Rerun
 from roadmend.world.corpus import dump_corpus
 from roadmend.world.families import FAMILIES
 from roadmend.world.point_text import used_parameters
+from tests.measures.results import episode
+
+from .toy import made_up
 
 CONFIG = Path(__file__).parents[2] / "config" / "search" / "corpus.yaml"
 CYCLE = ["random", "avfuzzer"]
 
 
-def made_up(family, parameters, seed):
+def chance(family, parameters, seed):
     """Every fifth or so collides, by what the scenario depends on; some of them are not to blame."""
     value = random.Random(f"{family} {seed} {sorted(parameters.items())}").random()
     return ("COLLISION" if value < 0.25 else "GOAL" if value < 0.9 else "TIMEOUT"), f"{value}"
@@ -57,14 +60,14 @@ def world(monkeypatch):
     def evaluate(subject, point):
         counts["searched"] += 1
         used = used_parameters(FAMILIES[subject.family].build, point, subject.seed)
-        outcome, digest = made_up(subject.family, used, subject.seed)
+        outcome, digest = chance(subject.family, used, subject.seed)
         fitness = BEST if float(digest) < 0.2 else -float(digest)
-        return Evaluation(outcome, "", digest, fitness, 1.5, blame_of(digest), (float(digest),))
+        return made_up(outcome, digest, fitness, (float(digest),), blame_of(digest))
 
     def again(policy, case):
         counts["rerun"] += 1
-        outcome, digest = made_up(case.family, case.parameters, case.seed)
-        return Rerun(outcome, digest, "", 1.5, 12.5, blame_of(digest).name)
+        outcome, digest = chance(case.family, case.parameters, case.seed)
+        return Attempt(episode(outcome, digest=digest, blame=blame_of(digest)), "")
 
     monkeypatch.setattr("roadmend.search.gather.evaluate", evaluate)
     monkeypatch.setattr("roadmend.search.rerun.rerun", again)
@@ -93,7 +96,7 @@ def test_every_split_is_filled_from_its_own_searches(tmp_path):
     assert not corpus.select("S2")
     assert len({case.digest for case in corpus.cases}) == len(corpus.cases) == 2 * plan().wanted
     assert len({case.name for case in corpus.cases}) == len(corpus.cases)
-    assert {case.duration for case in corpus.cases} == {12.5}
+    assert {case.duration for case in corpus.cases} == {10.0}
     assert all(Blame[case.blame].is_egos for case in corpus.cases if case.is_violation)
     assert list((tmp_path / "modular" / "S1" / "test-0" / "found").iterdir())
 
@@ -154,8 +157,8 @@ def test_what_does_not_come_to_the_same_is_dropped_and_counted(tmp_path, monkeyp
     doomed = {case.digest for case in good.select("S1", "test")[::2]}
 
     def unsteady(policy, case):
-        outcome, digest = made_up(case.family, case.parameters, case.seed)
-        return Rerun(outcome, "other" if digest in doomed else digest, "", None, 1.0)
+        outcome, digest = chance(case.family, case.parameters, case.seed)
+        return Attempt(episode(outcome, digest="other" if digest in doomed else digest), "")
 
     monkeypatch.setattr("roadmend.search.rerun.rerun", unsteady)
     gathered = build(tmp_path / "bad", ["S1"])
@@ -205,7 +208,7 @@ def test_a_line_that_was_cut_short_is_run_again(tmp_path, world):
     before = world["rerun"]
     assert build(tmp_path, ["S1"]).corpus == whole
     assert world["rerun"] == before + 1
-    assert all(json.loads(line)["digest"] for line in path.read_text().splitlines()[1:])
+    assert all(json.loads(line)["result"]["digest"] for line in path.read_text().splitlines()[1:])
 
 
 def test_fresh_sets_use_seeds_of_their_own(tmp_path):

@@ -1,22 +1,23 @@
 """A search on disk: what comes back, and what is refused; how lines are kept is tests/core/test_journal.py's."""
 
 import json
+from dataclasses import asdict
 
 import pytest
 
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import Blame
 from roadmend.search.evaluation import Evaluation
-from roadmend.search.ledger import FORMAT, Entry, Ledger, Reproduction
+from roadmend.search.ledger import FORMAT, Ledger, LedgerEntry, RerunCommand
+from tests.measures.results import episode
 
 SETTINGS = {"family": "S3", "seed": 1}
 
 
 def entry(index):
-    evaluation = Evaluation(
-        "GOAL", "route completed", "abc", -1.0 / 3.0, None if index else 0.1, Blame.SIDE, (0.1, 2.0 / 3.0)
-    )
-    return Entry(index, f"point-{index}", evaluation, Reproduction("a", "b", "c", "d") if index == 1 else None)
+    result = None if index == 2 else episode("COLLISION", change=0.1, digest="abc", blame=Blame.SIDE)
+    evaluation = Evaluation(result, "" if result else "broken", -1.0 / 3.0, (0.1, 2.0 / 3.0))
+    return LedgerEntry(index, f"point-{index}", evaluation, RerunCommand("a", "b", "c", "d") if index == 1 else None)
 
 
 @pytest.fixture
@@ -59,7 +60,7 @@ def test_a_folder_with_something_else_is_left_alone(tmp_path):
 def test_a_search_of_an_earlier_format_is_refused(tmp_path):
     (tmp_path / "settings.json").write_text(json.dumps({"format": "roadmend-search/1", **SETTINGS}))
     assert "is not empty" in refusal(tmp_path)
-    (tmp_path / "ledger.jsonl").write_text(json.dumps({"parameters": "abc", **entry(0).dump()}) + "\n")
+    (tmp_path / "ledger.jsonl").write_text(json.dumps({"parameters": "abc", "index": 0}) + "\n")
     assert f"is not of the format {FORMAT}" in refusal(tmp_path)
 
 
@@ -74,5 +75,5 @@ def test_a_damaged_line_is_named(folder, line):
 
 def test_a_line_out_of_order_is_named(folder):
     with (folder / "ledger.jsonl").open("a") as file:
-        file.write(json.dumps({"key": entry(7).key, **entry(7).dump()}) + "\n")
+        file.write(json.dumps(asdict(entry(7))) + "\n")
     assert "line 5: is out of order" in refusal(folder)

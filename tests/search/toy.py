@@ -3,6 +3,12 @@
 from roadmend.core.outcome import Blame
 from roadmend.search.evaluation import BEST, Evaluation, Trial, parameters_digest
 from roadmend.world.space import Choice, Uniform, Whole
+from tests.measures.results import episode
+
+
+def made_up(outcome, digest, fitness, features, blame=Blame.FRONT):
+    return Evaluation(episode(outcome, digest=digest, blame=blame), "", fitness, features)
+
 
 SPACE = {
     "speed": Uniform(0.0, 10.0),
@@ -21,7 +27,7 @@ def toy_evaluation(parameters):
     fitness = BEST if away < 9.0 else -away
     outcome = "COLLISION" if fitness == BEST else "GOAL"
     features = (parameters["speed"] / 10.0, parameters["v0.x"] / 5.0)
-    return Evaluation(outcome, "", parameters_digest(parameters), fitness, away, Blame.FRONT, features)
+    return made_up(outcome, parameters_digest(parameters), fitness, features)
 
 
 def toy_evaluator(points):

@@ -2,10 +2,10 @@
 
 import dataclasses
 
-from roadmend.sera.descriptor import Descriptor, Entry, Hazard, OutcomeStatistics, Road
+from roadmend.sera.descriptor import BankEntry, Descriptor, Hazard, OutcomeStatistics, RoadDescriptor
 
 PLAIN = Descriptor(
-    road=Road("highway_exit", 2, 27.78),
+    road=RoadDescriptor("highway_exit", 2, 27.78),
     manoeuvre="exit",
     participants={"car": 3},
     drivers={"normal": 3},
@@ -20,7 +20,7 @@ PLAIN = Descriptor(
 
 
 def entry(name, **changes):
-    return Entry(f"digest-{name}", name, "test", dataclasses.replace(PLAIN, **changes))
+    return BankEntry(f"digest-{name}", name, "test", dataclasses.replace(PLAIN, **changes))
 
 
 def cut_in(participant="car", side="left"):

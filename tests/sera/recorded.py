@@ -10,7 +10,7 @@ from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.route import RightOfWay, Route, Stage, Zone
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
 from roadmend.recording.episode import BagEpisode
-from roadmend.sera.incident import Ego, Incident, Other, Place, RepairAccount
+from roadmend.sera.incident import Incident, IncidentEgo, IncidentPlace, Other, RepairAccount
 from roadmend.sera.pattern import Where
 from roadmend.sera.track import Track
 
@@ -92,8 +92,8 @@ def incident(**chosen):
         "bag": "a",
         "time": 5.0,
         "where": Where(family="S3", road="intersection", weather="rainy"),
-        "place": Place("in_junction", 0, "yield", -3.0),
-        "ego": Ego("crossing_straight", 8.0, "straight"),
+        "place": IncidentPlace("in_junction", 0, "yield", -3.0),
+        "ego": IncidentEgo("crossing_straight", 8.0, "straight"),
         "other": Other(7, "car", "crossing_from_left", "left", 9.0, 0.0, None, "v7", "normal"),
         "repair": NO_METHOD,
         "manner": "hit in the side",

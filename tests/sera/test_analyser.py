@@ -11,7 +11,7 @@ from roadmend.core.errors import InputError
 from roadmend.sera.analyser import EmbeddedAnalyser
 from roadmend.sera.analysis import analyse, find_bags, read_incidents
 from roadmend.sera.analysis_report import NOTHING, report
-from roadmend.sera.incident import Ego, Place
+from roadmend.sera.incident import IncidentEgo, IncidentPlace
 from roadmend.sera.pattern import Where
 
 from .recorded import incident
@@ -23,7 +23,7 @@ EMBEDDED = EmbeddedAnalyser()
 def test_what_agrees_is_one_pattern_with_what_holds_for_all_of_it():
     first = incident()
     second = incident(bag="b", where=replace(first.where, weather="clear"), avoidable=None)
-    other = incident(bag="c", place=Place("before_junction", 0, "yield", 8.0))
+    other = incident(bag="c", place=IncidentPlace("before_junction", 0, "yield", 8.0))
     patterns = EMBEDDED.analyse([other, second, first])
     assert [len(pattern.evidence) for pattern in patterns] == [2, 1]
     found = patterns[0]
@@ -41,7 +41,8 @@ def test_what_agrees_is_one_pattern_with_what_holds_for_all_of_it():
 
 def test_the_order_of_the_incidents_does_not_matter():
     incidents = [
-        incident(bag=f"bag {number}", ego=Ego("turning_left" if number % 3 else "standing", 1.0)) for number in range(9)
+        incident(bag=f"bag {number}", ego=IncidentEgo("turning_left" if number % 3 else "standing", 1.0))
+        for number in range(9)
     ]
     shuffled = random.Random(4).sample(incidents, len(incidents))
     assert EMBEDDED.analyse(incidents) == EMBEDDED.analyse(shuffled)
@@ -83,13 +84,14 @@ def test_the_sample_of_a_collision_is_read_as_it_was():
     assert found.repair.verdict == "no_method"
 
 
-def test_the_sample_of_a_repair_shows_precautions_whose_need_is_not_seen():
+def test_the_sample_of_a_repair_shows_what_was_needed_what_was_close_and_what_was_neither():
     found = read_incidents(SAMPLES / "repaired").incidents
-    assert {(one.kind, one.other.kind, one.repair.verdict) for one in found} == {
-        ("intervention", "truck", "no_need_seen")
-    }
-    longest = max(found, key=lambda one: one.repair.frames)
-    assert (longest.time, longest.repair.frames) == (8.5, 159)
+    assert {(one.kind, one.other.kind) for one in found} == {("intervention", "truck")}
+    assert [(one.time, one.repair.frames, one.repair.verdict) for one in found] == [
+        (0.85, 5, "no_need_seen"),
+        (13.3, 15, "close"),
+        (14.55, 29, "needed"),
+    ]
 
 
 def test_a_corrupt_bag_is_named_and_the_others_go_on(tmp_path):
@@ -119,5 +121,5 @@ def test_who_cuts_in_and_brakes_cuts_in():
 
 
 def test_a_highway_is_told_by_what_leads_onto_it_or_off_it():
-    highway = incident(place=Place("highway", 0), where=Where(road="on_ramp"))
+    highway = incident(place=IncidentPlace("highway", 0), where=Where(road="on_ramp"))
     assert EMBEDDED.analyse([highway])[0].words.startswith("collision on the highway at an on-ramp: ")

@@ -11,7 +11,7 @@ from roadmend.core.errors import InputError
 from roadmend.sera.bank import Bank, Built, build_bank
 from roadmend.sera.describe import entry_of
 from roadmend.sera.descriptor import OutcomeStatistics
-from roadmend.sera.facets import Filters
+from roadmend.sera.filters import Filters
 from roadmend.sera.pattern import FailurePattern, Where, Who, Why
 from roadmend.sera.terms import features
 from roadmend.world.families import sample_scenario

@@ -8,11 +8,11 @@ import pytest
 from roadmend.core.errors import InputError
 from roadmend.language.chat import AnswerError
 from roadmend.measures.driving import DrivingMeasures
-from roadmend.sera.analysis import Reading
+from roadmend.sera.analysis import BagAnalysis
 from roadmend.sera.analysis_report import NOTHING
 from roadmend.sera.backends import Backend
 from roadmend.sera.bank import Bank, build_bank
-from roadmend.sera.cycle import Cycle, CycleOptions, Evaluation, Tuned
+from roadmend.sera.cycle import Cycle, CycleOptions, PolicyEvaluation, TunedPolicy
 from roadmend.sera.describe import entry_of
 from roadmend.sera.incident import Other
 from roadmend.world.families import sample_scenario
@@ -45,17 +45,17 @@ class Stage:
         self.asked.append("evaluate")
         bag = self.folder / f"bag {number}"
         bag.mkdir(parents=True, exist_ok=True)
-        return Evaluation((measured(50.0 + 10.0 * number),), (bag,) if number < self.failing else ())
+        return PolicyEvaluation((measured(50.0 + 10.0 * number),), (bag,) if number < self.failing else ())
 
     def read(self, bags):
         self.asked.append("read")
-        return [Reading(str(bag), (incident(bag=str(bag), other=TRUCK),)) for bag in bags]
+        return [BagAnalysis(str(bag), (incident(bag=str(bag), other=TRUCK),)) for bag in bags]
 
     def tune(self, policy, scenarios, selection, out):
         self.asked.append("tune")
         self.learned.append([scenario.name for scenario in scenarios])
         out.write_text("weights")
-        return Tuned(out, self.epochs, 60.0, 50.0)
+        return TunedPolicy(out, self.epochs, 60.0, 50.0)
 
 
 @pytest.fixture(scope="module")
@@ -126,7 +126,7 @@ def test_a_pattern_without_known_words_is_left_out_and_said(cycle, bank, monkeyp
     class Odd(Stage):
         def read(self, bags):
             strange = incident(bag="b", kind="timeout", other=None)
-            return [*super().read(bags), Reading("b", (strange,)), Reading("c", problem="c: is corrupt")]
+            return [*super().read(bags), BagAnalysis("b", (strange,)), BagAnalysis("c", problem="c: is corrupt")]
 
     embed = bank.embed
 

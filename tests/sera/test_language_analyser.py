@@ -7,7 +7,7 @@ import pytest
 
 from roadmend.language.chat import AnswerError, LanguageError
 from roadmend.language.exchange import ReplayModel, dump_exchanges
-from roadmend.sera.incident import Place
+from roadmend.sera.incident import IncidentPlace
 from roadmend.sera.language_analyser import LanguageAnalyser
 from roadmend.sera.pattern import Where, Who, Why
 
@@ -28,7 +28,7 @@ NOBODY = {"participant": None, "side": None, "driver": None}
 NO_REASON = {"manoeuvre": None, "hazard": None, "ego_speed": None}
 FIRST = incident()
 SECOND = incident(bag="b", where=replace(FIRST.where, weather="clear"))
-THIRD = incident(bag="c", kind="timeout", place=Place("before_junction", 0, "yield", 8.0), other=None)
+THIRD = incident(bag="c", kind="timeout", place=IncidentPlace("before_junction", 0, "yield", 8.0), other=None)
 THREE = [THIRD, SECOND, FIRST]
 
 

@@ -10,7 +10,7 @@ from roadmend.core.outcome import Event, EventKind
 from roadmend.core.route import Stage
 from roadmend.measures.route_progress import RoutePlace
 from roadmend.sera.describe import describe
-from roadmend.sera.incident import Place
+from roadmend.sera.incident import IncidentPlace
 from roadmend.sera.place import action_of, is_changing, place_of
 from roadmend.world.families import sample_scenario
 
@@ -54,7 +54,7 @@ def test_on_highways_lanes_have_names():
     drawn = route(JUNCTION)
     two = replace(drawn, stages=drawn.stages * 2, windows=(), zones=())
     assert place_of(two, RoutePlace(0, 200.0, 0.0), highway("S4")).kind == "highway"
-    assert place_of(two, RoutePlace(1, 200.0, 0.0), highway("S4")) == Place("exit_lane", 1)
+    assert place_of(two, RoutePlace(1, 200.0, 0.0), highway("S4")) == IncidentPlace("exit_lane", 1)
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,8 @@ import pytest
 from harness.generated import generate
 from roadmend.core.errors import InputError
 from roadmend.sera.bank import Bank, build_bank
-from roadmend.sera.facets import Filters
-from roadmend.sera.pattern import Evidence, FailurePattern
+from roadmend.sera.filters import Filters
+from roadmend.sera.pattern import FailurePattern, PatternEvidence
 from roadmend.sera.recommendation import recommend, shares
 from roadmend.sera.reflection import difficulty_of
 
@@ -40,7 +40,7 @@ def test_all_three_selections_have_one_size_and_repeat_nothing(generated):
 
 
 def shown(count):
-    return FailurePattern("some", evidence=tuple(Evidence(f"{number}.mcap") for number in range(count)))
+    return FailurePattern("some", evidence=tuple(PatternEvidence(f"{number}.mcap") for number in range(count)))
 
 
 @pytest.mark.parametrize(

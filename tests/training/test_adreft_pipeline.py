@@ -57,12 +57,16 @@ PRACTISED = {
 _FORESEEING = ["--set", "model.weighing={}", "--set", "practice.method=counterfactual"]
 
 
+CHOOSING = ("roadmend.cli.train", "roadmend.cli.driver_options")  # read the choices of --policy when imported
+
+
 @pytest.fixture
 def train(tmp_path, monkeypatch):
     """Runs the command for the blind policy in this process; returns its exit code."""
     monkeypatch.setitem(POLICIES, "blind", BlindPolicy)
     monkeypatch.setitem(POLICIES, "sleepy", BlindPolicy)
-    monkeypatch.delitem(sys.modules, "roadmend.cli.train", raising=False)  # its choices are read at import
+    for name in CHOOSING:
+        monkeypatch.delitem(sys.modules, name, raising=False)
     importlib.import_module("roadmend.cli.train")
 
     def run(corpus, configuration, out, *options):
@@ -73,9 +77,11 @@ def train(tmp_path, monkeypatch):
         return main(["train", "adreft", *fixed, *files, "--out", str(tmp_path / out), *options])
 
     yield run
-    sys.modules.pop("roadmend.cli.train", None)
+    for name in CHOOSING:
+        sys.modules.pop(name, None)
 
 
+@pytest.mark.slow
 def test_a_tiny_budget_saves_some_of_those_that_would_collide(train, tmp_path, capsys):
     corpus = blind_corpus(16, 4)
     assert train(corpus, LEARNING, "model.safetensors", "--only", "supervised") == 0
@@ -91,8 +97,9 @@ def test_a_tiny_budget_saves_some_of_those_that_would_collide(train, tmp_path, c
     assert metrics["monitor"]["recall"] > 0.95
 
 
+@pytest.mark.slow
 def test_foreseen_collisions_save_some_too(train, tmp_path):
-    corpus = blind_corpus(8, 4)
+    corpus = blind_corpus(5, 3)
     practice = {
         "method": "counterfactual",
         "epochs": 12,
@@ -186,20 +193,18 @@ def test_the_trials_of_another_policy_can_be_practised_on_too(train, tmp_path, m
     assert count == len(corpus.select(split="training")) + len(other.select(split="training"))
 
 
-def test_without_precaution_only_the_monitor_decides(train, tmp_path, capsys):
+def test_without_precaution_only_the_monitor_decides(train, tmp_path):
     corpus = blind_corpus(1, 1)
     practice = {**PRACTISED["practice"], "rounds": 1, "method": "counterfactual"}
     prices = {"strength": 0.3, "gain": 0.2}
     foreseeing = {**PRACTISED, "practice": practice, "model": {**PRACTISED["model"], "weighing": prices}}
     assert train(corpus, foreseeing, "with.safetensors") == 0
-    options = ("--start", str(tmp_path / "with.safetensors"), "--ablation", "wo_precaution")
-    assert train(corpus, foreseeing, "without.safetensors", *options) == 0
+    reacting = {**foreseeing, "model": {**PRACTISED["model"], "weighing": {**prices, "gain": 0.0}}}
+    assert train(corpus, reacting, "without.safetensors", "--start", str(tmp_path / "with.safetensors")) == 0
     both, alone = (AdreftModel.load(tmp_path / f"{name}.safetensors") for name in ("with", "without"))
     assert both.configuration.weighing.model_dump() == Weighing(**prices).model_dump()
     assert alone.configuration.weighing == both.configuration.weighing.model_copy(update={"gain": 0.0})
     assert alone.threshold == both.threshold
-    assert train(corpus, QUICK, "none.safetensors", "--ablation", "wo_precaution") == 2
-    assert "changes prices, of which this configuration has none" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("ablation", ["rand_r", "only_rl", "wo_sr", "wo_regulation"])

@@ -12,9 +12,9 @@ from roadmend.core.errors import InputError
 from roadmend.measures.driving import DrivingMeasures
 from roadmend.networks.checkpoint import find_model, load_checkpoint, save_checkpoint
 from roadmend.policies.neural import NeuralPolicy
-from roadmend.training.few_shot import Labour, Origin, few_shot_repair, lessons_of, replay_lessons
+from roadmend.training.demonstrations import gather
+from roadmend.training.few_shot import Labour, TuningOrigin, few_shot_repair, lessons_of, replay_lessons
 from roadmend.training.few_shot_settings import FewShotSettings, read_few_shot_settings
-from roadmend.training.imitation_rollout import gather
 from roadmend.training.samples import Samples
 from roadmend.world.corpus import load_corpus
 from roadmend.world.families import sample_scenario
@@ -71,7 +71,7 @@ def repair(scenarios, out, gathering, hard, ordinary, **more):
 
 def test_the_first_of_the_best_epochs_is_kept_and_the_header_tells_where_it_comes_from(tmp_path, scenarios, gathering):
     out = tmp_path / "new" / "tuned.safetensors"
-    origin = Origin("selection-digest", "bank-digest", "command")
+    origin = TuningOrigin("selection-digest", "bank-digest", "command")
     found = repair(scenarios, out, gathering, [0, 0, 1, 1], [1, 1], origin=origin)
     assert found.kept.epochs == 2
     assert [trial.epochs for trial in found.trials] == [0, 1, 2, 3]
@@ -181,7 +181,7 @@ def test_the_replay_is_advised_by_the_expert_alone_unless_its_repair_is_asked_fo
     assert len(lessons) == 5
     assert {lesson.repair for lesson in lessons} == {None}
     repaired = replay_lessons(MODEL, SETTINGS.model_copy(update={"replay_repair": True}))
-    assert {lesson.repair for lesson in repaired} == {find_model("modular", "adreft-")}
+    assert {lesson.repair for lesson in repaired} == {find_model(SETTINGS.repair, "adreft-")}
     assert [lesson.draw for lesson in repaired] == [lesson.draw for lesson in lessons]
 
 

@@ -14,9 +14,9 @@ from roadmend.policies.neural import NeuralPolicy
 from roadmend.policies.neural_kinds import KINDS
 from roadmend.policies.neural_tokens import COLUMNS
 from roadmend.training.dagger import Training
+from roadmend.training.demonstrations import gather, ordinary_lesson
 from roadmend.training.imitation import NeuralNetwork, batches, fit, losses_of, measure, two_hot
 from roadmend.training.imitation_configuration import ImitationConfiguration, Round, read_imitation_configuration
-from roadmend.training.imitation_rollout import gather, ordinary_lesson
 from roadmend.training.samples import UNASKED, Samples, load_samples, samples_digest
 
 torch.set_num_threads(1)  # as Training does; more threads wait for each other on a busy machine

@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from roadmend.cli.options import JSON, PATH
 from roadmend.cli.output import bag_progress, message_progress, wide_console
 from roadmend.recording.conversion import MCAP, SQLITE3, convert, storage_of
 from roadmend.recording.diff import UNSTEADY, BagDiff, TopicDiff
@@ -21,8 +22,8 @@ from roadmend.reports.bag_picture import draw_bag
 
 
 @click.command("info")
-@click.argument("bag", type=click.Path(path_type=Path))
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@click.argument("bag", type=PATH)
+@JSON
 def bag_info(bag: Path, *, as_json: bool) -> None:
     """Show a bag's topics, types, rates and gaps, its outcome and interventions, and whether it is complete.
 
@@ -87,8 +88,8 @@ def _topic_table(topics: list[TopicInfo]) -> Table:
 
 
 @click.command("recover")
-@click.argument("bag", type=click.Path(path_type=Path))
-@click.option("--out", type=click.Path(path_type=Path), help="Folder of the new bag.  [default: NAME-recovered]")
+@click.argument("bag", type=PATH)
+@click.option("--out", type=PATH, help="Folder of the new bag.  [default: NAME-recovered]")
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
 def bag_recover(bag: Path, out: Path | None, *, as_json: bool) -> None:
     """Bring back every whole message of a bag that was cut or damaged, and say what is missing.
@@ -113,11 +114,11 @@ _FIELDS_SHOWN = 3
 
 
 @click.command("diff")
-@click.argument("first", type=click.Path(path_type=Path))
-@click.argument("second", type=click.Path(path_type=Path))
+@click.argument("first", type=PATH)
+@click.argument("second", type=PATH)
 @click.option("--topics", default="", help="Regular expression found in each topic to compare.")
 @click.option("--exclude", default=UNSTEADY, show_default=True, help="The same for topics not to compare.")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@JSON
 def bag_diff(first: Path, second: Path, topics: str, exclude: str, *, as_json: bool) -> int:
     """Compare two bags tick by tick: the first differing tick, how far, and how far apart the vehicle was.
 
@@ -173,9 +174,9 @@ def _difference_table(topics: list[TopicDiff]) -> Table:
 
 
 @click.command("convert")
-@click.argument("bag", type=click.Path(path_type=Path))
+@click.argument("bag", type=PATH)
 @click.option("--to", "storage", type=click.Choice([MCAP, SQLITE3]), help="Storage.  [default: the other one]")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder of the new bag.  [default: NAME-STORAGE]")
+@click.option("--out", type=PATH, help="Folder of the new bag.  [default: NAME-STORAGE]")
 def bag_convert(bag: Path, storage: str | None, out: Path | None) -> None:
     """Turn a bag of mcap into one of sqlite3, or the other way round.
 
@@ -197,12 +198,12 @@ def _name(bag: Path) -> str:
 
 
 @click.command()
-@click.argument("bag", type=click.Path(path_type=Path))
+@click.argument("bag", type=PATH)
 @click.option(
     "--out",
     default=Path("scene.png"),
     show_default=True,
-    type=click.Path(path_type=Path),
+    type=PATH,
     help="PNG, SVG or PDF; or HTML, a page that shows the values of each tick.",
 )
 @click.option("--at", type=click.FloatRange(0.0), help="Simulation time [s].  [default: the longest intervention]")

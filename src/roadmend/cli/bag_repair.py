@@ -1,10 +1,9 @@
 """``roadmend bag shadow`` and ``roadmend bag resimulate``: another repair method on a recorded run."""
 
 import json
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import click
 import yaml
@@ -12,7 +11,10 @@ from rich.console import Console
 from rich.table import Table
 
 from roadmend import __version__
+from roadmend.cli.driver_options import REPAIR_SEED
+from roadmend.cli.options import JSON, PATH, options_of
 from roadmend.cli.output import OUTCOME_STYLES, wide_console
+from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import InputError
 from roadmend.core.repair import Repair
 from roadmend.policies.registry import make_policy
@@ -21,13 +23,7 @@ from roadmend.recording.episode_recorder import EpisodeRecorder, account_of
 from roadmend.recording.episode_writer import EpisodeWriter
 from roadmend.recording.new_bag import BagCopy, new_bag
 from roadmend.recording.reader import BagReader
-from roadmend.recording.recorded_run import (
-    RECORD,
-    RunOutcome,
-    driven_outcome,
-    read_plan,
-    recorded_outcome,
-)
+from roadmend.recording.recorded_run import RECORD, read_plan, recorded_result
 from roadmend.recording.resimulation import Switchover
 from roadmend.recording.shadow import ShadowSummary, run_shadow
 from roadmend.recording.ticks import BagTick, BagTicks
@@ -58,19 +54,13 @@ class RepairChoice:
         return {"method": self.method, "parameters": json.dumps(self.parameters), "seed": str(self.seed)}
 
 
-def repair_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a command the options --repair, --set, --model and --seed, whose values ``read_choice`` takes."""
-    for option in (
-        click.option(
-            "--seed",
-            type=click.IntRange(0, 2**31 - 1),
-            default=0,
-            show_default=True,
-            help="Seed of repair methods that draw numbers.",
-        ),
-        click.option(
-            "--model", type=click.Path(path_type=Path), help="Model file of the method; short for --set model=FILE."
-        ),
+@dataclass(frozen=True)
+class RepairOptions:
+    """The repair method, its parameters and its seed."""
+
+    method: Annotated[str, click.option("--repair", "method", required=True, type=click.Choice(sorted(METHODS)))]
+    settings: Annotated[
+        tuple[str, ...],
         click.option(
             "--set",
             "settings",
@@ -78,20 +68,21 @@ def repair_options(command: Callable[..., Any]) -> Callable[..., Any]:
             metavar="NAME=VALUE",
             help="Parameter of the method (see config/repair); may be repeated.",
         ),
-        click.option("--repair", "method", required=True, type=click.Choice(sorted(METHODS))),
-    ):
-        command = option(command)
-    return command
+    ]
+    model: Annotated[
+        Path | None, click.option("--model", type=PATH, help="Model file of the method; short for --set model=FILE.")
+    ]
+    seed: Annotated[int, REPAIR_SEED]
 
 
-def read_choice(method: str, settings: tuple[str, ...], model: Path | None, seed: int) -> RepairChoice:
+def read_choice(given: RepairOptions) -> RepairChoice:
     """The choice that the options make.
 
     Raises:
         InputError: a setting is no NAME=VALUE.
     """
     parameters: dict[str, Any] = {}
-    for setting in settings:
+    for setting in given.settings:
         name, equals, text = setting.partition("=")
         try:
             value = yaml.safe_load(text)
@@ -100,28 +91,27 @@ def read_choice(method: str, settings: tuple[str, ...], model: Path | None, seed
         if not (name and equals) or value is None:
             raise InputError(f"--set {setting}", "is no NAME=VALUE", "write for example --set rho=0.4")
         parameters[name] = value
-    if model is not None:
-        parameters["model"] = str(model)
-    return RepairChoice(method, parameters, seed)
+    if given.model is not None:
+        parameters["model"] = str(given.model)
+    return RepairChoice(given.method, parameters, given.seed)
 
 
+_FIGURES = ("method", "outcome", "text", "duration", "min_distance", "interventions")  # that are shown of a run
 SHADOW_RECORD = "roadmend_shadow"  # metadata record
 
 
 @click.command()
-@click.argument("bag", type=click.Path(path_type=Path))
-@repair_options
-@click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder of the new bag.")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def shadow(
-    bag: Path, method: str, settings: tuple[str, ...], model: Path | None, seed: int, out: Path, *, as_json: bool
-) -> None:
+@click.argument("bag", type=PATH)
+@options_of(RepairOptions)
+@click.option("--out", required=True, type=PATH, help="Folder of the new bag.")
+@JSON
+def shadow(bag: Path, given: RepairOptions, out: Path, *, as_json: bool) -> None:
     """Ask another repair method what it would have done at every tick of a recorded run.
 
     The new bag holds the recorded topics as they are, and the other method's answers as /shadow/repair/state and
     /shadow/repair/command.
     """
-    choice = read_choice(method, settings, model, seed)
+    choice = read_choice(given)
     summary = shadow_bag(bag, choice, out)
     if as_json:
         click.echo(json.dumps({**choice.provenance(), **asdict(summary), "bag": str(out)}, indent=2))
@@ -183,8 +173,8 @@ def _show_shadow(summary: ShadowSummary, choice: RepairChoice, out: Path) -> Non
 
 
 @click.command()
-@click.argument("bag", type=click.Path(path_type=Path))
-@repair_options
+@click.argument("bag", type=PATH)
+@options_of(RepairOptions)
 @click.option(
     "--from-time",
     default=0.0,
@@ -192,33 +182,23 @@ def _show_shadow(summary: ShadowSummary, choice: RepairChoice, out: Path) -> Non
     type=click.FloatRange(0.0),
     help="Simulation time [s] at which the method takes over; until then the recorded commands are driven.",
 )
-@click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder of the new bag.")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def resimulate(
-    bag: Path,
-    method: str,
-    settings: tuple[str, ...],
-    model: Path | None,
-    seed: int,
-    from_time: float,
-    out: Path,
-    *,
-    as_json: bool,
-) -> None:
+@click.option("--out", required=True, type=PATH, help="Folder of the new bag.")
+@JSON
+def resimulate(bag: Path, given: RepairOptions, from_time: float, out: Path, *, as_json: bool) -> None:
     """Drive the scenario of a recorded run again, with another repair method from the start or from a moment on.
 
     Until that moment the run must repeat itself bit for bit, or the command ends with what differs.
     """
-    choice = read_choice(method, settings, model, seed)
+    choice = read_choice(given)
     then, now = resimulate_bag(bag, choice, from_time, out)
     if as_json:
-        content = {"then": asdict(then), "now": asdict(now), "from_time": from_time, "bag": str(out)}
+        content = {"then": _figures(then), "now": _figures(now), "from_time": from_time, "bag": str(out)}
         click.echo(json.dumps({**content, "choice": choice.provenance()}, indent=2))
     else:
         _show_outcomes({"then": then, "now": now}, {"then": bag, "now": out})
 
 
-def resimulate_bag(bag: Path, choice: RepairChoice, from_time: float, out: Path) -> tuple[RunOutcome, RunOutcome]:
+def resimulate_bag(bag: Path, choice: RepairChoice, from_time: float, out: Path) -> tuple[EpisodeResult, EpisodeResult]:
     """Drive a run again and record it; returns what it came to then and now.
 
     Raises:
@@ -229,7 +209,7 @@ def resimulate_bag(bag: Path, choice: RepairChoice, from_time: float, out: Path)
     """
     reader = BagReader(bag)
     plan, ticks = read_plan(reader), BagTicks(reader)
-    then = recorded_outcome(ticks, plan.method)
+    then = recorded_result(ticks, plan)
     if not from_time <= then.duration:
         raise InputError("--from-time", f"{from_time:g} s is after the end", f"give 0 to {then.duration:g} s")
     switchover = Switchover(ticks, choice.make(), from_time)
@@ -238,10 +218,9 @@ def resimulate_bag(bag: Path, choice: RepairChoice, from_time: float, out: Path)
             writer.add_attachment(attachment.name, attachment.media_type, attachment.data)
         methods = {False: plan.method, True: choice.method}
         recorder = EpisodeRecorder(writer, lambda time: methods[switchover.has_taken_over(time)], _lanes(ticks))
-        summary = run_episode(
+        now = run_episode(
             plan.scenario, make_policy(plan.policy), switchover, recorder.answered, recorder.ended, recorder.opened
         )
-        now = driven_outcome(summary, choice.method)
         writer.add_metadata(
             RECORD,
             {
@@ -251,7 +230,7 @@ def resimulate_bag(bag: Path, choice: RepairChoice, from_time: float, out: Path)
                 "roadmend": __version__,
                 "resimulated_from": bag.name,
                 "from_time": f"{from_time:g}",
-                **account_of(summary, writer.count),
+                **account_of(now, writer.count),
             },
         )
     return then, now
@@ -262,7 +241,12 @@ def _lanes(ticks: BagTicks) -> LaneMap | None:
     return next((tick.lanes for tick in ticks if tick.lanes is not None), None) if topics.MAP in ticks.topics else None
 
 
-def _show_outcomes(outcomes: dict[str, RunOutcome], bags: dict[str, Path]) -> None:
+def _figures(result: EpisodeResult) -> dict[str, Any]:
+    figures = result.figures()
+    return {name: figures[name] for name in _FIGURES}
+
+
+def _show_outcomes(outcomes: dict[str, EpisodeResult], bags: dict[str, Path]) -> None:
     table = Table(box=None, pad_edge=False, header_style="bold")
     for title in ("", "method", "outcome", "after"):
         table.add_column(title, no_wrap=True)
@@ -271,7 +255,7 @@ def _show_outcomes(outcomes: dict[str, RunOutcome], bags: dict[str, Path]) -> No
     table.add_column("bag", overflow="fold")
     for when, one in outcomes.items():
         distance = "-" if one.min_distance is None else f"{one.min_distance:.2f} m"
-        outcome = f"[{OUTCOME_STYLES.get(one.outcome, 'white')}]{one.outcome}[/]"
+        outcome = f"[{OUTCOME_STYLES.get(one.outcome.name, 'white')}]{one.outcome.name}[/]"
         after, bag = f"{one.duration:.2f} s", str(bags[when])
         table.add_row(when, one.method, outcome, after, distance, str(one.interventions), bag)
     wide_console().print(table)

@@ -3,7 +3,7 @@
 import json
 import statistics
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,32 +11,30 @@ import click
 from rich.progress import Progress as Bar
 from rich.table import Table
 
-from roadmend.cli.options import WORKERS, options_of
+from roadmend import __version__
+from roadmend.cli.driver_options import POLICY
+from roadmend.cli.options import FILE, FOLDER, JSON, WORKERS, options_of
 from roadmend.cli.output import counting, wide_console
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.fanout import fan_out
+from roadmend.core.journal import Journal
 from roadmend.core.resources import config_folder
-from roadmend.policies.registry import POLICIES
+from roadmend.search.attempt import CRASH
 from roadmend.search.corpus_plan import LAST_FRESH, fresh_plan, read_corpus_plan
 from roadmend.search.gather import Gathered, Progress, Report, gather, gather_fresh
 from roadmend.search.policy_model import policy_model
-from roadmend.search.rerun import Rerunner
+from roadmend.search.rerun import FORMAT as RERUNS
+from roadmend.search.rerun import Rerunner, agrees, renewed
 from roadmend.search.selection import spread
 from roadmend.world.corpus import SPLITS, Case, Corpus, load_corpus, save_corpus
 from roadmend.world.families import FAMILIES
 
-_JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-
 
 def _file_option(command: Any) -> Any:
-    policy = click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
     file = click.option(
-        "--corpus",
-        "file",
-        type=click.Path(path_type=Path, dir_okay=False),
-        help="Corpus to read; that of the policy in config/corpora if not given.",
+        "--corpus", "file", type=FILE, help="Corpus to read; that of the policy in config/corpora if not given."
     )
-    return policy(file(command))
+    return POLICY(file(command))
 
 
 def _load(policy: str, file: Path | None) -> Corpus:
@@ -49,12 +47,10 @@ def corpus() -> None:
 
 
 @dataclass(frozen=True)
-class BuildOptions:
+class CorpusBuildOptions:
     """What is gathered, from where, and where it goes."""
 
-    policy: Annotated[
-        str, click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
-    ]
+    policy: Annotated[str, POLICY]
     families: Annotated[
         str, click.option("--families", default=",".join(FAMILIES), show_default=True, help="Separated by commas.")
     ]
@@ -63,21 +59,15 @@ class BuildOptions:
         click.option(
             "--searches",
             required=True,
-            type=click.Path(path_type=Path, file_okay=False),
+            type=FOLDER,
             help="Folder for the searches, in POLICY/FAMILY/SPLIT-NUMBER; those that are there go on.",
         ),
     ]
-    out: Annotated[
-        Path,
-        click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="File to write."),
-    ]
+    out: Annotated[Path, click.option("--out", required=True, type=FILE, help="File to write.")]
     plan_file: Annotated[
         Path | None,
         click.option(
-            "--plan",
-            "plan_file",
-            type=click.Path(path_type=Path, dir_okay=False),
-            help="YAML file that says what to gather (see config/search/corpus.yaml).",
+            "--plan", "plan_file", type=FILE, help="YAML file that says what to gather (see config/search/corpus.yaml)."
         ),
     ]
     fresh_seed: Annotated[
@@ -108,8 +98,8 @@ class BuildOptions:
 
 
 @corpus.command()
-@options_of(BuildOptions)
-def build(given: BuildOptions) -> int:
+@options_of(CorpusBuildOptions)
+def build(given: CorpusBuildOptions) -> int:
     """Gather a corpus; exit code 1 if there were not enough cases to be found.
 
     The same plan gives the same file, whatever the number of workers and however often it is interrupted. Every case
@@ -176,7 +166,7 @@ def _reporter(bar: Bar) -> Report:
     "--cases", "count", type=click.IntRange(1), help="Run only so many, spread over the corpus; all if not given."
 )
 @WORKERS
-@_JSON
+@JSON
 def verify(policy: str, file: Path | None, count: int | None, workers: int, *, as_json: bool) -> int:
     """Run cases again and compare the digests of the trajectories; exit code 1 if one differs."""
     loaded = _load(policy, file)
@@ -194,8 +184,8 @@ def verify(policy: str, file: Path | None, count: int | None, workers: int, *, a
         rerunner = Rerunner(loaded.policy, mapper)
         for case, found in zip(chosen, rerunner(chosen), strict=True):
             bar.advance(task)
-            if not found.agrees(case):
-                now = found.text if found.outcome == "CRASH" else f"{found.outcome} {found.digest[:12]}"
+            if not agrees(found, case):
+                now = found.text if found.outcome == CRASH else f"{found.outcome} {found.digest[:12]}"
                 differing.append({"case": case.name, "was": f"{case.outcome} {case.digest[:12]}", "is": now})
     content = {"policy": loaded.policy, "corpus": loaded.digest, "verified": len(chosen), "differing": differing}
     if as_json:
@@ -209,7 +199,43 @@ def verify(policy: str, file: Path | None, count: int | None, workers: int, *, a
 
 @corpus.command()
 @_file_option
-@_JSON
+@click.option("--out", type=FILE, required=True, help="File for the corpus as it is now.")
+@WORKERS
+def renew(policy: str, file: Path | None, out: Path, workers: int) -> None:
+    """Drive all cases again and write the corpus with what they come to now, without those that come to something else.
+
+    For a simulator or a policy that has changed a little, where a new search would find much the same.
+    """
+    loaded = _load(policy, file)
+    kept: list[Case] = []
+    moved = 0
+    journal = out.with_name(out.name + ".part.jsonl")
+    with Journal(journal, RERUNS) as finished, counting() as bar, fan_out(workers) as mapper:
+        task = bar.add_task("run again", total=len(loaded.cases))
+        for case, found in zip(loaded.cases, Rerunner(loaded.policy, mapper, finished)(loaded.cases), strict=True):
+            bar.advance(task)
+            now = renewed(case, found)
+            if now is not None:
+                kept.append(now)
+                moved += now.digest != case.digest
+    lost = len(loaded.cases) - len(kept)
+    again = replace(
+        loaded,
+        cases=tuple(kept),
+        model=policy_model(loaded.policy),
+        dropped=loaded.dropped + lost,
+        version=__version__,
+    )
+    save_corpus(again, out)
+    journal.unlink()
+    click.echo(
+        f"{out}: {len(kept)} cases, {moved} of them with another trajectory, {lost} left out; SHA-256 {again.digest}"
+    )
+
+
+@corpus.command()
+@_file_option
+@JSON
 def show(policy: str, file: Path | None, *, as_json: bool) -> None:
     """Count the cases of a corpus by family, split, technique, outcome and whom the ego hit."""
     loaded = _load(policy, file)

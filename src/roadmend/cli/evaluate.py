@@ -6,12 +6,13 @@ from typing import Any
 
 import click
 
-from roadmend.cli.options import WORKERS
+from roadmend.cli.options import FILE, JSON, PATH, RESULT_FOLDER, WORKERS
 from roadmend.cli.output import counting, show_rows
 from roadmend.core.errors import InputError
 from roadmend.core.journal import Journal
-from roadmend.measures.evaluation import evaluate as figures_of
-from roadmend.measures.evaluation import evaluation_rows, run_trials, trials_of
+from roadmend.measures.evaluation import run_trials, trials_of
+from roadmend.measures.evaluation_figures import evaluate as figures_of
+from roadmend.measures.evaluation_figures import evaluation_rows, meanings
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.registry import METHODS
 from roadmend.reports.result_files import provenance, write_report
@@ -23,8 +24,8 @@ from roadmend.world.scenario_file import load_scenarios
 _FORMAT = "roadmend-evaluation-work/1"
 
 
-@click.command()
-@click.argument("scenarios", nargs=-1, type=click.Path(path_type=Path))
+@click.command(epilog=f"The table: {meanings()}.")
+@click.argument("scenarios", nargs=-1, type=PATH)
 @click.option(
     "--policy",
     "policies",
@@ -42,20 +43,32 @@ _FORMAT = "roadmend-evaluation-work/1"
     type=click.Choice(sorted(METHODS)),
     help="May be repeated; none and random are always beside it.",
 )
-@click.option(
-    "--corpus", type=click.Path(path_type=Path, dir_okay=False), help="The cases of a corpus instead of SCENARIOS."
-)
+@click.option("--corpus", type=FILE, help="The cases of a corpus instead of SCENARIOS.")
 @click.option("--split", type=click.Choice(SPLITS), help="Of the corpus.  [default: test]")
 @click.option(
     "--family", "families", multiple=True, type=click.Choice([*FAMILIES]), help="Random scenarios instead. Repeatable."
 )
 @click.option("--count", type=click.IntRange(1, 100_000), help="Random scenarios of each family.  [default: 20]")
 @click.option("--seed", type=click.IntRange(0, 2**30), help="Of the first random scenario.  [default: 0]")
-@click.option("--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Folder; resumes there.")
+@click.option(
+    "--futures",
+    default=0,
+    show_default=True,
+    type=click.IntRange(0, 1000),
+    help="Futures of every intervention's first tick that are driven to tell whether it was needed; 0: none.",
+)
+@RESULT_FOLDER
 @WORKERS
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@JSON
 def evaluate(
-    policies: tuple[str, ...], methods: tuple[str, ...], out: Path, workers: int, *, as_json: bool, **chosen: object
+    policies: tuple[str, ...],
+    methods: tuple[str, ...],
+    futures: int,
+    out: Path,
+    workers: int,
+    *,
+    as_json: bool,
+    **chosen: object,
 ) -> int:
     """Measure policies with repair methods in SCENARIOS (files, or folders of files), in a corpus, or in random ones.
 
@@ -63,7 +76,7 @@ def evaluate(
     it completes can be degraded. Finished episodes are kept in the folder and not driven again. The exit code is 1 if
     an episode could not be driven.
     """
-    trials = trials_of(_chosen(**chosen), policies, methods)  # type: ignore[arg-type] # as the options have it
+    trials = trials_of(_chosen(**chosen), policies, methods, futures)  # type: ignore[arg-type] # as the options have it
     with Journal(out / "results.jsonl", _FORMAT, owns_folder=True) as journal, counting() as progress:
         task = progress.add_task("episodes", total=len(trials))
         driven = run_trials(trials, journal, workers, lambda done: progress.update(task, completed=done))

@@ -1,14 +1,15 @@
-"""Options of the commands that may ask a language model."""
+"""Options of the commands that may ask a language model, and what they say of what it took."""
 
-from collections.abc import Callable, Collection
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import Annotated
 
 import click
 
-from roadmend.cli.options import FILE, PATH
+from roadmend.cli.options import FILE, PATH, options_of
+from roadmend.language.exchange import Usage
+from roadmend.language.models import MODELS
 from roadmend.language.question import ATTEMPTS
 
 
@@ -16,22 +17,22 @@ from roadmend.language.question import ATTEMPTS
 class LanguageChoice:
     """Which backend, and how it is asked."""
 
-    backend: str
-    settings: Path | None
-    recording: Path | None
-    attempts: int
-
-
-def language_options(backends: Collection[str]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Options ``--backend``, ``--settings``, ``--recording`` and ``--attempts``, which the command gets as ``language``."""
-    options = [
-        click.option("--backend", default="embedded", show_default=True, type=click.Choice([*backends])),
+    backend: Annotated[
+        str, click.option("--backend", default="embedded", show_default=True, type=click.Choice(["embedded", *MODELS]))
+    ]
+    settings: Annotated[
+        Path | None,
         click.option(
             "--settings",
             type=FILE,
             help="YAML file with the endpoint of openai (see config/language); the environment wins.",
         ),
-        click.option("--recording", type=PATH, help="Results of an earlier run, for replay."),
+    ]
+    recording: Annotated[
+        Path | None, click.option("--recording", type=PATH, help="Results of an earlier run, for replay.")
+    ]
+    attempts: Annotated[
+        int,
         click.option(
             "--attempts",
             default=ATTEMPTS,
@@ -41,15 +42,11 @@ def language_options(backends: Collection[str]) -> Callable[[Callable[..., Any]]
         ),
     ]
 
-    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
-        @wraps(command)
-        def with_choice(
-            *, backend: str, settings: Path | None, recording: Path | None, attempts: int, **given: Any
-        ) -> Any:
-            return command(language=LanguageChoice(backend, settings, recording, attempts), **given)
 
-        for option in reversed(options):
-            with_choice = option(with_choice)
-        return with_choice
+language_options = options_of(LanguageChoice, "language")
 
-    return decorate
+
+def show_usage(usage: Mapping[str, Usage]) -> None:
+    """Say what language models took; nothing if none was asked."""
+    for model, used in usage.items():
+        click.echo(f"{model}: {used}")

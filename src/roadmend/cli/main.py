@@ -17,6 +17,7 @@ _BAG: Table = {
     "plot": ("roadmend.cli.bag", "plot", "Draw its time line, with the scene at one moment."),
     "shadow": ("roadmend.cli.bag_repair", "shadow", "Ask another repair method what it would have done at every tick."),
     "resimulate": ("roadmend.cli.bag_repair", "resimulate", "Drive a bag's scenario again with another method."),
+    "need": ("roadmend.cli.bag_need", "need", "Which interventions of a run were rescues, and which a nuisance."),
 }
 _SAFE: Table = {
     "extract": ("roadmend.cli.safe", "extract", "Read crash reports: what happened, in the scenario language."),
@@ -75,7 +76,7 @@ def sera() -> None:
 _COMMANDS: Table = {
     "run": ("roadmend.cli.run", "run", "Run one episode in the graph: SUMO, policy, repair and recorder."),
     "demo": ("roadmend.cli.run", "demo", "See a collision repaired: the main job, end to end."),
-    "sample": ("roadmend.cli.scenario", "sample", "Draw a scenario of one of the five families."),
+    "sample": ("roadmend.cli.scenario", "sample", "Draw a scenario of a family."),
     "schema": ("roadmend.cli.scenario", "schema", "Print the JSON schema of a scenario file."),
     "evaluate": ("roadmend.cli.evaluate", "evaluate", "Measure policies with repair methods in scenarios of yours."),
     "search": ("roadmend.cli.search", "search", "Find scenarios in which a policy collides by its own fault."),

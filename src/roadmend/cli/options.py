@@ -17,6 +17,14 @@ FOLDER = click.Path(path_type=Path, file_okay=False)
 SEED = click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
 WORKERS = click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+DEVICE = click.option("--device", default="auto", show_default=True, help="auto, cpu or cuda.")
+MODEL_OUT = click.option("--out", required=True, type=FILE, help="Model file to write.")
+RESULT_FOLDER = click.option("--out", required=True, type=FOLDER, help="Folder; resumes there.")
+
+
+def settings_file(help_text: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """The option that names a YAML file of settings."""
+    return click.option("--config", "file", type=FILE, help=help_text)
 
 
 def options_of(kind: type[Settings], name: str = "given") -> Callable[[Callable[..., Any]], Callable[..., Any]]:

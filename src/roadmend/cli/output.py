@@ -5,6 +5,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import (
     BarColumn,
     DownloadColumn,
@@ -27,9 +28,9 @@ def wide_console() -> Console:
 
 def show_rows(rows: Sequence[Sequence[str]]) -> None:
     """Print a table; the first row is the heading."""
-    table = Table(*rows[0], box=None, pad_edge=False, header_style="bold")
+    table = Table(*map(escape, rows[0]), box=None, pad_edge=False, header_style="bold")  # "[s]" is a unit, no style
     for row in rows[1:]:
-        table.add_row(*row)
+        table.add_row(*map(escape, row))
     wide_console().print(table)
 
 

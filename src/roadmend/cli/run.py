@@ -14,12 +14,12 @@ import click
 from rich.console import Console
 from rich.table import Table
 
+from roadmend.cli.driver_options import POLICY, REPAIR_SEED
 from roadmend.cli.options import PATH, options_of
 from roadmend.cli.output import OUTCOME_STYLES, wide_console
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.resources import config_folder
 from roadmend.nodes.launcher import GraphOptions, InterruptedRunError, RunResult, run_graph
-from roadmend.policies.registry import POLICIES
 from roadmend.repair.registry import METHODS
 from roadmend.world.scenario_file import load_scenario, save_scenario, scenario_of_configuration
 
@@ -67,15 +67,12 @@ class RunOptions:
             help="With --sumocfg: seconds to drive.",
         ),
     ]
-    policy: Annotated[
-        str, click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
-    ]
+    policy: Annotated[str, POLICY]
     method: Annotated[
         str, click.option("--repair", "method", default="rss", show_default=True, type=click.Choice(sorted(METHODS)))
     ]
     clock: Annotated[
-        str,
-        click.option("--clock", default="lockstep", show_default=True, type=click.Choice(["lockstep", "realtime"])),
+        str, click.option("--clock", default="lockstep", show_default=True, type=click.Choice(["lockstep", "realtime"]))
     ]
     rate: Annotated[
         float,
@@ -87,16 +84,7 @@ class RunOptions:
             help="Real time: simulated seconds per second.",
         ),
     ]
-    seed: Annotated[
-        int,
-        click.option(
-            "--seed",
-            default=0,
-            show_default=True,
-            type=click.IntRange(0, 2**31 - 1),
-            help="Seed of repair methods that draw numbers.",
-        ),
-    ]
+    seed: Annotated[int, REPAIR_SEED]
     out: Annotated[
         Path, click.option("--out", default=Path("bags"), show_default=True, type=PATH, help="Folder for the bag.")
     ]
@@ -211,14 +199,15 @@ def show_results(results: Sequence[RunResult], console: Console) -> None:
         table.add_column(title, justify="right", no_wrap=True)
     table.add_column("bag", overflow="fold")
     for result in results:
-        distance = "-" if result.min_distance is None else f"{result.min_distance:.2f} m"
+        episode = result.episode
+        distance = "-" if episode.min_distance is None else f"{episode.min_distance:.2f} m"
         table.add_row(
-            result.scenario,
-            result.method,
-            f"[{OUTCOME_STYLES.get(result.outcome, 'white')}]{result.outcome}[/]",
+            episode.scenario,
+            episode.method,
+            f"[{OUTCOME_STYLES.get(episode.outcome.name, 'white')}]{episode.outcome.name}[/]",
             distance,
-            str(result.interventions),
-            f"{result.intensity:.2f}" if result.interventions else "-",
+            str(episode.interventions),
+            f"{episode.intensity:.2f}" if episode.interventions else "-",
             f"{result.real_time_factor:.1f} x",
             result.bag or "-",
         )
@@ -229,9 +218,7 @@ _METHODS = ("none", "adreft")
 
 
 @click.command()
-@click.option(
-    "--out", default=Path("bags"), show_default=True, type=click.Path(path_type=Path), help="Folder for the bags."
-)
+@click.option("--out", default=Path("bags"), show_default=True, type=PATH, help="Folder for the bags.")
 @click.option("--json", "as_json", is_flag=True, help="Print the results as JSON.")
 def demo(out: Path, *, as_json: bool) -> None:
     """Drive scenarios with the bare policy and with repair, as real node processes, and compare.
@@ -247,7 +234,7 @@ def demo(out: Path, *, as_json: bool) -> None:
             for method in _METHODS
         ]
         results += pair
-        repaired |= [result.outcome for result in pair] == ["COLLISION", "GOAL"]
+        repaired |= pair[0].episode.collided and pair[1].episode.reached_goal
     _show(results, as_json=as_json)
     if not as_json:
         _explain(results)
@@ -259,7 +246,8 @@ def demo(out: Path, *, as_json: bool) -> None:
 
 def _explain(results: list[RunResult]) -> None:
     console = wide_console()
-    shown = next((result for result in results if result.interventions and result.outcome == "GOAL"), results[-1])
+    good = (result for result in results if result.episode.interventions and result.episode.reached_goal)
+    shown = next(good, results[-1])
     console.print(f"\nA picture of the moment: [bold]./roadmend bag plot {shown.bag}[/]", highlight=False)
     console.print(
         "Or open the bag's .mcap in Foxglove, with the layout config/foxglove/roadmend.json.", highlight=False

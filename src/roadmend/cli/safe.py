@@ -10,24 +10,29 @@ import click
 from rich.markup import escape
 from rich.table import Table
 
-from roadmend.cli.language_options import LanguageChoice, language_options
-from roadmend.cli.options import FOLDER, JSON, PATH, SEED, WORKERS, options_of
+from roadmend.cli.language_options import LanguageChoice, language_options, show_usage
+from roadmend.cli.options import FILE, FOLDER, JSON, PATH, SEED, WORKERS, options_of
 from roadmend.cli.output import counting, show_rows, wide_console
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import write_texts
 from roadmend.language.exchange import add_usages
 from roadmend.policies.registry import POLICIES
-from roadmend.reports.crash_tests import report_of_reproductions, report_of_tests
-from roadmend.reports.trial_picture import draw_trial
+from roadmend.reports.crash_tests import (
+    REPRODUCTION_TITLES,
+    TEST_TITLES,
+    draw_trial,
+    report_of_reproductions,
+    report_of_tests,
+)
 from roadmend.safe.backends import BACKENDS, BackendOptions
-from roadmend.safe.cases import Case, gather_cases
-from roadmend.safe.driving import Job, Result, Task
+from roadmend.safe.cases import CrashCase, gather_cases
+from roadmend.safe.crash_test_summary import summarise_reproductions, summarise_tests
+from roadmend.safe.driving import CrashTestJob, CrashTestResult, Task
 from roadmend.safe.extraction_run import Extracted, extract_reports
 from roadmend.safe.planning import do_all, plan
 from roadmend.safe.report import find_reports
 from roadmend.safe.sketch_text import is_sketch_read
 from roadmend.safe.stage_one import StageOneOptions
-from roadmend.safe.tally import tally_reproductions, tally_tests
 from roadmend.world.scenario_file import load_scenario
 
 policies_option = click.option(
@@ -60,7 +65,7 @@ class SafeOptions:
     as_json: Annotated[bool, JSON]
 
 
-def open_cases(paths: Sequence[Path]) -> list[Case]:
+def open_cases(paths: Sequence[Path]) -> list[CrashCase]:
     """The cases of the arguments; those that cannot be read are named on standard error.
 
     Raises:
@@ -75,7 +80,7 @@ def open_cases(paths: Sequence[Path]) -> list[Case]:
     return cases
 
 
-def work_through(jobs: Sequence[Job], out: Path, workers: int, label: str) -> list[Result]:
+def work_through(jobs: Sequence[CrashTestJob], out: Path, workers: int, label: str) -> list[CrashTestResult]:
     """Do what has not been done yet, with a bar; results come in the order of the jobs.
 
     Raises:
@@ -91,14 +96,9 @@ def work_through(jobs: Sequence[Job], out: Path, workers: int, label: str) -> li
 class ExtractOptions:
     """Which reports are read, and how."""
 
-    reports: Annotated[Path, click.argument("reports", type=click.Path(path_type=Path))]
-    out: Annotated[
-        Path,
-        click.option(
-            "--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Folder for the results."
-        ),
-    ]
-    language: Annotated[LanguageChoice, language_options(BACKENDS)]
+    reports: Annotated[Path, click.argument("reports", type=PATH)]
+    out: Annotated[Path, click.option("--out", required=True, type=FOLDER, help="Folder for the results.")]
+    language: Annotated[LanguageChoice, language_options]
     no_prompt_generation: Annotated[
         bool, click.option("--no-prompt-generation", is_flag=True, help="With a model: ask without the knowledge base.")
     ]
@@ -106,7 +106,7 @@ class ExtractOptions:
         bool, click.option("--no-validation", is_flag=True, help="With a model: take its answers unchecked.")
     ]
     workers: Annotated[int, WORKERS]
-    as_json: Annotated[bool, click.option("--json", "as_json", is_flag=True, help="Print JSON.")]
+    as_json: Annotated[bool, JSON]
 
 
 @click.command()
@@ -142,8 +142,7 @@ def extract(given: ExtractOptions) -> int:
         click.echo(json.dumps({"reports": [asdict(extracted) for extracted in done], "usage": total}, indent=2))
     else:
         _show_extracted(done, given.out)
-        for model, used in usage.items():
-            click.echo(f"{model}: {used}")
+        show_usage(usage)
     return 1 if any(extracted.error for extracted in done) else 0
 
 
@@ -220,24 +219,15 @@ def safe_test(given: SafeOptions, policies: tuple[str, ...], samples: int, *, pi
         Task.TEST, cases, policies, given.out, samples=samples, seed=given.seed, draw=draw_trial if pictures else None
     )
     results = work_through(jobs, given.out, given.workers, "episodes")
-    tallies = {policy: tally_tests(cases, [each for each in results if each.policy == policy]) for policy in policies}
+    tallies = {
+        policy: summarise_tests(cases, [each for each in results if each.policy == policy]) for policy in policies
+    }
     write_texts(given.out, report_of_tests(cases, tallies, results, given.out))
     content = {policy: found.as_dict() for policy, found in tallies.items()}
     if given.as_json:
         click.echo(json.dumps(content, indent=2))
     else:
-        titles = (
-            "policy",
-            "reports",
-            "built",
-            "scenarios",
-            "collisions",
-            "at fault",
-            "violation rate",
-            "top-1/2/3",
-            "s per scenario",
-        )
-        show_rows([titles, *((policy, *found.cells()) for policy, found in tallies.items())])
+        show_rows([TEST_TITLES, *((policy, *found.cells()) for policy, found in tallies.items())])
         click.echo(f"report: {given.out / 'report.html'}")
     return 0 if all(found.built == found.reports for found in tallies.values()) else 1
 
@@ -266,22 +256,22 @@ def reproduce(given: SafeOptions, policies: tuple[str, ...], budget: int, *, pic
     )
     results = work_through(jobs, given.out, given.workers, "roles")
     tallies = {
-        policy: tally_reproductions(cases, [each for each in results if each.policy == policy]) for policy in policies
+        policy: summarise_reproductions(cases, [each for each in results if each.policy == policy])
+        for policy in policies
     }
     write_texts(given.out, report_of_reproductions(cases, tallies, results, given.out))
     if given.as_json:
         click.echo(json.dumps({policy: found.as_dict() for policy, found in tallies.items()}, indent=2))
         return 0
-    titles = ("policy", "reports", "reproduced", "share", "of those with two vehicles or more", "episodes")
-    show_rows([titles, *((policy, *found.cells()) for policy, found in tallies.items())])
+    show_rows([REPRODUCTION_TITLES, *((policy, *found.cells()) for policy, found in tallies.items())])
     click.echo(f"report: {given.out / 'reproduction.html'}")
     return 0
 
 
 @click.command()
-@click.argument("scenario", type=click.Path(path_type=Path, dir_okay=False))
-@click.option("--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Folder for the files.")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@click.argument("scenario", type=FILE)
+@click.option("--out", required=True, type=FOLDER, help="Folder for the files.")
+@JSON
 def export(scenario: Path, out: Path, *, as_json: bool) -> int:
     """Write a scenario as ASAM OpenSCENARIO (NAME.xosc) and its roads as OpenDRIVE (NAME.xodr).
 

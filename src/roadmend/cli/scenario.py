@@ -5,20 +5,24 @@ from pathlib import Path
 
 import click
 
+from roadmend.cli.options import FILE, SEED
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario_file import dump_scenario, save_scenario, scenario_schema
 
-_FAMILY_HELP = "; ".join(f"{family.name} {family.title}" for family in FAMILIES.values())
+FAMILY = click.option(
+    "--family",
+    required=True,
+    type=click.Choice([*FAMILIES]),
+    help="; ".join(f"{family.name} {family.title}" for family in FAMILIES.values()),
+)
 
 
 @click.command()
-@click.option("--family", required=True, type=click.Choice([*FAMILIES]), help=_FAMILY_HELP)
-@click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
-@click.option(
-    "--out", type=click.Path(path_type=Path, dir_okay=False), help="File to write; standard output if not given."
-)
+@FAMILY
+@SEED
+@click.option("--out", type=FILE, help="File to write; standard output if not given.")
 def sample(family: str, seed: int, out: Path | None) -> None:
-    """Draw a scenario of one of the five families."""
+    """Draw a scenario of a family."""
     scenario = sample_scenario(family, seed)
     if out is None:
         click.echo(dump_scenario(scenario), nl=False)

@@ -7,37 +7,29 @@ from pathlib import Path
 from typing import Annotated
 
 import click
-from rich.table import Table
 
-from roadmend.cli.options import WORKERS, options_of
-from roadmend.cli.output import counting, wide_console
+from roadmend.cli.driver_options import POLICY, REPAIR
+from roadmend.cli.options import FILE, FOLDER, JSON, SEED, WORKERS, options_of
+from roadmend.cli.output import counting, show_rows
+from roadmend.cli.scenario import FAMILY
 from roadmend.core.fanout import fan_out
 from roadmend.core.yaml_file import read_fields
-from roadmend.policies.registry import POLICIES
-from roadmend.repair.registry import METHODS
-from roadmend.search.campaign import Campaign, Tally, run_campaign, tally
+from roadmend.search.campaign import Campaign, CampaignSummary, run_campaign, summarise
 from roadmend.search.evaluation import Subject, evaluate
-from roadmend.search.ledger import Entry, Ledger
+from roadmend.search.ledger import Ledger, LedgerEntry
 from roadmend.search.registry import TECHNIQUES, read_technique_parameters
-from roadmend.world.families import FAMILIES
-
-_FAMILY_HELP = "; ".join(f"{family.name} {family.title}" for family in FAMILIES.values())
 
 
 @dataclass(frozen=True)
 class SearchOptions:
     """What is searched for, and how long."""
 
-    family: Annotated[str, click.option("--family", required=True, type=click.Choice([*FAMILIES]), help=_FAMILY_HELP)]
+    family: Annotated[str, FAMILY]
     technique: Annotated[
         str, click.option("--technique", default="avfuzzer", show_default=True, type=click.Choice([*TECHNIQUES]))
     ]
-    policy: Annotated[
-        str, click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
-    ]
-    method: Annotated[
-        str, click.option("--repair", "method", default="none", show_default=True, type=click.Choice(sorted(METHODS)))
-    ]
+    policy: Annotated[str, POLICY]
+    method: Annotated[str, REPAIR]
     budget: Annotated[
         int,
         click.option(
@@ -48,14 +40,11 @@ class SearchOptions:
             help="Scenarios to run in all, those of earlier calls included.",
         ),
     ]
-    seed: Annotated[int, click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))]
+    seed: Annotated[int, SEED]
     file: Annotated[
         Path | None,
         click.option(
-            "--parameters",
-            "file",
-            type=click.Path(path_type=Path, dir_okay=False),
-            help="YAML file with parameters of the technique (see config/search).",
+            "--parameters", "file", type=FILE, help="YAML file with parameters of the technique (see config/search)."
         ),
     ]
     out: Annotated[
@@ -63,12 +52,12 @@ class SearchOptions:
         click.option(
             "--out",
             required=True,
-            type=click.Path(path_type=Path, file_okay=False),
+            type=FOLDER,
             help="Folder for the ledger and the scenarios found; a search that is there goes on.",
         ),
     ]
     workers: Annotated[int, WORKERS]
-    as_json: Annotated[bool, click.option("--json", "as_json", is_flag=True, help="Print JSON.")]
+    as_json: Annotated[bool, JSON]
 
 
 @click.command()
@@ -85,12 +74,12 @@ def search(given: SearchOptions) -> int:
     campaign = Campaign(Subject(given.family, given.policy, given.method, given.seed), given.technique, chosen)
     with Ledger(given.out, campaign.settings) as ledger:
         with counting() as progress:
-            violations = tally(ledger.entries).violations
+            violations = summarise(ledger.entries).violations
             task = progress.add_task(
                 _label(violations), total=given.budget, completed=min(given.budget, len(ledger.entries))
             )
 
-            def report(entry: Entry) -> None:
+            def report(entry: LedgerEntry) -> None:
                 nonlocal violations
                 violations += entry.evaluation.is_violation
                 progress.update(task, advance=1, description=_label(violations))
@@ -99,7 +88,7 @@ def search(given: SearchOptions) -> int:
                 run_campaign(
                     campaign, ledger, partial(mapper, partial(evaluate, campaign.subject)), given.budget, report
                 )
-        found = tally(ledger.entries)
+        found = summarise(ledger.entries)
     if given.as_json:
         click.echo(json.dumps({**campaign.settings, **asdict(found), "folder": str(given.out)}, indent=2))
     else:
@@ -111,7 +100,7 @@ def _label(violations: int) -> str:
     return f"{violations} violation{'' if violations == 1 else 's'}"
 
 
-def _show(campaign: Campaign, found: Tally) -> None:
+def _show(campaign: Campaign, found: CampaignSummary) -> None:
     titles = (
         "family",
         "technique",
@@ -123,9 +112,8 @@ def _show(campaign: Campaign, found: Tally) -> None:
         "first after",
         "crashes",
     )
-    table = Table(*titles, box=None, pad_edge=False, header_style="bold")
     subject = campaign.subject
-    table.add_row(
+    row = (
         subject.family,
         campaign.technique,
         subject.policy,
@@ -136,4 +124,4 @@ def _show(campaign: Campaign, found: Tally) -> None:
         str(found.first_violation or "-"),
         str(found.crashes),
     )
-    wide_console().print(table)
+    show_rows([titles, row])

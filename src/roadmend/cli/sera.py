@@ -8,8 +8,8 @@ from typing import Annotated, Any
 import click
 from rich.table import Table
 
-from roadmend.cli.language_options import LanguageChoice, language_options
-from roadmend.cli.options import JSON, WORKERS, options_of
+from roadmend.cli.language_options import LanguageChoice, language_options, show_usage
+from roadmend.cli.options import FILE, JSON, PATH, WORKERS, options_of
 from roadmend.cli.output import counting, show_rows, wide_console
 from roadmend.cli.sera_options import (
     BANK,
@@ -19,14 +19,12 @@ from roadmend.cli.sera_options import (
     filters_of,
     keeping_exchanges,
     open_backend,
-    show_usage,
 )
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
 from roadmend.core.whole_file import write_text
 from roadmend.sera.analysis import Analysis, analyse, find_bags, read_incidents
 from roadmend.sera.analysis_report import NOTHING, pattern_rows, report
-from roadmend.sera.backends import BACKENDS
 from roadmend.sera.bank import Bank
 from roadmend.sera.pattern import dump_patterns, read_patterns
 from roadmend.sera.recommendation import content_of
@@ -38,18 +36,18 @@ from roadmend.world.scenario_file import load_scenario
 class AnalyseOptions:
     """Which bags, and who looks for patterns."""
 
-    bags: Annotated[tuple[Path, ...], click.argument("bags", nargs=-1, required=True, type=click.Path(path_type=Path))]
-    language: Annotated[LanguageChoice, language_options(BACKENDS)]
+    bags: Annotated[tuple[Path, ...], click.argument("bags", nargs=-1, required=True, type=PATH)]
+    language: Annotated[LanguageChoice, language_options]
     out: Annotated[
         Path | None,
         click.option(
             "--out",
-            type=click.Path(path_type=Path, dir_okay=False),
+            type=FILE,
             help="The patterns for 'sera recommend', JSON; a report as .md beside it, and what a language model was asked.",
         ),
     ]
     workers: Annotated[int, WORKERS]
-    as_json: Annotated[bool, click.option("--json", "as_json", is_flag=True, help="Print JSON.")]
+    as_json: Annotated[bool, JSON]
 
 
 @click.command("analyse")
@@ -63,14 +61,9 @@ def analyse_bags(given: AnalyseOptions) -> int:
     found = find_bags(given.bags)
     if given.out is not None and given.out.suffix == ".md":
         raise InputError("--out", f"{given.out} is where the report would go", "name a .json file")
-    opened = open_backend(
-        given.language.backend, given.language.settings, given.language.recording, given.language.attempts, given.out
-    )
+    opened = open_backend(given.language, given.out)
     readings = []
-    with (
-        fan_out(given.workers, len(found)) as mapper,
-        counting(is_transient=True) as progress,
-    ):
+    with fan_out(given.workers, len(found)) as mapper, counting(is_transient=True) as progress:
         task = progress.add_task("bags", total=len(found))
         for reading in mapper(read_incidents, found):
             readings.append(reading)
@@ -90,7 +83,7 @@ def analyse_bags(given: AnalyseOptions) -> int:
         )
     else:
         _show_patterns(analysis)
-        show_usage(opened)
+        show_usage(opened.usage())
     for each in analysis.unreadable:
         click.echo(f"not read: {each.problem}", err=True)
     return 1 if analysis.unreadable else 0
@@ -125,18 +118,14 @@ class RecommendOptions:
         click.option(
             "--exclude",
             multiple=True,
-            type=click.Path(path_type=Path, dir_okay=False),
+            type=FILE,
             help="Scenario file that must not come, as one of the evaluation set. May be repeated.",
         ),
     ]
-    language: Annotated[LanguageChoice, language_options(BACKENDS)]
+    language: Annotated[LanguageChoice, language_options]
     out: Annotated[
         Path | None,
-        click.option(
-            "--out",
-            type=click.Path(path_type=Path, dir_okay=False),
-            help="The selections as JSON; beside it what a language model was asked.",
-        ),
+        click.option("--out", type=FILE, help="The selections as JSON; beside it what a language model was asked."),
     ]
     terms: Annotated[dict[str, tuple[str, ...]], filter_options]
     as_json: Annotated[bool, JSON]
@@ -149,9 +138,7 @@ def recommend(given: RecommendOptions) -> None:
     wanted = [pattern for each in given.patterns for pattern in read_patterns(each)]
     digests = [load_scenario(path).digest for path in given.exclude]
     filters = filters_of(given.terms)
-    asked = open_backend(
-        given.language.backend, given.language.settings, given.language.recording, given.language.attempts, given.out
-    )
+    asked = open_backend(given.language, given.out)
     with Bank(given.bank_file, given.embedder) as opened, keeping_exchanges(asked, given.out):
         found = recommend_from(opened, wanted, given.count, filters, digests, given.seed, asked.reflector)
         content = content_of(found, wanted, opened)
@@ -163,7 +150,7 @@ def recommend(given: RecommendOptions) -> None:
         click.echo(text)
     else:
         _show_selection(content)
-        show_usage(asked)
+        show_usage(asked.usage())
 
 
 def _show_selection(content: dict[str, Any]) -> None:

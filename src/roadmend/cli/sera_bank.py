@@ -12,12 +12,12 @@ from typing import Annotated, Any
 import click
 from rich.table import Table
 
-from roadmend.cli.options import JSON, options_of
+from roadmend.cli.options import FILE, JSON, options_of
 from roadmend.cli.output import stages, wide_console
 from roadmend.cli.sera_options import BANK, EMBEDDER, PATTERN, filter_options, filters_of
 from roadmend.sera.bank import Bank, Built, Report, build_bank
 from roadmend.sera.describe import entry_of, entry_of_case
-from roadmend.sera.descriptor import Entry
+from roadmend.sera.descriptor import BankEntry
 from roadmend.sera.embedding import DEFAULT, FORMS, inherited_embedder
 from roadmend.sera.exchange import export_bank, read_export
 from roadmend.sera.pattern import read_patterns
@@ -26,7 +26,7 @@ from roadmend.world.corpus import SPLITS, load_corpus
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario_file import load_scenario
 
-_OUT = click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Bank to write.")
+_OUT = click.option("--out", required=True, type=FILE, help="Bank to write.")
 _EMBEDDER = click.option("--embedder", help=f"One of {FORMS}.  [default: that of --bank, or {DEFAULT}]")
 _COUNTED = ("family", "road", "weather", "light")
 
@@ -37,7 +37,7 @@ def bank() -> None:
 
 
 @dataclass(frozen=True)
-class BuildOptions:
+class BankBuildOptions:
     """What a bank is built from."""
 
     count: Annotated[
@@ -63,7 +63,7 @@ class BuildOptions:
             "--corpus",
             "corpora",
             multiple=True,
-            type=click.Path(path_type=Path, dir_okay=False),
+            type=FILE,
             help="Cases with what a policy made of them. May be repeated.",
         ),
     ]
@@ -79,17 +79,15 @@ class BuildOptions:
             help="Of the corpora. May be repeated.",
         ),
     ]
-    scenarios: Annotated[
-        tuple[Path, ...], click.argument("scenarios", nargs=-1, type=click.Path(path_type=Path, dir_okay=False))
-    ]
+    scenarios: Annotated[tuple[Path, ...], click.argument("scenarios", nargs=-1, type=FILE)]
     embedder: Annotated[str | None, _EMBEDDER]
     out: Annotated[Path, _OUT]
     as_json: Annotated[bool, JSON]
 
 
 @bank.command()
-@options_of(BuildOptions)
-def build(given: BuildOptions) -> None:
+@options_of(BankBuildOptions)
+def build(given: BankBuildOptions) -> None:
     """Build a bank from families, corpora and scenario files; it replaces OUT when it is whole."""
     loaded = [load_corpus(path) for path in given.corpora]
     entries = itertools.chain(
@@ -112,8 +110,8 @@ def build(given: BuildOptions) -> None:
 
 
 @bank.command(name="import")
-@click.argument("exports", nargs=-1, required=True, type=click.Path(path_type=Path, dir_okay=False))
-@click.option("--bank", "bank_file", type=click.Path(path_type=Path, dir_okay=False), help="Bank to add to.")
+@click.argument("exports", nargs=-1, required=True, type=FILE)
+@click.option("--bank", "bank_file", type=FILE, help="Bank to add to.")
 @_EMBEDDER
 @_OUT
 @JSON
@@ -135,7 +133,7 @@ def import_(
         )
 
 
-def _build(out: Path, entries: Iterable[Entry], embedder: str, total: int | None, *, as_json: bool) -> None:
+def _build(out: Path, entries: Iterable[BankEntry], embedder: str, total: int | None, *, as_json: bool) -> None:
     with build_progress(total) as report:
         built = build_bank(out, entries, embedder, report)
     if as_json:
@@ -184,7 +182,7 @@ def show(bank_file: Path, *, as_json: bool) -> None:
     click.echo(f"{content['scenarios']} scenarios, {content['index_bytes'] / 1e6:.1f} MB of index")
 
 
-def _count(entries: Iterator[Entry]) -> dict[str, Counter[str]]:
+def _count(entries: Iterator[BankEntry]) -> dict[str, Counter[str]]:
     counts: dict[str, Counter[str]] = {group: Counter() for group in (*_COUNTED, "hazard", "outcome", "origin")}
     for entry in entries:
         descriptor = entry.descriptor
@@ -199,7 +197,7 @@ def _count(entries: Iterator[Entry]) -> dict[str, Counter[str]]:
 
 @bank.command()
 @BANK
-@click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="JSON lines to write.")
+@click.option("--out", required=True, type=FILE, help="JSON lines to write.")
 def export(bank_file: Path, out: Path) -> None:
     """Write a bank as JSON lines."""
     with Bank(bank_file) as opened:

@@ -8,13 +8,21 @@ from typing import Annotated, Any, cast
 
 import click
 
+from roadmend.cli.driver_options import REPAIR
 from roadmend.cli.language_options import LanguageChoice, language_options
-from roadmend.cli.options import JSON, WORKERS, options_of
+from roadmend.cli.options import FILE, JSON, PATH, RESULT_FOLDER, SEED, WORKERS, options_of
 from roadmend.cli.output import counting, show_rows
-from roadmend.cli.sera_options import EMBEDDER, SetChoice, set_options
+from roadmend.cli.sera_options import (
+    EMBEDDER,
+    NEURAL_POLICY,
+    FewShotChoice,
+    SetChoice,
+    few_shot_options,
+    open_backend,
+    set_options,
+)
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import entry_key
-from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import write_text, written_beside
 from roadmend.measures.driver import driver_key
 from roadmend.measures.driving import DrivingMeasures
@@ -22,17 +30,15 @@ from roadmend.measures.summary import summarise, summary_rows
 from roadmend.networks.checkpoint import find_model
 from roadmend.policies.neural import load_model
 from roadmend.policies.registry import POLICIES
-from roadmend.repair.registry import METHODS
 from roadmend.reports.cycle_page import cycle_chart, cycle_page, measure_rows
 from roadmend.reports.result_files import origin, provenance, write_report
-from roadmend.sera.analysis import Reading, find_bags, read_incidents
-from roadmend.sera.backends import BACKENDS, Backend
+from roadmend.sera.analysis import BagAnalysis, find_bags, read_incidents
 from roadmend.sera.bank import Bank, build_bank
-from roadmend.sera.cycle import Cycle, CycleOptions, Evaluation, Generation, Tuned
+from roadmend.sera.cycle import Cycle, CycleOptions, Generation, PolicyEvaluation, TunedPolicy
 from roadmend.sera.describe import entry_of
 from roadmend.sera.evaluation_episode import EvaluatedEpisode, EvaluationJob, Record, drive_jobs
-from roadmend.sera.evaluation_set import chosen_set, disjoint, known_in
-from roadmend.training.few_shot_settings import FewShotSettings, read_few_shot_settings
+from roadmend.sera.evaluation_set import disjoint, known_in
+from roadmend.training.few_shot_settings import FewShotSettings
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario import Scenario
 
@@ -53,9 +59,7 @@ class EvaluateOptions:
             help=f"One of {', '.join(sorted(POLICIES))}, or the model file of a neural policy.",
         ),
     ]
-    method: Annotated[
-        str, click.option("--repair", "method", default="none", show_default=True, type=click.Choice(sorted(METHODS)))
-    ]
+    method: Annotated[str, REPAIR]
     chosen: Annotated[SetChoice, set_options]
     known: Annotated[
         tuple[Path, ...],
@@ -63,7 +67,7 @@ class EvaluateOptions:
             "--disjoint-from",
             "known",
             multiple=True,
-            type=click.Path(path_type=Path, dir_okay=False),
+            type=FILE,
             help="A bank, a corpus or a scenario file: what is in it is left out. May be repeated.",
         ),
     ]
@@ -78,13 +82,8 @@ class EvaluateOptions:
         ),
     ]
     workers: Annotated[int, WORKERS]
-    out: Annotated[
-        Path,
-        click.option(
-            "--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Folder; resumes there."
-        ),
-    ]
-    as_json: Annotated[bool, click.option("--json", "as_json", is_flag=True, help="Print JSON.")]
+    out: Annotated[Path, RESULT_FOLDER]
+    as_json: Annotated[bool, JSON]
 
 
 @click.command()
@@ -95,7 +94,7 @@ def evaluate(given: EvaluateOptions) -> int:
     An interrupted call goes on where it stopped; the outcome does not depend on the number of workers. The exit code is
     1 if an episode could not be driven.
     """
-    whole = chosen_set(given.chosen.scenarios, given.chosen.first_seed, given.chosen.corpus, given.chosen.split)
+    whole = given.chosen.read()
     chosen = disjoint(whole, known_in(given.known))
     driver = driver_key(given.policy, given.method)
     jobs = [
@@ -124,9 +123,17 @@ def evaluate(given: EvaluateOptions) -> int:
 def _measured(jobs: Sequence[EvaluationJob], found: Sequence[EvaluatedEpisode], left_out: int) -> dict[str, Any]:
     first = jobs[0]
     episodes = [
-        {"scenario": job.scenario.name, "family": job.scenario.family, "digest": job.scenario.digest, **asdict(episode)}
+        {
+            "scenario": job.scenario.name,
+            "family": job.scenario.family,
+            "digest": job.scenario.digest,
+            "measures": asdict(episode.measures),
+            "trajectory": episode.result.digest,
+            "bag": episode.bag,
+            "fault": "",
+        }
         for job, episode in zip(jobs, found, strict=True)
-        if not episode.fault
+        if episode.result is not None and episode.measures is not None
     ]
     return {
         "provenance": provenance(f"./roadmend sera evaluate --policy {first.policy} --repair {first.method}"),
@@ -162,18 +169,13 @@ Told = Callable[[str, int, int], None]  # what is being done, how much of it is 
 class CycleSettings:
     """What goes into every generation."""
 
-    policy: Annotated[
-        str,
-        click.option(
-            "--policy", default="neural", show_default=True, help="A neural policy that ships, or its model file."
-        ),
-    ]
+    policy: Annotated[str, NEURAL_POLICY]
     bags: Annotated[
         tuple[Path, ...],
         click.option(
             "--bags",
             multiple=True,
-            type=click.Path(path_type=Path),
+            type=PATH,
             help="Bags that the first generation learns from instead of the evaluation's; or folders. May be repeated.",
         ),
     ]
@@ -187,10 +189,7 @@ class CycleSettings:
     bank_file: Annotated[
         Path | None,
         click.option(
-            "--bank",
-            "bank_file",
-            type=click.Path(path_type=Path, dir_okay=False),
-            help="Bank to learn from.  [default: one is built of random scenarios]",
+            "--bank", "bank_file", type=FILE, help="Bank to learn from.  [default: one is built of random scenarios]"
         ),
     ]
     bank_scenarios: Annotated[
@@ -215,27 +214,11 @@ class CycleSettings:
             help="Scenarios to learn from in a generation, shared among the failure patterns by how many episodes show them.",
         ),
     ]
-    file: Annotated[
-        Path | None,
-        click.option(
-            "--config",
-            "file",
-            type=click.Path(path_type=Path, dir_okay=False),
-            help="YAML file with the settings of the tuning; config/training/few-shot.yaml if not given.",
-        ),
-    ]
-    epochs: Annotated[
-        int | None, click.option("--epochs", type=click.IntRange(1, 100), help="Instead of the settings'.")
-    ]
-    language: Annotated[LanguageChoice, language_options(BACKENDS)]
-    seed: Annotated[int, click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))]
+    few_shot: Annotated[FewShotChoice, few_shot_options]
+    language: Annotated[LanguageChoice, language_options]
+    seed: Annotated[int, SEED]
     workers: Annotated[int, WORKERS]
-    out: Annotated[
-        Path,
-        click.option(
-            "--out", required=True, type=click.Path(path_type=Path, file_okay=False), help="Folder; resumes there."
-        ),
-    ]
+    out: Annotated[Path, RESULT_FOLDER]
     as_json: Annotated[bool, JSON]
 
 
@@ -250,13 +233,10 @@ def cycle(given: CycleSettings) -> int:
     """
     model = find_model(given.policy)
     load_model(model)
-    few_shot = read_few_shot_settings(given.file or config_folder() / "training" / "few-shot.yaml")
-    few_shot = few_shot if given.epochs is None else few_shot.model_copy(update={"epochs": given.epochs})
+    few_shot = given.few_shot.read()
     first = tuple(find_bags(given.bags)) if given.bags else ()
-    whole_set = chosen_set(given.chosen.scenarios, given.chosen.first_seed, given.chosen.corpus, given.chosen.split)
-    opened = Backend.open(
-        given.language.backend, given.language.settings, given.language.recording, given.language.attempts
-    )
+    whole_set = given.chosen.read()
+    opened = open_backend(given.language, given.out)
     with counting(is_transient=True) as progress:
         whole = progress.add_task("starting", total=given.generations + 1)
         part = progress.add_task("", total=None)
@@ -266,7 +246,7 @@ def cycle(given: CycleSettings) -> int:
 
         bank_path = given.bank_file or _built_bank(given.out, given.bank_scenarios, told)
         evaluated = disjoint(whole_set, known_in([bank_path]))
-        steps = _Steps(evaluated, few_shot, given.seed, given.out, given.workers, told)
+        steps = _LocalSteps(evaluated, few_shot, given.seed, given.out, given.workers, told)
         options = CycleOptions(
             given.generations,
             given.count,
@@ -292,7 +272,7 @@ def cycle(given: CycleSettings) -> int:
     return 1 if any(generation.faults for generation in found) else 0
 
 
-class _Steps:
+class _LocalSteps:
     """The steps of a cycle, over processes of this machine."""
 
     def __init__(
@@ -308,17 +288,17 @@ class _Steps:
     def identity(self, policy: str) -> str:
         return entry_key(["roadmend.training.few_shot"], driver_key(policy, _METHOD))
 
-    def evaluate(self, policy: str) -> Evaluation:
+    def evaluate(self, policy: str) -> PolicyEvaluation:
         driver, folder = driver_key(policy, _METHOD), self._out / "bags"
         jobs = [EvaluationJob(one, policy, _METHOD, folder, "failures", driver) for one in self._scenarios]
         found = drive_jobs(jobs, self._out / "episodes", self._workers, lambda *done: self._told("episodes", *done))
-        return Evaluation(
+        return PolicyEvaluation(
             tuple(episode.measures for episode in found if episode.measures is not None),
             tuple(folder / episode.bag for episode in found if episode.bag),
             tuple(episode.fault for episode in found if episode.fault),
         )
 
-    def read(self, bags: Sequence[Path]) -> Iterator[Reading]:
+    def read(self, bags: Sequence[Path]) -> Iterator[BagAnalysis]:
         if not bags:
             return
         with fan_out(self._workers, len(bags)) as mapper:
@@ -326,10 +306,10 @@ class _Steps:
                 self._told("bags", done, len(bags))
                 yield reading
 
-    def tune(self, policy: str, scenarios: Sequence[Scenario], selection: str, out: Path) -> Tuned:
+    def tune(self, policy: str, scenarios: Sequence[Scenario], selection: str, out: Path) -> TunedPolicy:
         # torch takes seconds to import, and a cycle that finds everything done does without.
         from roadmend.training.device import choose_torch_device  # noqa: PLC0415
-        from roadmend.training.few_shot import Labour, Origin, few_shot_repair  # noqa: PLC0415
+        from roadmend.training.few_shot import Labour, TuningOrigin, few_shot_repair  # noqa: PLC0415
 
         choose_torch_device("cpu", 1)
         repaired = few_shot_repair(
@@ -338,10 +318,10 @@ class _Steps:
             self._settings,
             self._seed,
             out,
-            origin=Origin(selection, "", "roadmend sera cycle"),
+            origin=TuningOrigin(selection, "", "roadmend sera cycle"),
             labour=Labour(self._workers, self._told),
         )
-        return Tuned(out, repaired.kept.epochs, repaired.kept.driving_score, repaired.trials[0].driving_score)
+        return TunedPolicy(out, repaired.kept.epochs, repaired.kept.driving_score, repaired.trials[0].driving_score)
 
 
 def _built_bank(out: Path, count: int, told: Told) -> Path:
@@ -363,10 +343,7 @@ def _content(found: Sequence[Generation], out: Path, wanted: int) -> dict[str, A
         each["policy"] = _place(Path(each["policy"]), out)
         if each["tuned"] is not None:
             each["tuned"]["model"] = _place(each["tuned"]["model"], out)
-    return {
-        "provenance": provenance(f"./roadmend sera cycle --generations {wanted}"),
-        "generations": generations,
-    }
+    return {"provenance": provenance(f"./roadmend sera cycle --generations {wanted}"), "generations": generations}
 
 
 def _place(model: Path, out: Path) -> str:

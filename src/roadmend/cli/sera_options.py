@@ -9,16 +9,22 @@ from typing import Annotated, Any
 
 import click
 
-from roadmend.cli.options import FILE, options_of
+from roadmend.cli.language_options import LanguageChoice
+from roadmend.cli.options import FILE, options_of, settings_file
 from roadmend.core.errors import InputError
+from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import write_text
 from roadmend.language.exchange import ENDING
 from roadmend.sera.backends import Backend
-from roadmend.sera.facets import Filters
+from roadmend.sera.evaluation_set import chosen_set
+from roadmend.sera.filters import Filters
+from roadmend.training.few_shot_settings import FewShotSettings, read_few_shot_settings
 from roadmend.world.corpus import SPLITS
+from roadmend.world.scenario import Scenario
 
-BANK = click.option(
-    "--bank", "bank_file", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Bank to read."
+BANK = click.option("--bank", "bank_file", required=True, type=FILE, help="Bank to read.")
+NEURAL_POLICY = click.option(
+    "--policy", default="neural", show_default=True, help="A neural policy that ships, or its model file."
 )
 PATTERN = click.option(
     "--pattern",
@@ -75,19 +81,52 @@ class SetChoice:
         str | None, click.option("--split", type=click.Choice(SPLITS), help="Of the corpus.  [default: all]")
     ]
 
+    def read(self) -> list[Scenario]:
+        """The scenarios of the set.
+
+        Raises:
+            InputError: the options contradict each other, or the file is no corpus.
+        """
+        return chosen_set(self.scenarios, self.first_seed, self.corpus, self.split)
+
 
 set_options = options_of(SetChoice, "chosen")
 
 
-def open_backend(name: str, settings: Path | None, recording: Path | None, attempts: int, out: Path | None) -> Backend:
+@dataclass(frozen=True)
+class FewShotChoice:
+    """How a policy is tuned."""
+
+    file: Annotated[
+        Path | None,
+        settings_file("YAML file with the settings of the tuning; config/training/few-shot.yaml if not given."),
+    ]
+    epochs: Annotated[
+        int | None, click.option("--epochs", type=click.IntRange(1, 100), help="Instead of the settings'.")
+    ]
+
+    def read(self) -> FewShotSettings:
+        """The settings that the options make.
+
+        Raises:
+            InputError: the file cannot be read, or a name or value of it is unknown or out of range.
+        """
+        settings = read_few_shot_settings(self.file or config_folder() / "training" / "few-shot.yaml")
+        return settings if self.epochs is None else settings.model_copy(update={"epochs": self.epochs})
+
+
+few_shot_options = options_of(FewShotChoice, "few_shot")
+
+
+def open_backend(choice: LanguageChoice, out: Path | None) -> Backend:
     """The backend that the options stand for.
 
     Raises:
         InputError: it lacks something, or there is no place for what a language model is asked.
     """
-    backend = Backend.open(name, settings, recording, attempts)
+    backend = Backend.open(choice.backend, choice.settings, choice.recording, choice.attempts)
     if backend.model is not None and out is None:
-        raise InputError(f"backend {name}", "has no place for what is said", "name a file with --out")
+        raise InputError(f"backend {choice.backend}", "has no place for what is said", "name a file with --out")
     return backend
 
 
@@ -103,9 +142,3 @@ def keeping_exchanges(backend: Backend, out: Path | None) -> Iterator[None]:
     finally:
         if out is not None and backend.model is not None and backend.model.exchanges:
             write_text(out.with_suffix(ENDING), backend.exchanges())
-
-
-def show_usage(backend: Backend) -> None:
-    """Say what a language model took; nothing if none was asked."""
-    for model, used in backend.usage().items():
-        click.echo(f"{model}: {used}")

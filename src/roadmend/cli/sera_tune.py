@@ -8,19 +8,17 @@ from typing import Annotated
 
 import click
 
-from roadmend.cli.options import JSON, WORKERS, options_of
+from roadmend.cli.options import FILE, JSON, MODEL_OUT, SEED, WORKERS, options_of
 from roadmend.cli.output import show_rows, stages
-from roadmend.cli.sera_options import BANK
+from roadmend.cli.sera_options import BANK, NEURAL_POLICY, FewShotChoice, few_shot_options
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
-from roadmend.core.resources import config_folder
 from roadmend.networks.checkpoint import find_model
 from roadmend.sera.bank import Bank
 from roadmend.sera.evaluation_set import corpus_set, disjoint, known_in
 from roadmend.sera.recommendation import Stage, read_selection, scenarios_of
 from roadmend.training.device import choose_torch_device
-from roadmend.training.few_shot import Labour, Origin, Repair, few_shot_repair
-from roadmend.training.few_shot_settings import read_few_shot_settings
+from roadmend.training.few_shot import FewShotRepair, Labour, TuningOrigin, few_shot_repair
 from roadmend.world.corpus import SPLITS
 
 
@@ -28,22 +26,11 @@ from roadmend.world.corpus import SPLITS
 class TuneOptions:
     """What is tuned on what, and how."""
 
-    policy: Annotated[
-        str,
-        click.option(
-            "--policy", default="neural", show_default=True, help="A neural policy that ships, or its model file."
-        ),
-    ]
+    policy: Annotated[str, NEURAL_POLICY]
     bank_file: Annotated[Path, BANK]
     selected: Annotated[
         Path,
-        click.option(
-            "--selection",
-            "selected",
-            required=True,
-            type=click.Path(path_type=Path, dir_okay=False),
-            help="What 'sera recommend --json' printed.",
-        ),
+        click.option("--selection", "selected", required=True, type=FILE, help="What 'sera recommend --json' printed."),
     ]
     stage: Annotated[
         Stage,
@@ -55,17 +42,12 @@ class TuneOptions:
             help="Of the selection.",
         ),
     ]
-    out: Annotated[
-        Path,
-        click.option(
-            "--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Model file to write."
-        ),
-    ]
+    out: Annotated[Path, MODEL_OUT]
     validation: Annotated[
         Path | None,
         click.option(
             "--validation",
-            type=click.Path(path_type=Path, dir_okay=False),
+            type=FILE,
             help="Corpus to choose the best epoch by, what is in the selection left out.  [default: the selection]",
         ),
     ]
@@ -75,25 +57,14 @@ class TuneOptions:
             "--split", default="validation", show_default=True, type=click.Choice(SPLITS), help="Of that corpus."
         ),
     ]
-    file: Annotated[
-        Path | None,
-        click.option(
-            "--config",
-            "file",
-            type=click.Path(path_type=Path, dir_okay=False),
-            help="YAML file with the settings; config/training/few-shot.yaml if not given.",
-        ),
-    ]
-    epochs: Annotated[
-        int | None, click.option("--epochs", type=click.IntRange(1, 100), help="Instead of the settings'.")
-    ]
+    few_shot: Annotated[FewShotChoice, few_shot_options]
     learning_rate: Annotated[
         float | None,
         click.option(
             "--learning-rate", type=click.FloatRange(0.0, 0.1, min_open=True), help="Instead of the settings'."
         ),
     ]
-    seed: Annotated[int, click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))]
+    seed: Annotated[int, SEED]
     workers: Annotated[int, WORKERS]
     as_json: Annotated[bool, JSON]
 
@@ -107,9 +78,9 @@ def tune(given: TuneOptions) -> None:
     episodes are mixed in. The policy drives a validation set after every epoch; that epoch is kept that scores best
     without losing on ordinary scenarios.
     """
-    settings = read_few_shot_settings(given.file or config_folder() / "training" / "few-shot.yaml")
-    instead = {"epochs": given.epochs, "learning_rate": given.learning_rate}
-    settings = settings.model_copy(update={name: value for name, value in instead.items() if value is not None})
+    settings = given.few_shot.read()
+    if given.learning_rate is not None:
+        settings = settings.model_copy(update={"learning_rate": given.learning_rate})
     if given.out.suffix != ".safetensors":
         raise InputError("--out", f"{given.out} is no model file's name", "end it with .safetensors")
     selection = read_selection(given.selected, given.stage)
@@ -121,7 +92,7 @@ def tune(given: TuneOptions) -> None:
         else disjoint(corpus_set(given.validation, given.split), known_in([given.bank_file]))
     )
     command = f"./roadmend sera tune --policy {Path(given.policy).name} --stage {given.stage} --seed {given.seed}"
-    origin = Origin(selection.digest, _digest(given.bank_file), command)
+    origin = TuningOrigin(selection.digest, _digest(given.bank_file), command)
     choose_torch_device("cpu", 1)
     with stages() as report:
         repaired = few_shot_repair(
@@ -140,7 +111,7 @@ def tune(given: TuneOptions) -> None:
     _show(repaired, len(scenarios))
 
 
-def _show(repaired: Repair, count: int) -> None:
+def _show(repaired: FewShotRepair, count: int) -> None:
     rows = [["epochs", "of their change", "Driving Score", "of ordinary scenarios", "kept"]]
     for trial in repaired.trials:
         mark = "kept" if trial == repaired.kept else ""

@@ -10,7 +10,8 @@ import click
 import yaml
 from rich.progress import TextColumn
 
-from roadmend.cli.options import WORKERS, options_of
+from roadmend.cli.driver_options import POLICY, POLICY_CORPUS
+from roadmend.cli.options import DEVICE, FILE, FOLDER, MODEL_OUT, SEED, WORKERS, options_of, settings_file
 from roadmend.cli.output import counting, stages
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
@@ -34,24 +35,14 @@ _SETTINGS = "policy-{kind}.yaml"
 class PolicyOptions:
     """Which kind of policy, how it is trained, and where it goes."""
 
-    out: Annotated[
-        Path,
-        click.option(
-            "--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Model file to write."
-        ),
-    ]
+    out: Annotated[Path, MODEL_OUT]
     kind: Annotated[
         str, click.option("--kind", default="neural", show_default=True, type=click.Choice([*KINDS]), help="Of policy.")
     ]
     seed: Annotated[int, click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 10_000))]
     file: Annotated[
         Path | None,
-        click.option(
-            "--config",
-            "file",
-            type=click.Path(path_type=Path, dir_okay=False),
-            help="YAML file with the hyper-parameters; that of the kind in config/training if not given.",
-        ),
+        settings_file("YAML file with the hyper-parameters; that of the kind in config/training if not given."),
     ]
     rounds: Annotated[
         int | None, click.option("--rounds", type=click.IntRange(1, 50), help="Only the first so many rounds.")
@@ -61,7 +52,7 @@ class PolicyOptions:
         click.option("--episodes", type=click.IntRange(1, 900), help="New episodes of each family in every round."),
     ]
     workers: Annotated[int, WORKERS]
-    device: Annotated[str, click.option("--device", default="auto", show_default=True, help="auto, cpu or cuda.")]
+    device: Annotated[str, DEVICE]
     resume: Annotated[
         bool, click.option("--resume", is_flag=True, help="Go on with an interrupted training of the same settings.")
     ]
@@ -105,26 +96,11 @@ def policy(given: PolicyOptions) -> None:
 class AdreftOptions:
     """What is trained on, how, and where it goes."""
 
-    policy: Annotated[
-        str, click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
-    ]
-    corpus_file: Annotated[
-        Path | None,
-        click.option(
-            "--corpus",
-            "corpus_file",
-            type=click.Path(path_type=Path, dir_okay=False),
-            help="The policy's corpus; config/corpora/POLICY.jsonl if not given.",
-        ),
-    ]
+    policy: Annotated[str, POLICY]
+    corpus_file: Annotated[Path | None, POLICY_CORPUS]
     file: Annotated[
         Path | None,
-        click.option(
-            "--config",
-            "file",
-            type=click.Path(path_type=Path, dir_okay=False),
-            help="YAML file with the hyper-parameters; config/training/adreft.yaml if not given.",
-        ),
+        settings_file("YAML file with the hyper-parameters; config/training/adreft.yaml if not given."),
     ]
     also: Annotated[
         tuple[str, ...],
@@ -145,25 +121,16 @@ class AdreftOptions:
             help="Hyper-parameter in the place of the file's; may be repeated.",
         ),
     ]
-    out: Annotated[
-        Path,
-        click.option(
-            "--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Model file to write."
-        ),
-    ]
-    seed: Annotated[int, click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))]
-    device: Annotated[str, click.option("--device", default="auto", show_default=True, help="auto, cpu or cuda.")]
+    out: Annotated[Path, MODEL_OUT]
+    seed: Annotated[int, SEED]
+    device: Annotated[str, DEVICE]
     workers: Annotated[int, WORKERS]
     only: Annotated[
         Only, click.option("--only", type=click.Choice(["supervised", "reinforcement"]), help="One of the two stages.")
     ]
     start: Annotated[
         Path | None,
-        click.option(
-            "--start",
-            type=click.Path(path_type=Path, dir_okay=False),
-            help="Model file to fine-tune, in place of the supervised stage.",
-        ),
+        click.option("--start", type=FILE, help="Model file to fine-tune, in place of the supervised stage."),
     ]
     ablation: Annotated[
         str | None,
@@ -171,14 +138,14 @@ class AdreftOptions:
             "--ablation",
             type=click.Choice([*ABLATIONS]),
             help="Leave something out: the adapter (rand_r), a stage (only_sl, only_rl), the step reward (wo_sr), "
-            "nearness in the labels (wo_regulation), stepping in before the monitor alarms (wo_precaution).",
+            "nearness in the labels (wo_regulation).",
         ),
     ]
     work: Annotated[
         Path | None,
         click.option(
             "--work",
-            type=click.Path(path_type=Path, file_okay=False),
+            type=FOLDER,
             help="Folder for frames, states and TensorBoard's logs; NAME.training beside the model file if not given.",
         ),
     ]

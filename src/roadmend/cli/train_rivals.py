@@ -7,35 +7,27 @@ from rich.console import Console
 from rich.table import Table
 
 from roadmend import __version__
-from roadmend.cli.options import WORKERS
+from roadmend.cli.driver_options import POLICY, POLICY_CORPUS
+from roadmend.cli.options import FILE, MODEL_OUT, SEED, WORKERS
 from roadmend.cli.output import counting, stages_of
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal
 from roadmend.measures.driver import driver_key
 from roadmend.networks.checkpoint import SUFFIX, load_checkpoint, models_folder
-from roadmend.policies.registry import POLICIES
 from roadmend.repair.self_oracle import KIND
 from roadmend.training.tuned_file import first_cases, read_tuned, write_tuned
-from roadmend.training.tuning import EPISODES, FORMAT, Tuned, Tuning
+from roadmend.training.tuning import EPISODES, FORMAT, TunedRival, Tuning
 from roadmend.training.tuning_grid import Rival, rivals_of
 from roadmend.world.corpus import corpus_of
 
 _RIVALS = tuple(rival.name for rival in rivals_of(""))
 
-_POLICY = click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
-_CORPUS = click.option(
-    "--corpus",
-    "corpus_file",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="The policy's corpus; config/corpora/POLICY.jsonl if not given.",
-)
-
 
 @click.command("self-oracle")
-@_POLICY
-@_CORPUS
-@click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="Model file to write.")
-@click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
+@POLICY
+@POLICY_CORPUS
+@MODEL_OUT
+@SEED
 @click.option("--epochs", default=100, show_default=True, type=click.IntRange(1, 10_000))
 @WORKERS
 def self_oracle(policy: str, corpus_file: Path | None, out: Path, seed: int, epochs: int, workers: int) -> None:
@@ -74,9 +66,9 @@ def self_oracle(policy: str, corpus_file: Path | None, out: Path, seed: int, epo
 
 
 @click.command()
-@_POLICY
-@_CORPUS
-@click.option("--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="YAML file to write.")
+@POLICY
+@POLICY_CORPUS
+@click.option("--out", required=True, type=FILE, help="YAML file to write.")
 @click.option(
     "--only", multiple=True, type=click.Choice(_RIVALS), help="Only these rivals; may be given more than once."
 )
@@ -87,10 +79,7 @@ def self_oracle(policy: str, corpus_file: Path | None, out: Path, seed: int, epo
     help="Only the first so many validation cases of each family and kind.",
 )
 @click.option(
-    "--model",
-    "model_file",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="SelfOracle model; the one that ships for the policy if not given.",
+    "--model", "model_file", type=FILE, help="SelfOracle model; the one that ships for the policy if not given."
 )
 @WORKERS
 def rivals(
@@ -152,7 +141,7 @@ def _code(policy: str, rival: Rival) -> str:
     return driver_key(policy, rival.method, rival.grid[0])
 
 
-def _show(tuned: Tuned, console: Console) -> None:
+def _show(tuned: TunedRival, console: Console) -> None:
     table = Table("", *tuned.points[0].parameters, "part dE", "dE", "%Fix", "%Deg", "intensity", "dose", box=None)
     for index, point in enumerate(tuned.points):
         whole = point.whole

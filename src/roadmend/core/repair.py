@@ -23,7 +23,7 @@ class RepairStatus(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Trigger:
+class RepairTrigger:
     """A participant that made a method step in."""
 
     object_id: int
@@ -37,7 +37,7 @@ class Proposal:
     score: float  # how critical the scene is; NaN where the method has no score
     threshold: float  # the method steps in where score > threshold; NaN where it has none
     action: float  # proposed throttle - brake, -1 .. 1
-    triggers: tuple[Trigger, ...] = ()
+    triggers: tuple[RepairTrigger, ...] = ()
     reason: str = ""
 
 
@@ -53,7 +53,7 @@ class Repair:
     repair_action: float
     intervened: bool
     dropped_objects: int = 0
-    triggers: tuple[Trigger, ...] = field(default=())
+    triggers: tuple[RepairTrigger, ...] = field(default=())
     reason: str = ""
 
     @property

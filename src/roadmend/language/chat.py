@@ -10,7 +10,7 @@ from typing import Any, Protocol
 from roadmend.core.errors import RoadmendError
 
 
-class Role(StrEnum):
+class ChatRole(StrEnum):
     """Who speaks."""
 
     SYSTEM = "system"
@@ -32,10 +32,10 @@ class Image:
 
 
 @dataclass(frozen=True, slots=True)
-class Message:
+class ChatMessage:
     """One turn of a conversation; its parts are texts and images."""
 
-    role: Role
+    role: ChatRole
     parts: tuple[str | Image, ...]
 
 
@@ -50,7 +50,7 @@ class Request:
     """
 
     purpose: str
-    messages: tuple[Message, ...]
+    messages: tuple[ChatMessage, ...]
     schema: Mapping[str, Any]
 
     def as_record(self) -> dict[str, Any]:

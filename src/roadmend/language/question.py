@@ -8,7 +8,7 @@ from typing import Any, Generic, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
-from roadmend.language.chat import AnswerError, ChatModel, Message, Request, Role
+from roadmend.language.chat import AnswerError, ChatMessage, ChatModel, ChatRole, Request
 
 Answer = TypeVar("Answer")
 
@@ -59,9 +59,9 @@ class Question(Generic[Answer]):
 
         def request(objections: Sequence[str]) -> Request:
             messages = (
-                Message(Role.SYSTEM, (f"{self.role} {_DATA}",)),
-                Message(Role.USER, (self.task,)),
-                Message(Role.USER, (handed_over,)),
+                ChatMessage(ChatRole.SYSTEM, (f"{self.role} {_DATA}",)),
+                ChatMessage(ChatRole.USER, (self.task,)),
+                ChatMessage(ChatRole.USER, (handed_over,)),
                 *objecting(objections),
             )
             return Request(self.purpose, messages, self.schema)
@@ -106,12 +106,12 @@ def ask_until_accepted(
     raise AnswerError(f"{attempts} answers for {what} were rejected, the last one because: {'; '.join(objections)}")
 
 
-def objecting(objections: Sequence[str]) -> tuple[Message, ...]:
+def objecting(objections: Sequence[str]) -> tuple[ChatMessage, ...]:
     """What is said after an answer was rejected; nothing if none was."""
     if not objections:
         return ()
     listed = "\n".join(f"- {objection}" for objection in objections)
-    return (Message(Role.USER, (f"An earlier answer to this was rejected. Look again and mend:\n{listed}",)),)
+    return (ChatMessage(ChatRole.USER, (f"An earlier answer to this was rejected. Look again and mend:\n{listed}",)),)
 
 
 _SHOWN = 5  # problems of one answer

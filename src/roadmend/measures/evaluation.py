@@ -1,19 +1,15 @@
-"""Evaluation: policies times repair methods times scenarios, and what each method makes of what the policy does alone."""
+"""Evaluation: policies times repair methods times scenarios are driven; ``evaluation_figures`` says what they are worth."""
 
 import hashlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import SimulationError
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal, Key, entry_key
-from roadmend.core.outcome import EventKind
-from roadmend.measures.case_result import CaseResult
 from roadmend.measures.driver import driver_key
-from roadmend.measures.intervals import wilson
-from roadmend.measures.repair import summarise
+from roadmend.measures.need import run_with_need
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.world.runner import run_episode
@@ -21,47 +17,54 @@ from roadmend.world.scenario import Scenario
 
 ALONE = "none"  # the method that never steps in: what the others are held against
 TRIVIAL = (ALONE, "random")
-_DASH = "\N{EN DASH}"
-_HEAD = ("policy", "repair", "episodes", "goal [%]", "95 %", "collision [%]", "%Fix", "%Deg", "ΔE", "95 %", "dose [s]")
 
 
 @dataclass(frozen=True, slots=True)
-class Trial:
+class EvaluationTrial:
     """One episode to be driven; travels to other processes by pickle."""
 
     scenario: Scenario
     policy: str  # name or model file
     method: str
     driver: Key  # see ``measures.driver``
+    futures: int = 0  # by which the need of every spell is told; 0: not told
 
     @property
     def key(self) -> Key:
         """Of all that decides what comes out."""
-        return entry_key([__name__], self.scenario.name, self.scenario.digest, self.driver)
+        return entry_key([__name__], self.scenario.name, self.scenario.digest, self.driver, self.futures)
 
 
 @dataclass(frozen=True, slots=True)
 class Driven:
     """What a trial came to, or why there is nothing."""
 
-    trial: Trial
+    trial: EvaluationTrial
     result: EpisodeResult | None = None
     fault: str = ""
 
 
-def trials_of(scenarios: Sequence[Scenario], policies: Sequence[str], methods: Sequence[str]) -> list[Trial]:
+def trials_of(
+    scenarios: Sequence[Scenario], policies: Sequence[str], methods: Sequence[str], futures: int = 0
+) -> list[EvaluationTrial]:
     """Every policy with every method, and with the trivial ones, in every scenario.
+
+    Args:
+        scenarios: to drive.
+        policies: names or model files.
+        methods: names.
+        futures: by which the need of every spell is told; 0 leaves it untold.
 
     Raises:
         InputError: there is no such policy, model file or method, or a model cannot be read.
     """
     chosen = tuple(dict.fromkeys([*TRIVIAL, *methods]))
     pairs = [(policy, method, driver_key(policy, method)) for policy in policies for method in chosen]
-    return [Trial(scenario, *pair) for pair in pairs for scenario in scenarios]
+    return [EvaluationTrial(scenario, *pair, futures) for pair in pairs for scenario in scenarios]
 
 
 def run_trials(
-    trials: Sequence[Trial], journal: Journal, workers: int, told: Callable[[int], None] = lambda _done: None
+    trials: Sequence[EvaluationTrial], journal: Journal, workers: int, told: Callable[[int], None] = lambda _done: None
 ) -> list[Driven]:
     """Drive what the journal does not hold yet; what comes out does not depend on the number of workers.
 
@@ -91,12 +94,16 @@ def run_trials(
     return [Driven(trial, found.get(trial.key), faults.get(trial.key, "")) for trial in trials]
 
 
-def drive_trial(trial: Trial) -> Driven:
+def drive_trial(trial: EvaluationTrial) -> Driven:
     """Drive one episode in this process; whatever goes wrong is a result here."""
     scenario = trial.scenario
     try:
         repairer = make_repairer(trial.method, seed=_seed_of(scenario))
-        result = run_episode(scenario, make_policy(trial.policy), repairer)
+        policy = make_policy(trial.policy)
+        if trial.futures:
+            result = run_with_need(scenario, policy, repairer, trial.futures)
+        else:
+            result = run_episode(scenario, policy, repairer)
         if not result.is_finite:
             raise SimulationError("a pose or a command was not a number")  # noqa: TRY301
     except Exception as error:  # noqa: BLE001 - the others shall go on, and this one is reported
@@ -108,70 +115,3 @@ def drive_trial(trial: Trial) -> Driven:
 def _seed_of(scenario: Scenario) -> int:
     """Seed for methods that draw numbers: the same for a scenario in every run, another for every scenario."""
     return int.from_bytes(hashlib.sha256(f"roadmend/evaluate/{scenario.name}".encode()).digest()[:4], "big") >> 1
-
-
-def evaluate(driven: Sequence[Driven]) -> dict[str, dict[str, dict[str, Any]]]:
-    """The figures of every method, by policy and method, as plain values.
-
-    A scenario in which the policy alone collides is a violation, one in which it reaches its goal a success: of these
-    are the figures of ``measures.repair.summarise``, and ``goal`` and ``collision`` [%] of all scenarios.
-    """
-    results: dict[str, dict[str, list[EpisodeResult]]] = {}
-    for each in driven:
-        if each.result is not None:
-            results.setdefault(each.trial.policy, {}).setdefault(each.trial.method, []).append(each.result)
-    return {
-        policy: {method: _figures(found, methods[ALONE]) for method, found in methods.items()}
-        for policy, methods in results.items()
-        if ALONE in methods
-    }
-
-
-def _figures(results: Sequence[EpisodeResult], alone: Sequence[EpisodeResult]) -> dict[str, Any]:
-    violations = {before.scenario: before.collided for before in alone if before.collided or before.reached_goal}
-    decided = [
-        CaseResult(result.scenario, "", violations[result.scenario], result)
-        for result in results
-        if result.scenario in violations
-    ]
-    goals, count = sum(result.reached_goal for result in results), len(results)
-    outcomes = {kind.name: sum(result.outcome is kind for result in results) for kind in EventKind}
-    return {
-        "episodes": count,
-        "outcomes": {name: number for name, number in outcomes.items() if number},
-        "goal": {"share": 100.0 * goals / count, "interval": [100.0 * bound for bound in wilson(goals, count)]},
-        "collision": 100.0 * sum(result.collided for result in results) / count,
-        "repair": summarise(decided),
-    }
-
-
-def evaluation_rows(figures: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> list[list[str]]:
-    """The figures as a table, the heading first."""
-    rows = [[*_HEAD]]
-    for policy, methods in figures.items():
-        for method, each in methods.items():
-            repair, goal = each["repair"], each["goal"]
-            rows.append(
-                [
-                    policy,
-                    method,
-                    str(each["episodes"]),
-                    _number(goal["share"]),
-                    _span(goal["interval"]),
-                    _number(each["collision"]),
-                    _number(repair["fix"]),
-                    _number(repair["deg"]),
-                    _number(repair["delta_e"]),
-                    _span(repair["intervals"]["delta_e"]),
-                    _number(repair["dose"], 2),
-                ]
-            )
-    return rows
-
-
-def _number(value: float | None, digits: int = 1) -> str:
-    return _DASH if value is None else f"{value:.{digits}f}"
-
-
-def _span(interval: Sequence[float] | None) -> str:
-    return _DASH if interval is None else f"{interval[0]:.1f} .. {interval[1]:.1f}"

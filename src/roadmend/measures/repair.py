@@ -3,17 +3,17 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from roadmend.core.tick import INTERVAL
 from roadmend.measures.case_result import CaseResult
 from roadmend.measures.intervals import bootstrap, newcombe, wilson
 
 Floats = NDArray[np.float64]
 Figures = dict[str, Any]
+Value = TypeVar("Value", float, Floats)
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,8 +92,8 @@ def figures_of(results: Sequence[CaseResult]) -> Figures:
     }
 
 
-def delta_e(fix: float, deg: float) -> float:
-    """The paper's first figure: violations that are repaired less successes that are spoilt, both in percent."""
+def delta_e(fix: Value, deg: Value) -> Value:
+    """The paper's first figure: violations that are repaired less successes that are spoilt, both as shares of them."""
     return fix - deg
 
 
@@ -147,18 +147,18 @@ def advantage(results: Sequence[CaseResult], others: Sequence[CaseResult]) -> Fi
     ).reshape(-1, 2)
     strata = violations, successes
 
-    def delta_e(sums: tuple[Floats, ...]) -> Floats:
-        return 100.0 * (_share(sums[0][:, 0], len(violations)) - _share(sums[1][:, 0], len(successes)))
+    def difference(sums: tuple[Floats, ...]) -> Floats:
+        return 100.0 * delta_e(_share(sums[0][:, 0], len(violations)), _share(sums[1][:, 0], len(successes)))
 
     def dose(sums: tuple[Floats, ...]) -> Floats:
         return (sums[0][:, 1] + sums[1][:, 1]) / max(1, len(pairs))
 
     whole = violations.sum(axis=0, keepdims=True), successes.sum(axis=0, keepdims=True)
     return {
-        "delta_e": _finite(float(delta_e(whole)[0])),
+        "delta_e": _finite(float(difference(whole)[0])),
         "dose": _finite(float(dose(whole)[0])),
         "intervals": {
-            "delta_e": _bounds(bootstrap(strata, delta_e), 1.0),
+            "delta_e": _bounds(bootstrap(strata, difference), 1.0),
             "dose": _bounds(bootstrap(strata, dose), 1.0),
         },
     }
@@ -194,7 +194,7 @@ def share_of_bound(results: Sequence[CaseResult], bound: Mapping[str, CaseResult
 def _bootstraps(split: Split) -> dict[str, list[float] | None]:
     tables = tuple(
         np.array(
-            [(1.0, result.episode.change, result.episode.interventions) for result in results], dtype=np.float64
+            [(each.episode.dose, each.episode.change, each.episode.interventions) for each in results], dtype=np.float64
         ).reshape(-1, 3)
         for results in (split.violations, split.successes)
     )
@@ -205,7 +205,7 @@ def _bootstraps(split: Split) -> dict[str, list[float] | None]:
         return np.where(frames > 0.0, (sums[0][:, 1] + sums[1][:, 1]) / np.maximum(frames, 1.0), math.nan)
 
     def dose(sums: tuple[Floats, ...]) -> Floats:
-        return (sums[0][:, 1] + sums[1][:, 1]) * INTERVAL / cases
+        return (sums[0][:, 0] + sums[1][:, 0]) / cases
 
     def intervened(sums: tuple[Floats, ...]) -> Floats:
         return (sums[0][:, 2] + sums[1][:, 2]) / cases

@@ -8,7 +8,7 @@ import signal
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import FrameType
 from typing import Any, NoReturn
@@ -16,7 +16,7 @@ from typing import Any, NoReturn
 from roadmend.core.claim import check_name, claim_folder, claim_numbered
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import InputError, RoadmendError
-from roadmend.core.repair import Interventions
+from roadmend.core.spell import Spell
 from roadmend.nodes.children import Child, stop
 from roadmend.nodes.domain import own_domain
 from roadmend.nodes.provenance import provenance
@@ -47,32 +47,77 @@ class GraphOptions:
     ros_arguments: tuple[str, ...] = ()  # passed on to every node
 
 
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """Where a run keeps its files."""
+
+    bag: Path | None  # None where nothing is recorded
+    folder: Path  # gone after the run
+
+
+def _recorder_parameters(options: GraphOptions, place: _Place) -> dict[str, Any]:
+    assert place.bag is not None
+    told = provenance(
+        options.scenario, options.policy, options.method, options.clock, options.seed, options.ros_arguments
+    )
+    metadata = place.folder / "run.json"
+    metadata.write_text(json.dumps(told), encoding="utf-8")
+    return {
+        "output": str(place.bag.parent),
+        "name": place.bag.name,
+        "claimed": True,
+        "metadata": str(metadata),
+        "attachments": [str(options.scenario)],
+        "drain_limit": DRAIN_S,
+    }
+
+
+def _repair_parameters(options: GraphOptions, place: _Place) -> dict[str, Any]:
+    return {
+        "method": options.method,
+        "clock": options.clock,
+        "seed": options.seed,
+        "summary": str(place.folder / "repair.json"),
+    }
+
+
+@dataclass(frozen=True, slots=True)
+class NodeEntry:
+    """A node that runs beside the simulator, which waits for it."""
+
+    node: str  # module of roadmend.nodes, whose node is called the same with _node behind
+    parameters: Callable[[GraphOptions, _Place], dict[str, Any]] = lambda _options, _place: {}
+    is_wanted: Callable[[GraphOptions], bool] = lambda _options: True
+    may_restart: bool = True  # if not, the run goes on without it
+
+
+NODES = (  # in the order in which they are started
+    NodeEntry("recorder", _recorder_parameters, lambda options: options.record, may_restart=False),
+    NodeEntry("viz", is_wanted=lambda options: options.viz),
+    NodeEntry(
+        "foxglove", lambda options, _place: {"port": options.foxglove}, lambda options: options.foxglove is not None
+    ),
+    NodeEntry("policy", lambda options, _place: {"policy": options.policy}),
+    NodeEntry("repair", _repair_parameters),
+)
+
+
 @dataclass(frozen=True)
 class RunResult:
     """What came out of one run."""
 
-    scenario: str
-    policy: str
-    method: str
+    episode: EpisodeResult
     clock: str
-    outcome: str
-    text: str
-    duration: float  # [s] simulated
-    ticks: int
-    min_distance: float | None  # [m]
-    interventions: int
-    intensity: float
-    dose: float  # [s]
     watchdog_ticks: int
     restarts: int
     real_time_factor: float
-    digest: str
     bag: str
     recording_error: str = ""  # why the bag is not complete; empty if it is
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain values, for JSON."""
-        return asdict(self)
+        """Plain values, for JSON: the episode's figures without its peaks, and what is the run's own."""
+        figures = {name: value for name, value in self.episode.figures().items() if not name.startswith("peak_")}
+        return figures | {name: value for name, value in vars(self).items() if name != "episode"}
 
 
 class InterruptedRunError(RoadmendError):
@@ -101,7 +146,7 @@ def run_graph(options: GraphOptions, report: Callable[[str, float], None] = lamb
         tempfile.TemporaryDirectory(prefix="roadmend-run-") as folder,
         _signals() as stopped,
     ):
-        return _Run(options, bag, Path(folder), domain, report).supervise(stopped)
+        return _GraphRun(options, bag, Path(folder), domain, report).supervise(stopped)
 
 
 @contextlib.contextmanager
@@ -130,7 +175,7 @@ def _claimed_bag(options: GraphOptions) -> Iterator[Path | None]:
             bag.rmdir()  # succeeds only where it is empty
 
 
-class _Run:
+class _GraphRun:
     def __init__(
         self, options: GraphOptions, bag: Path | None, folder: Path, domain: int, report: Callable[[str, float], None]
     ) -> None:
@@ -141,56 +186,24 @@ class _Run:
         self._folder = folder
         self._report = report
         self._begun = time.monotonic()
-        wanted = {
-            "recorder_node": bag is not None,
-            "viz_node": options.viz,
-            "foxglove_node": options.foxglove is not None,
-        }
-        observers = [name for name, is_wanted in wanted.items() if is_wanted]
+        self._gone: set[str] = set()
+        entries = [entry for entry in NODES if entry.is_wanted(options)]
         self._sim = self._child(
             "sim",
+            may_restart=False,
             scenario=str(options.scenario),
             clock=options.clock,
             rate=float(options.rate),
             summary=str(folder / "sim.json"),
-            wait_for=["policy_node", "repair_node", *observers],
+            wait_for=[f"{entry.node}_node" for entry in entries],
         )
-        self._observers: list[Child] = []
-        self._gone: set[str] = set()
-        if bag is not None:
-            told = provenance(
-                options.scenario, options.policy, options.method, options.clock, options.seed, options.ros_arguments
-            )
-            (folder / "run.json").write_text(json.dumps(told), encoding="utf-8")
-            self._observers.append(
-                self._child(
-                    "recorder",
-                    may_restart=False,
-                    output=str(bag.parent),
-                    name=bag.name,
-                    claimed=True,
-                    metadata=str(folder / "run.json"),
-                    attachments=[str(options.scenario)],
-                    drain_limit=DRAIN_S,
-                )
-            )
-        if options.viz:
-            self._observers.append(self._child("viz", may_restart=True))
-        if options.foxglove is not None:
-            self._observers.append(self._child("foxglove", may_restart=True, port=options.foxglove))
-        self._drivers = [
-            self._child("policy", may_restart=True, policy=options.policy),
-            self._child(
-                "repair",
-                may_restart=True,
-                method=options.method,
-                clock=options.clock,
-                seed=options.seed,
-                summary=str(folder / "repair.json"),
-            ),
+        place = _Place(bag, folder)
+        self._nodes = [
+            self._child(entry.node, may_restart=entry.may_restart, **entry.parameters(options, place))
+            for entry in entries
         ]
 
-    def _child(self, node: str, *, may_restart: bool = False, **parameters: Any) -> Child:
+    def _child(self, node: str, *, may_restart: bool, **parameters: Any) -> Child:
         arguments: list[str] = []
         for name, value in parameters.items():
             arguments += ["-p", f"{name}:={_as_yaml(value)}"]
@@ -204,7 +217,7 @@ class _Run:
         )
 
     def supervise(self, stopped: Callable[[], bool]) -> RunResult:
-        everyone = [*self._observers, *self._drivers, self._sim]
+        everyone = [*self._nodes, self._sim]
         try:
             for child in everyone:
                 child.start()
@@ -214,7 +227,7 @@ class _Run:
                 if stopped():
                     self._stop(interrupted=True)
                     raise InterruptedRunError(self._result() if (self._folder / "sim.json").exists() else None)
-                self._look_after([*self._observers, *self._drivers])
+                self._look_after(self._nodes)
                 self._report("running", time.monotonic() - self._begun)
                 time.sleep(POLL_S)
             self._stop(interrupted=False)
@@ -256,8 +269,8 @@ class _Run:
         if interrupted:
             stop([self._sim], time.monotonic() + SIM_STOP_S)
         # The recorder goes last: it takes in what the others still say.
-        recorder = [child for child in self._observers if child.name == "recorder_node"]
-        stop([*(child for child in self._observers if child not in recorder), *self._drivers], deadline - 1.2)
+        recorder = [child for child in self._nodes if child.name == "recorder_node"]
+        stop([child for child in self._nodes if child not in recorder], deadline - 1.2)
         stop(recorder, deadline if interrupted else time.monotonic() + 30.0)
 
     def _result(self) -> RunResult:
@@ -265,32 +278,27 @@ class _Run:
         repair: dict[str, Any] = {}
         with contextlib.suppress(OSError, json.JSONDecodeError):
             repair = json.loads((self._folder / "repair.json").read_text(encoding="utf-8"))
-        options = self._options
-        episode = EpisodeResult.parse(sim["result"])
-        done = Interventions(repair.get("interventions", 0), repair.get("change", 0.0))
+        # The simulator knows neither who drives nor what was replaced.
+        episode = replace(
+            EpisodeResult.parse(sim["result"]),
+            policy=self._options.policy,
+            method=self._options.method,
+            interventions=repair.get("interventions", 0),
+            change=repair.get("change", 0.0),
+            spells=tuple(Spell(**spell) for spell in repair.get("spells", ())),
+        )
         return RunResult(
-            scenario=episode.scenario,
-            policy=options.policy,
-            method=options.method,
-            clock=options.clock,
-            outcome=episode.outcome.name,
-            text=episode.text,
-            duration=episode.duration,
-            ticks=episode.ticks,
-            min_distance=episode.min_distance,
-            interventions=done.ticks,
-            intensity=done.intensity,
-            dose=done.dose,
-            watchdog_ticks=sim["watchdog_ticks"],
-            restarts=sum(child.restarts for child in [*self._observers, *self._drivers]),
-            real_time_factor=sim["real_time_factor"],
-            digest=episode.digest,
-            bag=str(self._bag or ""),
-            recording_error=self._recording_error(),
+            episode,
+            self._options.clock,
+            sim["watchdog_ticks"],
+            sum(child.restarts for child in self._nodes),
+            sim["real_time_factor"],
+            str(self._bag or ""),
+            self._recording_error(),
         )
 
     def _recording_error(self) -> str:
-        recorder = next((child for child in self._observers if child.name == "recorder_node"), None)
+        recorder = next((child for child in self._nodes if child.name == "recorder_node"), None)
         if recorder is None or not recorder.exit_code:
             return ""
         return str(recorder.fault())

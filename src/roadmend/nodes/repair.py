@@ -29,8 +29,8 @@ from roadmend.nodes import qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.pairing import TickPairing
 from roadmend.nodes.parameters import declare_field, declare_parameters
+from roadmend.nodes.repair_tally import RepairTally
 from roadmend.nodes.spinning import run_node
-from roadmend.nodes.tally import RepairTally
 from roadmend.recording import messages, topics
 from roadmend.recording.codec import encode
 from roadmend.repair.guard import GuardedRepairer
@@ -307,7 +307,7 @@ class RepairNode(LifecycleNode):
             return
         age = now - self._last_arrival
         repair = self._repairer.controlled_stop(RepairStatus.STALE_OBJECTS, f"nothing has arrived for {age:.2f} s")
-        self._tally.add(repair)
+        self._tally.add(self._answered_stamp * 1e-9, repair)
         self._publish(repair, self._answered_stamp)
 
     # -- output -------------------------------------------------------------------------------------------------------
@@ -316,7 +316,7 @@ class RepairNode(LifecycleNode):
         self._last_stamp = stamp
         self._last_repair = repair
         self._publish(repair, stamp)
-        self._tally.add(repair)
+        self._tally.add(stamp * 1e-9, repair)
         if repair.status in _COMPLAINTS:
             self.get_logger().warning(f"{repair.status.name}: {repair.reason}", throttle_duration_sec=1.0)
 
@@ -345,7 +345,7 @@ class RepairNode(LifecycleNode):
     def close(self) -> None:
         """Write the tally if a file was named."""
         if self._summary:
-            write_text(Path(self._summary), json.dumps(self._tally.values(), indent=1))
+            write_text(Path(self._summary), json.dumps(self._tally.account(), indent=1))
 
 
 def main(args: Sequence[str] | None = None) -> int:

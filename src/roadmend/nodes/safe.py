@@ -33,7 +33,7 @@ class _StoppedError(Exception):
 
 
 @dataclass(frozen=True)
-class _Work:
+class _GoalThread:
     """A goal on a thread of its own, seen from the executor's."""
 
     goal: BuildCrashScenarios.Goal
@@ -68,7 +68,7 @@ class SafeNode(Node):
             Path(recording) if recording else None,
         )
         self._turn = threading.Lock()  # there is one SUMO in a process
-        self._threads: dict[threading.Thread, _Work] = {}
+        self._threads: dict[threading.Thread, _GoalThread] = {}
         self._done = self._failed = 0
         self._server = ActionServer(
             self, BuildCrashScenarios, "~/build", self._execute, cancel_callback=lambda _: CancelResponse.ACCEPT
@@ -76,7 +76,7 @@ class SafeNode(Node):
         self._diagnostics = DiagnosticsReporter(self, self._health)
 
     async def _execute(self, handle: ServerGoalHandle) -> BuildCrashScenarios.Result:
-        work = _Work(handle.request)
+        work = _GoalThread(handle.request)
         thread = threading.Thread(target=self._run, args=(work,), daemon=True)
         self._threads[thread] = work
         thread.start()
@@ -97,7 +97,7 @@ class SafeNode(Node):
             handle.abort()
         return work.result
 
-    def _run(self, work: _Work) -> None:
+    def _run(self, work: _GoalThread) -> None:
         """Do a goal's work; whatever goes wrong becomes its result."""
         try:
             with self._turn:
@@ -111,7 +111,7 @@ class SafeNode(Node):
         finally:
             work.steps.put(None)
 
-    def _build(self, work: _Work) -> ReportBuild:
+    def _build(self, work: _GoalThread) -> ReportBuild:
         backend = work.goal.backend or self._backend
         if backend not in BACKENDS:
             raise InputError(f"backend {backend!r}", "is unknown", f"choose one of {', '.join(BACKENDS)}")
@@ -132,7 +132,7 @@ class SafeNode(Node):
         self._server.destroy()
 
 
-async def _next_step(work: _Work, handle: ServerGoalHandle) -> Step | None:
+async def _next_step(work: _GoalThread, handle: ServerGoalHandle) -> Step | None:
     """The next step, None after the last; others have their turn meanwhile."""
     while True:
         if handle.is_cancel_requested:

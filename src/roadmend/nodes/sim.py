@@ -38,7 +38,7 @@ IMPATIENT_S = 0.05  # lockstep: time a command is waited for while the repair no
 WATCHDOG_COMMAND = Command(0.0, 0.5)  # half brake: a controlled stop of 4 m/s2 on a dry road
 MAX_AGE_TICKS = 3  # real time: oldest tick whose command is still obeyed
 
-# Who must listen to what before an episode begins, so that nothing of it is lost.
+# Who must listen to what before an episode begins, so that nothing of it is lost; of others it is enough that they are.
 _LISTENERS = {
     topics.CLOCK: ("foxglove_node",),
     topics.EGO: ("policy_node", "repair_node", "recorder_node", "viz_node"),
@@ -117,6 +117,10 @@ class SimNode(Node):
             for name in wanted:
                 if name not in there:
                     missing.setdefault(name, f"{name} ({topic})")
+        known = {name for listeners in _LISTENERS.values() for name in listeners}
+        if others := [name for name in self._wait_for if name not in known]:
+            there = self.get_node_names()
+            missing |= {name: name for name in others if name not in there}
         if "repair_node" in self._wait_for and not self.count_publishers(topics.REPAIR_COMMAND):
             missing.setdefault("repair_node", f"repair_node ({topics.REPAIR_COMMAND})")
         return list(missing.values())

@@ -38,7 +38,7 @@ class TopicInfo:
 
 
 @dataclass(slots=True)
-class Interventions:
+class InterventionSummary:
     """What the repair node did."""
 
     ticks: int = 0
@@ -71,7 +71,7 @@ class BagInfo:
     end: float | None
     outcome: str  # as the events or else the recorder tell; UNFINISHED without a final event, empty without any
     outcome_text: str
-    interventions: Interventions | None  # None where no repair state was recorded
+    interventions: InterventionSummary | None  # None where no repair state was recorded
     topics: list[TopicInfo]
     metadata: dict[str, dict[str, str]]
     attachments: dict[str, int]  # name and size [bytes]
@@ -118,7 +118,7 @@ class _Reading:
         self._topics: dict[str, ScannedTopic] = {}
         self._metadata: dict[str, dict[str, str]] = {}
         self._attachments: dict[str, int] = {}
-        self._repair: Interventions | None = None
+        self._repair: InterventionSummary | None = None
         self._outcome: tuple[str, str] | None = None  # with its text, as the events tell it
         self._codec = Codec()
 
@@ -137,7 +137,7 @@ class _Reading:
     def _look_into(self, item: ScannedMessage) -> None:
         value = self._codec.decode(item.topic.definition, item.data)
         if item.topic.definition.type_name == TYPES[REPAIR_STATE]:
-            self._repair = self._repair or Interventions()
+            self._repair = self._repair or InterventionSummary()
             self._repair.add(int(value.state), intervened=bool(value.intervened))
             return
         if value.kind in set(EventKind) and EventKind(value.kind).is_final:

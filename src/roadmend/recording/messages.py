@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from roadmend.core.appearance import kind_of, status_of
 from roadmend.core.command import Command, Trajectory
 from roadmend.core.outcome import Blame, Event, EventKind
-from roadmend.core.repair import Repair, Trigger
+from roadmend.core.repair import Repair, RepairTrigger
 from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
 from roadmend.core.scene import COLUMNS, EgoState, ObjectList
 from roadmend.recording import topics
@@ -214,7 +214,7 @@ def repair_of(message: Any) -> Repair:
         message.repair_action,
         message.intervened,
         message.dropped_objects,
-        tuple(Trigger(identity, weight) for identity, weight in triggers),
+        tuple(RepairTrigger(identity, weight) for identity, weight in triggers),
         message.reason,
     )
 

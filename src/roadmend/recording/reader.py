@@ -56,7 +56,7 @@ class Record:
 
 
 @dataclass(frozen=True, slots=True)
-class Message:
+class DecodedMessage:
     """One decoded message: ``value`` has the fields of the ROS type, arrays as numpy arrays."""
 
     topic: str
@@ -142,10 +142,10 @@ class BagReader:
                 else:
                     yield Record(channel.topic, schema.name, message.log_time, message.data)
 
-    def messages(self, topics: Collection[str] | None = None) -> Iterator[Message]:
+    def messages(self, topics: Collection[str] | None = None) -> Iterator[DecodedMessage]:
         """The messages decoded, in the order of ``records``."""
         for record in self.records(topics):
-            yield Message(record.topic, record.type_name, record.time_ns, self.decode(record))
+            yield DecodedMessage(record.topic, record.type_name, record.time_ns, self.decode(record))
 
     def decode(self, record: Record) -> Any:
         """The fields of a message, by the definition that the bag carries."""

@@ -1,13 +1,17 @@
 """What a bag tells about the run in it: how to drive it again, and what it came to."""
 
-import math
 from dataclasses import dataclass
 
-from roadmend.core.episode_result import EpisodeResult
+import numpy as np
+
+from roadmend.core.command import Command
+from roadmend.core.episode_result import EpisodeResult, ResultBuilder
 from roadmend.core.errors import InputError
 from roadmend.core.geometry import nearest_distance
-from roadmend.core.outcome import EventKind
+from roadmend.core.outcome import Event, EventKind
 from roadmend.core.route import Route
+from roadmend.core.scene import ObjectList, Scene
+from roadmend.core.tick import INTERVAL_NS, Tick
 from roadmend.core.yaml_file import parse_yaml
 from roadmend.policies.registry import POLICIES
 from roadmend.recording.messages import sized
@@ -28,18 +32,6 @@ class RunPlan:
     scenario_file: str  # name of the attachment
     policy: str
     method: str
-
-
-@dataclass(frozen=True, slots=True)
-class RunOutcome:
-    """What a run came to."""
-
-    method: str
-    outcome: str  # an EventKind's name
-    text: str
-    duration: float  # [s]
-    min_distance: float | None  # [m] between the outlines of the ego and the nearest other; None if nobody came near
-    interventions: int
 
 
 def read_plan(reader: BagReader) -> RunPlan:
@@ -81,35 +73,32 @@ def recorded_scenario(reader: BagReader) -> Scenario | None:
     return parse_scenario(content, where)
 
 
-def recorded_outcome(ticks: BagTicks, method: str) -> RunOutcome:
-    """What the run in a bag came to; ABORTED where it has no end.
+def recorded_result(ticks: BagTicks, plan: RunPlan) -> EpisodeResult:
+    """What the run in a bag came to, as far as the bag tells; ABORTED where it has no end.
 
     Raises:
         InputError: the bag is corrupt or holds no tick.
     """
-    outcome, text, stamp = EventKind.ABORTED, "no final event was recorded", -1
-    interventions, nearest = 0, math.inf
+    builder = ResultBuilder(plan.scenario.name, plan.policy, plan.method)
     route: Route | None = None
-    for tick in ticks:
-        if tick.ego is None:
+    tick: Tick | None = None
+    for recorded in ticks:
+        if recorded.ego is None:
             continue
-        stamp = tick.stamp
-        route = tick.route or route
-        if tick.objects is not None:
-            ego = tick.ego if route is None else sized(tick.ego, route)
-            nearest = min(nearest, nearest_distance(ego, tick.objects))
-        if tick.final is not None:
-            outcome, text = tick.final.kind, tick.final.text  # nobody drives on the answer to this tick
-        elif tick.repair is not None:
-            interventions += tick.repair.intervened
-    if stamp < 0:
+        route = recorded.route or route
+        ego = recorded.ego if route is None else sized(recorded.ego, route)
+        objects = recorded.objects or ObjectList.empty()
+        scene = Scene(recorded.stamp * 1e-9, ego, objects, np.empty(0, np.uint8))
+        distance = nearest_distance(ego, objects)
+        tick = Tick(recorded.stamp // INTERVAL_NS, scene, distance, tuple(recorded.events), recorded.final)
+        builder.see(tick)
+        command = Command(0.0, 0.0)
+        if tick.final is None and recorded.repair is not None:  # nobody drives on the answer to the final tick
+            builder.repair(recorded.repair)
+            command = recorded.repair.command
+        builder.command(tick, command)
+    if tick is None:
         raise InputError(str(ticks.path), "holds no odometry", "take another bag")
-    distance = nearest if math.isfinite(nearest) else None
-    return RunOutcome(method, outcome.name, text, stamp * 1e-9, distance, interventions)
-
-
-def driven_outcome(summary: EpisodeResult, method: str) -> RunOutcome:
-    """What a run in this process came to."""
-    return RunOutcome(
-        method, summary.outcome.name, summary.text, summary.duration, summary.min_distance, summary.interventions
-    )
+    if builder.final is None:
+        builder.note(Event(builder.duration, EventKind.ABORTED, "no final event was recorded"))
+    return builder.result()

@@ -19,11 +19,6 @@ class ScanReport:
     damage_count: int = 0
 
     @property
-    def is_whole(self) -> bool:
-        """Whether the file is as its writer meant it."""
-        return self.has_end and not self.damage_count and not self.nameless and not self._lost
-
-    @property
     def _lost(self) -> Counter[str]:
         return (self.expected or Counter()) - self.messages
 

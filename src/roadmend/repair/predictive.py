@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from roadmend.core.command import Decision
 from roadmend.core.geometry import corner_distance, fill_outline
 from roadmend.core.jit import compiled, unnamed
-from roadmend.core.repair import Proposal, Trigger
+from roadmend.core.repair import Proposal, RepairTrigger
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, Objects, Scene
 from roadmend.repair.contact import Forecast, first_contact, is_follower, merit, roll_object
@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 CLEAR, AVOIDED, MITIGATED, IN_VAIN = 0, 1, 2, 3
 
 
-class Manner(NamedTuple):
+class PredictionSettings(NamedTuple):
     """How to predict; see PredictiveParameters."""
 
     margin: float  # [m]
@@ -60,9 +60,11 @@ def _margins(path: PlannedPath, ego: EgoState, objects: Objects, reach: float, m
 
 
 @compiled
-def predict(path: PlannedPath, ego: EgoState, objects: Objects, manner: Manner) -> tuple[int, int, int, int]:
+def predict(
+    path: PlannedPath, ego: EgoState, objects: Objects, manner: PredictionSettings
+) -> tuple[int, int, int, int]:
     """Outcome (CLEAR .. IN_VAIN), step and object of the planned contact, and braking in fifths of the full brake."""
-    path, ego, manner = PlannedPath(*path), EgoState(*ego), Manner(*manner)
+    path, ego, manner = PlannedPath(*path), EgoState(*ego), PredictionSettings(*manner)
     steps, interval = manner.steps, manner.interval
     horizon = steps * interval
     reach = max(planned_position(path, horizon), 0.0)
@@ -119,7 +121,7 @@ class PredictiveRepair:
     def __init__(self, parameters: PredictiveParameters | None = None) -> None:
         self._parameters = parameters or PredictiveParameters()
         self._steps = max(1, round(self._parameters.horizon / self._parameters.interval))
-        self._manner = Manner(
+        self._manner = PredictionSettings(
             self._parameters.margin,
             self._steps,
             self._parameters.interval,
@@ -163,4 +165,4 @@ class PredictiveRepair:
             reason += ", no braking avoids it: going on"
         elif outcome == MITIGATED:
             reason += ", no braking keeps clear"
-        return Proposal(score, 0.0, action, (Trigger(number, score),), reason)
+        return Proposal(score, 0.0, action, (RepairTrigger(number, score),), reason)

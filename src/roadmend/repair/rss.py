@@ -4,7 +4,7 @@ import numpy as np
 
 from roadmend.core.command import Decision
 from roadmend.core.jit import unnamed
-from roadmend.core.repair import Proposal, Trigger
+from roadmend.core.repair import Proposal, RepairTrigger
 from roadmend.core.route import RightOfWay, Route
 from roadmend.core.scene import Scene, Signal
 from roadmend.repair.latch import Latch
@@ -86,7 +86,7 @@ class RssRepair:
         if score <= threshold:
             return Proposal(score, threshold, 0.8)
         order = [int(index) for index in np.argsort(-scores, kind="stable") if scores[index] > threshold]
-        triggers = tuple(Trigger(int(objects.id[index]), float(scores[index])) for index in order)
+        triggers = tuple(RepairTrigger(int(objects.id[index]), float(scores[index])) for index in order)
         braking = max(float(found[index, 2]) for index in order)
         kind, distance, safe = KINDS[int(found[worst, 0])], found[worst, 3], found[worst, 4]
         reason = f"object {triggers[0].object_id} {kind}: {distance:.1f} m, safe are {safe:.1f} m"

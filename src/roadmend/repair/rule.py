@@ -4,7 +4,7 @@ import math
 
 from roadmend.core.command import Decision
 from roadmend.core.jit import compiled, unnamed
-from roadmend.core.repair import Proposal, Trigger
+from roadmend.core.repair import Proposal, RepairTrigger
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, Objects, Scene
 from roadmend.repair.actions import braking_action
@@ -70,4 +70,4 @@ class RuleRepair:
         if parameters.graded and math.isfinite(needed):
             action = min(-0.2, braking_action(needed, parameters.full_brake))
         reason = f"object {number} ahead: {gap:.1f} m, closing at {closing:.1f} m/s, {time:.1f} s to collision"
-        return Proposal(score, self._threshold, action, (Trigger(number, score),), reason)
+        return Proposal(score, self._threshold, action, (RepairTrigger(number, score),), reason)

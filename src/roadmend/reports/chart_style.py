@@ -8,23 +8,6 @@ from matplotlib.figure import Figure
 INK, MUTED, GRID = "#1f2328", "#7a828a", "#d9dde1"
 WIDTH = 10.5  # [inch] of every chart
 
-GROUP_COLOUR = {  # hues of Okabe and Ito, see scene_style
-    "adreft": "#d55e00",
-    "rival": "#0072b2",
-    "variant": "#e69f00",
-    "ablation": "#56b4e9",
-    "bound": "#009e73",
-    "reference": "#7a828a",
-}
-GROUP_TITLE = {
-    "adreft": "ADReFT",
-    "variant": "variant",
-    "ablation": "ablation",
-    "rival": "rival",
-    "bound": "hindsight bound",
-    "reference": "no repair",
-}
-
 
 def new_figure(
     titles: Sequence[str], height: float, *, rows: int = 1, share_y: bool = False, legend: bool = True

@@ -1,14 +1,24 @@
-"""The reports of ``roadmend safe test`` and ``reproduce``: Markdown, and HTML with pictures beside the sketches."""
+"""The reports of ``roadmend safe test`` and ``reproduce``: Markdown, HTML, and the pictures in it beside the sketches."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from roadmend.core.errors import InputError
-from roadmend.reports.markdown import table_text
+from roadmend.core.markdown import table_text
+from roadmend.core.tick import INTERVAL
+from roadmend.core.whole_file import written_beside
 from roadmend.reports.page import render
-from roadmend.safe.cases import Case
-from roadmend.safe.driving import PICTURES, Result
-from roadmend.safe.tally import ReproductionTally, TestTally
+from roadmend.reports.scene_layers import Trail
+from roadmend.reports.scene_picture import SceneView, draw_scene
+from roadmend.safe.cases import CrashCase
+from roadmend.safe.crash_test_summary import ReproductionSummary, TestSummary
+from roadmend.safe.driving import PICTURES, CrashTestResult
+from roadmend.safe.trial import CrashTestEpisode
+from roadmend.world.network import network_file
+from roadmend.world.road_network import lanes_of, read_network
+from roadmend.world.scenario import Scenario
 
 PAPER_TESTS = (  # the policies of the paper (RQ3): scenarios, violations, first to third violation after how many
     ("paper: IDM", "50", "-", "214", "42", "-", "19.6 %", "1/3/4", "10 to 25"),
@@ -32,11 +42,36 @@ TEST_TITLES = (
     "top-1/2/3",
     "seconds per scenario",
 )
+_DPI, _SPAN = 72, 90.0  # of a picture; [m] that it shows
 REPRODUCTION_TITLES = ("policy", "reports", "reproduced", "share", "of those with two vehicles or more", "episodes")
 
 
+def draw_trial(scenario: Scenario, trial: CrashTestEpisode, out: Path) -> None:
+    """Draw a built scenario, at the moment when the ego was nearest to somebody, into a PNG file.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    tick = trial.film.nearest()
+    before = trial.film.ego[: tick + 1]
+    view = SceneView(
+        scenario=scenario.name,
+        time=tick * INTERVAL,
+        ego=trial.film.ego[tick],
+        objects=trial.film.objects[tick],
+        lanes=lanes_of(read_network(network_file(scenario.network))),
+        route=trial.route,
+        trail=Trail(
+            np.array([ego.x for ego in before]), np.array([ego.y for ego in before]), np.zeros(len(before), np.bool_)
+        ),
+        outcome=trial.summary.outcome.name.lower().replace("_", " "),
+    )
+    with written_beside(out) as beside:
+        draw_scene(view, _SPAN).savefig(beside, dpi=_DPI, format="png")
+
+
 def report_of_tests(
-    cases: Sequence[Case], tallies: Mapping[str, TestTally], results: Sequence[Result], out: Path
+    cases: Sequence[CrashCase], tallies: Mapping[str, TestSummary], results: Sequence[CrashTestResult], out: Path
 ) -> dict[str, str]:
     """The files of a test report; sketches are copied into the output folder."""
     rows = [(policy, *found.cells()) for policy, found in tallies.items()]
@@ -49,7 +84,10 @@ def report_of_tests(
 
 
 def report_of_reproductions(
-    cases: Sequence[Case], tallies: Mapping[str, ReproductionTally], results: Sequence[Result], out: Path
+    cases: Sequence[CrashCase],
+    tallies: Mapping[str, ReproductionSummary],
+    results: Sequence[CrashTestResult],
+    out: Path,
 ) -> dict[str, str]:
     """The files of a reproduction report; sketches are copied into the output folder."""
     rows = [(policy, *found.cells()) for policy, found in tallies.items()]
@@ -67,11 +105,11 @@ def _files(
     title: str,
     intro: str,
     table: Sequence[Sequence[str]],
-    cases: Sequence[Case],
-    results: Sequence[Result],
+    cases: Sequence[CrashCase],
+    results: Sequence[CrashTestResult],
     out: Path,
 ) -> dict[str, str]:
-    own: dict[str, list[Result]] = {case.name: [] for case in cases}
+    own: dict[str, list[CrashTestResult]] = {case.name: [] for case in cases}
     for result in results:
         own[result.report].append(result)
     listing = [("report", "vehicle", "policy", "scenario", "how it ended")] + [
@@ -95,7 +133,7 @@ def _files(
     return {f"{stem}.md": "\n\n".join(markdown) + "\n", f"{stem}.html": page}
 
 
-def _sketch(case: Case, out: Path) -> str:
+def _sketch(case: CrashCase, out: Path) -> str:
     """The report's sketch, written beside the pictures; empty where there is none."""
     if case.sketch is None:
         return ""

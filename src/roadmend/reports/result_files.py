@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from roadmend.core.markdown import table_text
 from roadmend.core.whole_file import write_texts
-from roadmend.reports.markdown import table_text
 
 
 def provenance(command: str) -> dict[str, Any]:

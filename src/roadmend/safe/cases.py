@@ -16,7 +16,7 @@ _EVIDENCE = ".evidence"  # what 'roadmend safe extract' writes beside a scenario
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
+class CrashCase:
     """One crash: what happened, or why that could not be read.
 
     Attributes:
@@ -32,7 +32,7 @@ class Case:
     problem: str = ""
 
 
-def gather_cases(paths: Sequence[Path]) -> list[Case]:
+def gather_cases(paths: Sequence[Path]) -> list[CrashCase]:
     """All cases of files and folders, by name; one that cannot be read is a case too.
 
     A folder is a report, or holds reports, or holds files of the scenario language. A file is a report if it ends in
@@ -41,7 +41,7 @@ def gather_cases(paths: Sequence[Path]) -> list[Case]:
     Raises:
         InputError: a path holds nothing of the kind, or two cases have one name.
     """
-    cases: dict[str, Case] = {}
+    cases: dict[str, CrashCase] = {}
     for path in paths:
         for case in _cases_of(path):
             if case.name in cases:
@@ -50,7 +50,7 @@ def gather_cases(paths: Sequence[Path]) -> list[Case]:
     return [cases[name] for name in sorted(cases)]
 
 
-def _cases_of(path: Path) -> list[Case]:
+def _cases_of(path: Path) -> list[CrashCase]:
     if path.is_file() and path.suffix.lower() != ".txt":
         return [_from_language(path)]
     if path.is_dir():
@@ -62,19 +62,19 @@ def _cases_of(path: Path) -> list[Case]:
     return [_from_report(each) for each in find_reports(path)]
 
 
-def _from_language(path: Path) -> Case:
+def _from_language(path: Path) -> CrashCase:
     try:
-        return Case(path.stem, load_crash_scenario(path))
+        return CrashCase(path.stem, load_crash_scenario(path))
     except RoadmendError as error:
-        return Case(path.stem, None, problem=str(error))
+        return CrashCase(path.stem, None, problem=str(error))
 
 
-def _from_report(path: Path) -> Case:
+def _from_report(path: Path) -> CrashCase:
     name = path.stem if path.is_file() else path.resolve().name
     sketch = None
     try:
         report = load_report(path)
         sketch = report.sketch
-        return Case(name, EmbeddedExtractor().extract(report).scenario, sketch)
+        return CrashCase(name, EmbeddedExtractor().extract(report).scenario, sketch)
     except RoadmendError as error:
-        return Case(name, None, sketch, str(error))
+        return CrashCase(name, None, sketch, str(error))

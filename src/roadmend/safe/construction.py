@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, replace
 
 from roadmend.core.errors import InputError
-from roadmend.safe.dsl import Action, CrashScenario, Manoeuvre, Model, Side, Vehicle
+from roadmend.safe.dsl import Action, CrashScenario, DescribedVehicle, DslModel, Manoeuvre, Side
 from roadmend.safe.layout import Layout, Way, lay_out
 from roadmend.safe.open_questions import answer, open_questions
 from roadmend.safe.staging import Relation, goes_first, relation_of
@@ -15,12 +15,12 @@ from roadmend.world.drivers import BODIES
 from roadmend.world.network import LANE_WIDTH
 from roadmend.world.space import Parameters, sample
 
-KIND: dict[Model, str] = {
-    Model.SEDAN: "car",
-    Model.SUV: "suv",
-    Model.MINIVAN: "minivan",
-    Model.PICKUP: "pickup",
-    Model.SEMI_TRUCK: "semi_truck",
+KIND: dict[DslModel, str] = {
+    DslModel.SEDAN: "car",
+    DslModel.SUV: "suv",
+    DslModel.MINIVAN: "minivan",
+    DslModel.PICKUP: "pickup",
+    DslModel.SEMI_TRUCK: "semi_truck",
 }
 _EDGE_OF_LIFE = 25.0  # [s] an episode is over: whatever the report describes has happened by then
 _BEYOND = 60.0  # [m] from the place of the crash to the ego's goal
@@ -30,7 +30,7 @@ _PARKED_AHEAD = 8.0  # [m] beyond the place of the crash
 
 
 @dataclass(frozen=True, slots=True)
-class Role:
+class CrashRole:
     """A report with one of its vehicles played by the policy under test."""
 
     report: str  # its name
@@ -43,7 +43,7 @@ class Role:
         return self.ego + 1
 
 
-def draw_scenario(role: Role, index: int, seed: int = 0) -> world.Scenario:
+def draw_scenario(role: CrashRole, index: int, seed: int = 0) -> world.Scenario:
     """Draw what a report leaves open; the same report, role, index and seed give the same scenario.
 
     Raises:
@@ -53,12 +53,12 @@ def draw_scenario(role: Role, index: int, seed: int = 0) -> world.Scenario:
     return build_scenario(role, drawn, f"{role.report}-v{role.number}-{index}", seed)
 
 
-def generator_of(role: Role, purpose: str) -> random.Random:
+def generator_of(role: CrashRole, purpose: str) -> random.Random:
     """Random numbers that depend on the report, the role and the purpose alone."""
     return random.Random(f"roadmend/safe/{role.report}/{role.number}/{purpose}")
 
 
-def build_scenario(role: Role, drawn: Parameters, name: str, seed: int) -> world.Scenario:
+def build_scenario(role: CrashRole, drawn: Parameters, name: str, seed: int) -> world.Scenario:
     """The scenario that a point of the open questions stands for.
 
     Args:
@@ -85,7 +85,9 @@ def build_scenario(role: Role, drawn: Parameters, name: str, seed: int) -> world
         ego=stage.ego(),
         actors=stage.actors(),
         environment=world.Environment.model_validate({"weather": weather.lower(), "time_of_day": time.lower()}),
-        origin=world.Origin(report=role.report, vehicle=role.number, sampled=dict(drawn), adapted=list(layout.adapted)),
+        origin=world.ReportOrigin(
+            report=role.report, vehicle=role.number, sampled=dict(drawn), adapted=list(layout.adapted)
+        ),
     )
 
 
@@ -103,7 +105,7 @@ class _Spot:
 class _Stage:
     """Places everybody so that they meet where the report says, had nobody looked out."""
 
-    def __init__(self, role: Role, crash: CrashScenario, layout: Layout, drawn: Parameters) -> None:
+    def __init__(self, role: CrashRole, crash: CrashScenario, layout: Layout, drawn: Parameters) -> None:
         self._role, self._crash, self._layout, self._drawn = role, crash, layout, drawn
         way = self._way(role.ego)
         body = BODIES[self._kind(role.ego)]
@@ -200,7 +202,7 @@ class _Stage:
         return spot, [world.Heedless(when=world.Trigger(time=0.0), speed=0.0), go]
 
     def _alongside(
-        self, index: int, vehicle: Vehicle, way: Way, length: float, speed: float
+        self, index: int, vehicle: DescribedVehicle, way: Way, length: float, speed: float
     ) -> tuple[_Spot, list[world.Manoeuvre]]:
         """Who goes the ego's way: changes into its lane, comes from behind, or is ahead and slows down."""
         ego, now = self._ego_spot, world.Trigger(time=0.0)

@@ -4,7 +4,7 @@ import itertools
 from dataclasses import dataclass
 
 from roadmend.safe.compass import wrap_degrees
-from roadmend.safe.dsl import Collision, CrashScenario, Manoeuvre, RoadType, Side
+from roadmend.safe.dsl import CrashScenario, DescribedCollision, Manoeuvre, RoadType, Side
 from roadmend.safe.layout import Layout
 from roadmend.safe.staging import collisions_of
 from roadmend.safe.trial import Contact
@@ -82,7 +82,7 @@ def _angle_fits(layout: Layout, ego: int, other: int, angle: float) -> bool:
     )
 
 
-def _same_striker(described: Collision, ego: int, contact: Contact) -> bool:
+def _same_striker(described: DescribedCollision, ego: int, contact: Contact) -> bool:
     """Whether who ran into whom is as described; who hits with its front is who runs into the other."""
     ego_strikes, other_strikes = Side.FRONT in contact.ego_sides, Side.FRONT in contact.other_sides
     if ego_strikes == other_strikes or (described.striking_side or Side.FRONT) is not Side.FRONT:

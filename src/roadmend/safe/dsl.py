@@ -37,7 +37,7 @@ class Compass(StrEnum):
     WEST = "West"
 
 
-class Model(StrEnum):
+class DslModel(StrEnum):
     """Body class of a vehicle."""
 
     SEDAN = "Sedan"
@@ -108,7 +108,7 @@ class Side(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class RoadNetwork:
+class DescribedRoadNetwork:
     """The road.
 
     Attributes:
@@ -129,7 +129,7 @@ class RoadNetwork:
 
 
 @dataclass(frozen=True, slots=True)
-class Vehicle:
+class DescribedVehicle:
     """One vehicle that took part; its number is its place among the vehicles, from 1.
 
     Attributes:
@@ -141,7 +141,7 @@ class Vehicle:
         extras: further fields.
     """
 
-    model: Model | None
+    model: DslModel | None
     initial_position: Position | None
     action: Action | Coordinates | None
     speed_limit_mph: float | None
@@ -157,7 +157,7 @@ class Vehicle:
 
 
 @dataclass(frozen=True, slots=True)
-class Collision:
+class DescribedCollision:
     """Two vehicles touch.
 
     Attributes:
@@ -178,7 +178,7 @@ class Collision:
 
 
 @dataclass(frozen=True, slots=True)
-class Environment:
+class DescribedEnvironment:
     """Light and weather."""
 
     time: Time | None
@@ -201,10 +201,10 @@ class CrashScenario:
         extras: further fields.
     """
 
-    road: RoadNetwork
-    vehicles: tuple[Vehicle, ...]
-    environment: Environment
-    collisions: tuple[Collision, ...] = ()
+    road: DescribedRoadNetwork
+    vehicles: tuple[DescribedVehicle, ...]
+    environment: DescribedEnvironment
+    collisions: tuple[DescribedCollision, ...] = ()
     extras: Extras = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:

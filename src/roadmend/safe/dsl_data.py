@@ -10,19 +10,19 @@ from roadmend.core.errors import InputError
 from roadmend.safe.dsl import (
     EXTRA_PREFIX,
     Action,
-    Collision,
     Compass,
     Coordinates,
     CrashScenario,
-    Environment,
+    DescribedCollision,
+    DescribedEnvironment,
+    DescribedRoadNetwork,
+    DescribedVehicle,
+    DslModel,
     Manoeuvre,
-    Model,
     Position,
-    RoadNetwork,
     RoadType,
     Side,
     Time,
-    Vehicle,
     Weather,
 )
 
@@ -51,7 +51,7 @@ def dump_data(scenario: CrashScenario) -> dict[str, Any]:
     return content | dict(scenario.extras)
 
 
-def _dump_vehicle(vehicle: Vehicle) -> dict[str, Any]:
+def _dump_vehicle(vehicle: DescribedVehicle) -> dict[str, Any]:
     action = [list(point) for point in vehicle.action] if isinstance(vehicle.action, tuple) else _word(vehicle.action)
     content = {
         "model": _word(vehicle.model),
@@ -64,7 +64,7 @@ def _dump_vehicle(vehicle: Vehicle) -> dict[str, Any]:
     return content | dict(vehicle.extras)
 
 
-def _dump_collision(collision: Collision) -> dict[str, Any]:
+def _dump_collision(collision: DescribedCollision) -> dict[str, Any]:
     sides = {"striking_side": _word(collision.striking_side), "struck_side": _word(collision.struck_side)}
     return {"striking": collision.striking, "struck": collision.struck} | {
         name: side for name, side in sides.items() if side is not None
@@ -158,7 +158,7 @@ class _Parser:
             self.vehicle(vehicle, f"vehicles[{index}]") for index, vehicle in enumerate(self.items(fields, "vehicles"))
         )
         env, env_extras = self.mapping(fields["env"], "env", ("time", "weather"))
-        environment = Environment(
+        environment = DescribedEnvironment(
             self.word(env, "env", "time", Time), self.word(env, "env", "weather", Weather), env_extras
         )
         collisions = tuple(
@@ -166,7 +166,9 @@ class _Parser:
             for index, collision in enumerate(self.items(fields, "collisions") if "collisions" in fields else ())
         )
         try:
-            return CrashScenario(RoadNetwork(road_type, lanes, compass), vehicles, environment, collisions, extras)
+            return CrashScenario(
+                DescribedRoadNetwork(road_type, lanes, compass), vehicles, environment, collisions, extras
+            )
         except ValueError as error:
             raise self.fail(str(error).split(maxsplit=1)[0], str(error).split(maxsplit=1)[1]) from None
 
@@ -176,13 +178,13 @@ class _Parser:
             raise self.fail(name, f"is {_shown(value)}, not a list")
         return value
 
-    def vehicle(self, content: object, field: str) -> Vehicle:
+    def vehicle(self, content: object, field: str) -> DescribedVehicle:
         needed = ("model", "initial_position", "action", "speed_limit_mph")
         fields, extras = self.mapping(content, field, needed, ("manoeuvre",))
         action = fields["action"]
         try:
-            return Vehicle(
-                self.word(fields, field, "model", Model),
+            return DescribedVehicle(
+                self.word(fields, field, "model", DslModel),
                 self.word(fields, field, "initial_position", Position),
                 self.points(action, f"{field}.action")
                 if isinstance(action, Sequence) and not isinstance(action, str)
@@ -207,7 +209,7 @@ class _Parser:
             points.append((float(pair[0]), float(pair[1])))
         return tuple(points)
 
-    def collision(self, content: object, field: str) -> Collision:
+    def collision(self, content: object, field: str) -> DescribedCollision:
         fields, _ = self.mapping(
             content, field, ("striking", "struck"), ("striking_side", "struck_side"), extensible=False
         )
@@ -216,7 +218,7 @@ class _Parser:
             raise self.fail(field, "has no two vehicles", "give their numbers, from 1")
         sides = (self.word(fields, field, name, Side) for name in ("striking_side", "struck_side"))
         try:
-            return Collision(striking, struck, *sides)
+            return DescribedCollision(striking, struck, *sides)
         except ValueError as error:
             raise self.fail(field, str(error)) from None
 
@@ -249,7 +251,7 @@ def answer_schema() -> dict[str, Any]:
         return {"type": "object", "properties": properties, "required": [*properties], "additionalProperties": False}
 
     vehicle = fields(
-        model=words(Model),
+        model=words(DslModel),
         initial_position=words(Position),
         action=words(Action),
         speed_limit_mph={"type": ["number", "null"]},

@@ -8,55 +8,18 @@ from typing import Any
 
 from roadmend.language.chat import Image
 from roadmend.safe.dsl import CrashScenario
-from roadmend.safe.extraction import Evidence, Extraction, ExtractionError, Step, Watch, unwatched
+from roadmend.safe.extraction import Extraction, ExtractionError, FieldEvidence, Step, Watch, unwatched
 from roadmend.safe.reading.reader import read_summary
 from roadmend.safe.reading.text import Finding
 from roadmend.safe.report import CrashReport
 from roadmend.safe.sketch_text import SketchText, posted_limit, read_sketch
 
 _WORDS = re.compile(r"[^\W\d_]+")
-_FUNCTION_WORDS = frozenset(
-    {
-        "the",
-        "a",
-        "an",
-        "of",
-        "to",
-        "in",
-        "on",
-        "at",
-        "and",
-        "was",
-        "were",
-        "is",
-        "are",
-        "it",
-        "its",
-        "by",
-        "from",
-        "with",
-        "that",
-        "this",
-        "for",
-        "as",
-        "had",
-        "has",
-        "which",
-        "but",
-        "not",
-        "or",
-        "into",
-        "be",
-        "been",
-        "when",
-        "while",
-        "after",
-        "before",
-        "both",
-        "one",
-        "two",
-    }
-)
+_ENGLISH = """
+the a an of to in on at and was were is are it its by from with that this for as had has which but not or into
+be been when while after before both one two
+"""
+_FUNCTION_WORDS = frozenset(_WORDS.findall(_ENGLISH))
 _LEAST_ENGLISH = 0.2  # share of function words; in English prose it is near one half
 _TRUST_IN_SKETCH = 0.6
 _FEWEST_WORDS = 12  # below that, shares say nothing
@@ -102,14 +65,14 @@ class EmbeddedExtractor:
             sketch = written.note
             limit = posted_limit(written.text or "")
             if limit is not None:
-                found = Evidence(limit, None, _TRUST_IN_SKETCH, f"the sketch says {limit} mph")
+                found = FieldEvidence(limit, None, _TRUST_IN_SKETCH, f"the sketch says {limit} mph")
                 scenario, evidence = _with_limit(scenario, evidence, found)
         return Extraction(scenario, evidence, sketch, tuple(notes))
 
 
 def _with_limit(
-    scenario: CrashScenario, evidence: dict[str, Evidence], found: Evidence
-) -> tuple[CrashScenario, dict[str, Evidence]]:
+    scenario: CrashScenario, evidence: dict[str, FieldEvidence], found: FieldEvidence
+) -> tuple[CrashScenario, dict[str, FieldEvidence]]:
     """Give the vehicles the limit of the sketch that have none from the summary."""
     vehicles = []
     filled = dict(evidence)
@@ -129,6 +92,6 @@ def _limits(report: CrashReport, vehicles: int) -> list[str]:
     return notes
 
 
-def _evidence(finding: Finding[Any]) -> Evidence:
+def _evidence(finding: Finding[Any]) -> FieldEvidence:
     value = finding.value.value if isinstance(finding.value, StrEnum) else finding.value
-    return Evidence(value, finding.sentence, round(finding.confidence, 2), finding.reason)
+    return FieldEvidence(value, finding.sentence, round(finding.confidence, 2), finding.reason)

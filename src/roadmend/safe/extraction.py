@@ -19,7 +19,7 @@ class ExtractionError(RoadmendError):
 
 
 @dataclass(frozen=True, slots=True)
-class Evidence:
+class FieldEvidence:
     """What a field rests on.
 
     Attributes:
@@ -48,7 +48,7 @@ class Extraction:
     """
 
     scenario: CrashScenario
-    evidence: Mapping[str, Evidence]
+    evidence: Mapping[str, FieldEvidence]
     sketch: str
     notes: tuple[str, ...] = ()
     exchanges: tuple[Exchange, ...] = field(default=(), repr=False)

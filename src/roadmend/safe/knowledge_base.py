@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, ConfigDict, Field, InstanceOf
 from roadmend.core.parameters import Parameters
 from roadmend.core.settings import check_settings
 from roadmend.core.yaml_file import parse_yaml
+from roadmend.safe.compass import NORTH_SOUTH
 from roadmend.safe.dsl import CrashScenario, Position, RoadType
 from roadmend.safe.dsl_data import parse_data
 
@@ -66,7 +67,7 @@ def _likeness(one: Sequence[Position], other: Sequence[Position | None]) -> tupl
 
 
 def _pattern(directions: Sequence[Position]) -> str:
-    axes = {"ns" if direction in {Position.N2S, Position.S2N} else "ew" for direction in directions}
+    axes = {direction in NORTH_SOUTH for direction in directions}
     if len(set(directions)) <= 1:
         return "same"
     return "crossing" if len(axes) > 1 else "opposite"

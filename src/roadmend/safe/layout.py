@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, replace
 
 from roadmend.safe.compass import BEARING, HEADING, SIDE_AT, TURN, wrap_degrees
-from roadmend.safe.dsl import Action, Compass, CrashScenario, Position, RoadType, Vehicle
+from roadmend.safe.dsl import Action, Compass, CrashScenario, DescribedVehicle, Position, RoadType
 from roadmend.world.network import network_file
 from roadmend.world.road_network import RoadNetwork, read_network
 from roadmend.world.scenario import Arm, IntersectionNetwork, Network, OnRampNetwork, OpenRoadNetwork
@@ -81,7 +81,7 @@ def _lay_out(crash: CrashScenario, drawn: Parameters) -> Layout:
     return _junction(crash, drawn, headings)
 
 
-def _heading(vehicle: Vehicle) -> int:
+def _heading(vehicle: DescribedVehicle) -> int:
     assert vehicle.initial_position is not None
     return HEADING[vehicle.initial_position]
 
@@ -133,7 +133,7 @@ def _road(crash: CrashScenario, drawn: Parameters, headings: list[int]) -> Layou
     return Layout(network, tuple(ways), is_junction=False, adapted=tuple(adapted))
 
 
-def _limit(vehicle: Vehicle) -> float:
+def _limit(vehicle: DescribedVehicle) -> float:
     assert vehicle.speed_limit_mph is not None
     return round(vehicle.speed_limit_mph * MPH, 2)
 
@@ -246,7 +246,7 @@ def _main_road(crash: CrashScenario, sources: list[Compass], drawn: Parameters) 
     return {side for side in Compass if _same_axis(side, sources[0]) == first}
 
 
-def _through(net: RoadNetwork, source: Compass, to: Compass, heading: int, vehicle: Vehicle) -> Way:
+def _through(net: RoadNetwork, source: Compass, to: Compass, heading: int, vehicle: DescribedVehicle) -> Way:
     assert isinstance(vehicle.action, Action)
     begin, end = f"{source.value.lower()}_in", f"{to.value.lower()}_out"
     edge = net.edges[begin]

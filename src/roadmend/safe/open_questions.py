@@ -4,25 +4,24 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from roadmend.core.errors import InputError
-from roadmend.safe.compass import heading_of
+from roadmend.safe.compass import DIRECTIONS, NORTH_SOUTH, TOWARDS, heading_of, opposite, origin_of
 from roadmend.safe.dsl import (
     Action,
     Compass,
     CrashScenario,
-    Environment,
+    DescribedEnvironment,
+    DescribedRoadNetwork,
+    DescribedVehicle,
+    DslModel,
     Manoeuvre,
-    Model,
     Position,
-    RoadNetwork,
     RoadType,
     Time,
-    Vehicle,
     Weather,
 )
 from roadmend.world.space import Choice, Dimension, Parameters, Uniform, Value, Whole
 
 _JUNCTIONS = {RoadType.INTERSECTION, RoadType.T_INTERSECTION}
-_DIRECTIONS = (Position.W2E, Position.S2N, Position.E2W, Position.N2S)
 _MODELS = Choice({"Sedan": 0.45, "SUV": 0.25, "Minivan": 0.08, "Pickup": 0.17, "Semi Truck": 0.05})
 _WEATHER = Choice({"Clear": 0.35, "Cloudy": 0.25, "Overcast": 0.1, "Rainy": 0.2, "Foggy": 0.05, "Snowy": 0.05})
 _LIMITS: dict[RoadType, tuple[int, ...]] = {  # [mph]
@@ -63,7 +62,9 @@ def open_questions(crash: CrashScenario) -> dict[str, Dimension]:
     return space
 
 
-def _of_vehicle(name: str, vehicle: Vehicle, crash: CrashScenario, kinds: list[RoadType]) -> dict[str, Dimension]:
+def _of_vehicle(
+    name: str, vehicle: DescribedVehicle, crash: CrashScenario, kinds: list[RoadType]
+) -> dict[str, Dimension]:
     space: dict[str, Dimension] = {}
     if vehicle.model is None:
         space[f"{name}.model"] = _MODELS
@@ -99,7 +100,7 @@ def answer(crash: CrashScenario, drawn: Parameters) -> CrashScenario:
     Raises:
         InputError: a vehicle's position or stem does not go with the road that was drawn.
     """
-    road = RoadNetwork(
+    road = DescribedRoadNetwork(
         crash.road.road_type or RoadType(str(drawn["road_type"])),
         crash.road.lanes or int(drawn["lanes"]),
         None,
@@ -109,14 +110,14 @@ def answer(crash: CrashScenario, drawn: Parameters) -> CrashScenario:
     vehicles = tuple(
         replace(
             vehicle,
-            model=vehicle.model or Model(str(drawn[f"v{number}.model"])),
+            model=vehicle.model or DslModel(str(drawn[f"v{number}.model"])),
             initial_position=vehicle.initial_position or Position(str(drawn[f"v{number}.position"])),
             action=_action(vehicle) or Action(str(drawn[f"v{number}.action"])),
             speed_limit_mph=vehicle.speed_limit_mph or float(drawn[f"v{number}.speed_limit"]),
         )
         for number, vehicle in enumerate(crash.vehicles, start=1)
     )
-    environment = Environment(
+    environment = DescribedEnvironment(
         crash.environment.time or Time(str(drawn["time"])),
         crash.environment.weather or Weather(str(drawn["weather"])),
         crash.environment.extras,
@@ -127,7 +128,7 @@ def answer(crash: CrashScenario, drawn: Parameters) -> CrashScenario:
         raise InputError("crash report", str(error), "mend the field") from None
 
 
-def _action(vehicle: Vehicle) -> Action | None:
+def _action(vehicle: DescribedVehicle) -> Action | None:
     """The action; a list of points counts as the turn that it makes."""
     if not isinstance(vehicle.action, tuple):
         return vehicle.action
@@ -142,7 +143,7 @@ def _likely_types(crash: CrashScenario) -> list[RoadType]:
     positions = {vehicle.initial_position for vehicle in crash.vehicles} - {None}
     if positions & {Position.MAIN_ROAD, Position.ON_RAMP}:
         return [RoadType.MERGING]
-    axes = {position in {Position.W2E, Position.E2W} for position in positions}
+    axes = {position in NORTH_SOUTH for position in positions}
     turns = any(_action(vehicle) in {Action.TURN_LEFT, Action.TURN_RIGHT} for vehicle in crash.vehicles)
     if turns or len(axes) > 1:
         return [RoadType.INTERSECTION, RoadType.T_INTERSECTION]
@@ -151,29 +152,11 @@ def _likely_types(crash: CrashScenario) -> list[RoadType]:
 
 def _possible_stems(crash: CrashScenario) -> list[Compass]:
     """Stems that leave every vehicle the road that it comes from; all if there is none."""
-    opposite = {
-        Position.W2E: Compass.EAST,
-        Position.E2W: Compass.WEST,
-        Position.S2N: Compass.NORTH,
-        Position.N2S: Compass.SOUTH,
-    }
-    sources = {
-        Position.W2E: Compass.WEST,
-        Position.E2W: Compass.EAST,
-        Position.S2N: Compass.SOUTH,
-        Position.N2S: Compass.NORTH,
-    }
-    possible = []
-    for stem in Compass:
-        absent = next(opposite[position] for position, source in sources.items() if source is stem)
-        needed = {sources[v.initial_position] for v in crash.vehicles if v.initial_position in sources}
-        needed |= {
-            opposite[v.initial_position]
-            for v in crash.vehicles
-            if v.initial_position in opposite and _action(v) is Action.MOVE_FORWARD
-        }
-        if absent not in needed:
-            possible.append(stem)
+    known = [(v.initial_position, _action(v)) for v in crash.vehicles if v.initial_position in TOWARDS]
+    needed = {origin_of(position) for position, _ in known}
+    needed |= {TOWARDS[position] for position, action in known if action is Action.MOVE_FORWARD}
+    free = {origin_of(position) for position in DIRECTIONS if TOWARDS[position] not in needed}
+    possible = [stem for stem in Compass if stem in free]
     return possible or [*Compass]
 
 
@@ -182,12 +165,11 @@ def _positions(crash: CrashScenario, kinds: list[RoadType]) -> Choice:
     if RoadType.MERGING in kinds:
         return Choice({Position.MAIN_ROAD.value: 0.6, Position.ON_RAMP.value: 0.4})
     if _JUNCTIONS & {*kinds}:
-        return _even(position.value for position in _DIRECTIONS)
-    known = [v.initial_position for v in crash.vehicles if v.initial_position in _DIRECTIONS]
+        return _even(position.value for position in DIRECTIONS)
+    known = [v.initial_position for v in crash.vehicles if v.initial_position in DIRECTIONS]
     first = known[0] if known else Position.W2E
     assert first is not None
-    opposite = _DIRECTIONS[(_DIRECTIONS.index(first) + 2) % 4]
-    return Choice({first.value: 0.6, opposite.value: 0.4})
+    return Choice({first.value: 0.6, opposite(first).value: 0.4})
 
 
 def _even(values: Iterable[Value]) -> Choice:

@@ -6,19 +6,22 @@ Apart from the jobs themselves, so that what decides a job's result is not how i
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
+from pydantic import TypeAdapter
+
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal, Key
-from roadmend.safe.cases import Case
-from roadmend.safe.construction import Role
-from roadmend.safe.driving import Drawing, Job, Result, Task, do
+from roadmend.safe.cases import CrashCase
+from roadmend.safe.construction import CrashRole
+from roadmend.safe.driving import CrashTestJob, CrashTestResult, Drawing, Task, do
 
 _WORK = ".work"  # folder for finished jobs in the output
-_FORMAT = "roadmend-safe-work/1"
+_FORMAT = "roadmend-safe-work/2"
+_PLAIN = TypeAdapter(CrashTestResult)
 
 
 def plan(
     task: Task,
-    cases: Iterable[Case],
+    cases: Iterable[CrashCase],
     policies: Sequence[str],
     out: Path,
     *,
@@ -26,10 +29,10 @@ def plan(
     budget: int = 0,
     seed: int = 0,
     draw: Drawing | None = None,
-) -> list[Job]:
+) -> list[CrashTestJob]:
     """The jobs: every vehicle of every case takes the ego's place in turn."""
     return [
-        Job(task, Role(case.name, case.crash, ego), policy, seed, index, budget, out, draw)
+        CrashTestJob(task, CrashRole(case.name, case.crash, ego), policy, seed, index, budget, out, draw)
         for policy in policies
         for case in cases
         if case.crash is not None
@@ -38,7 +41,7 @@ def plan(
     ]
 
 
-def do_all(jobs: Sequence[Job], out: Path, workers: int, told: Callable[[int], None]) -> list[Result]:
+def do_all(jobs: Sequence[CrashTestJob], out: Path, workers: int, told: Callable[[int], None]) -> list[CrashTestResult]:
     """Do what has not been done yet; results come in the order of the jobs.
 
     Args:
@@ -59,10 +62,10 @@ def do_all(jobs: Sequence[Job], out: Path, workers: int, told: Callable[[int], N
         with fan_out(workers, len(missing)) as mapper:
             answers = mapper(do, [job for _, job in missing])
             for number, ((key, _), result) in enumerate(zip(missing, answers, strict=True), before + 1):
-                journal.add(key, result.as_dict())
+                journal.add(key, _PLAIN.dump_python(result, mode="json"))
                 told(number)
         found = [journal.get(key) for key in keys]
-    return [Result.from_dict(each) for each in found if each is not None]
+    return [_PLAIN.validate_python(each) for each in found if each is not None]
 
 
 def _is_done(journal: Journal, key: Key, out: Path) -> bool:

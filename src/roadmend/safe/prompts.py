@@ -7,7 +7,7 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-from roadmend.language.chat import Message, Request, Role
+from roadmend.language.chat import ChatMessage, ChatRole, Request
 from roadmend.language.question import objecting
 from roadmend.safe.dsl import Position, RoadType
 from roadmend.safe.dsl_data import answer_schema, dump_data
@@ -128,32 +128,32 @@ def extraction_request(
 
 def validation_request(report: CrashReport, question: Request, answer: str) -> Request:
     """Ask whether an answer agrees with the report."""
-    asked = next(part for message in question.messages for part in message.parts if message.role is Role.USER)
+    asked = next(part for message in question.messages for part in message.parts if message.role is ChatRole.USER)
     payload = json.dumps({"question": asked, "answer": answer}, ensure_ascii=False)
     task = _VALIDATION_TASK.format(payload=payload)
-    messages = (_say(Role.SYSTEM, _VALIDATION_SYSTEM), _say(Role.USER, task), _hand_over(report))
+    messages = (_say(ChatRole.SYSTEM, _VALIDATION_SYSTEM), _say(ChatRole.USER, task), _hand_over(report))
     return Request("validation", messages, VALIDATION_SCHEMA)
 
 
 def _conversation(
     system: str, task: str, worked: str | None, report: CrashReport, objections: Sequence[str]
-) -> tuple[Message, ...]:
-    messages = [_say(Role.SYSTEM, system), _say(Role.USER, task)]
+) -> tuple[ChatMessage, ...]:
+    messages = [_say(ChatRole.SYSTEM, system), _say(ChatRole.USER, task)]
     if worked is not None:
-        messages += [_say(Role.ASSISTANT, _READY), _say(Role.USER, f"An example.\n{worked}")]
-    messages += [_say(Role.ASSISTANT, _GO_ON), _hand_over(report), *objecting(objections)]
+        messages += [_say(ChatRole.ASSISTANT, _READY), _say(ChatRole.USER, f"An example.\n{worked}")]
+    messages += [_say(ChatRole.ASSISTANT, _GO_ON), _hand_over(report), *objecting(objections)]
     return tuple(messages)
 
 
-def _say(role: Role, text: str) -> Message:
-    return Message(role, (text,))
+def _say(role: ChatRole, text: str) -> ChatMessage:
+    return ChatMessage(role, (text,))
 
 
-def _hand_over(report: CrashReport) -> Message:
+def _hand_over(report: CrashReport) -> ChatMessage:
     text = _case(report.summary, has_sketch=report.sketch is not None)
     if report.sketch is None:
-        return Message(Role.USER, (text,))
-    return Message(Role.USER, (text, report.sketch))
+        return ChatMessage(ChatRole.USER, (text,))
+    return ChatMessage(ChatRole.USER, (text, report.sketch))
 
 
 def _case(summary: str, *, has_sketch: bool = False) -> str:

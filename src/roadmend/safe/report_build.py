@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from roadmend.core.errors import InputError
-from roadmend.safe.cases import Case
+from roadmend.safe.cases import CrashCase
 from roadmend.safe.driving import Task, do
 from roadmend.safe.extraction import Extraction, Extractor, Step, Watch
 from roadmend.safe.extraction_run import Extracted, keep_extraction
@@ -52,7 +52,7 @@ def build_report(
         raise InputError("samples", f"{samples} is too many", f"ask for at most {MOST_SAMPLES}")
     extraction = extractor.extract(report, watch)
     extracted = keep_extraction(extraction, report.case, report.digest(), out)
-    jobs = plan(Task.BUILD, [Case(report.case, extraction.scenario)], [""], out, samples=samples, seed=seed)
+    jobs = plan(Task.BUILD, [CrashCase(report.case, extraction.scenario)], [""], out, samples=samples, seed=seed)
     results = []
     for number, job in enumerate(jobs, start=1):
         watch(Step("build", number, len(jobs)))

@@ -9,11 +9,11 @@ import numpy as np
 
 from roadmend.core.errors import RoadmendError
 from roadmend.core.tick import INTERVAL
-from roadmend.safe.construction import Role, build_scenario, generator_of
+from roadmend.safe.construction import CrashRole, build_scenario, generator_of
 from roadmend.safe.described_crash import judge, why_not_played
 from roadmend.safe.layout import lay_out
 from roadmend.safe.open_questions import answer, open_questions
-from roadmend.safe.trial import Trial, run_trial
+from roadmend.safe.trial import CrashTestEpisode, run_trial
 from roadmend.world.scenario import Scenario
 from roadmend.world.space import Parameters, Space, Uniform, sample
 
@@ -24,7 +24,7 @@ _JITTER = 0.25  # [s] standard deviation around the delay that a film says would
 
 
 @dataclass(frozen=True, slots=True)
-class Reproduction:
+class CrashReproduction:
     """What the search for a report's crash came to with the policy in one role.
 
     Attributes:
@@ -43,10 +43,10 @@ class Reproduction:
     episodes: int
     scenario: Scenario | None
     outcome: str
-    trial: Trial | None = None
+    trial: CrashTestEpisode | None = None
 
 
-def reproduce(role: Role, policy: str, budget: int, seed: int = 0) -> Reproduction:
+def reproduce(role: CrashRole, policy: str, budget: int, seed: int = 0) -> CrashReproduction:
     """Search for the described crash; the same arguments give the same result.
 
     Draws, shifts the others in time so that they meet the ego where their tracks crossed, and changes what came near.
@@ -59,10 +59,10 @@ def reproduce(role: Role, policy: str, budget: int, seed: int = 0) -> Reproducti
     """
     impossible = why_not_played(role.crash, role.ego)
     if impossible:
-        return Reproduction(role.report, role.number, policy, 0, None, impossible)
+        return CrashReproduction(role.report, role.number, policy, 0, None, impossible)
     space = open_questions(role.crash)
     generator = generator_of(role, f"reproduce/{policy}/{seed}")
-    best: tuple[float, Parameters, Trial] | None = None
+    best: tuple[float, Parameters, CrashTestEpisode] | None = None
     said = "nobody came near"
     for episode in range(budget):
         drawn = _next(space, best, role, generator, fresh=episode % _FRESH == 0)
@@ -77,17 +77,24 @@ def reproduce(role: Role, policy: str, budget: int, seed: int = 0) -> Reproducti
             layout = lay_out(answer(role.crash, drawn), drawn)
             verdict = judge(role.crash, layout, role.ego, trial.contact)
             if verdict.is_described:
-                return Reproduction(role.report, role.number, policy, episode + 1, scenario, trial.summary.text, trial)
+                return CrashReproduction(
+                    role.report, role.number, policy, episode + 1, scenario, trial.summary.text, trial
+                )
             said, gap = verdict.reason, 3.0  # [m] as good as a near miss: the wrong crash is no step to the right one
         elif math.isfinite(gap):
             said = f"no contact; the nearest was {min(gap, best[0]) if best else gap:.1f} m"
         if best is None or gap < best[0] or episode % _FRESH == 0:
             best = (gap, drawn, trial)
-    return Reproduction(role.report, role.number, policy, budget, None, said)
+    return CrashReproduction(role.report, role.number, policy, budget, None, said)
 
 
 def _next(
-    space: Space, best: tuple[float, Parameters, Trial] | None, role: Role, generator: random.Random, *, fresh: bool
+    space: Space,
+    best: tuple[float, Parameters, CrashTestEpisode] | None,
+    role: CrashRole,
+    generator: random.Random,
+    *,
+    fresh: bool,
 ) -> Parameters:
     """The next point: drawn anew, or the best one so far with the others shifted in time, or changed a little."""
     if best is None or fresh:
@@ -108,7 +115,7 @@ def _next(
     return point | dict(_changed(space, point, moved, generator))
 
 
-def _shift(trial: Trial, name: str) -> float | None:
+def _shift(trial: CrashTestEpisode, name: str) -> float | None:
     """Time [s] by which another vehicle would have to come later to meet the ego; None if their tracks do not cross."""
     other = trial.film.track(name)
     if not len(other):

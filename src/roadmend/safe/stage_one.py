@@ -11,7 +11,7 @@ from roadmend.language.exchange import RecordingModel
 from roadmend.language.question import ATTEMPTS, ask_until_accepted
 from roadmend.safe.dsl import CrashScenario, Position, RoadType
 from roadmend.safe.dsl_data import dump_data, parse_data
-from roadmend.safe.extraction import Evidence, Extraction, ExtractionError, Step, Watch, unwatched
+from roadmend.safe.extraction import Extraction, ExtractionError, FieldEvidence, Step, Watch, unwatched
 from roadmend.safe.knowledge_base import retrieve
 from roadmend.safe.prompts import extraction_request, meta_request, validation_request
 from roadmend.safe.report import CrashReport
@@ -61,7 +61,7 @@ class LanguageExtractor:
             ExtractionError: the model gave no answer, or none that passed, as often as it was asked.
         """
         model = RecordingModel(self.model)
-        steps = _Steps(model, report, self.options, watch)
+        steps = _CheckedSteps(model, report, self.options, watch)
         try:
             if self.options.prompt_generation:
                 _, example = retrieve(RoadType.T_INTERSECTION, ())
@@ -81,7 +81,7 @@ class LanguageExtractor:
         return Extraction(scenario, _evidence(scenario), sketch, tuple(notes), tuple(model.exchanges))
 
 
-class _Steps:
+class _CheckedSteps:
     """Executes a step until its answer can be encoded and passes, within a bound."""
 
     def __init__(self, model: ChatModel, report: CrashReport, options: StageOneOptions, watch: Watch) -> None:
@@ -180,12 +180,13 @@ def _object(text: str, names: set[str]) -> dict[str, Any]:
     return content
 
 
-def _evidence(scenario: CrashScenario) -> dict[str, Evidence]:
+def _evidence(scenario: CrashScenario) -> dict[str, FieldEvidence]:
     data = dump_data(scenario)
     values = {name: data[name] for name in ("road_type", "num_lanes", "stem_direction")}
     for index, vehicle in enumerate(data["vehicles"]):
         values |= {f"vehicles[{index}].{name}": value for name, value in vehicle.items()}
     values |= {f"env.{name}": value for name, value in data["env"].items()}
     return {
-        name: Evidence(value, None, None, "the model's answer, see the exchanges") for name, value in values.items()
+        name: FieldEvidence(value, None, None, "the model's answer, see the exchanges")
+        for name, value in values.items()
     }

@@ -3,7 +3,7 @@
 from enum import Enum
 
 from roadmend.safe.compass import wrap_degrees
-from roadmend.safe.dsl import Collision, CrashScenario, Side
+from roadmend.safe.dsl import CrashScenario, DescribedCollision, Side
 from roadmend.safe.layout import Way
 
 
@@ -27,11 +27,11 @@ def relation_of(one: Way, other: Way) -> Relation:
     return Relation.CROSSING
 
 
-def collisions_of(crash: CrashScenario, ego: int) -> list[Collision]:
+def collisions_of(crash: CrashScenario, ego: int) -> list[DescribedCollision]:
     """The described collisions that a vehicle takes part in; one with every other vehicle if the report names none."""
     if crash.collisions:
         return [each for each in crash.collisions if ego + 1 in {each.striking, each.struck}]
-    return [Collision(other + 1, ego + 1) for other in range(len(crash.vehicles)) if other != ego]
+    return [DescribedCollision(other + 1, ego + 1) for other in range(len(crash.vehicles)) if other != ego]
 
 
 def goes_first(crash: CrashScenario, ego: int, other: int) -> bool | None:

@@ -75,7 +75,7 @@ class Film:
 
 
 @dataclass(frozen=True, slots=True)
-class Trial:
+class CrashTestEpisode:
     """What an episode came to."""
 
     summary: EpisodeResult
@@ -83,18 +83,8 @@ class Trial:
     route: Route
     contact: Contact | None
 
-    @property
-    def is_collision(self) -> bool:
-        """Whether the ego collided."""
-        return self.summary.collided
 
-    @property
-    def is_at_fault(self) -> bool:
-        """Whether it did by its own fault."""
-        return self.summary.final.at_fault
-
-
-def run_trial(scenario: Scenario, policy: str) -> Trial:
+def run_trial(scenario: Scenario, policy: str) -> CrashTestEpisode:
     """Drive a scenario with a policy, without repair.
 
     Raises:
@@ -116,7 +106,7 @@ def run_trial(scenario: Scenario, policy: str) -> Trial:
     if not film.ego:
         raise SimulationError(f"{scenario.name} begins with a collision")
     hit = summary.final.object_names
-    return Trial(summary, film, route, _contact(film, hit[0]) if hit else None)
+    return CrashTestEpisode(summary, film, route, _contact(film, hit[0]) if hit else None)
 
 
 def _contact(film: Film, name: str) -> Contact | None:

@@ -10,9 +10,10 @@ import random
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
-from roadmend.search.clusters import LeaderClusters
 from roadmend.search.evaluation import Trial
 from roadmend.search.moves import mutate
 from roadmend.search.technique import TechniqueParameters
@@ -40,6 +41,46 @@ class BehAVExplorParameters(TechniqueParameters):
     most_strength: float = Field(0.4, gt=0.0, le=1.0, description="mutation strength far from violations")
 
 
+class LeaderClusters:
+    """Clusters without a number to choose: a behaviour joins the nearest cluster within ``radius`` of its centre, or founds a new one."""
+
+    def __init__(self, radius: float) -> None:
+        """Start without clusters.
+
+        Args:
+            radius: root-mean-square difference of the features within which behaviours count as alike.
+        """
+        self._radius = radius
+        self._centres: list[NDArray[np.float64]] = []
+        self.counts: list[int] = []  # members of each cluster
+
+    def __len__(self) -> int:
+        return len(self._centres)
+
+    def nearest(self, features: Sequence[float]) -> tuple[int, float]:
+        """The nearest cluster and the distance to its centre; (-1, infinity) where there is none."""
+        if not self._centres:
+            return -1, float("inf")
+        apart = np.sqrt(np.mean((np.array(self._centres) - np.asarray(features)) ** 2, axis=1))
+        index = int(np.argmin(apart))
+        return index, float(apart[index])
+
+    def add(self, features: Sequence[float]) -> tuple[int, float]:
+        """Count a behaviour in.
+
+        Returns:
+            Its cluster, and how new it was: distance to the nearest centre in radii, at most 1; 1 founds a cluster.
+        """
+        index, apart = self.nearest(features)
+        if apart > self._radius:
+            self._centres.append(np.array(features, dtype=np.float64))
+            self.counts.append(1)
+            return len(self._centres) - 1, 1.0
+        self.counts[index] += 1
+        self._centres[index] += (np.asarray(features) - self._centres[index]) / self.counts[index]
+        return index, apart / self._radius
+
+
 @dataclass(slots=True)
 class _Seed:
     parameters: Parameters
@@ -57,11 +98,6 @@ class BehAVExplor:
         self._corpus: list[_Seed] = []
         self._nearest = 0.0  # fitness of the nearest miss in the corpus
         self._picked: list[_Seed] = []  # the seed of each mutant of the batch; none while the corpus is empty
-
-    @property
-    def behaviours(self) -> int:
-        """Clusters of behaviour met so far."""
-        return len(self._clusters)
 
     def propose(self) -> list[Parameters]:
         """Random points while there is no corpus, then mutants of its seeds."""

@@ -9,8 +9,9 @@ from roadmend import __version__
 from roadmend.core.errors import InputError
 from roadmend.core.journal import Key, entry_key
 from roadmend.measures.driver import driver_key
-from roadmend.search.evaluation import CRASH, Evaluation, Subject, Trial
-from roadmend.search.ledger import FOUND, Entry, Ledger, Reproduction
+from roadmend.search.attempt import CRASH
+from roadmend.search.evaluation import Evaluation, Subject, Trial
+from roadmend.search.ledger import FOUND, Ledger, LedgerEntry, RerunCommand
 from roadmend.search.policy_model import policy_model
 from roadmend.search.registry import make_technique
 from roadmend.search.technique import TechniqueParameters
@@ -53,7 +54,7 @@ class Campaign:
 
 
 @dataclass(frozen=True, slots=True)
-class Tally:
+class CampaignSummary:
     """What a search has found."""
 
     evaluated: int
@@ -64,11 +65,11 @@ class Tally:
     outcomes: dict[str, int] = field(default_factory=dict)
 
 
-def tally(entries: Sequence[Entry]) -> Tally:
+def summarise(entries: Sequence[LedgerEntry]) -> CampaignSummary:
     """Count what is in a ledger."""
     violations = [entry for entry in entries if entry.evaluation.is_violation]
     outcomes = Counter(entry.evaluation.outcome for entry in entries)
-    return Tally(
+    return CampaignSummary(
         evaluated=len(entries),
         violations=len(violations),
         distinct=len({entry.evaluation.digest for entry in violations}),
@@ -83,7 +84,7 @@ def run_campaign(
     ledger: Ledger,
     evaluate: Evaluate,
     budget: int,
-    report: Callable[[Entry], None] = lambda _entry: None,
+    report: Callable[[LedgerEntry], None] = lambda _entry: None,
 ) -> list[Trial]:
     """Search until the ledger has ``budget`` entries.
 
@@ -134,16 +135,16 @@ def _known(ledger: Ledger, start: int, points: Sequence[Parameters]) -> int:
     return len(entries)
 
 
-def _entry(campaign: Campaign, ledger: Ledger, index: int, trial: Trial) -> Entry:
+def _entry(campaign: Campaign, ledger: Ledger, index: int, trial: Trial) -> LedgerEntry:
     """The ledger's line; a violation's scenario is written first, so that no line names a file that is not there."""
     key = _key(index, trial.parameters)
     if not trial.evaluation.is_violation:
-        return Entry(index, key, trial.evaluation)
+        return LedgerEntry(index, key, trial.evaluation)
     subject, name = campaign.subject, campaign.name(index)
     path = f"{FOUND}/{name}.yaml"
     save_scenario(subject.scenario(trial.parameters, name), ledger.folder / path)
     command = f"roadmend run --scenario {path} --policy {subject.policy} --repair {subject.method}"
-    return Entry(index, key, trial.evaluation, Reproduction(path, command, subject.policy, subject.method))
+    return LedgerEntry(index, key, trial.evaluation, RerunCommand(path, command, subject.policy, subject.method))
 
 
 def _key(index: int, point: Parameters) -> Key:

@@ -8,11 +8,11 @@ from typing import Any
 
 from roadmend.core.command import Decision
 from roadmend.core.errors import InputError
-from roadmend.core.outcome import Blame, EventKind
 from roadmend.core.repair import Repair
 from roadmend.core.tick import INTERVAL, Tick
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
+from roadmend.search.attempt import Attempt, fault_of
 from roadmend.search.behaviour import FEATURES, BehaviourRecorder
 from roadmend.search.danger import Danger
 from roadmend.world.families import FAMILIES
@@ -20,8 +20,6 @@ from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Scenario
 from roadmend.world.space import Parameters
 
-VIOLATION = EventKind.COLLISION.name
-CRASH = "CRASH"  # outcome of a point whose episode raised an error
 BEST = 0.0  # fitness of a violation; that of everything else is below
 BLAMELESS_FITNESS = -5.0  # of a collision that is not the ego's fault: as good as passing at 5 m
 CRASH_FITNESS = -100.0  # below that of every episode
@@ -53,21 +51,16 @@ class Subject:
 
 
 @dataclass(frozen=True, slots=True)
-class Evaluation:
-    """What a point came to."""
+class Evaluation(Attempt):
+    """What a point came to, and what a search makes of that."""
 
-    outcome: str  # an EventKind's name, or CRASH
-    text: str
-    digest: str  # of the trajectory; empty after a crash
     fitness: float  # of a collision see above, else - (distance + weighted time to collision) at the worst moment [m]
-    min_distance: float | None  # [m] between the outlines, over time; none where the ego met nobody
-    blame: Blame  # of a collision
     features: tuple[float, ...]  # the ego's behaviour, see BehaviourRecorder.features
 
     @property
     def is_violation(self) -> bool:
         """Whether the ego collided by its own fault."""
-        return self.outcome == VIOLATION and self.blame.is_egos
+        return self.result is not None and self.result.collided and self.result.final.at_fault
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,13 +102,11 @@ def evaluate_scenario(
         danger.watch(tick.scene)
         behaviour.watch(tick.scene.ego)
 
-    summary = run_episode(scenario, make_policy(policy), make_repairer(method, repair), watch)
-    fitness, blame = min(BEST - 1e-6, -danger.least), summary.final.blame
-    if summary.outcome is EventKind.COLLISION:
-        fitness = BEST if blame.is_egos else BLAMELESS_FITNESS
-    return Evaluation(
-        summary.outcome.name, summary.text, summary.digest, fitness, summary.min_distance, blame, behaviour.features()
-    )
+    result = run_episode(scenario, make_policy(policy), make_repairer(method, repair), watch)
+    fitness = min(BEST - 1e-6, -danger.least)
+    if result.collided:
+        fitness = BEST if result.final.at_fault else BLAMELESS_FITNESS
+    return Evaluation(result, "", fitness, behaviour.features())
 
 
 def evaluate(subject: Subject, parameters: Parameters, repair: Mapping[str, Any] | None = None) -> Evaluation:
@@ -127,5 +118,4 @@ def evaluate(subject: Subject, parameters: Parameters, repair: Mapping[str, Any]
         scenario = subject.scenario(parameters, "point")
         return evaluate_scenario(scenario, subject.policy, subject.method, repair)
     except Exception as error:  # noqa: BLE001 - see above
-        text = " ".join(f"{type(error).__name__}: {error}".split())
-        return Evaluation(CRASH, text, "", CRASH_FITNESS, None, Blame.UNKNOWN, (0.0,) * FEATURES)
+        return Evaluation(None, fault_of(error), CRASH_FITNESS, (0.0,) * FEATURES)

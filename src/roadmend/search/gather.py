@@ -11,12 +11,12 @@ from roadmend.core.outcome import EventKind
 from roadmend.search.campaign import Campaign, run_campaign
 from roadmend.search.corpus_plan import CorpusPlan, SplitPlan, fresh_plan
 from roadmend.search.evaluation import Trial, evaluate
-from roadmend.search.ledger import LEDGER, Entry, Ledger
+from roadmend.search.ledger import LEDGER, Ledger, LedgerEntry
 from roadmend.search.policy_model import policy_model
 from roadmend.search.rerun import FORMAT as RERUN_FORMAT
-from roadmend.search.rerun import Rerunner
+from roadmend.search.rerun import Rerunner, agrees
 from roadmend.search.selection import Picker, shares
-from roadmend.world.corpus import Case, Corpus, sorted_cases
+from roadmend.world.corpus import Case, Corpus, sorted_cases, told_of
 from roadmend.world.families import FAMILIES
 from roadmend.world.point_text import used_parameters
 
@@ -144,7 +144,7 @@ class Gatherer:
                 stage = f"{place} {campaign.technique}"
                 self._tell(stage, min(end, len(ledger.entries)), end)
 
-                def report(entry: Entry) -> None:
+                def report(entry: LedgerEntry) -> None:
                     self._tell(stage, entry.index + 1, end)
 
                 run = partial(self._mapper, partial(evaluate, campaign.subject))
@@ -175,10 +175,10 @@ class Gatherer:
         parsed = [Case.parse(case.dump()) for case in candidates]
         for number, (case, found) in enumerate(zip(parsed, self._rerunner(parsed), strict=True), 1):
             self._tell(stage, number, len(parsed))
-            if found.agrees(case):
-                confirmed.append(found.complete(case))
+            if agrees(found, case):
+                confirmed.append(case)
                 self._digests.add(case.digest)
-                self.cases.append(confirmed[-1])
+                self.cases.append(case)
             else:
                 self.dropped += 1
         return confirmed
@@ -188,7 +188,8 @@ class Gatherer:
 
 
 def _case(campaign: Campaign, split: str, index: int, trial: Trial) -> Case:
-    subject, evaluation = campaign.subject, trial.evaluation
+    subject, result = campaign.subject, trial.evaluation.result
+    assert result is not None
     parameters = used_parameters(FAMILIES[subject.family].build, trial.parameters, subject.seed)
     return Case(
         name=campaign.name(index),
@@ -196,14 +197,10 @@ def _case(campaign: Campaign, split: str, index: int, trial: Trial) -> Case:
         split=split,
         seed=subject.seed,
         parameters=parameters,
-        outcome=evaluation.outcome,
-        digest=evaluation.digest,
         technique=campaign.technique,
         search_seed=subject.seed,
         index=index,
-        text=evaluation.text,
-        min_distance=evaluation.min_distance,
-        duration=0.0,
+        **told_of(result),
     )
 
 

@@ -1,22 +1,23 @@
 """A search on disk: the ledger of every evaluated point, and a scenario for every violation."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
+from pydantic import TypeAdapter
+
 from roadmend.core.errors import InputError
 from roadmend.core.journal import Journal, Key
-from roadmend.core.outcome import Blame
 from roadmend.search.evaluation import Evaluation
 
-FORMAT = "roadmend-search/3"
+FORMAT = "roadmend-search/4"
 LEDGER = "ledger.jsonl"
 FOUND = "found"
 
 
 @dataclass(frozen=True, slots=True)
-class Reproduction:
+class RerunCommand:
     """How to see a violation again."""
 
     scenario: str  # file, seen from the search's folder
@@ -26,36 +27,16 @@ class Reproduction:
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class LedgerEntry:
     """One line of the ledger. Holds no time and no place: a search gives the same lines wherever it runs."""
 
     index: int  # of the evaluation, from 0
     key: Key  # digest of the point, and of all that decides what it comes to
     evaluation: Evaluation
-    reproduction: Reproduction | None = None  # of a violation
+    reproduction: RerunCommand | None = None  # of a violation
 
-    def dump(self) -> dict[str, Any]:
-        """As plain values, without the key."""
-        content: dict[str, Any] = {"index": self.index, **asdict(self.evaluation)}
-        if self.reproduction is not None:
-            content["reproduction"] = asdict(self.reproduction)
-        return content
 
-    @classmethod
-    def parse(cls, key: Key, values: Mapping[str, Any]) -> Self:
-        """From plain values.
-
-        Raises:
-            ValueError: they are no entry.
-        """
-        try:
-            content = dict(values)
-            index, given = content.pop("index"), content.pop("reproduction", None)
-            content["blame"] = Blame(content["blame"])
-            content["features"] = tuple(content["features"])
-            return cls(index, key, Evaluation(**content), Reproduction(**given) if given else None)
-        except (AttributeError, KeyError, TypeError) as error:
-            raise ValueError(str(error)) from None
+_PLAIN = TypeAdapter(LedgerEntry)
 
 
 class Ledger:
@@ -87,20 +68,20 @@ class Ledger:
     def __exit__(self, *_: object) -> None:
         self._journal.__exit__()
 
-    def add(self, entry: Entry) -> None:
+    def add(self, entry: LedgerEntry) -> None:
         """Write one line.
 
         Raises:
             InputError: the disk is full or gone.
         """
-        self._journal.add(entry.key, entry.dump())
+        self._journal.add(entry.key, _PLAIN.dump_python(entry, mode="json", exclude={"key"}))
         self.entries.append(entry)
 
-    def _read(self) -> list[Entry]:
-        entries: list[Entry] = []
+    def _read(self) -> list[LedgerEntry]:
+        entries: list[LedgerEntry] = []
         for number, (key, content) in enumerate(self._journal, 2):
             try:
-                entry = Entry.parse(key, content)
+                entry = _PLAIN.validate_python({"key": key, **content})
             except ValueError:
                 raise self._journal.damaged(number) from None
             if entry.index != len(entries):

@@ -1,62 +1,45 @@
 """Runs cases of a corpus again, each in a fresh simulation, to see whether they come to the same."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import replace
 from functools import partial
+
+from pydantic import TypeAdapter
 
 from roadmend.core.fanout import Mapper
 from roadmend.core.journal import Journal, Key, entry_key
-from roadmend.core.outcome import Blame
 from roadmend.measures.driver import driver_key
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
-from roadmend.search.evaluation import CRASH
-from roadmend.world.corpus import METHOD, Case
+from roadmend.search.attempt import Attempt, fault_of
+from roadmend.world.corpus import METHOD, Case, told_of
 from roadmend.world.runner import run_episode
 
-FORMAT = "roadmend-reruns/1"
+FORMAT = "roadmend-reruns/2"
 
 
-@dataclass(frozen=True, slots=True)
-class Rerun:
-    """What a case came to."""
-
-    outcome: str  # an EventKind's name, or CRASH
-    digest: str  # of the trajectory; empty after a crash
-    text: str
-    min_distance: float | None  # [m]
-    duration: float  # [s] simulation time
-    blame: str = Blame.UNKNOWN.name  # of a collision
-    partner: str = ""  # in a collision, by kind
-    impact_speed: float | None = None  # [m/s] at a collision, to a tenth
-
-    def agrees(self, case: Case) -> bool:
-        """Whether it is what the case says."""
-        return (self.outcome, self.digest) == (case.outcome, case.digest)
-
-    def complete(self, case: Case) -> Case:
-        """The case with what only a run can tell."""
-        told = {name: value for name, value in asdict(self).items() if name not in {"outcome", "digest"}}
-        return replace(case, **told)
+_PLAIN = TypeAdapter(Attempt)
 
 
-def rerun(policy: str, case: Case) -> Rerun:
+def rerun(policy: str, case: Case) -> Attempt:
     """Run a case in this process; an error on the way is a result here."""
     try:
-        summary = run_episode(case.scenario(), make_policy(policy), make_repairer(METHOD))
+        return Attempt(run_episode(case.scenario(), make_policy(policy), make_repairer(METHOD)), "")
     except Exception as error:  # noqa: BLE001 - see above
-        return Rerun(CRASH, "", " ".join(f"{type(error).__name__}: {error}".split()), None, 0.0)
-    final = summary.final
-    return Rerun(
-        summary.outcome.name,
-        summary.digest,
-        summary.text,
-        summary.min_distance,
-        summary.duration,
-        final.blame.name,
-        final.object_kinds[0].name.lower() if final.object_kinds else "",
-        None if final.impact_speed is None else round(final.impact_speed, 1),
-    )
+        return Attempt(None, fault_of(error))
+
+
+def agrees(found: Attempt, case: Case) -> bool:
+    """Whether an attempt is what the case says."""
+    return (found.outcome, found.digest) == (case.outcome, case.digest)
+
+
+def renewed(case: Case, found: Attempt) -> Case | None:
+    """The case with what it comes to now; None where that is another kind of case, or none."""
+    result = found.result
+    if result is None or result.outcome.name != case.outcome or result.final.at_fault != case.is_violation:
+        return None
+    return replace(case, **told_of(result))
 
 
 class Rerunner:
@@ -76,7 +59,7 @@ class Rerunner:
         self._policy, self._mapper, self._journal = policy, mapper, journal
         self._driver = driver_key(policy, METHOD)
 
-    def __call__(self, cases: Sequence[Case], report: Callable[[], None] = lambda: None) -> Iterator[Rerun]:
+    def __call__(self, cases: Sequence[Case], report: Callable[[], None] = lambda: None) -> Iterator[Attempt]:
         """One result a case, in order.
 
         Args:
@@ -92,9 +75,9 @@ class Rerunner:
         missing = [case for case, found in zip(cases, known, strict=True) if found is None]
         results = self._mapper(partial(rerun, self._policy), missing)
         for key, kept in zip(keys, known, strict=True):
-            found = next(results) if kept is None else Rerun(**kept)
+            found = next(results) if kept is None else _PLAIN.validate_python(kept)
             if kept is None and self._journal is not None:
-                self._journal.add(key, asdict(found))
+                self._journal.add(key, _PLAIN.dump_python(found, mode="json"))
             report()
             yield found
 

@@ -7,7 +7,7 @@ from typing import Protocol, TypeVar
 from roadmend.sera.descriptor import HazardKind
 from roadmend.sera.incident import OUTCOMES, Incident
 from roadmend.sera.incident_words import note_of_incident, words_of_incident
-from roadmend.sera.pattern import Evidence, FailurePattern, Where, Who, Why
+from roadmend.sera.pattern import FailurePattern, PatternEvidence, Where, Who, Why
 
 Value = TypeVar("Value")
 
@@ -73,7 +73,7 @@ def pattern_of(name: str, incidents: Sequence[Incident]) -> FailurePattern:
             hazard=_common_hazard([other.hazard for other in complete]),
         ),
         evidence=tuple(
-            Evidence(incident.bag, incident.scenario, incident.time, note_of_incident(incident))
+            PatternEvidence(incident.bag, incident.scenario, incident.time, note_of_incident(incident))
             for incident in incidents
         ),
     )

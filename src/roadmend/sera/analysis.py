@@ -13,7 +13,7 @@ from roadmend.sera.pattern import FailurePattern
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class BagAnalysis:
     """What one bag came to."""
 
     bag: str
@@ -58,15 +58,15 @@ def find_bags(paths: Iterable[Path]) -> list[Path]:
     return list(found.values())
 
 
-def read_incidents(bag: Path) -> Reading:
+def read_incidents(bag: Path) -> BagAnalysis:
     """The incidents of a bag; a bag that cannot be read is a result here."""
     try:
-        return Reading(str(bag), find_incidents(bag))
+        return BagAnalysis(str(bag), find_incidents(bag))
     except InputError as error:
-        return Reading(str(bag), problem=str(error))
+        return BagAnalysis(str(bag), problem=str(error))
 
 
-def analyse(readings: Sequence[Reading], analyser: Analyser) -> Analysis:
+def analyse(readings: Sequence[BagAnalysis], analyser: Analyser) -> Analysis:
     """The patterns in what the bags came to."""
     incidents = tuple(incident for reading in readings for incident in reading.incidents)
     return Analysis(

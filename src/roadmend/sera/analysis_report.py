@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from statistics import median
 
+from roadmend.core.markdown import table_text
 from roadmend.sera.analysis import Analysis
 from roadmend.sera.incident import Incident
 from roadmend.sera.incident_words import VERDICTS, note_of_incident
@@ -50,8 +51,7 @@ def report(analysis: Analysis) -> str:
         "",
     ]
     if analysis.patterns:
-        head, *rows = pattern_rows(analysis)
-        lines += [_line(head), _line(["---"] * len(head)), *map(_line, rows), "", _NOTE, ""]
+        lines += [table_text(pattern_rows(analysis)), "", _NOTE, ""]
     else:
         lines += [NOTHING, ""]
     incidents = {(one.bag, one.time, one.kind == "intervention"): one for one in analysis.incidents}
@@ -109,7 +109,3 @@ def _verdicts(incidents: Sequence[Incident]) -> str:
     return "; ".join(
         f"{count} x {text}" for text, count in sorted(counts.items(), key=lambda each: (-each[1], each[0]))
     )
-
-
-def _line(cells: Sequence[str]) -> str:
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"

@@ -25,9 +25,9 @@ from roadmend.sera.bank_file import (
     read_entries,
     write_array,
 )
-from roadmend.sera.descriptor import Descriptor, Entry
+from roadmend.sera.descriptor import BankEntry, Descriptor
 from roadmend.sera.embedding import DEFAULT, Embedder, Vectors, check_embedder, fit_embedder, load_embedder
-from roadmend.sera.facets import Bits, Filters, facet_bits
+from roadmend.sera.filters import Bits, Filters, facet_bits
 from roadmend.sera.near_equality import nearly_equal, skeleton
 from roadmend.sera.pattern import FailurePattern
 from roadmend.sera.vector_index import Mask, VectorIndex
@@ -56,7 +56,7 @@ class Hit:
 
 
 def build_bank(
-    path: Path, entries: Iterable[Entry], embedder: str = DEFAULT, report: Report = lambda _stage, _done: None
+    path: Path, entries: Iterable[BankEntry], embedder: str = DEFAULT, report: Report = lambda _stage, _done: None
 ) -> Built:
     """Write a bank, complete or not at all; the same entries in the same order give the same bank.
 
@@ -88,7 +88,7 @@ def build_bank(
     return built
 
 
-def _insert(connection: sqlite3.Connection, entries: Iterable[Entry], report: Report) -> Built:
+def _insert(connection: sqlite3.Connection, entries: Iterable[BankEntry], report: Report) -> Built:
     added = merged = near = 0
     for done, entry in enumerate(entries, 1):
         if done % _CHUNK == 0:
@@ -107,7 +107,7 @@ def _insert(connection: sqlite3.Connection, entries: Iterable[Entry], report: Re
     return Built(added, merged, near)
 
 
-def _like(connection: sqlite3.Connection, entry: Entry) -> tuple[str | None, int | None, bool]:
+def _like(connection: sqlite3.Connection, entry: BankEntry) -> tuple[str | None, int | None, bool]:
     """The skeleton of an entry's scenario; the number of a like one in the bank; whether the two are the same.
 
     A scenario is the same under another name, and nearly equal where its numbers hardly differ.
@@ -126,7 +126,7 @@ def _like(connection: sqlite3.Connection, entry: Entry) -> tuple[str | None, int
     return shape, near, False
 
 
-def _add_outcomes(connection: sqlite3.Connection, number: int, entry: Entry) -> None:
+def _add_outcomes(connection: sqlite3.Connection, number: int, entry: BankEntry) -> None:
     (content,) = connection.execute("SELECT descriptor FROM entries WHERE number = ?", (number,)).fetchone()
     known = DESCRIPTOR.validate_json(content).with_outcomes(entry.descriptor.outcomes)
     values = DESCRIPTOR.dump_json(known, exclude_defaults=True), facet_bits(known), number
@@ -244,7 +244,7 @@ class Bank:
                 passed[row[0]] = False
         return passed
 
-    def entry(self, number: int) -> Entry:
+    def entry(self, number: int) -> BankEntry:
         """One entry.
 
         Raises:
@@ -252,7 +252,7 @@ class Bank:
         """
         return next(entry for _, entry in read_entries(self._connection, "WHERE number = ?", (number,)))
 
-    def find(self, digest: str) -> Entry | None:
+    def find(self, digest: str) -> BankEntry | None:
         """The entry of the scenario with this digest, if there is one.
 
         Raises:
@@ -260,7 +260,7 @@ class Bank:
         """
         return next((entry for _, entry in read_entries(self._connection, "WHERE digest = ?", (digest,))), None)
 
-    def entries(self) -> Iterator[Entry]:
+    def entries(self) -> Iterator[BankEntry]:
         """All entries, one at a time.
 
         Raises:

@@ -15,7 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import written_beside
-from roadmend.sera.descriptor import Descriptor, Entry
+from roadmend.sera.descriptor import BankEntry, Descriptor
 from roadmend.world.scenario import Scenario
 
 FORMAT = "roadmend-bank/1"
@@ -89,7 +89,7 @@ def _read_meta(path: Path, connection: sqlite3.Connection) -> dict[str, str]:
     return meta
 
 
-def pack(entry: Entry, facets: int, shape: str | None) -> tuple[Any, ...]:
+def pack(entry: BankEntry, facets: int, shape: str | None) -> tuple[Any, ...]:
     """The entry as a row, without its number."""
     content = DESCRIPTOR.dump_json(entry.descriptor, exclude_defaults=True)
     scenario = None if entry.scenario is None else zlib.compress(entry.scenario.model_dump_json().encode())
@@ -98,7 +98,7 @@ def pack(entry: Entry, facets: int, shape: str | None) -> tuple[Any, ...]:
 
 def read_entries(
     connection: sqlite3.Connection, where: str = "", values: Sequence[Any] = ()
-) -> Iterator[tuple[int, Entry]]:
+) -> Iterator[tuple[int, BankEntry]]:
     """Numbers and entries, by number.
 
     Raises:
@@ -108,7 +108,7 @@ def read_entries(
         rows = connection.execute(f"SELECT number, {_COLUMNS} FROM entries {where} ORDER BY number", values)  # noqa: S608
         for number, digest, name, origin, content, packed in rows:
             scenario = None if packed is None else Scenario.model_validate_json(zlib.decompress(packed))
-            yield number, Entry(digest, name, origin, DESCRIPTOR.validate_json(content), scenario)
+            yield number, BankEntry(digest, name, origin, DESCRIPTOR.validate_json(content), scenario)
     except (sqlite3.DatabaseError, ValidationError, zlib.error) as error:
         raise InputError("bank", f"is damaged ({str(error).splitlines()[0]})", REMEDY) from None
 

@@ -17,7 +17,7 @@ from roadmend.core.whole_file import write_text
 from roadmend.language.exchange import ENDING
 from roadmend.measures.driving import DrivingMeasures
 from roadmend.measures.summary import summarise
-from roadmend.sera.analysis import Reading, analyse
+from roadmend.sera.analysis import BagAnalysis, analyse
 from roadmend.sera.analysis_report import NOTHING, report
 from roadmend.sera.backends import Backend
 from roadmend.sera.bank import Bank
@@ -27,7 +27,7 @@ from roadmend.world.scenario import Scenario
 
 
 @dataclass(frozen=True, slots=True)
-class Evaluation:
+class PolicyEvaluation:
     """What a policy made of the evaluation set."""
 
     measures: tuple[DrivingMeasures, ...]
@@ -36,7 +36,7 @@ class Evaluation:
 
 
 @dataclass(frozen=True, slots=True)
-class Tuned:
+class TunedPolicy:
     """What tuning came to."""
 
     model: Path
@@ -51,13 +51,13 @@ class Steps(Protocol):
     def identity(self, policy: str) -> str:
         """A digest of the policy."""
 
-    def evaluate(self, policy: str) -> Evaluation:
+    def evaluate(self, policy: str) -> PolicyEvaluation:
         """Drive the evaluation set; quick where that has been done."""
 
-    def read(self, bags: Sequence[Path]) -> Iterable[Reading]:
+    def read(self, bags: Sequence[Path]) -> Iterable[BagAnalysis]:
         """The incidents of bags, in order."""
 
-    def tune(self, policy: str, scenarios: Sequence[Scenario], selection: str, out: Path) -> Tuned:
+    def tune(self, policy: str, scenarios: Sequence[Scenario], selection: str, out: Path) -> TunedPolicy:
         """Tune a policy on scenarios, of the selection with this digest, into a new model file."""
 
 
@@ -85,7 +85,7 @@ class Generation:
     patterns: tuple[str, ...] = ()  # in words
     selected: tuple[str, ...] = ()  # names of the scenarios
     swaps: int = 0
-    tuned: Tuned | None = None
+    tuned: TunedPolicy | None = None
     notes: tuple[str, ...] = ()
 
 
@@ -210,7 +210,7 @@ class Cycle:
 
         decided = [self._options.settings, self._steps.identity(generation.policy), digest, self._options.seed]
         content = self._step(folder / "tuning.json", decided, tune, needed=model)
-        tuned = Tuned(model, content["epochs"], content["driving_score"], content["before"])
+        tuned = TunedPolicy(model, content["epochs"], content["driving_score"], content["before"])
         generation = replace(generation, tuned=tuned)
         if not tuned.epochs:
             return _noted(generation, "no epoch was better than the policy as it was, which goes on unchanged")

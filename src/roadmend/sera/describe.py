@@ -4,14 +4,14 @@ from collections import Counter
 from collections.abc import Sequence
 
 from roadmend.sera.descriptor import (
+    BankEntry,
     Descriptor,
     EgoManoeuvre,
-    Entry,
     Hazard,
     HazardKind,
     OutcomeStatistics,
     ParticipantKind,
-    Road,
+    RoadDescriptor,
     RoadKind,
     Side,
     outcome_name,
@@ -31,13 +31,12 @@ from roadmend.world.scenario import (
 _ENTERING, _LEAVING = "_in", "_out"  # edges of an intersection's arm
 
 
-def describe(scenario: Scenario, outcomes: tuple[OutcomeStatistics, ...] = (), notes: str = "") -> Descriptor:
+def describe(scenario: Scenario, outcomes: tuple[OutcomeStatistics, ...] = ()) -> Descriptor:
     """Describe a scenario.
 
     Args:
         scenario: any, also one on a SUMO network of the user's, of which less can be told.
         outcomes: what policies have made of it.
-        notes: free words, found by a search for them.
     """
     environment = scenario.environment
     kinds = Counter[ParticipantKind](
@@ -56,16 +55,15 @@ def describe(scenario: Scenario, outcomes: tuple[OutcomeStatistics, ...] = (), n
         ego_speed=scenario.ego.speed,
         family=scenario.family,
         outcomes=outcomes,
-        notes=notes,
     )
 
 
-def entry_of(scenario: Scenario, origin: str, outcomes: tuple[OutcomeStatistics, ...] = (), notes: str = "") -> Entry:
+def entry_of(scenario: Scenario, origin: str, outcomes: tuple[OutcomeStatistics, ...] = ()) -> BankEntry:
     """The scenario as the bank keeps it."""
-    return Entry(scenario.digest, scenario.name, origin, describe(scenario, outcomes, notes), scenario)
+    return BankEntry(scenario.digest, scenario.name, origin, describe(scenario, outcomes), scenario)
 
 
-def entry_of_case(case: Case, corpus: Corpus) -> Entry:
+def entry_of_case(case: Case, corpus: Corpus) -> BankEntry:
     """A case of a corpus, with the outcome that was found.
 
     Raises:
@@ -75,19 +73,19 @@ def entry_of_case(case: Case, corpus: Corpus) -> Entry:
     return entry_of(case.scenario(), f"corpus {corpus.policy} {case.split}", (found,))
 
 
-def _road(scenario: Scenario) -> Road:
+def _road(scenario: Scenario) -> RoadDescriptor:
     network = scenario.network
     match network:
         case IntersectionNetwork():
             arm = next((arm for arm in network.arms if arm.name == _arm(scenario.ego.route)), network.arms[0])
             kind: RoadKind = "tee_junction" if len(network.arms) == 3 else "intersection"
-            return Road(kind, arm.lanes, arm.speed_limit, network.control, network.crossings)
+            return RoadDescriptor(kind, arm.lanes, arm.speed_limit, network.control, network.crossings)
         case HighwayExitNetwork():
-            return Road("highway_exit", network.lanes, network.speed_limit)
+            return RoadDescriptor("highway_exit", network.lanes, network.speed_limit)
         case OnRampNetwork():
-            return Road("on_ramp", network.lanes, network.speed_limit)
+            return RoadDescriptor("on_ramp", network.lanes, network.speed_limit)
         case _:
-            return Road("road_network")
+            return RoadDescriptor("road_network")
 
 
 def _manoeuvre(scenario: Scenario) -> EgoManoeuvre | None:

@@ -41,7 +41,7 @@ def outcome_name(name: str) -> OutcomeName:
 
 
 @dataclass(frozen=True, slots=True)
-class Road:
+class RoadDescriptor:
     """Where the ego drives."""
 
     __pydantic_config__ = _STRICT
@@ -100,7 +100,7 @@ class Descriptor:
 
     __pydantic_config__ = _STRICT
 
-    road: Road
+    road: RoadDescriptor
     manoeuvre: EgoManoeuvre | None  # of the ego; None where the road does not tell
     participants: Mapping[ParticipantKind, int]  # others by kind; none with a count of 0
     drivers: Mapping[DriverName, int]  # others by habit; none with a count of 0
@@ -136,7 +136,7 @@ class Descriptor:
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class BankEntry:
     """A scenario of the bank. One without content can be found, but not run."""
 
     digest: str  # of the scenario, hexadecimal

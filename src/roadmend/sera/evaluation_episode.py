@@ -1,21 +1,17 @@
 """One episode of an evaluation set, driven in this process: its measures, and a bag where something went wrong."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 from roadmend import __version__
-from roadmend.core.command import Decision
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import RoadmendError, SimulationError
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal, Key, entry_key
-from roadmend.core.outcome import EventKind
-from roadmend.core.repair import Repair
-from roadmend.core.route import Route
-from roadmend.core.tick import Tick
-from roadmend.measures.driving import DrivingMeasures, MeasuresObserver
+from roadmend.measures.driving import DrivingMeasures
+from roadmend.measures.measured_run import EpisodeObserver, measured_run
 from roadmend.policies.registry import make_policy
 from roadmend.recording.episode_recorder import EpisodeRecorder, account_of
 from roadmend.recording.new_bag import new_bag
@@ -24,11 +20,10 @@ from roadmend.recording.writer import BagWriter
 from roadmend.repair.registry import make_repairer
 from roadmend.world.network import network_file
 from roadmend.world.road_network import lanes_of, read_network
-from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import dump_scenario
 
-_FORMAT = "roadmend-evaluated-episodes/1"
+_FORMAT = "roadmend-evaluated-episodes/2"
 Record = Literal["failures", "all", "none"]
 
 
@@ -53,10 +48,15 @@ class EvaluationJob:
 class EvaluatedEpisode:
     """What a job came to."""
 
+    result: EpisodeResult | None = None
     measures: DrivingMeasures | None = None
-    trajectory: str = ""  # digest
     bag: str = ""  # name of the bag's folder; empty where none was written
-    fault: str = ""  # why there are no measures
+    fault: str = ""  # why there is no result
+
+    @classmethod
+    def parse(cls, kept: Mapping[str, Any]) -> Self:
+        """From plain values, as ``dataclasses.asdict`` and JSON give them."""
+        return cls(EpisodeResult.parse(kept["result"]), DrivingMeasures.parse(kept["measures"]), kept["bag"])
 
 
 def evaluate(job: EvaluationJob) -> EvaluatedEpisode:
@@ -70,18 +70,31 @@ def evaluate(job: EvaluationJob) -> EvaluatedEpisode:
 
 
 def _evaluate(job: EvaluationJob) -> EvaluatedEpisode:
-    run = _Run(job, None)
-    failed = run.summary.outcome != EventKind.GOAL or run.summary.interventions > 0
+    result, measures = _drive(job)
+    failed = not result.reached_goal or result.interventions > 0
     if job.record == "none" or (job.record == "failures" and not failed):
-        return EvaluatedEpisode(run.measures, run.summary.digest)
+        return EvaluatedEpisode(result, measures)
     # Recording slows a run down, and most need none: those that do are driven again, which gives the same.
     bag = job.folder / f"{job.scenario.name}-{Path(job.policy).stem}-{job.method}-{job.key[:8]}"
     if not bag.exists():  # else of an earlier call with the same key: what is there is whole
         with new_bag(bag) as writer:
-            again = _Run(job, writer)
-            if again.summary.digest != run.summary.digest:
+            if _record(job, writer).digest != result.digest:
                 raise SimulationError(f"{job.scenario.name}: the run that was recorded differs from the one before")
-    return EvaluatedEpisode(run.measures, run.summary.digest, bag.name)
+    return EvaluatedEpisode(result, measures, bag.name)
+
+
+def _drive(job: EvaluationJob, *observers: EpisodeObserver) -> tuple[EpisodeResult, DrivingMeasures]:
+    return measured_run(job.scenario, make_policy(job.policy), make_repairer(job.method), *observers)
+
+
+def _record(job: EvaluationJob, writer: BagWriter) -> EpisodeResult:
+    file = f"{job.scenario.name}.yaml"
+    writer.add_attachment(file, "application/yaml", dump_scenario(job.scenario).encode())
+    network = read_network(network_file(job.scenario.network))
+    result, _ = _drive(job, EpisodeRecorder(writer, lambda _: job.method, lanes_of(network)))
+    account = {"scenario_file": file, "policy": job.policy, "method": job.method, "seed": "0", "roadmend": __version__}
+    writer.add_metadata(RECORD, account | account_of(result, writer.count))
+    return result
 
 
 def drive_jobs(
@@ -100,7 +113,7 @@ def drive_jobs(
         SimulationError: a worker process died.
     """
     with Journal(out / "results.jsonl", _FORMAT, owns_folder=True) as journal:
-        done = {job.key: _parse(kept) for job in jobs if (kept := journal.get(job.key)) is not None}
+        done = {job.key: EvaluatedEpisode.parse(kept) for job in jobs if (kept := journal.get(job.key)) is not None}
         missing = [job for job in jobs if job.key not in done]
         before = len(jobs) - len(missing)
         told(before, len(jobs))
@@ -111,63 +124,3 @@ def drive_jobs(
                     journal.add(job.key, asdict(episode))
                 told(number, len(jobs))
     return [done[job.key] for job in jobs]
-
-
-def _parse(kept: dict[str, Any]) -> EvaluatedEpisode:
-    measures = dict(kept["measures"])
-    measures["infractions"] = tuple(measures["infractions"])
-    return EvaluatedEpisode(DrivingMeasures(**measures), kept["trajectory"], kept["bag"])
-
-
-class _Run:
-    """An episode from beginning to end, measured, and recorded where there is a writer."""
-
-    def __init__(self, job: EvaluationJob, writer: BagWriter | None) -> None:
-        self._observer: MeasuresObserver | None = None
-        self._final: Tick | None = None
-        self._recorder: EpisodeRecorder | None = None
-        if writer is not None:
-            file = f"{job.scenario.name}.yaml"
-            writer.add_attachment(file, "application/yaml", dump_scenario(job.scenario).encode())
-            network = read_network(network_file(job.scenario.network))
-            self._recorder = EpisodeRecorder(writer, lambda _: job.method, lanes_of(network))
-        self.summary: EpisodeResult = run_episode(
-            job.scenario, make_policy(job.policy), make_repairer(job.method), self._answered, self._ended, self._opened
-        )
-        if writer is not None:
-            writer.add_metadata(
-                RECORD,
-                {
-                    "scenario_file": file,
-                    "policy": job.policy,
-                    "method": job.method,
-                    "seed": "0",
-                    "roadmend": __version__,
-                    **account_of(self.summary, writer.count),
-                },
-            )
-
-    @property
-    def measures(self) -> DrivingMeasures:
-        final = None if self._final is None else self._final.final
-        assert self._observer is not None
-        assert final is not None
-        return self._observer.measures(final)
-
-    def _opened(self, route: Route) -> None:
-        self._observer = MeasuresObserver(route)
-        if self._recorder is not None:
-            self._recorder.opened(route)
-
-    def _answered(self, tick: Tick, decision: Decision, repair: Repair) -> None:
-        assert self._observer is not None
-        self._observer.see(tick.scene)
-        if self._recorder is not None:
-            self._recorder.answered(tick, decision, repair)
-
-    def _ended(self, tick: Tick) -> None:
-        assert self._observer is not None
-        self._final = tick
-        self._observer.see(tick.scene)
-        if self._recorder is not None:
-            self._recorder.ended(tick)

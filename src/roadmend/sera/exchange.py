@@ -12,7 +12,7 @@ from roadmend.core.settings import describe
 from roadmend.core.whole_file import written_beside
 from roadmend.sera.bank import Bank
 from roadmend.sera.bank_file import DESCRIPTOR
-from roadmend.sera.descriptor import Descriptor, Entry
+from roadmend.sera.descriptor import BankEntry, Descriptor
 from roadmend.world.scenario_file import parse_scenario
 
 FORMAT = "roadmend-bank-export/1"
@@ -30,7 +30,7 @@ def export_bank(bank: Bank, path: Path) -> None:
         file.writelines(_dump(entry) for entry in bank.entries())
 
 
-def read_export(path: Path) -> Iterator[Entry]:
+def read_export(path: Path) -> Iterator[BankEntry]:
     """The entries of an export, one at a time.
 
     Raises:
@@ -51,7 +51,7 @@ def read_export(path: Path) -> Iterator[Entry]:
         raise InputError(str(path), f"holds {found} of {wanted} entries", "export the bank again")
 
 
-def _dump(entry: Entry) -> str:
+def _dump(entry: BankEntry) -> str:
     content = {
         "digest": entry.digest,
         "name": entry.name,
@@ -73,7 +73,7 @@ def _parse_header(path: Path, line: str, remedy: str) -> int:
     return int(entries)
 
 
-def _parse(where: str, line: str) -> Entry:
+def _parse(where: str, line: str) -> BankEntry:
     remedy = "mend the line, or export the bank again"
     try:
         content = json.loads(line)
@@ -88,4 +88,4 @@ def _parse(where: str, line: str) -> Entry:
     scenario = None if content["scenario"] is None else parse_scenario(content["scenario"], where)
     if scenario is not None and scenario.digest != content["digest"]:
         raise InputError(where, "has another digest than its scenario", remedy)
-    return Entry(str(content["digest"]), str(content["name"]), str(content["origin"]), descriptor, scenario)
+    return BankEntry(str(content["digest"]), str(content["name"]), str(content["origin"]), descriptor, scenario)

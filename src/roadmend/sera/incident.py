@@ -57,7 +57,7 @@ OUTCOMES: dict[IncidentKind, OutcomeName | None] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class IncidentPlace:
     """Where on its route the ego was."""
 
     kind: PlaceKind
@@ -67,7 +67,7 @@ class Place:
 
 
 @dataclass(frozen=True, slots=True)
-class Ego:
+class IncidentEgo:
     """What the ego was doing."""
 
     action: EgoAction
@@ -111,8 +111,8 @@ class Incident:
     bag: str
     time: float  # [s] of simulation time at which it happened or began
     where: Where
-    place: Place
-    ego: Ego
+    place: IncidentPlace
+    ego: IncidentEgo
     other: Other | None  # None where nobody was involved, or the bag does not tell who
     repair: RepairAccount
     manner: str = ""  # how the outlines met: "ran into", "hit in the side", ...

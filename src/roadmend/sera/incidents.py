@@ -18,7 +18,7 @@ from roadmend.sera.avoidability import LOOK_BACK, last_avoidable
 from roadmend.sera.describe import describe
 from roadmend.sera.descriptor import Descriptor
 from roadmend.sera.encounter import KINDS, braking_of, classify, hazard_of
-from roadmend.sera.incident import Ego, Incident, IncidentKind, Other, Place, RepairAccount
+from roadmend.sera.incident import Incident, IncidentEgo, IncidentKind, IncidentPlace, Other, RepairAccount
 from roadmend.sera.pattern import Where
 from roadmend.sera.place import action_of, is_changing, junction_zone, place_of
 from roadmend.sera.repair_account import (
@@ -65,7 +65,7 @@ class _Moment:
 
     stamp: int  # [ns]
     place: RoutePlace
-    words: Place
+    words: IncidentPlace
     changing: bool
 
 
@@ -131,7 +131,7 @@ class _Finder:
             time=round(moment.stamp * 1e-9, 3),
             where=self._where(),
             place=moment.words,
-            ego=Ego(action, round(ego.speed, 2), manoeuvre),
+            ego=IncidentEgo(action, round(ego.speed, 2), manoeuvre),
             other=other,
             repair=account,
             manner=self._manner(moment.stamp, event) if event is not None and is_collision else "",

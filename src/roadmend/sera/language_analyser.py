@@ -47,14 +47,14 @@ class _Pattern:
 
 
 @dataclass(frozen=True, slots=True)
-class _Answer:
+class _AnalysisAnswer:
     __pydantic_config__ = ConfigDict(extra="forbid")
 
     analysis: str
     patterns: tuple[_Pattern, ...]
 
 
-_QUESTION = Question("failure_patterns", _ROLE, _TASK, TypeAdapter(_Answer))
+_QUESTION = Question("failure_patterns", _ROLE, _TASK, TypeAdapter(_AnalysisAnswer))
 
 
 @dataclass
@@ -133,7 +133,7 @@ def _record(incident: Incident) -> dict[str, Any]:
 
 
 def _join(
-    answer: _Answer, portion: Sequence[Incident], known: dict[str, _Group]
+    answer: _AnalysisAnswer, portion: Sequence[Incident], known: dict[str, _Group]
 ) -> tuple[dict[str, _Group], list[str]]:
     """The groups with the portion added, and what is wrong with the answer."""
     groups = {name: _Group(group.said, [*group.incidents]) for name, group in known.items()}

@@ -37,14 +37,14 @@ class _Swap:
 
 
 @dataclass(frozen=True, slots=True)
-class _Answer:
+class _ReflectionAnswer:
     __pydantic_config__ = ConfigDict(extra="forbid")
 
     analysis: str
     swaps: tuple[_Swap, ...]
 
 
-_QUESTION = Question("reflection", _ROLE, _TASK, TypeAdapter(_Answer))
+_QUESTION = Question("reflection", _ROLE, _TASK, TypeAdapter(_ReflectionAnswer))
 
 
 class LanguageReflector:

@@ -67,76 +67,12 @@ _MEANINGS: dict[str, str] = {
 # What stands inside another expression must not count twice: longer matches are taken out of the text first.
 _COMPILED = [(term, re.compile(rf"\b(?:{pattern})\b")) for term, pattern in _MEANINGS.items()]
 IMPLIED = {"hazard:cut_in_and_brake": ("hazard:cut_in", "hazard:hard_braking")}  # who does the one does the others
-_STOP_WORDS = frozenset(
-    [
-        "an",
-        "and",
-        "are",
-        "as",
-        "at",
-        "be",
-        "been",
-        "but",
-        "by",
-        "for",
-        "from",
-        "had",
-        "has",
-        "have",
-        "he",
-        "her",
-        "his",
-        "if",
-        "in",
-        "into",
-        "is",
-        "it",
-        "its",
-        "no",
-        "not",
-        "of",
-        "on",
-        "or",
-        "our",
-        "she",
-        "so",
-        "than",
-        "that",
-        "the",
-        "their",
-        "them",
-        "then",
-        "there",
-        "they",
-        "this",
-        "to",
-        "too",
-        "was",
-        "we",
-        "were",
-        "when",
-        "where",
-        "which",
-        "while",
-        "who",
-        "with",
-        "ego",
-        "vehicle",
-        "vehicles",
-        "road",
-        "roads",
-        "driver",
-        "drivers",
-        "lane",
-        "lanes",
-        "traffic",
-        "weather",
-        "failure",
-        "failures",
-        "scenario",
-        "scenarios",
-    ]
-)
+_SAYING_NOTHING = """
+an and are as at be been but by for from had has have he her his if in into is it its no not of on or our she
+so than that the their them then there they this to too was we were when where which while who with ego
+vehicle vehicles road roads driver drivers lane lanes traffic weather failure failures scenario scenarios
+"""
+_STOP_WORDS = frozenset(re.findall(_WORD, _SAYING_NOTHING))
 
 
 def terms_of_text(text: str) -> Counter[str]:

@@ -66,7 +66,7 @@ class Why:
 
 
 @dataclass(frozen=True, slots=True)
-class Evidence:
+class PatternEvidence:
     """One episode that shows the pattern."""
 
     __pydantic_config__ = _STRICT
@@ -89,7 +89,7 @@ class FailurePattern:
     where: Where = Where()
     who: Who = Who()
     why: Why = Why()
-    evidence: tuple[Evidence, ...] = ()
+    evidence: tuple[PatternEvidence, ...] = ()
 
 
 PATTERNS: TypeAdapter[list[FailurePattern]] = TypeAdapter(list[FailurePattern])

@@ -10,7 +10,7 @@ from roadmend.core.route import RightOfWay, Route, Zone
 from roadmend.core.scene import EgoState
 from roadmend.measures.route_progress import RoutePlace
 from roadmend.sera.descriptor import Descriptor
-from roadmend.sera.incident import EgoAction, Place, PlaceKind
+from roadmend.sera.incident import EgoAction, IncidentPlace, PlaceKind
 from roadmend.world.ego import STANDING, RouteFollower
 
 NEAR = 30.0  # [m] around a junction that counts as before or behind it
@@ -18,7 +18,7 @@ _TURN = math.radians(30.0)  # of the way through a junction, from which on it is
 _HIGHWAYS = frozenset({"highway_exit", "on_ramp"})
 
 
-def place_of(route: Route, place: RoutePlace, descriptor: Descriptor | None, *, on_foot: bool = False) -> Place:
+def place_of(route: Route, place: RoutePlace, descriptor: Descriptor | None, *, on_foot: bool = False) -> IncidentPlace:
     """The place in words.
 
     Args:
@@ -46,7 +46,7 @@ def place_of(route: Route, place: RoutePlace, descriptor: Descriptor | None, *, 
     behind = next((zone for zone in reversed(junctions) if 0.0 < rear - zone.end <= NEAR), None)
     if behind is not None:
         return _at("after_junction", place, behind, front)
-    return Place("lane", place.stage)
+    return IncidentPlace("lane", place.stage)
 
 
 def junction_zone(route: Route, place: RoutePlace) -> Zone | None:
@@ -65,7 +65,7 @@ def junction_zone(route: Route, place: RoutePlace) -> Zone | None:
     )
 
 
-def action_of(route: Route, place: RoutePlace, ego: EgoState, where: Place, *, changing: bool) -> EgoAction:
+def action_of(route: Route, place: RoutePlace, ego: EgoState, where: IncidentPlace, *, changing: bool) -> EgoAction:
     """What the ego is doing."""
     if ego.speed < STANDING:
         return "standing"
@@ -92,14 +92,14 @@ def is_changing(events: Sequence[Event], egos: Sequence[tuple[float, EgoState]])
     return driven < length
 
 
-def _at(kind: PlaceKind, place: RoutePlace, zone: Zone, front: float) -> Place:
-    return Place(kind, place.stage, zone.rule.name.lower(), round(zone.begin - front, 2))
+def _at(kind: PlaceKind, place: RoutePlace, zone: Zone, front: float) -> IncidentPlace:
+    return IncidentPlace(kind, place.stage, zone.rule.name.lower(), round(zone.begin - front, 2))
 
 
-def _on_highway(route: Route, place: RoutePlace, descriptor: Descriptor) -> Place:
+def _on_highway(route: Route, place: RoutePlace, descriptor: Descriptor) -> IncidentPlace:
     last = len(route.stages) - 1
     if descriptor.manoeuvre == "exit":
-        return Place("exit_lane" if place.stage == last else "highway", place.stage)
+        return IncidentPlace("exit_lane" if place.stage == last else "highway", place.stage)
     if descriptor.manoeuvre == "merge" and place.stage == 0 and route.windows:
-        return Place("ramp" if place.position < route.windows[0].begin else "acceleration_lane", 0)
-    return Place("highway", place.stage)
+        return IncidentPlace("ramp" if place.position < route.windows[0].begin else "acceleration_lane", 0)
+    return IncidentPlace("highway", place.stage)

@@ -11,7 +11,7 @@ import numpy as np
 
 from roadmend.core.errors import InputError
 from roadmend.sera.bank import Bank, Hit
-from roadmend.sera.facets import Filters
+from roadmend.sera.filters import Filters
 from roadmend.sera.pattern import FailurePattern
 from roadmend.sera.reflection import EmbeddedReflector, Measures, Pick, Reflector, Swap, candidates_of, measure
 from roadmend.sera.words import described

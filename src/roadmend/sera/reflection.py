@@ -58,7 +58,7 @@ class Measures:
 
 
 @dataclass(frozen=True)
-class Candidate:
+class BankCandidate:
     """What reflection knows of an entry."""
 
     number: int
@@ -80,7 +80,7 @@ class Pool:
     """Entries to choose from, by their number, with scores for the patterns and likenesses among them."""
 
     patterns: tuple[str, ...]  # in words
-    candidates: tuple[Candidate, ...]
+    candidates: tuple[BankCandidate, ...]
     places: dict[int, int]  # number -> place among the candidates
     wanted: tuple[frozenset[str], ...]  # aspects of each pattern that the bank has at all
     scores: NDArray[np.float64]  # shape (patterns, candidates)
@@ -107,7 +107,7 @@ def candidates_of(bank: Bank, patterns: Sequence[FailurePattern], found: Sequenc
     known = frozenset[str]().union(*shown)
     wanted = tuple(frozenset(features(pattern).terms) & known for pattern in patterns)
     candidates = tuple(
-        Candidate(
+        BankCandidate(
             number,
             entry.name,
             words_of(entry.descriptor),
@@ -234,7 +234,7 @@ def _reason(pool: Pool, pattern: int, out: int, into: int, part: str, others: Se
             return f"relevance: {new.name} is closer to the pattern"
 
 
-def _record(candidate: Candidate) -> str:
+def _record(candidate: BankCandidate) -> str:
     if not candidate.runs:
         return f"nobody has run {candidate.name}"
     return f"{candidate.name} failed in {candidate.failures} of {candidate.runs} runs"

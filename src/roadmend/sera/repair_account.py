@@ -8,7 +8,7 @@ import numpy as np
 
 from roadmend.core.geometry import outline_distances
 from roadmend.core.outcome import Blame
-from roadmend.core.repair import Repair, RepairStatus
+from roadmend.core.repair import Interventions, Repair, RepairStatus
 from roadmend.core.tick import INTERVAL
 from roadmend.recording.episode import BagEpisode
 from roadmend.sera.incident import RepairAccount, Verdict
@@ -150,14 +150,16 @@ def _account(episode: BagEpisode, begin: int, end: int) -> RepairAccount:
     if stamps and stamps[-1] == episode.stamps[-1] and len(names) > 1 and names[-1] == SILENT:
         names.pop()  # nobody answers the final tick
     replaced = [(stamp, repair) for stamp, repair in _between(episode, begin, end) if repair.intervened]
-    changes = [abs(repair.policy_action - repair.final_action) for _, repair in replaced]
+    done = Interventions()
+    for _, repair in replaced:
+        done.add(repair)
     return RepairAccount(
         "not_involved",
         episode.account.get("method", ""),
         tuple((name, round(len(list(run)) * INTERVAL, 2)) for name, run in itertools.groupby(names)),
         round(replaced[0][0] * 1e-9, 3) if replaced else None,
-        len(replaced),
-        round(float(np.nansum(changes)) * INTERVAL, 4) if changes else 0.0,
+        done.ticks,
+        round(done.dose, 4),
     )
 
 

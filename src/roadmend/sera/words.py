@@ -2,7 +2,7 @@
 
 from collections import Counter
 
-from roadmend.sera.descriptor import Descriptor, Entry, Hazard
+from roadmend.sera.descriptor import BankEntry, Descriptor, Hazard
 from roadmend.sera.pattern import FailurePattern
 
 ROADS = {
@@ -117,6 +117,6 @@ def words_of_pattern(pattern: FailurePattern) -> str:
     return "; ".join(part for part in (pattern.words, ", ".join(conditions)) if part)
 
 
-def described(entry: Entry) -> dict[str, str]:
+def described(entry: BankEntry) -> dict[str, str]:
     """An entry in a few words, as plain data."""
     return {"name": entry.name, "digest": entry.digest, "origin": entry.origin, "words": words_of(entry.descriptor)}

@@ -26,7 +26,7 @@ _MANNERS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Collision:
+class CollisionConfiguration:
     """How the ego and another met."""
 
     manner: str  # one of the words above
@@ -45,7 +45,7 @@ class Collision:
         )
 
 
-def describe_collision(scene: Scene, event: Event) -> Collision | None:
+def describe_collision(scene: Scene, event: Event) -> CollisionConfiguration | None:
     """The collision that ``event`` reports, from the last scene before it; None where the other was not yet seen."""
     if event.kind != EventKind.COLLISION or not event.object_ids:
         return None
@@ -65,7 +65,7 @@ def describe_collision(scene: Scene, event: Event) -> Collision | None:
         ]
     )
     parts = _part(own, their), _part(their, own)
-    return Collision(
+    return CollisionConfiguration(
         _MANNERS[parts],
         ObjectKind(int(objects.kind[index])).name.lower(),
         name,

@@ -18,9 +18,9 @@ from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import entry_key
 from roadmend.networks.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from roadmend.training.demonstrations import gather, ordinary_lesson
 from roadmend.training.imitation import Losses, NeuralNetwork, fit, load_network, tensors_of
 from roadmend.training.imitation_configuration import ImitationConfiguration
-from roadmend.training.imitation_rollout import gather, ordinary_lesson
 from roadmend.training.samples import Samples, load_samples, samples_digest, save_samples
 
 Report = Callable[[str, int, int], None]  # what is being done, how much of it is done, how much there is

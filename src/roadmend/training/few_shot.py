@@ -24,11 +24,12 @@ from roadmend.measures.measured_run import measured_run
 from roadmend.networks.checkpoint import Checkpoint, Tensors, find_model, load_checkpoint, save_checkpoint
 from roadmend.policies.neural import NeuralPolicy, load_model
 from roadmend.repair.adreft.model import KIND
+from roadmend.repair.registry import make_repairer
+from roadmend.training.demonstrations import Lesson, gather, ordinary_lesson
 from roadmend.training.few_shot_settings import FewShotSettings, ordinary_seeds
 from roadmend.training.imitation import NeuralNetwork, batches, learn, load_network, tensors_of
-from roadmend.training.imitation_rollout import Lesson, gather, ordinary_lesson
-from roadmend.training.repair_guard import Candidate, Guard, Trial, mixture
 from roadmend.training.samples import Samples, samples_digest
+from roadmend.training.tuning_guard import TunedCandidate, TuningGuard, TuningTrial, mixture
 from roadmend.world.families import sample_scenario
 from roadmend.world.scenario import Scenario
 
@@ -39,7 +40,7 @@ Epochs = Iterator[tuple[NeuralNetwork, float]]  # the network after every epoch,
 
 
 @dataclass(frozen=True, slots=True)
-class Origin:
+class TuningOrigin:
     """What a repair follows from beside its scenarios; goes into the model's header."""
 
     selection: str = ""  # digest of the file that the scenarios come from
@@ -48,13 +49,13 @@ class Origin:
 
 
 @dataclass(frozen=True)
-class Repair:
+class FewShotRepair:
     """What came of a repair."""
 
     path: Path
     digest: str  # of the model file
-    kept: Trial
-    trials: tuple[Trial, ...]
+    kept: TuningTrial
+    trials: tuple[TuningTrial, ...]
     scenes: int  # demonstrated
     outcomes: tuple[str, ...] = field(default=())  # of the demonstrations' episodes
 
@@ -77,9 +78,9 @@ def few_shot_repair(
     out: Path,
     *,
     validation: Sequence[Scenario] = (),
-    origin: Origin | None = None,
+    origin: TuningOrigin | None = None,
     labour: Labour | None = None,
-) -> Repair:
+) -> FewShotRepair:
     """Fine-tune a neural policy on scenarios; the same arguments give the same model file.
 
     Args:
@@ -101,8 +102,8 @@ def few_shot_repair(
     parent, labour = load_model(model), labour or Labour()
     with fan_out(labour.workers) as mapper:
         gather, drive = labour.gathering or _gathering(mapper), labour.driving or _driving(mapper)
-        work = _Work(model, parent, settings, seed, gather, drive, labour.report)
-        return work.repair(scenarios, validation or scenarios, out, origin or Origin())
+        work = _TuningWork(model, parent, settings, seed, gather, drive, labour.report)
+        return work.repair(scenarios, validation or scenarios, out, origin or TuningOrigin())
 
 
 def lessons_of(scenario: Scenario, model: Path, settings: FewShotSettings) -> list[Lesson]:
@@ -145,7 +146,7 @@ def repair_model(settings: FewShotSettings) -> Path | None:
 
 
 @dataclass
-class _Work:
+class _TuningWork:
     model: Path
     parent: Checkpoint
     settings: FewShotSettings
@@ -154,7 +155,9 @@ class _Work:
     driving: Drive
     report: Report
 
-    def repair(self, scenarios: Sequence[Scenario], hard: Sequence[Scenario], out: Path, origin: Origin) -> Repair:
+    def repair(
+        self, scenarios: Sequence[Scenario], hard: Sequence[Scenario], out: Path, origin: TuningOrigin
+    ) -> FewShotRepair:
         settings = self.settings
         lessons = [lesson for one in scenarios for lesson in lessons_of(one, self.model, settings)]
         shown = self._gathered("demonstrations", lessons)
@@ -167,31 +170,31 @@ class _Work:
             kept = trials[-1]
         else:
             ordinary = ordinary_seeds(settings.validation_seed, settings.validation)
-            guard = Guard([sample_scenario(family, seed) for family, seed in ordinary], hard, settings.tolerance)
+            guard = TuningGuard([sample_scenario(family, seed) for family, seed in ordinary], hard, settings.tolerance)
             trials, tensors, kept = self._guarded(
                 epochs, guard, out.with_name(f".{out.stem}.epoch{out.suffix}"), header
             )
         header["metrics"] |= {"trials": [asdict(trial) for trial in trials], "kept": asdict(kept)}
         digest = save_checkpoint(out, tensors, header)
-        return Repair(out, digest, kept, tuple(trials), len(shown), shown.outcomes)
+        return FewShotRepair(out, digest, kept, tuple(trials), len(shown), shown.outcomes)
 
     def _guarded(
-        self, epochs: Epochs, guard: Guard, beside: Path, header: dict[str, Any]
-    ) -> tuple[list[Trial], Tensors, Trial]:
+        self, epochs: Epochs, guard: TuningGuard, beside: Path, header: dict[str, Any]
+    ) -> tuple[list[TuningTrial], Tensors, TuningTrial]:
         """All trials, and the weights of the one that is kept; every model that is tried is driven from ``beside``."""
         old = dict(self.parent.tensors)
 
-        def tried(epochs: int, tensors: Tensors, loss: float | None, share: float = 1.0) -> Candidate:
+        def tried(epochs: int, tensors: Tensors, loss: float | None, share: float = 1.0) -> TunedCandidate:
             save_checkpoint(beside, tensors, header)
-            return Candidate(guard.trial(epochs, self._driven(beside, guard.hard), loss, share), tensors)
+            return TunedCandidate(guard.trial(epochs, self._driven(beside, guard.hard), loss, share), tensors)
 
-        def judged(candidate: Candidate) -> Candidate:
+        def judged(candidate: TunedCandidate) -> TunedCandidate:
             save_checkpoint(beside, candidate.tensors, header)
             return guard.judged(candidate, self._driven(beside, guard.ordinary))
 
         try:
             first = guard.first(self._driven(self.model, guard.hard), self._driven(self.model, guard.ordinary))
-            kept = Candidate(first, old)
+            kept = TunedCandidate(first, old)
             found = [tried(number, _copied(network), loss) for number, (network, loss) in enumerate(epochs, 1)]
             better = guard.ranked(found)
             for candidate in better:
@@ -247,7 +250,7 @@ class _Work:
             self.report("learning", number + 1, settings.epochs)
             yield network, learned.action
 
-    def _header(self, origin: Origin, shown: Samples, scenarios: Sequence[Scenario]) -> dict[str, Any]:
+    def _header(self, origin: TuningOrigin, shown: Samples, scenarios: Sequence[Scenario]) -> dict[str, Any]:
         before, repair = self.parent.header, repair_model(self.settings)
         return {
             "kind": before["kind"],
@@ -267,10 +270,10 @@ class _Work:
         }
 
 
-def _run_through(epochs: Epochs) -> tuple[list[Trial], Tensors]:
-    trials, tensors = list[Trial](), dict[str, NDArray[np.float32]]()
+def _run_through(epochs: Epochs) -> tuple[list[TuningTrial], Tensors]:
+    trials, tensors = list[TuningTrial](), dict[str, NDArray[np.float32]]()
     for number, (network, loss) in enumerate(epochs, 1):
-        trials, tensors = [*trials, Trial(number, None, None, loss)], _copied(network)
+        trials, tensors = [*trials, TuningTrial(number, None, None, loss)], _copied(network)
     return trials, tensors
 
 
@@ -302,4 +305,4 @@ def _driving(mapper: Mapper) -> Drive:
 def drive_once(task: tuple[Path, Scenario]) -> DrivingMeasures:
     """The measures of the policy with a model in a scenario, without repair."""
     model, scenario = task
-    return measured_run(scenario, NeuralPolicy(model))
+    return measured_run(scenario, NeuralPolicy(model), make_repairer("none"))[1]

@@ -22,7 +22,7 @@ class FewShotSettings(Parameters):
     expert_drives: int = Field(1, ge=0, le=100, description="episodes a scenario that the expert drives")
     policy_drives: int = Field(3, ge=0, le=100, description="episodes a scenario that the policy drives, advised")
     repair: str = Field(
-        "modular",
+        "precaution-modular",
         description="ADReFT's model, by name or path, that repairs what the expert demonstrates; empty: none does",
     )
     expert_share: float = Field(0.2, ge=0.0, le=1.0, description="share of the time of those that the expert drives")

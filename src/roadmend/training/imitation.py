@@ -70,7 +70,7 @@ class Losses:
 
 
 @dataclass(frozen=True, slots=True)
-class Batch:
+class DemonstrationBatch:
     """Some samples, padded."""
 
     tokens: Tensor  # (B, N, COLUMNS)
@@ -91,7 +91,7 @@ def two_hot(actions: Tensor, bins: int) -> Tensor:
 
 def batches(
     samples: Samples, rows: NDArray[np.int64], size: int, generator: np.random.Generator | None, device: torch.device
-) -> Iterator[Batch]:
+) -> Iterator[DemonstrationBatch]:
     """The rows of the samples in batches; shuffled if a generator is given."""
     begins = np.concatenate([[0], np.cumsum(samples.counts.astype(np.int64))])
     order = rows if generator is None else generator.permutation(rows)
@@ -107,7 +107,7 @@ def batches(
         tokens = np.zeros((*mask.shape, COLUMNS), dtype=np.float32)
         within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
         tokens[mask] = samples.tokens[np.repeat(begins[chosen], counts) + within]
-        yield Batch(
+        yield DemonstrationBatch(
             torch.from_numpy(tokens).to(device),
             torch.from_numpy(mask).to(device),
             torch.from_numpy(samples.actions[chosen]).to(device),
@@ -115,7 +115,7 @@ def batches(
         )
 
 
-def losses_of(network: NeuralNetwork, batch: Batch) -> tuple[Tensor, Tensor, Tensor]:
+def losses_of(network: NeuralNetwork, batch: DemonstrationBatch) -> tuple[Tensor, Tensor, Tensor]:
     """Losses of the action and of the lane change (binary cross entropy) and the action's error, each a mean."""
     outputs = network(batch.tokens, batch.mask)
     logits = outputs[:, :-1]
@@ -160,7 +160,7 @@ def learn(
     network: NeuralNetwork,
     optimizer: torch.optim.Optimizer,
     schedule: torch.optim.lr_scheduler.LRScheduler,
-    chosen: Iterator[Batch],
+    chosen: Iterator[DemonstrationBatch],
     change_weight: float,
 ) -> Losses:
     """Train on batches, a step each; returns the mean of their losses."""

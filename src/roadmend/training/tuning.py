@@ -38,7 +38,7 @@ class Point:
 
 
 @dataclass(frozen=True, slots=True)
-class Tuned:
+class TunedRival:
     """A rival's grid and the best of it."""
 
     name: str
@@ -111,7 +111,7 @@ class Tuning:
         self._scenarios = {case.name: case.scenario().digest for case in cases}
         self._mapper, self._report = mapper, report
 
-    def tune(self, rival: Rival) -> Tuned:
+    def tune(self, rival: Rival) -> TunedRival:
         """Find a rival's best setting.
 
         Raises:
@@ -126,7 +126,7 @@ class Tuning:
         whole = dict(zip(finalists, driven, strict=True))
         best = max(sorted(whole), key=lambda index: worth(whole[index]))
         points = (Point(parameters, first[index], whole.get(index)) for index, parameters in enumerate(rival.grid))
-        return Tuned(rival.name, rival.method, tuple(points), best)
+        return TunedRival(rival.name, rival.method, tuple(points), best)
 
     def _drive(self, rival: Rival, grid: Sequence[Values], cases: Sequence[EpisodeCase]) -> list[Summary]:
         """One summary a setting."""

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from roadmend import __version__
+from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import Blame, EventKind
 from roadmend.core.resources import config_folder
@@ -88,6 +89,21 @@ class Case:
             raise ValueError(str(error)) from None
 
 
+def told_of(result: EpisodeResult) -> dict[str, Any]:
+    """The fields of a case that say what it came to."""
+    final = result.final
+    return {
+        "outcome": result.outcome.name,
+        "digest": result.digest,
+        "text": result.text,
+        "min_distance": result.min_distance,
+        "duration": result.duration,
+        "blame": final.blame.name,
+        "partner": final.object_kinds[0].name.lower() if final.object_kinds else "",
+        "impact_speed": None if final.impact_speed is None else round(final.impact_speed, 1),
+    }
+
+
 @dataclass(frozen=True)
 class Corpus:
     """Cases of one policy. Holds no time and no place: gathering again gives the same content and digest."""
@@ -136,6 +152,7 @@ def sorted_cases(cases: Iterable[Case]) -> tuple[Case, ...]:
 
 def dump_corpus(corpus: Corpus, without: Collection[str] = ()) -> str:
     """The corpus as JSON lines: a header, then one case a line, perhaps without some fields."""
+    families = {case.family for case in corpus.cases}
     counts = Counter(f"{case.family} {case.split} {case.outcome}" for case in corpus.cases)
     header = {
         "format": FORMAT,
@@ -145,7 +162,8 @@ def dump_corpus(corpus: Corpus, without: Collection[str] = ()) -> str:
         "roadmend": corpus.version,
         "command": corpus.command,
         "plan": corpus.plan,
-        "spaces": {name: _space_digest(name) for name in FAMILIES},
+        # Of the families that occur: another one that is registered does not make this another corpus.
+        "spaces": {name: _space_digest(name) for name in FAMILIES if name in families},
         "dropped": corpus.dropped,
         "cases": len(corpus.cases),
         "counts": dict(sorted(counts.items())),
@@ -183,6 +201,8 @@ def load_corpus(path: Path) -> Corpus:
             cases.append(Case.parse(line))
         except ValueError as error:
             raise InputError(f"{path} line {number}", f"is no case ({error})", _AGAIN) from None
+        if cases[-1].family not in header["spaces"]:
+            raise _other_space(path, cases[-1].family)
     return Corpus(
         header["policy"],
         tuple(cases),
@@ -223,10 +243,14 @@ def _parse_header(path: Path, line: str) -> dict[str, Any]:
     missing = [name for name in _HEADER if name not in header]
     if missing:
         raise InputError(f"{path} line 1", f"lacks {missing[0]}", _AGAIN)
-    other = [name for name in FAMILIES if header["spaces"].get(name) != _space_digest(name)]
-    if other:
-        raise InputError(str(path), f"was made for another parameter space of {other[0]}", _AGAIN)
+    for name, digest in header["spaces"].items():
+        if name not in FAMILIES or digest != _space_digest(name):
+            raise _other_space(path, name)
     return dict(header)
+
+
+def _other_space(path: Path, family: str) -> InputError:
+    return InputError(str(path), f"was made for another parameter space of {family}", _AGAIN)
 
 
 def _space_digest(family: str) -> str:

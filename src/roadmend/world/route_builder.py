@@ -16,6 +16,9 @@ Floats = NDArray[np.float64]
 
 _CHANGE_TIME = 2.5  # [s] of driving at the limit that a lane change needs
 _CHANGE_LENGTH_MIN = 20.0  # [m]
+_END_MARGIN = (
+    4.0  # [m] from the ego's front at the goal to the road's end, where SUMO takes it out: a tick at top speed
+)
 _CROSSING_MARGIN = 1.5  # [m] to keep free before a pedestrian crossing
 _YIELDING = frozenset("m=Zg")
 _STOPPING = frozenset("sw")
@@ -82,7 +85,9 @@ def build_route(network: RoadNetwork, scenario: Scenario) -> BuiltRoute:
             "choose a smaller one",
         )
     begin = edge_begins[-1][len(edges) - 1]
-    goal = begin + (ego.goal if ego.goal is not None else max(last.length - 1.0, 0.5 * last.length))
+    goal = begin + (
+        ego.goal if ego.goal is not None else max(last.length - 0.5 * ego.length - _END_MARGIN, 0.5 * last.length)
+    )
     route = Route(
         scenario.name,
         ego.length,

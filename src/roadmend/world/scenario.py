@@ -28,7 +28,7 @@ DriverName = Literal["careful", "normal", "aggressive", "reckless"]
 Weather = Literal["clear", "sunny", "cloudy", "overcast", "windy", "rainy", "foggy", "snowy"]
 
 
-class Model(BaseModel):
+class ScenarioModel(BaseModel):
     """Base of all scenario parts: unknown fields are errors, values do not change after reading."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -38,7 +38,7 @@ def _is_none(value: object) -> bool:
     return value is None
 
 
-class Arm(Model):
+class Arm(ScenarioModel):
     """One road that meets the others at an intersection: edges NAME_in (towards it) and NAME_out."""
 
     name: Identifier
@@ -52,7 +52,7 @@ class Arm(Model):
     major: bool = Field(default=False, description="has right of way where control is 'priority'")
 
 
-class IntersectionNetwork(Model):
+class IntersectionNetwork(ScenarioModel):
     """Three to six roads that meet in one point."""
 
     kind: Literal["intersection"] = "intersection"
@@ -62,7 +62,7 @@ class IntersectionNetwork(Model):
     cycle: float = Field(default=40.0, ge=20.0, le=180.0, description="[s] cycle of the traffic light")
 
 
-class HighwayExitNetwork(Model):
+class HighwayExitNetwork(ScenarioModel):
     """A highway with a deceleration lane: edges approach, diverge, mainline and ramp."""
 
     kind: Literal["highway_exit"] = "highway_exit"
@@ -74,7 +74,7 @@ class HighwayExitNetwork(Model):
     ramp_length: float = Field(default=150.0, ge=50.0, le=2000.0, description="[m]")
 
 
-class OnRampNetwork(Model):
+class OnRampNetwork(ScenarioModel):
     """A highway with an acceleration lane: edges approach, ramp, merge and mainline."""
 
     kind: Literal["on_ramp"] = "on_ramp"
@@ -86,7 +86,7 @@ class OnRampNetwork(Model):
     ramp_length: float = Field(default=150.0, ge=50.0, le=2000.0, description="[m]")
 
 
-class OpenRoadNetwork(Model):
+class OpenRoadNetwork(ScenarioModel):
     """One road between two ends: edge forward and, where it has lanes the other way, edge backward."""
 
     kind: Literal["road"] = "road"
@@ -100,14 +100,14 @@ class OpenRoadNetwork(Model):
     backward_speed_limit: Speed = 22.35
 
 
-class NetworkFile(Model):
+class NetworkFile(ScenarioModel):
     """Any SUMO network."""
 
     kind: Literal["file"] = "file"
     path: str = Field(description="SUMO .net.xml file; relative paths start at the scenario file")
 
 
-class SumoConfiguration(Model):
+class SumoConfiguration(ScenarioModel):
     """A whole SUMO configuration with its own network and traffic; roadmend adds the ego."""
 
     kind: Literal["sumocfg"] = "sumocfg"
@@ -121,7 +121,7 @@ Network = Annotated[
 ]
 
 
-class Ego(Model):
+class Ego(ScenarioModel):
     """Task and size of the vehicle under test."""
 
     route: list[str] = Field(
@@ -130,12 +130,14 @@ class Ego(Model):
     lane: int = Field(default=0, ge=0, le=20, description="first lane, 0 is the rightmost for vehicles")
     position: Metres = Field(default=5.0, description="[m] of the centre along the first edge at the start")
     speed: Speed = Field(default=0.0, description="[m/s] at the start")
-    goal: Metres | None = Field(default=None, description="[m] along the last edge; its end if not given")
+    goal: Metres | None = Field(
+        default=None, description="[m] along the last edge; shortly before its end if not given"
+    )
     length: float = Field(default=4.7, ge=1.0, le=20.0, description="[m]")
     width: float = Field(default=1.85, ge=0.5, le=3.0, description="[m]")
 
 
-class Trigger(Model):
+class Trigger(ScenarioModel):
     """When a manoeuvre begins: at a time, or when the ego comes near from behind. Exactly one of the two."""
 
     time: Seconds | None = Field(default=None, description="[s] since the start of the episode")
@@ -150,7 +152,7 @@ class Trigger(Model):
         return self
 
 
-class Brake(Model):
+class Brake(ScenarioModel):
     """Slow down hard, hold, then drive on."""
 
     action: Literal["brake"] = "brake"
@@ -160,7 +162,7 @@ class Brake(Model):
     hold: Seconds = Field(default=3.0, description="[s] at the low speed")
 
 
-class CutIn(Model):
+class CutIn(ScenarioModel):
     """Change lane without regard for others."""
 
     action: Literal["cut_in"] = "cut_in"
@@ -168,7 +170,7 @@ class CutIn(Model):
     direction: Literal["left", "right", "ego"] = Field(description="ego: towards the ego's lane")
 
 
-class RunRightOfWay(Model):
+class RunRightOfWay(ScenarioModel):
     """Drive on at junctions, red lights too, as if nobody else were there."""
 
     action: Literal["run"] = "run"
@@ -177,7 +179,7 @@ class RunRightOfWay(Model):
     hold: Seconds = Field(default=10.0, description="[s] how long")
 
 
-class Heedless(Model):
+class Heedless(ScenarioModel):
     """Hold a speed as if nobody else were there: no braking for those ahead, no right of way, no red light."""
 
     action: Literal["heedless"] = "heedless"
@@ -185,7 +187,7 @@ class Heedless(Model):
     speed: Speed = Field(description="[m/s] to hold")
 
 
-class Drift(Model):
+class Drift(ScenarioModel):
     """Leave the lane sideways, across the centre line too, at the speed of the moment, and stay beside it."""
 
     action: Literal["drift"] = "drift"
@@ -197,7 +199,7 @@ class Drift(Model):
 Manoeuvre = Annotated[Brake | CutIn | RunRightOfWay | Heedless | Drift, Field(discriminator="action")]
 
 
-class Vehicle(Model):
+class Vehicle(ScenarioModel):
     """A vehicle that shares the road with the ego."""
 
     type: Literal["vehicle"] = "vehicle"
@@ -216,7 +218,7 @@ class Vehicle(Model):
     manoeuvres: list[Manoeuvre] = []
 
 
-class Pedestrian(Model):
+class Pedestrian(ScenarioModel):
     """A person on foot, walking from the first edge of the route to the last along sidewalks and crossings."""
 
     type: Literal["pedestrian"] = "pedestrian"
@@ -254,7 +256,7 @@ _SENSING: dict[str, float] = {
 _NIGHT = 0.8  # share of the daytime sensing range that is left at night
 
 
-class Environment(Model):
+class Environment(ScenarioModel):
     """Weather and light, and what follows from them."""
 
     weather: Weather = "clear"
@@ -277,7 +279,7 @@ class Environment(Model):
         return _SENSING[self.weather] * (_NIGHT if self.time_of_day == "nighttime" else 1.0)
 
 
-class Origin(Model):
+class ReportOrigin(ScenarioModel):
     """What a scenario was made from. It says where the values come from and changes nothing in how it runs."""
 
     report: str = Field(description="name of the crash report")
@@ -286,7 +288,7 @@ class Origin(Model):
     adapted: list[str] = Field(default=[], description="where the report could not be followed to the letter")
 
 
-class Scenario(Model):
+class Scenario(ScenarioModel):
     """One episode, complete: the same scenario, policy and repair method give the same trajectories, bit for bit."""
 
     format: Literal["roadmend-scenario/1"] = FORMAT
@@ -298,7 +300,7 @@ class Scenario(Model):
     ego: Ego
     actors: list[Actor] = []
     environment: Environment = Environment()
-    origin: Origin | None = Field(default=None, exclude_if=_is_none)
+    origin: ReportOrigin | None = Field(default=None, exclude_if=_is_none)
 
     @model_validator(mode="after")
     def _unique_ids(self) -> "Scenario":

@@ -3,9 +3,9 @@
 from collections.abc import Callable, Sequence
 from functools import partial
 
+from harness.contenders import Contender
 from harness.repair_cost import gather_moments, measure_cost
 from roadmend.core.interfaces import Repairer
-from roadmend.measures.contenders import Contender
 from roadmend.repair.adreft.method import AdreftRepair
 from roadmend.repair.method import RepairMethod
 from roadmend.repair.registry import make_repairer

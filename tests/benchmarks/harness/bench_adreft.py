@@ -11,20 +11,20 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from harness.adreft_cost import cost_of
-from harness.adreft_entrants import Choice, find_entrants
 from harness.adreft_labels import weak_labels
 from harness.bench_robustness import run_robustness
 from harness.benchmark_content import build_content, case_table, differences, dump_json, unequal
 from harness.benchmark_files import read_json, write_benchmark
 from harness.benchmark_run import FORMAT, RESULTS, Measured, drive, find_jobs, read_results
 from harness.benchmark_tables import headline
+from harness.contenders import BenchmarkPlan, read_plan
 from harness.options import CACHED_WORK, COMMITTED, PLANS
+from harness.policy_benchmarks import Choice, find_benchmarks
 from roadmend.cli.options import WORKERS
 from roadmend.cli.output import show_rows
 from roadmend.core.errors import InputError
 from roadmend.core.journal import Journal
 from roadmend.core.resources import config_folder
-from roadmend.measures.contenders import BenchmarkPlan, read_plan
 from roadmend.reports.result_files import provenance
 from roadmend.search.corpus_plan import LAST_FRESH
 from roadmend.world.families import FAMILIES
@@ -156,8 +156,8 @@ def _measure(plan: BenchmarkPlan, config: Path, choice: Choice, options: _Option
     measured = _run(plan, config, choice, options.work, options.workers)
     content = _content(measured, choice, options.command)
     if with_cost:
-        most = max(measured, key=lambda each: len(each.entrants.contenders))
-        content["cost"] = cost_of(most.entrants.contenders, is_quick=choice.is_quick)
+        most = max(measured, key=lambda each: len(each.benchmark.contenders))
+        content["cost"] = cost_of(most.benchmark.contenders, is_quick=choice.is_quick)
     if choice.fresh_seed is not None:
         content["difference_to_table"] = _to_table(content, options.committed / "adreft.json")
     if options.out is not None:
@@ -180,16 +180,22 @@ def _verify(plan: BenchmarkPlan, config: Path, choice: Choice, options: _Options
     folder = options.work.with_name(f"{options.work.name}-verify")
     measured = _run(plan, config, choice, folder, options.workers)
     content = _content(measured, choice, options.command)
-    found = differences(case_table(measured), kept_cases)
+    moved = sorted(differences(case_table(measured), kept_cases), key=lambda each: not each.ends_otherwise)
+    found = [each.text for each in moved]
+    figures: list[str] = []
     if all(kept["settings"].get(name) == content["settings"][name] for name in ("families", "cases")):
         for part in ("summary", "families", "monitor"):
-            found += unequal(content[part], kept[part], part)
+            figures += unequal(content[part], kept[part], part)
     shutil.rmtree(folder)
-    for line in found[:_SHOWN]:
+    for line in [*figures, *found][:_SHOWN]:
         click.echo(line)
     episodes = sum(len(results) for each in measured for results in each.results.values())
-    click.echo(f"{episodes} episodes driven again, {len(found)} differences")
-    return 1 if found else 0
+    otherwise = sum(each.ends_otherwise for each in moved)
+    click.echo(
+        f"{episodes} episodes driven again, {len(found)} differences, {otherwise} of them in how an episode ends; "
+        f"{len(figures)} of the tables' figures differ"
+    )
+    return 1 if found or figures else 0
 
 
 def _run(plan: BenchmarkPlan, config: Path, choice: Choice, work: Path, workers: int) -> list[Measured]:
@@ -198,11 +204,11 @@ def _run(plan: BenchmarkPlan, config: Path, choice: Choice, work: Path, workers:
         Journal(work / RESULTS, FORMAT, owns_folder=True) as journal,
         Progress(*_COLUMNS, console=Console(stderr=True)) as progress,
     ):
-        everybody = find_entrants(plan, config, choice, work, workers, progress)
-        jobs = [job for entrants in everybody for job in find_jobs(entrants, journal, weak_labels)]
+        everybody = find_benchmarks(plan, config, choice, work, workers, progress)
+        jobs = [job for benchmark in everybody for job in find_jobs(benchmark, journal, weak_labels)]
         task = progress.add_task("episodes", total=len(jobs))
         drive(jobs, journal, workers, lambda _job: progress.advance(task))
-        return [read_results(entrants, journal, weak_labels) for entrants in everybody]
+        return [read_results(benchmark, journal, weak_labels) for benchmark in everybody]
 
 
 def _content(measured: Sequence[Measured], choice: Choice, command: str) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from roadmend.cli.sera_bank import build_progress
 from roadmend.core.fanout import fan_out
 from roadmend.reports.result_files import provenance
 from roadmend.sera.bank import Bank, build_bank
-from roadmend.sera.facets import Filters
+from roadmend.sera.filters import Filters
 from roadmend.world.scenario import Weather
 
 _BANK_SEED, _PATTERN_SEED = 1, 2

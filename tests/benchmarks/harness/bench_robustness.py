@@ -18,18 +18,19 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from harness.adreft_entrants import Choice
 from harness.benchmark_content import dump_json
+from harness.contenders import BenchmarkPlan, Contender, resolve
+from harness.policy_benchmarks import Choice
 from roadmend.core.errors import RoadmendError
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import entry_key
 from roadmend.core.whole_file import write_texts
-from roadmend.measures.contenders import BenchmarkPlan, Contender, resolve
 from roadmend.measures.driver import driver_key
 from roadmend.reports.result_files import provenance
+from roadmend.search.attempt import CRASH
 from roadmend.search.campaign import Campaign, run_campaign
-from roadmend.search.evaluation import CRASH, Subject, evaluate
-from roadmend.search.ledger import Entry, Ledger
+from roadmend.search.evaluation import Subject, evaluate
+from roadmend.search.ledger import Ledger, LedgerEntry
 from roadmend.search.registry import read_technique_parameters
 
 _COLUMNS = (
@@ -130,7 +131,7 @@ class _Searcher:
         with Ledger(folder, campaign.settings) as ledger, fan_out(self._workers) as mapper:
             self._progress.advance(task, min(self._budget, len(ledger.entries)))
 
-            def report(_entry: Entry) -> None:
+            def report(_entry: LedgerEntry) -> None:
                 self._progress.advance(task)
 
             run_campaign(campaign, ledger, partial(mapper, work), self._budget, report)

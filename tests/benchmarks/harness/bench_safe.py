@@ -12,9 +12,9 @@ from roadmend.cli.options import WORKERS
 from roadmend.cli.safe import open_cases, work_through
 from roadmend.policies.registry import POLICIES
 from roadmend.reports.result_files import provenance
+from roadmend.safe.crash_test_summary import ReproductionSummary, TestSummary, summarise_reproductions, summarise_tests
 from roadmend.safe.driving import Task
 from roadmend.safe.planning import plan
-from roadmend.safe.tally import ReproductionTally, TestTally, tally_reproductions, tally_tests
 from roadmend.world.network import cache_folder
 
 _PAPER: dict[str, Any] = {  # SAFE, RQ1 and RQ3: other simulators, other policies
@@ -73,9 +73,10 @@ def safe(
     searches = plan(Task.REPRODUCE, cases, policies, folder, budget=budget, seed=seed)
     driven = work_through(tests, folder, workers, "scenarios")
     searched = work_through(searches, folder, workers, "crashes")
-    tested = {policy: tally_tests(cases, [each for each in driven if each.policy == policy]) for policy in policies}
+    tested = {policy: summarise_tests(cases, [each for each in driven if each.policy == policy]) for policy in policies}
     again = {
-        policy: tally_reproductions(cases, [each for each in searched if each.policy == policy]) for policy in policies
+        policy: summarise_reproductions(cases, [each for each in searched if each.policy == policy])
+        for policy in policies
     }
     scores = {name: score_cases(cases, reports, text_only=name == "text_only") for name in ("text_only", "with_sketch")}
     chosen = " ".join(f"--policy {policy}" for policy in policies)
@@ -88,7 +89,10 @@ def safe(
 
 
 def _content(
-    reports: int, tested: dict[str, TestTally], again: dict[str, ReproductionTally], scores: dict[str, Scores | None]
+    reports: int,
+    tested: dict[str, TestSummary],
+    again: dict[str, ReproductionSummary],
+    scores: dict[str, Scores | None],
 ) -> dict[str, Any]:
     seconds = [found.seconds_per_scenario for found in tested.values() if found.seconds_per_scenario is not None]
     read = {name: asdict(score) for name, score in scores.items() if score is not None}
@@ -112,7 +116,10 @@ def _content(
 
 
 def _rows(
-    reports: int, tested: dict[str, TestTally], again: dict[str, ReproductionTally], scores: dict[str, Scores | None]
+    reports: int,
+    tested: dict[str, TestSummary],
+    again: dict[str, ReproductionSummary],
+    scores: dict[str, Scores | None],
 ) -> list[list[str]]:
     rows = [["what", *tested, "paper"]]
 

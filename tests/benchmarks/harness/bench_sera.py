@@ -16,6 +16,7 @@ from harness.benchmark_run import FORMAT, RESULTS
 from harness.fresh_cases import fresh_cases
 from harness.options import CACHED_WORK, COMMITTED, PLANS
 from harness.sera_experiment import Experiment
+from harness.sera_kept_runs import KeptRuns
 from harness.sera_page import write_sera
 from harness.sera_plan import (
     SeraPlan,
@@ -26,7 +27,6 @@ from harness.sera_plan import (
     read_sera_plan,
 )
 from harness.sera_summary import build_content, main_rows, tables
-from harness.sera_workshop import Workshop
 from roadmend.cli.options import WORKERS
 from roadmend.cli.output import show_rows
 from roadmend.core.errors import InputError, RoadmendError
@@ -131,7 +131,7 @@ def sera(
         if fresh_seed is not None and cases is not None:
             plan = _of_fresh_cases(plan, cases)
             corpora = [fresh_cases(corpus.policy, fresh_seed, cases, folder, workers, progress) for corpus in corpora]
-        results, sizes = _run(plan, config, models, corpora, Workshop(journal, mapper, report))
+        results, sizes = _run(plan, config, models, corpora, KeptRuns(journal, mapper, report))
     path = committed / "retrieval.json"
     command = "./roadmend bench sera" + " --quick" * quick + (f" --policies {policies}" if policies else "")
     command += (f" --seeds {seeds}" if seeds is not None else "") + (f" --plan {file}" if file is not None else "")
@@ -157,19 +157,19 @@ def _of_fresh_cases(plan: SeraPlan, cases: int) -> SeraPlan:
 
 
 def _run(
-    plan: SeraPlan, config: Path, models: Mapping[str, Path], corpora: Sequence[Corpus], workshop: Workshop
+    plan: SeraPlan, config: Path, models: Mapping[str, Path], corpora: Sequence[Corpus], kept_runs: KeptRuns
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """What each policy's experiment came to, and the sizes of all; ``corpora`` are of the evaluation set."""
     evaluated = evaluation_set(plan.evaluation, corpora)
-    path = workshop.folder / "scenarios.bank"
+    path = kept_runs.folder / "scenarios.bank"
     build_bank(path, bank_entries(plan.bank, config, known_scenarios(evaluated)))
     settings = _few_shot(plan, config)
     results = {}
     with Bank(path) as bank:
         for policy, model in models.items():
-            logs = _Logs(policy, workshop)
+            logs = _Logs(policy, kept_runs)
             results[policy] = Experiment(
-                model, plan, settings, evaluated, bank, workshop, logs.patterns, policy in plan.in_depth
+                model, plan, settings, evaluated, bank, kept_runs, logs.patterns, policy in plan.in_depth
             ).run()
         sizes = {
             "seeds": plan.seeds,
@@ -197,9 +197,9 @@ def _few_shot(plan: SeraPlan, config: Path) -> FewShotSettings:
 class _Logs:
     """The bags of what a policy fails at, and the patterns in them."""
 
-    def __init__(self, policy: str, workshop: Workshop) -> None:
+    def __init__(self, policy: str, kept_runs: KeptRuns) -> None:
         self._policy = policy
-        self._workshop = workshop
+        self._workshop = kept_runs
         self._driver = driver_key(policy, "none")
         self._analyser = EmbeddedAnalyser()
 

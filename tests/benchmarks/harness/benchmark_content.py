@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from harness.benchmark_run import HINDSIGHT, Measured
@@ -25,29 +26,31 @@ def build_content(measured: Sequence[Measured], made: Mapping[str, Any], setting
         made: provenance.
         settings: what was asked for.
     """
-    policies = [each.entrants.policy for each in measured]
-    families = [name for name in FAMILIES if any(case.family == name for m in measured for case in m.entrants.cases)]
+    policies = [each.benchmark.policy for each in measured]
+    families = [name for name in FAMILIES if any(case.family == name for m in measured for case in m.benchmark.cases)]
     content: dict[str, Any] = {
         "format": FORMAT,
         "provenance": made,
         "settings": settings,
         "policies": policies,
-        "corpora": {each.entrants.policy: _corpus(each) for each in measured},
-        "titles": {c.name: {"title": c.title, "group": c.group} for m in measured for c in m.entrants.contenders},
-        "monitor_titles": {monitor.name: monitor.title for m in measured for monitor in m.entrants.monitors},
+        "corpora": {each.benchmark.policy: _corpus(each) for each in measured},
+        "titles": {c.name: {"title": c.title, "group": c.group} for m in measured for c in m.benchmark.contenders},
+        "monitor_titles": {monitor.name: monitor.title for m in measured for monitor in m.benchmark.monitors},
         "contenders": {
-            each.entrants.policy: {contender.name: contender.describe() for contender in each.entrants.contenders}
+            each.benchmark.policy: {contender.name: contender.describe() for contender in each.benchmark.contenders}
             for each in measured
         },
         "not_run": [
             {"policy": absence.policy, "method": absence.name, "reason": absence.reason}
             for each in measured
-            for absence in each.entrants.absences
+            for absence in each.benchmark.absences
         ],
-        "summary": {each.entrants.policy: _summaries(each) for each in measured},
-        "families": {family: {each.entrants.policy: _family(each, family) for each in measured} for family in families},
+        "summary": {each.benchmark.policy: _summaries(each) for each in measured},
+        "families": {
+            family: {each.benchmark.policy: _family(each, family) for each in measured} for family in families
+        },
         "monitor": {
-            each.entrants.policy: {name: summarise_monitor(episodes) for name, episodes in each.confusions.items()}
+            each.benchmark.policy: {name: summarise_monitor(episodes) for name, episodes in each.confusions.items()}
             for each in measured
         },
         "cost": {},
@@ -64,9 +67,9 @@ def case_table(measured: Sequence[Measured]) -> dict[str, Any]:
     first 12 hexadecimal digits of the trajectories'.
     """
     return {
-        each.entrants.policy: {
-            "names": [case.name for case in each.entrants.cases],
-            "alone": "".join("C" if case.is_violation else "G" for case in each.entrants.cases),
+        each.benchmark.policy: {
+            "names": [case.name for case in each.benchmark.cases],
+            "alone": "".join("C" if case.is_violation else "G" for case in each.benchmark.cases),
             "methods": {
                 method: {
                     "outcomes": "".join(_LETTERS[result.episode.outcome.name] for result in results),
@@ -81,27 +84,36 @@ def case_table(measured: Sequence[Measured]) -> dict[str, Any]:
     }
 
 
-def differences(fresh: Mapping[str, Any], kept: Mapping[str, Any]) -> list[str]:
-    """Where two case tables do not say the same, in words; only what is in the fresh one is looked at."""
-    found = []
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """Where two case tables do not say the same."""
+
+    text: str
+    ends_otherwise: bool = False  # whether an episode has another outcome, not only another way there
+
+
+def differences(fresh: Mapping[str, Any], kept: Mapping[str, Any]) -> list[Difference]:
+    """Where two case tables differ; only what is in the fresh one is looked at."""
+    found: list[Difference] = []
     for policy, table in fresh.items():
         before = kept.get(policy)
         if before is None:
-            found.append(f"policy {policy} is not in the committed table")
+            found.append(Difference(f"policy {policy} is not in the committed table"))
             continue
         places = {name: place for place, name in enumerate(before["names"])}
         for method, columns in table["methods"].items():
             if method not in before["methods"]:
-                found.append(f"{policy}, {method}: is not in the committed table")
+                found.append(Difference(f"{policy}, {method}: is not in the committed table"))
                 continue
             then = before["methods"][method]
             for place, name in enumerate(table["names"]):
                 if name not in places:
-                    found.append(f"{policy}, {method}, {name}: is not in the committed table")
+                    found.append(Difference(f"{policy}, {method}, {name}: is not in the committed table"))
                     continue
                 now, old = _row(columns, place), _row(then, places[name])
                 if now != old:
-                    found.append(f"{policy}, {method}, {name}: {now} instead of {old}")
+                    ends_otherwise = columns["outcomes"][place] != then["outcomes"][places[name]]
+                    found.append(Difference(f"{policy}, {method}, {name}: {now} instead of {old}", ends_otherwise))
     return found
 
 
@@ -134,12 +146,12 @@ def _row(columns: Mapping[str, Any], place: int) -> str:
 
 
 def _corpus(measured: Measured) -> dict[str, Any]:
-    entrants = measured.entrants
+    benchmark = measured.benchmark
     return {
-        "digest": entrants.corpus_digest,
-        "policy_model": entrants.policy_digest or None,
-        "violations": sum(case.is_violation for case in entrants.cases),
-        "successes": sum(not case.is_violation for case in entrants.cases),
+        "digest": benchmark.corpus_digest,
+        "policy_model": benchmark.policy_digest or None,
+        "violations": sum(case.is_violation for case in benchmark.cases),
+        "successes": sum(not case.is_violation for case in benchmark.cases),
         "not_reproduced": list(measured.unreproduced),
     }
 

@@ -9,8 +9,8 @@ from harness.benchmark_content import dump_json
 from harness.benchmark_page import build_page
 from harness.benchmark_tables import all_tables, headline
 from roadmend.core.errors import InputError
+from roadmend.core.markdown import table_text
 from roadmend.core.whole_file import write_texts
-from roadmend.reports.markdown import table_text
 from roadmend.reports.result_files import origin
 
 TITLE = "Online repair of driving policies"

@@ -5,7 +5,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from harness import repair_charts, supporting_charts
+from harness import monitor_and_cost_charts, repair_charts
 from harness.benchmark_tables import all_tables, headline
 from harness.sections import Section, chart_section, render_sections, table_section
 
@@ -39,17 +39,17 @@ def build_page(content: Content) -> str:
         (
             "Monitors",
             "Frames against the weak labels, driven without repair.",
-            lambda: supporting_charts.monitor_chart(content),
+            lambda: monitor_and_cost_charts.monitor_chart(content),
         ),
         (
             "Robustness",
             "Violations that testing techniques find, summed over the families: mean and range of the runs.",
-            lambda: supporting_charts.robustness_chart(content["robustness"], content["titles"]),
+            lambda: monitor_and_cost_charts.robustness_chart(content["robustness"], content["titles"]),
         ),
         (
             "Cost",
             "From the scene and the policy's decision to the repaired command.",
-            lambda: supporting_charts.cost_chart(content),
+            lambda: monitor_and_cost_charts.cost_chart(content),
         ),
     ]
     sections = [Section("Main table", rows=headline(content))]

@@ -4,12 +4,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from harness.case_jobs import CaseJob, CriticalFrames, case_key, run_job, run_jobs
+from harness.contenders import Absence, Contender
 from roadmend.core.errors import RoadmendError
 from roadmend.core.interfaces import Repairer
 from roadmend.core.journal import Journal, Key, entry_key
-from roadmend.measures.case_jobs import Job, Labels, case_key, run_job, run_jobs
 from roadmend.measures.case_result import CaseResult
-from roadmend.measures.contenders import Absence, Contender
 from roadmend.measures.monitor import Confusion
 from roadmend.world.corpus import Case
 
@@ -27,7 +27,7 @@ class Player:
 
 
 @dataclass(frozen=True, slots=True)
-class Entrants:
+class PolicyBenchmark:
     """All that one policy is measured with."""
 
     policy: str
@@ -44,7 +44,7 @@ class Entrants:
 class Measured:
     """What one policy came to."""
 
-    entrants: Entrants
+    benchmark: PolicyBenchmark
     results: dict[str, tuple[CaseResult, ...]]  # by method, in the order of the cases
     confusions: dict[str, tuple[Confusion, ...]]  # by monitor, in the order of the cases
 
@@ -52,29 +52,29 @@ class Measured:
     def unreproduced(self) -> tuple[str, ...]:
         """Cases that the policy alone does not drive as its corpus says; empty where it was not run alone."""
         alone = self.results.get("none", ())
-        pairs = zip(self.entrants.cases, alone, strict=False)
+        pairs = zip(self.benchmark.cases, alone, strict=False)
         return tuple(case.name for case, result in pairs if case.digest != result.episode.digest)
 
 
-def find_jobs(entrants: Entrants, journal: Journal, labels: Labels) -> list[Job]:
+def find_jobs(benchmark: PolicyBenchmark, journal: Journal, labels: CriticalFrames) -> list[CaseJob]:
     """What is still to be done for one policy."""
     jobs = []
-    for contender in entrants.contenders:
-        for case in entrants.cases:
-            key = _repair_key(entrants, contender, case)
+    for contender in benchmark.contenders:
+        for case in benchmark.cases:
+            key = _repair_key(benchmark, contender, case)
             if journal.get(key) is None:
-                player = _player(entrants, contender, case)
-                jobs.append(Job(case, (contender,), (key,), repairer=player.repairer if player else None))
-    for case in entrants.cases:
-        keys = {_monitor_key(entrants, monitor, case, labels): monitor for monitor in entrants.monitors}
+                player = _player(benchmark, contender, case)
+                jobs.append(CaseJob(case, (contender,), (key,), repairer=player.repairer if player else None))
+    for case in benchmark.cases:
+        keys = {_monitor_key(benchmark, monitor, case, labels): monitor for monitor in benchmark.monitors}
         missing = [key for key in keys if journal.get(key) is None]
         if missing:
-            jobs.append(Job(case, tuple(keys[key] for key in missing), tuple(missing), labels))
+            jobs.append(CaseJob(case, tuple(keys[key] for key in missing), tuple(missing), labels))
     return jobs
 
 
 def drive(
-    jobs: Sequence[Job], journal: Journal, workers: int, report: Callable[[Job], None] = lambda _job: None
+    jobs: Sequence[CaseJob], journal: Journal, workers: int, report: Callable[[CaseJob], None] = lambda _job: None
 ) -> None:
     """Do the work and keep its results.
 
@@ -93,38 +93,38 @@ def drive(
         raise RoadmendError(f"{len(faults)} of {len(jobs)} episodes failed; the first: {min(faults)}")
 
 
-def read_results(entrants: Entrants, journal: Journal, labels: Labels) -> Measured:
+def read_results(benchmark: PolicyBenchmark, journal: Journal, labels: CriticalFrames) -> Measured:
     """The results of one policy after all of its jobs are done."""
     results = {
         contender.name: tuple(
-            CaseResult.parse(_done(journal, _repair_key(entrants, contender, case))) for case in entrants.cases
+            CaseResult.parse(_done(journal, _repair_key(benchmark, contender, case))) for case in benchmark.cases
         )
-        for contender in entrants.contenders
+        for contender in benchmark.contenders
     }
     confusions = {
         monitor.name: tuple(
-            Confusion(**_done(journal, _monitor_key(entrants, monitor, case, labels))) for case in entrants.cases
+            Confusion(**_done(journal, _monitor_key(benchmark, monitor, case, labels))) for case in benchmark.cases
         )
-        for monitor in entrants.monitors
+        for monitor in benchmark.monitors
     }
-    return Measured(entrants, results, confusions)
+    return Measured(benchmark, results, confusions)
 
 
-def _player(entrants: Entrants, contender: Contender, case: Case) -> Player | None:
-    return entrants.players[contender.name][case.name] if contender.group == "bound" else None
+def _player(benchmark: PolicyBenchmark, contender: Contender, case: Case) -> Player | None:
+    return benchmark.players[contender.name][case.name] if contender.group == "bound" else None
 
 
-def _repair_key(entrants: Entrants, contender: Contender, case: Case) -> Key:
-    player = _player(entrants, contender, case)
+def _repair_key(benchmark: PolicyBenchmark, contender: Contender, case: Case) -> Key:
+    player = _player(benchmark, contender, case)
     played = player.digest if player is not None else ""
     return entry_key(
-        [run_job.__module__], "repair", entrants.policy, entrants.policy_digest, contender.key, played, case_key(case)
+        [run_job.__module__], "repair", benchmark.policy, benchmark.policy_digest, contender.key, played, case_key(case)
     )
 
 
-def _monitor_key(entrants: Entrants, monitor: Contender, case: Case, labels: Labels) -> Key:
+def _monitor_key(benchmark: PolicyBenchmark, monitor: Contender, case: Case, labels: CriticalFrames) -> Key:
     code = [run_job.__module__, labels.__module__]
-    return entry_key(code, "monitor", entrants.policy, entrants.policy_digest, monitor.key, case_key(case))
+    return entry_key(code, "monitor", benchmark.policy, benchmark.policy_digest, monitor.key, case_key(case))
 
 
 def _done(journal: Journal, key: Key) -> dict[str, Any]:

@@ -9,9 +9,25 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
 from harness.benchmark_tables import title_of
-from roadmend.reports.chart_style import GROUP_COLOUR, GROUP_TITLE, INK, MUTED
+from roadmend.reports.chart_style import INK, MUTED
 
 Content = Mapping[str, Any]
+GROUP_COLOUR = {  # hues of Okabe and Ito, see scene_style
+    "adreft": "#d55e00",
+    "rival": "#0072b2",
+    "variant": "#e69f00",
+    "ablation": "#56b4e9",
+    "bound": "#009e73",
+    "reference": "#7a828a",
+}
+GROUP_TITLE = {
+    "adreft": "ADReFT",
+    "variant": "variant",
+    "ablation": "ablation",
+    "rival": "rival",
+    "bound": "hindsight bound",
+    "reference": "no repair",
+}
 _HALO = (withStroke(linewidth=2.5, foreground="white"),)
 _STEPS = (0.6, -0.6, 1.2, -1.2, 1.8, -1.8, 2.4, -2.4, 3.0, -3.0, 3.6, -3.6)  # heights of a line up or down
 

@@ -15,16 +15,16 @@ from numpy.typing import NDArray
 from roadmend.sera.describe import hazard_kind, side_on_road
 from roadmend.sera.descriptor import (
     PARTICIPANTS,
+    BankEntry,
     Control,
     Descriptor,
     EgoManoeuvre,
-    Entry,
     Hazard,
     Light,
     OutcomeName,
     OutcomeStatistics,
     ParticipantKind,
-    Road,
+    RoadDescriptor,
     RoadKind,
     Side,
 )
@@ -49,7 +49,7 @@ _ACTIONS = {"none": [], "brake": ["brake"], "cut_in": ["cut_in"], "swoop": ["cut
 Row = Mapping[str, Any]  # values by dimension; those of slots are arrays over the slots
 
 
-def generate(count: int, seed: int) -> Iterator[Entry]:
+def generate(count: int, seed: int) -> Iterator[BankEntry]:
     """Descriptions of ``count`` scenarios, the families taking turns; the same seed gives the same ones."""
     generator = np.random.default_rng(seed)
     names = tuple(_MANOEUVRES)
@@ -63,7 +63,7 @@ def generate(count: int, seed: int) -> Iterator[Entry]:
             row = {key: values[place] for key, values in columns.items()}
             build = _highway if name in ("S4", "S5") else _intersection
             digest = hashlib.sha256(f"generated/{seed}/{done + place}".encode()).hexdigest()
-            yield Entry(digest, f"generated-{seed}-{done + place}", "generated", build(name, row, outcomes[place]))
+            yield BankEntry(digest, f"generated-{seed}-{done + place}", "generated", build(name, row, outcomes[place]))
         done += batch
 
 
@@ -146,7 +146,7 @@ def _intersection(name: str, row: Row, outcomes: tuple[OutcomeStatistics, ...]) 
             drivers[row["p.driver"][slot]] += 1
     control: Control = "priority" if row["control"] in ("minor", "major") else row["control"]
     kind: RoadKind = "tee_junction" if row["layout"] == "tee" else "intersection"
-    road = Road(kind, row["lanes"], row["speed_limit"], control, row["crossings"])
+    road = RoadDescriptor(kind, row["lanes"], row["speed_limit"], control, row["crossings"])
     return _descriptor(name, row, road, participants, drivers, hazards, row["speed_limit"], outcomes)
 
 
@@ -165,7 +165,7 @@ def _highway(name: str, row: Row, outcomes: tuple[OutcomeStatistics, ...]) -> De
         hazards += _vehicle_hazard(row, slot, side)
         participants[row["v.kind"][slot]] += 1
         drivers[row["v.driver"][slot]] += 1
-    road = Road("highway_exit" if name == "S4" else "on_ramp", lanes, row["speed_limit"])
+    road = RoadDescriptor("highway_exit" if name == "S4" else "on_ramp", lanes, row["speed_limit"])
     limit = row["speed_limit"] if name == "S4" else row["ramp_speed_limit"]
     return _descriptor(name, row, road, participants, drivers, hazards, limit, outcomes)
 
@@ -181,7 +181,7 @@ def _vehicle_hazard(row: Row, slot: int, side: Side) -> list[Hazard]:
 def _descriptor(
     name: str,
     row: Row,
-    road: Road,
+    road: RoadDescriptor,
     participants: Counter[ParticipantKind],
     drivers: Counter[DriverName],
     hazards: list[Hazard],

@@ -25,7 +25,7 @@ from roadmend.core.repair import Repair
 from roadmend.core.scene import Scene
 from roadmend.core.tick import INTERVAL, Tick
 from roadmend.repair.actions import ACTIONS
-from roadmend.training.collision import Collision, describe_collision
+from roadmend.training.collision import CollisionConfiguration, describe_collision
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Scenario
 
@@ -90,7 +90,7 @@ class Bound:
     outcome: str  # without any repair; an EventKind's name
     text: str  # the simulator's words for it
     impact: float  # [s] when it happened
-    collision: Collision | None  # how it happened
+    collision: CollisionConfiguration | None  # how it happened
     tries: int = 0  # re-simulations
     best: Profile | None = None
     lucky: Profile | None = None
@@ -118,7 +118,7 @@ class Bound:
             KeyError, TypeError, ValueError: it is not.
         """
         values = dict(content)
-        values["collision"] = Collision(**values["collision"]) if values["collision"] else None
+        values["collision"] = CollisionConfiguration(**values["collision"]) if values["collision"] else None
         for name in ("best", "lucky"):
             values[name] = Profile.parse(values[name]) if values[name] else None
         return cls(**values)

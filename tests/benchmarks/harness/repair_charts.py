@@ -9,9 +9,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from harness.benchmark_tables import methods_of, title_of
-from harness.chart_labels import add_legend, colour_of, group_handles, label_points, name_methods
+from harness.chart_labels import GROUP_COLOUR, add_legend, colour_of, group_handles, label_points, name_methods
 from harness.table import DASH
-from roadmend.reports.chart_style import GROUP_COLOUR, INK, MUTED, despine, new_figure
+from roadmend.reports.chart_style import INK, MUTED, despine, new_figure
 
 Content = Mapping[str, Any]
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from harness.generated import generate
 from roadmend.sera.bank import Bank, chunks
 from roadmend.sera.descriptor import Descriptor
-from roadmend.sera.facets import Filters
+from roadmend.sera.filters import Filters
 from roadmend.sera.pattern import FailurePattern, Where, Who, Why
 
 _SAME = 1e-6  # scores that differ by less are equal

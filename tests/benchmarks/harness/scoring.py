@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from roadmend.core.errors import InputError
-from roadmend.safe.cases import Case
+from roadmend.safe.cases import CrashCase
 from roadmend.safe.dsl import RoadType
 from roadmend.safe.dsl_data import dump_data
 
@@ -29,7 +29,7 @@ class Scores:
     overall: float
 
 
-def score_cases(cases: Sequence[Case], folder: Path, *, text_only: bool) -> Scores | None:
+def score_cases(cases: Sequence[CrashCase], folder: Path, *, text_only: bool) -> Scores | None:
     """Score the cases that have an oracle, FOLDER/NAME/oracle.json; None if none has.
 
     An oracle's field that is null is not counted, except a stem where there is none. ``alternatives`` are right too.
@@ -68,7 +68,7 @@ def _read(path: Path) -> dict[str, Any]:
     return dict(content)
 
 
-def _mark(case: Case, oracle: Mapping[str, Any], *, text_only: bool) -> dict[str, bool]:
+def _mark(case: CrashCase, oracle: Mapping[str, Any], *, text_only: bool) -> dict[str, bool]:
     """Whether each category of one case is right throughout."""
     if case.crash is None:
         return dict.fromkeys(CATEGORIES, False)

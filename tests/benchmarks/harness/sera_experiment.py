@@ -8,8 +8,8 @@ from statistics import fmean
 from typing import Any
 
 from harness.forgetting import forgotten, forgotten_anew, redrawn
+from harness.sera_kept_runs import KeptRuns, kept_epochs
 from harness.sera_plan import Evaluated, SeraPlan, halves
-from harness.sera_workshop import Workshop, kept_epochs
 from roadmend.core.errors import InputError
 from roadmend.measures.driving import DrivingMeasures
 from roadmend.measures.summary import MEASURES
@@ -34,7 +34,7 @@ class Experiment:
     settings: FewShotSettings
     evaluated: Sequence[Evaluated]
     bank: Bank
-    workshop: Workshop
+    kept_runs: KeptRuns
     patterns: Patterns
     in_depth: bool  # with half the bank and the sweep
 
@@ -60,7 +60,7 @@ class Experiment:
         if self.in_depth:
             selections[HALF_BANK] = self._recommended(failed, seed, self._half_of_bank(seed)).refined
         for arm, picks in selections.items():
-            tuned = self.workshop.tune(self.model, self._scenarios(picks), self.settings, seed, hard)
+            tuned = self.kept_runs.tune(self.model, self._scenarios(picks), self.settings, seed, hard)
             kept[arm] = kept_epochs(tuned)
             models[arm] = tuned if kept[arm] else self.model  # the weights are the same
             found[arm] = self._measures(models[arm], measured)
@@ -68,7 +68,7 @@ class Experiment:
         anew = redrawn(measured, base)
         forgetting = {arm: forgotten(measured, base, after) for arm, after in found.items()}
         forgetting["full"] |= forgotten_anew(
-            self.workshop.drive(self.model, anew), self.workshop.drive(models["full"], anew)
+            self.kept_runs.drive(self.model, anew), self.kept_runs.drive(models["full"], anew)
         )
         return {
             "seed": seed,
@@ -106,12 +106,12 @@ class Experiment:
         for epochs in self.plan.sweep.epochs:
             for rate in self.plan.sweep.learning_rates:
                 settings = self.settings.model_copy(update={"epochs": epochs, "learning_rate": rate, "keep": "last"})
-                tuned = self.workshop.tune(self.model, scenarios, settings, 0, ())
+                tuned = self.kept_runs.tune(self.model, scenarios, settings, 0, ())
                 rows.append({"epochs": epochs, "learning_rate": rate, **means(self._measures(tuned, measured))})
         return rows
 
     def _measures(self, model: Path, evaluated: Sequence[Evaluated]) -> list[DrivingMeasures]:
-        return self.workshop.drive(model, [each.scenario for each in evaluated])
+        return self.kept_runs.drive(model, [each.scenario for each in evaluated])
 
     def _scenarios(self, picks: Sequence[Pick]) -> list[Scenario]:
         entries = [self.bank.entry(pick.number) for pick in picks]

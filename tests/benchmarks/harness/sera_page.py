@@ -7,13 +7,13 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from harness.chart_labels import add_legend
+from harness.chart_labels import GROUP_COLOUR, add_legend
 from harness.sections import Section, chart_section, render_sections, table_section
 from harness.sera_experiment import ARMS
 from harness.sera_summary import main_rows, tables
+from roadmend.core.markdown import table_text
 from roadmend.core.whole_file import write_texts
-from roadmend.reports.chart_style import GROUP_COLOUR, INK, despine, new_figure
-from roadmend.reports.markdown import table_text
+from roadmend.reports.chart_style import INK, despine, new_figure
 from roadmend.reports.result_files import origin
 
 Content = Mapping[str, Any]

@@ -12,7 +12,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.settings import check_settings
 from roadmend.core.yaml_file import read_fields
 from roadmend.sera.describe import entry_of, entry_of_case
-from roadmend.sera.descriptor import Entry
+from roadmend.sera.descriptor import BankEntry
 from roadmend.sera.evaluation_set import Known, content_digest
 from roadmend.world.corpus import Corpus, load_corpus
 from roadmend.world.families import FAMILIES, sample_scenario
@@ -99,7 +99,7 @@ def evaluation_set(plan: SetPlan, corpora: Sequence[Corpus]) -> list[Evaluated]:
     return [*found, *(Evaluated(scenario, is_hard=False) for scenario in _ordinary(plan))]
 
 
-def bank_entries(plan: SetPlan, config: Path, known: Known) -> Iterator[Entry]:
+def bank_entries(plan: SetPlan, config: Path, known: Known) -> Iterator[BankEntry]:
     """The scenarios of the bank, those that are known left out.
 
     Raises:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from roadmend.reports.markdown import table_text
+from roadmend.core.markdown import table_text
 
 DASH = "\N{EN DASH}"
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from roadmend.safe.dsl import Model
+from roadmend.safe.dsl import DslModel
 from roadmend.safe.reading.body_class import _table, classify, find_names
 from roadmend.safe.reading.text import name_vehicles, numerals_to_digits
 
@@ -10,21 +10,21 @@ from roadmend.safe.reading.text import name_vehicles, numerals_to_digits
 @pytest.mark.parametrize(
     ("description", "model"),
     [
-        ("a 1997 pontiac grand am, 4-door sedan", Model.SEDAN),
-        ("a 1999 dodge ram conversion van", Model.MINIVAN),
-        ("a 2004 dodge ram 1500", Model.PICKUP),
-        ("a tractor pulling one trailer", Model.SEMI_TRUCK),
-        ("a 1998 international tractor-trailer", Model.SEMI_TRUCK),
-        ("a pickup truck pulling a utility trailer", Model.PICKUP),
-        ("a 2016 honda crv", Model.SUV),
-        ("a 2016 honda cr-v", Model.SUV),
-        ("a 2010 ford f250", Model.PICKUP),
-        ("a chevy tahoe", Model.SUV),
-        ("a mazda 3, 4-door", Model.SEDAN),
-        ("a white box truck", Model.SEMI_TRUCK),
-        ("a marked police car", Model.SEDAN),
-        ("a ford truck", Model.PICKUP),
-        ("a truck towing a semi-trailer", Model.SEMI_TRUCK),
+        ("a 1997 pontiac grand am, 4-door sedan", DslModel.SEDAN),
+        ("a 1999 dodge ram conversion van", DslModel.MINIVAN),
+        ("a 2004 dodge ram 1500", DslModel.PICKUP),
+        ("a tractor pulling one trailer", DslModel.SEMI_TRUCK),
+        ("a 1998 international tractor-trailer", DslModel.SEMI_TRUCK),
+        ("a pickup truck pulling a utility trailer", DslModel.PICKUP),
+        ("a 2016 honda crv", DslModel.SUV),
+        ("a 2016 honda cr-v", DslModel.SUV),
+        ("a 2010 ford f250", DslModel.PICKUP),
+        ("a chevy tahoe", DslModel.SUV),
+        ("a mazda 3, 4-door", DslModel.SEDAN),
+        ("a white box truck", DslModel.SEMI_TRUCK),
+        ("a marked police car", DslModel.SEDAN),
+        ("a ford truck", DslModel.PICKUP),
+        ("a truck towing a semi-trailer", DslModel.SEMI_TRUCK),
         ("a harley-davidson motorcycle", None),
     ],
 )

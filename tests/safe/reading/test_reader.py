@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from roadmend.core.resources import config_folder
-from roadmend.safe.dsl import Action, Compass, Manoeuvre, Model, Position, RoadType, Side, Time, Weather
+from roadmend.safe.dsl import Action, Compass, DslModel, Manoeuvre, Position, RoadType, Side, Time, Weather
 from roadmend.safe.dsl_data import dump_data, parse_data
 from roadmend.safe.reading.reader import read_summary
 
@@ -297,7 +297,7 @@ def test_who_turns_from_a_lane_came_along_it():
     )
     scenario = read_summary(summary).scenario
     assert scenario.road.stem is Compass.SOUTH
-    assert scenario.vehicles[0].model is Model.SEDAN
+    assert scenario.vehicles[0].model is DslModel.SEDAN
     assert scenario.vehicles[0].initial_position is Position.S2N
 
 

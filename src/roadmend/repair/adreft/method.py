@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.command import Decision
-from roadmend.core.repair import Proposal, Trigger
+from roadmend.core.repair import Proposal, RepairTrigger
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.networks.checkpoint import find_model
@@ -76,7 +76,7 @@ class AdreftRepair:
         if self._held == 0:
             self._action = ACTIONS[self._choose(values, decision.command.action)]
         self._held = (self._held + 1) % self.model.configuration.interval
-        triggers: tuple[Trigger, ...] = ()
+        triggers: tuple[RepairTrigger, ...] = ()
         reason = ""
         if score > self.threshold:
             triggers = attended(self.model, tokens, scene)
@@ -99,10 +99,10 @@ class AdreftRepair:
         return best
 
 
-def attended(model: AdreftModel, tokens: TokenSet, scene: Scene) -> tuple[Trigger, ...]:
+def attended(model: AdreftModel, tokens: TokenSet, scene: Scene) -> tuple[RepairTrigger, ...]:
     """The participants that drew most attention in the model's last call, the weightiest first."""
     rows = tokens.object_rows
     named = rows >= 0
     weights = np.bincount(rows[named], model.attention[named], minlength=len(scene.objects))
     ranked = np.argsort(-weights, kind="stable")[:_TRIGGERS]
-    return tuple(Trigger(int(scene.objects.id[row]), float(weights[row])) for row in ranked if weights[row] > 0.0)
+    return tuple(RepairTrigger(int(scene.objects.id[row]), float(weights[row])) for row in ranked if weights[row] > 0.0)

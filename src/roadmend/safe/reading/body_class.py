@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 
 from roadmend.core.yaml_file import parse_yaml
-from roadmend.safe.dsl import Model
+from roadmend.safe.dsl import DslModel
 
 _FILE = "vehicle_models.yaml"
 
@@ -33,9 +33,9 @@ _MAKE_ALIASES = {
 }
 
 # In the order in which they win; the confidence is that of the class where these words are all there is.
-_BODY_WORDS: tuple[tuple[Model, float, str], ...] = (
+_BODY_WORDS: tuple[tuple[DslModel, float, str], ...] = (
     (
-        Model.SEMI_TRUCK,
+        DslModel.SEMI_TRUCK,
         0.95,
         (
             r"(?<!farm )tractor(?! mower)|semi(?!-?automatic)(?:-?\s?(?:truck|trailer))?s?|18[- ]wheel(?:er)?|big rig|"
@@ -43,7 +43,7 @@ _BODY_WORDS: tuple[tuple[Model, float, str], ...] = (
         ),
     ),
     (
-        Model.MINIVAN,
+        DslModel.MINIVAN,
         0.95,
         (
             r"minivan|(?<!\w)(?:cargo|conversion|passenger|delivery|full[- ]?size|work|panel|step|utility)[- ]?van|van|"
@@ -51,12 +51,12 @@ _BODY_WORDS: tuple[tuple[Model, float, str], ...] = (
         ),
     ),
     (
-        Model.PICKUP,
+        DslModel.PICKUP,
         0.95,
         r"pickup(?: ?truck)?|(?:crew|extended|quad|king|super|regular|double|access)[- ]?cab|light truck",
     ),
     (
-        Model.SUV,
+        DslModel.SUV,
         0.95,
         (
             r"sports?[- ]?utility(?: vehicle)?|suvs?|s\.u\.v\.|crossover|"
@@ -65,7 +65,7 @@ _BODY_WORDS: tuple[tuple[Model, float, str], ...] = (
         ),
     ),
     (
-        Model.SEDAN,
+        DslModel.SEDAN,
         0.95,
         (
             r"sedan|saloon|coupe|hatch-?back|convertible|cabriolet|estate car|roadster|(?:station )?wagon|fastback|"
@@ -73,7 +73,7 @@ _BODY_WORDS: tuple[tuple[Model, float, str], ...] = (
         ),
     ),
     (
-        Model.SEMI_TRUCK,
+        DslModel.SEMI_TRUCK,
         0.5,
         (
             r"(?:medium|heavy|heavy[- ]duty|medium[- ]duty|medium/heavy|large|commercial|box|cargo|dump|straight|"
@@ -83,7 +83,7 @@ _BODY_WORDS: tuple[tuple[Model, float, str], ...] = (
             r"truck-tractor"
         ),
     ),
-    (Model.SEDAN, 0.6, r"(?:sub-?)?compact(?:-size[d]?)?(?: car)?|police car|taxi(?:cab)?|(?:2|3|4|5)[- ]door|car"),
+    (DslModel.SEDAN, 0.6, r"(?:sub-?)?compact(?:-size[d]?)?(?: car)?|police car|taxi(?:cab)?|(?:2|3|4|5)[- ]door|car"),
 )
 _NO_CLASS = re.compile(
     r"\b(motorcycle|motor ?bike|motor ?scooter|moped|bicycle|farm tractor|atv|all[- ]terrain vehicle|snowmobile|"
@@ -108,7 +108,7 @@ class BodyClass:
         basis: what it rests on.
     """
 
-    model: Model | None
+    model: DslModel | None
     confidence: float
     basis: str
 
@@ -129,11 +129,11 @@ class Name:
 
 
 @functools.cache
-def _table() -> dict[str, dict[str, Model]]:
+def _table() -> dict[str, dict[str, DslModel]]:
     content = importlib.resources.files(__package__).joinpath(_FILE).read_text(encoding="utf-8")
     return {
-        make: {str(name): Model(body) for body, names in bodies.items() if body != "any" for name in names}
-        | ({"": Model(bodies["any"])} if "any" in bodies else {})
+        make: {str(name): DslModel(body) for body, names in bodies.items() if body != "any" for name in names}
+        | ({"": DslModel(bodies["any"])} if "any" in bodies else {})
         for make, bodies in parse_yaml(content, _FILE).items()
     }
 
@@ -189,8 +189,8 @@ def classify(description: str) -> BodyClass | None:
         return by_name
     if _BARE_TRUCK.search(own):
         if trailed and _HEAVY_LOAD.search(description, trailed.start()):
-            return BodyClass(Model.SEMI_TRUCK, 0.5, "the word 'truck' and its trailer")
-        return BodyClass(Model.PICKUP, 0.4, "the word 'truck' alone")
+            return BodyClass(DslModel.SEMI_TRUCK, 0.5, "the word 'truck' and its trailer")
+        return BodyClass(DslModel.PICKUP, 0.4, "the word 'truck' alone")
     return None
 
 

@@ -4,9 +4,10 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from roadmend.safe.compass import opposite, turned
 from roadmend.safe.dsl import Position, Side
 from roadmend.safe.reading.clauses import Clause
-from roadmend.safe.reading.directions import Headings, turned
+from roadmend.safe.reading.directions import Headings
 from roadmend.safe.reading.text import Finding
 
 _SIDES = (
@@ -36,7 +37,7 @@ _FRONT_OF_NECESSITY = re.compile(r"rear-end|t-boned|broadsided")
 
 
 @dataclass(frozen=True, slots=True)
-class Contact:
+class ContactStatement:
     """Two vehicles touch.
 
     Attributes:
@@ -59,9 +60,9 @@ class Contact:
         return f"{self.striking_side or ''}-{self.struck_side or ''}".lower()
 
 
-def read_contacts(clauses: Sequence[Clause], numbers: Sequence[int]) -> tuple[Contact, ...]:
+def read_contacts(clauses: Sequence[Clause], numbers: Sequence[int]) -> tuple[ContactStatement, ...]:
     """The contacts between vehicles in the order of the report, each pair of vehicles once."""
-    contacts: dict[frozenset[int], Contact] = {}
+    contacts: dict[frozenset[int], ContactStatement] = {}
     for clause in clauses:
         if _TOLD.search(clause.text):
             continue
@@ -74,7 +75,7 @@ def read_contacts(clauses: Sequence[Clause], numbers: Sequence[int]) -> tuple[Co
     return tuple(contacts.values())
 
 
-def _hits(clause: Clause) -> list[Contact]:
+def _hits(clause: Clause) -> list[ContactStatement]:
     contacts = []
     for verb in _HIT.finditer(clause.text):
         before, after = clause.text[: verb.start()], clause.text[verb.end() :]
@@ -91,7 +92,7 @@ def _hits(clause: Clause) -> list[Contact]:
                 continue
             striking = int(by_whom[0][1])
             on = _side(after[:by]) or _side(near)
-            contacts.append(Contact(striking, one, _side(after[by:]), on, clause.sentence))
+            contacts.append(ContactStatement(striking, one, _side(after[by:]), on, clause.sentence))
         elif later:
             struck = int(later[0][1])
             with_what = _WITH.search(after)
@@ -106,16 +107,16 @@ def _hits(clause: Clause) -> list[Contact]:
             striking_side = _side(with_what[1]) if with_what else None
             if striking_side is None and (_FRONT_OF_NECESSITY.search(verb[0])):
                 striking_side = Side.FRONT
-            contacts.append(Contact(one, struck, striking_side or _side(near), struck_side, clause.sentence))
+            contacts.append(ContactStatement(one, struck, striking_side or _side(near), struck_side, clause.sentence))
     return contacts
 
 
-def _together(clause: Clause) -> list[Contact]:
+def _together(clause: Clause) -> list[ContactStatement]:
     match = _TOGETHER.search(clause.text)
     if match is None:
         return []
     side = Side.FRONT if "head" in match["how"] or "front" in match["how"] else None
-    return [Contact(int(match[1]), int(match[2]), side, side, clause.sentence)]
+    return [ContactStatement(int(match[1]), int(match[2]), side, side, clause.sentence)]
 
 
 def _side(text: str) -> Side | None:
@@ -129,7 +130,7 @@ def _side(text: str) -> Side | None:
 Turns = Mapping[int, Side | None]
 
 
-def cross_headings(headings: Headings, turns: Turns, first: Contact) -> dict[int, Finding[Position]]:
+def cross_headings(headings: Headings, turns: Turns, first: ContactStatement) -> dict[int, Finding[Position]]:
     """Fill the heading of one of two vehicles from the other's.
 
     Args:
@@ -151,11 +152,11 @@ def cross_headings(headings: Headings, turns: Turns, first: Contact) -> dict[int
 
 def _heading_from(side: Side, heading: Position) -> Position:
     if side is Side.FRONT:
-        return turned(turned(heading, Side.LEFT), Side.LEFT)
+        return opposite(heading)
     return turned(heading, Side.RIGHT if side is Side.LEFT else Side.LEFT)
 
 
-def _came_from(known: int, other: int, turns: Turns, contact: Contact) -> Side | None:
+def _came_from(known: int, other: int, turns: Turns, contact: ContactStatement) -> Side | None:
     """The side of the known vehicle from which the other came; None where the contact leaves it open."""
     if contact.striking_side is not Side.FRONT:
         return None

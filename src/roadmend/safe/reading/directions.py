@@ -3,24 +3,10 @@
 import re
 from collections.abc import Mapping, Sequence
 
+from roadmend.safe.compass import BOUND, opposite, turned
 from roadmend.safe.dsl import Position, Side
 from roadmend.safe.reading.clauses import Clause
 from roadmend.safe.reading.text import Finding, nothing
-
-_OF = {"north": Position.S2N, "south": Position.N2S, "east": Position.W2E, "west": Position.E2W}
-_OPPOSITE = {
-    Position.S2N: Position.N2S,
-    Position.N2S: Position.S2N,
-    Position.W2E: Position.E2W,
-    Position.E2W: Position.W2E,
-}
-_TO_THE_LEFT = {
-    Position.S2N: Position.E2W,
-    Position.E2W: Position.N2S,
-    Position.N2S: Position.W2E,
-    Position.W2E: Position.S2N,
-}
-_TO_THE_RIGHT = {left: straight for straight, left in _TO_THE_LEFT.items()}
 
 _COMPASS = r"(north|south|east|west)"
 _PLACE = (
@@ -105,7 +91,7 @@ def read_headings(clauses: Sequence[Clause], numbers: Sequence[int]) -> dict[int
             compass = match[1] or match[4] or match[6]
             number = int(match[2] or match[3] or match[5])
             if number in numbers and not _is_aftermath(clause.text):
-                found.setdefault(number, Finding(_OF[compass], 0.9, clause.sentence, "the word before its name"))
+                found.setdefault(number, Finding(BOUND[compass], 0.9, clause.sentence, "the word before its name"))
     for read, confidence, reason in (
         (_stated, 0.95, "said of this vehicle"),
         (_from_where, 0.85, "where it came from"),
@@ -133,7 +119,7 @@ def heading_of_the_place(clauses: Sequence[Clause]) -> Finding[Position]:
     for clause in clauses:
         match = _PLACE_OF_CRASH.search(clause.text)
         if match:
-            return Finding(_OF[match[1]], 0.6, clause.sentence, "the lanes in which the crash happened")
+            return Finding(BOUND[match[1]], 0.6, clause.sentence, "the lanes in which the crash happened")
     return nothing("the place of the crash names no direction")
 
 
@@ -168,7 +154,7 @@ def relate_headings(
                     found[other] = Finding(known.value, 0.7, known.sentence, f"hit from behind, so it headed as v{one}")
                 elif sides == "front-front" and not turns.get(one) and not turns.get(other):
                     found[other] = Finding(
-                        _OPPOSITE[known.value], 0.6, known.sentence, f"head-on, so it came towards v{one}"
+                        opposite(known.value), 0.6, known.sentence, f"head-on, so it came towards v{one}"
                     )
     return found
 
@@ -191,7 +177,7 @@ def _stated(text: str) -> Position | None:
         return None
     own = _NOT_OWN.split(_INTENT.sub(" ", _masked(text)))[0]
     match = _TOKEN.search(own)
-    return _OF[match[1]] if match else None
+    return BOUND[match[1]] if match else None
 
 
 def _from_where(text: str) -> Position | None:
@@ -200,13 +186,13 @@ def _from_where(text: str) -> Position | None:
         return None
     coming, _, to_first, _, to_second, road, lane = match.groups()
     if coming:
-        return _OPPOSITE[_OF[coming]]
-    return _OF[to_first or to_second or road or lane]
+        return opposite(BOUND[coming])
+    return BOUND[to_first or to_second or road or lane]
 
 
 def _lane(text: str) -> Position | None:
     match = _ON_LANE.search(_NOT_OWN.split(text)[0])
-    return _OF[match[1]] if match else None
+    return BOUND[match[1]] if match else None
 
 
 def _intended(text: str) -> Position | None:
@@ -215,7 +201,7 @@ def _intended(text: str) -> Position | None:
     ):
         return None
     match = _TOKEN.search(_masked(text))
-    return _OF[match[1]] if match else None
+    return BOUND[match[1]] if match else None
 
 
 def _relative(
@@ -242,7 +228,7 @@ def _relative(
                 and re.search(r"direction|oncoming v|opposite|opposing|other way", clause.text)
                 and re.search(r"travel|approach|from|head|com", clause.text)
             ):
-                return Finding(_OPPOSITE[known.value], 0.75, clause.sentence, f"opposite to v{other}")
+                return Finding(opposite(known.value), 0.75, clause.sentence, f"opposite to v{other}")
             text = _INTO_THE_WAY.sub(" ", clause.text)
             if _SAME.search(text) and re.search(rf"{_NEAR}v{other}\b|same|also", text):
                 return Finding(known.value, 0.75, clause.sentence, f"as v{other}")
@@ -256,13 +242,15 @@ def _before_the_turn(
     side = turns.get(number)
     if side is None:
         return None
-    back = _TO_THE_RIGHT if side is Side.LEFT else _TO_THE_LEFT
+    back = Side.RIGHT if side is Side.LEFT else Side.LEFT
     for clause in clauses:
         turn = re.search(r"\bturn\w*\b(.{0,80})", clause.text)
         if number in clause.subjects and turn:
             match = _HEADING_AFTER.search(_NOT_OWN.split(turn[1])[0])
             if match:
-                return Finding(back[_OF[match[1]]], 0.65, clause.sentence, "the way it turned to, turned back")
+                return Finding(
+                    turned(BOUND[match[1]], back), 0.65, clause.sentence, "the way it turned to, turned back"
+                )
     return None
 
 
@@ -275,12 +263,5 @@ def _over_the_line(
     for clause in clauses:
         match = _INTO_ONCOMING.search(clause.text)
         if match and clause.subjects == (number,):
-            return Finding(_OPPOSITE[_OF[match[1]]], 0.6, clause.sentence, "it came into the lane of the other way")
+            return Finding(opposite(BOUND[match[1]]), 0.6, clause.sentence, "it came into the lane of the other way")
     return None
-
-
-def turned(position: Position, side: Side | None) -> Position:
-    """The heading after a turn to the left or right, or straight on."""
-    if side is None:
-        return position
-    return _TO_THE_LEFT[position] if side is Side.LEFT else _TO_THE_RIGHT[position]

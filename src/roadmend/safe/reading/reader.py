@@ -7,18 +7,18 @@ from typing import Any
 
 from roadmend.safe.dsl import (
     Action,
-    Collision,
     CrashScenario,
-    Environment,
-    Model,
+    DescribedCollision,
+    DescribedEnvironment,
+    DescribedRoadNetwork,
+    DescribedVehicle,
+    DslModel,
     Position,
-    RoadNetwork,
     RoadType,
     Side,
-    Vehicle,
 )
 from roadmend.safe.reading.clauses import cut_clauses
-from roadmend.safe.reading.contacts import Contact, cross_headings, read_contacts
+from roadmend.safe.reading.contacts import ContactStatement, cross_headings, read_contacts
 from roadmend.safe.reading.directions import heading_of_the_place, read_headings, relate_headings
 from roadmend.safe.reading.environment import read_time, read_weather
 from roadmend.safe.reading.lanes import read_lanes
@@ -35,7 +35,7 @@ _CODES = re.compile(
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class ReportReading:
     """What was read.
 
     Attributes:
@@ -49,7 +49,7 @@ class Reading:
     left_out: tuple[int, ...]
 
 
-def read_summary(summary: str) -> Reading | None:
+def read_summary(summary: str) -> ReportReading | None:
     """Read a summary; None where it speaks of no vehicle."""
     sentences = tuple(sentence for sentence in read_sentences(summary) if not _CODES.search(sentence.plain))
     cast = find_cast(sentences)
@@ -58,7 +58,7 @@ def read_summary(summary: str) -> Reading | None:
     return _assemble(cast)
 
 
-def _assemble(cast: Cast) -> Reading:
+def _assemble(cast: Cast) -> ReportReading:
     sentences, numbers = cast.sentences, [described.number for described in cast.vehicles]
     clauses = cut_clauses(sentences, numbers)
     contacts = read_contacts(clauses, numbers)
@@ -92,14 +92,14 @@ def _assemble(cast: Cast) -> Reading:
     for index, described in enumerate(cast.vehicles):
         number = described.number
         body = described.body
-        model: Finding[Model] = (
+        model: Finding[DslModel] = (
             nothing("the report does not say what kind of vehicle it is")
             if body is None
             else Finding(body.model, body.confidence, described.sentence, body.basis)
         )
         position = _on_merging_road(number, on_ramp, headings[number]) if merging else headings[number]
         action = _action(turns[number])
-        is_truck = model.value is Model.SEMI_TRUCK
+        is_truck = model.value is DslModel.SEMI_TRUCK
         limit = limit_for(number, known[number], limits, at_junction=at_junction, is_truck=is_truck)
         fields = {
             "model": model,
@@ -109,13 +109,15 @@ def _assemble(cast: Cast) -> Reading:
             "manoeuvre": manoeuvres[number],
         }
         findings |= {f"vehicles[{index}].{name}": finding for name, finding in fields.items()}
-        vehicles.append(Vehicle(model.value, position.value, action.value, limit.value, manoeuvres[number].value))
+        vehicles.append(
+            DescribedVehicle(model.value, position.value, action.value, limit.value, manoeuvres[number].value)
+        )
     findings |= {"env.time": time, "env.weather": weather}
-    road = RoadNetwork(road_type.value, lanes.value, stem.value)
+    road = DescribedRoadNetwork(road_type.value, lanes.value, stem.value)
     scenario = CrashScenario(
-        road, tuple(vehicles), Environment(time.value, weather.value), _collisions(contacts, numbers)
+        road, tuple(vehicles), DescribedEnvironment(time.value, weather.value), _collisions(contacts, numbers)
     )
-    return Reading(scenario, findings, cast.left_out)
+    return ReportReading(scenario, findings, cast.left_out)
 
 
 def _action(turn: Finding[Side]) -> Finding[Action]:
@@ -132,8 +134,9 @@ def _on_merging_road(number: int, on_ramp: Mapping[int, str], heading: Finding[P
     return Finding(Position.MAIN_ROAD, 0.8, heading.sentence, "it is not the one that joins from a ramp")
 
 
-def _collisions(contacts: Sequence[Contact], numbers: Sequence[int]) -> tuple[Collision, ...]:
+def _collisions(contacts: Sequence[ContactStatement], numbers: Sequence[int]) -> tuple[DescribedCollision, ...]:
     place = {number: index for index, number in enumerate(numbers, start=1)}
     return tuple(
-        Collision(place[each.striking], place[each.struck], each.striking_side, each.struck_side) for each in contacts
+        DescribedCollision(place[each.striking], place[each.struck], each.striking_side, each.struck_side)
+        for each in contacts
     )

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 
+from roadmend.safe.compass import BOUND, NORTH_SOUTH, TOWARDS, origin_of, turned
 from roadmend.safe.dsl import Compass, Position, RoadType, Side
 from roadmend.safe.reading.clauses import Clause
 from roadmend.safe.reading.text import Finding, Sentence, nothing
@@ -90,14 +91,6 @@ _STEM_CONTROL = re.compile(
     r"regulated by) (?:an? )?(?:\w+ )?(?:stop|yield)"
 )
 _HAS_TO_WAIT = re.compile(r"\b(?:stop|yield) sign\b")
-_COMPASS_OF = {"north": Compass.NORTH, "south": Compass.SOUTH, "east": Compass.EAST, "west": Compass.WEST}
-_COMES_FROM = {
-    Position.W2E: Compass.WEST,
-    Position.E2W: Compass.EAST,
-    Position.N2S: Compass.NORTH,
-    Position.S2N: Compass.SOUTH,
-}
-_NORTH_SOUTH = {Position.N2S, Position.S2N}
 
 
 def vehicles_on_ramp(clauses: Sequence[Clause]) -> dict[int, str]:
@@ -218,53 +211,33 @@ def read_stem(
         match = _STEM.search(sentence.plain)
         if match:
             return Finding(
-                _COMPASS_OF[next(filter(None, match.groups()))], 0.9, sentence.text, "the report says where it lies"
+                TOWARDS[BOUND[next(filter(None, match.groups()))]], 0.9, sentence.text, "the report says where it lies"
             )
     for sentence in sentences:
         match = _STEM_CONTROL.search(sentence.plain)
         ways = set(re.findall(r"\b(north|south|east|west)bound\b", sentence.plain))
         if match and len(ways) == 1 and not re.search(r"\b(?:all|both|no stop)\b", sentence.plain):
             compass = next(filter(None, match.groups()))
-            return Finding(_opposite(compass), 0.8, sentence.text, f"traffic that comes {compass}bound has to stop")
+            return Finding(
+                origin_of(BOUND[compass]), 0.8, sentence.text, f"traffic that comes {compass}bound has to stop"
+            )
     straight = {number for number, heading in headings.items() if heading is not None and turns.get(number) is None}
     for number, side in turns.items():
         heading = headings.get(number)
         if side is None or heading is None:
             continue
-        across = [other for other in straight if (headings[other] in _NORTH_SOUTH) != (heading in _NORTH_SOUTH)]
+        across = [other for other in straight if (headings[other] in NORTH_SOUTH) != (heading in NORTH_SOUTH)]
         along = [other for other in straight if other not in across]
         if across:
-            return Finding(
-                _COMES_FROM[heading], 0.75, None, f"v{number} turns, and v{across[0]} goes on across its way"
-            )
+            return Finding(origin_of(heading), 0.75, None, f"v{number} turns, and v{across[0]} goes on across its way")
         if along:
             return Finding(
-                _side_of(heading, side), 0.7, None, f"v{number} turns off the road on which v{along[0]} goes on"
+                TOWARDS[turned(heading, side)], 0.7, None, f"v{number} turns off the road on which v{along[0]} goes on"
             )
-        return Finding(_COMES_FROM[heading], 0.4, None, f"v{number} turns there")
+        return Finding(origin_of(heading), 0.4, None, f"v{number} turns there")
     for clause in clauses:
         if len(clause.subjects) == 1 and _HAS_TO_WAIT.search(clause.text):
             heading = headings.get(clause.subjects[0])
             if heading is not None:
-                return Finding(_COMES_FROM[heading], 0.7, clause.sentence, f"v{clause.subjects[0]} has to stop there")
+                return Finding(origin_of(heading), 0.7, clause.sentence, f"v{clause.subjects[0]} has to stop there")
     return nothing("the report does not say where the road that ends there lies")
-
-
-def _opposite(compass: str) -> Compass:
-    return {"north": Compass.SOUTH, "south": Compass.NORTH, "east": Compass.WEST, "west": Compass.EAST}[compass]
-
-
-def _side_of(heading: Position, side: Side) -> Compass:
-    left = {
-        Position.S2N: Compass.WEST,
-        Position.W2E: Compass.NORTH,
-        Position.N2S: Compass.EAST,
-        Position.E2W: Compass.SOUTH,
-    }
-    right = {
-        Position.S2N: Compass.EAST,
-        Position.W2E: Compass.SOUTH,
-        Position.N2S: Compass.WEST,
-        Position.E2W: Compass.NORTH,
-    }
-    return left[heading] if side is Side.LEFT else right[heading]

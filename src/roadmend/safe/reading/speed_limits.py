@@ -4,6 +4,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from roadmend.safe.compass import TOWARDS
 from roadmend.safe.dsl import MAX_SPEED_LIMIT, Position
 from roadmend.safe.reading.text import Finding, Sentence, nothing
 
@@ -34,7 +35,6 @@ _AXES = {
     ),
 }
 _AXIS_OF = {Position.N2S: "ns", Position.S2N: "ns", Position.W2E: "ew", Position.E2W: "ew"}
-_TOWARDS = {Position.N2S: "south", Position.S2N: "north", Position.W2E: "east", Position.E2W: "west"}
 _LABEL = re.compile(r"\b(\d+)-?\s?lane\b")
 _BOTH = re.compile(r"\b(?:both|all|each|either)\b")
 _VEHICLE = re.compile(r"\bv(\d)\b")
@@ -132,7 +132,7 @@ def limit_for(
     others = [limit for limit in limits if not limit.vehicles or not at_junction]
     on_axis = [limit for limit in others if axis is not None and limit.axes == {axis}]
     if on_axis:
-        towards = _TOWARDS[heading] if heading is not None else ""
+        towards = TOWARDS[heading].lower() if heading is not None else ""
         same = [limit for limit in on_axis if limit.towards == towards]
         chosen = (same or on_axis)[0]
         return Finding(chosen.mph, 0.95, chosen.sentence, "the limit of the road that it was on")

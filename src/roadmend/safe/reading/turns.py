@@ -3,9 +3,10 @@
 import re
 from collections.abc import Mapping, Sequence
 
+from roadmend.safe.compass import BOUND, opposite, turned
 from roadmend.safe.dsl import Manoeuvre, Position, Side
 from roadmend.safe.reading.clauses import Clause
-from roadmend.safe.reading.directions import Headings, turned
+from roadmend.safe.reading.directions import Headings
 from roadmend.safe.reading.text import Finding, nothing
 
 _SIDE = r"(left|right)"
@@ -89,7 +90,6 @@ _INTO_LANE = re.compile(
     r"\b(?:enter\w*|into|across|cross\w*|onto|over)\b[^.;]{0,30}?\b(north|south|east|"
     r"west)bound\b(?! (?:shoulder|roadside|curb))"
 )
-_OPPOSED = {"north": Position.N2S, "south": Position.S2N, "east": Position.E2W, "west": Position.W2E}
 
 
 def read_turns(clauses: Sequence[Clause], numbers: Sequence[int]) -> dict[int, Finding[Side]]:
@@ -141,7 +141,7 @@ def read_manoeuvres(
                 r"\b(?:rotat|(?:came|coming|come) to (?:a )?(?:final )?rest|struck by|was struck)", clause.text
             )[0]
             lane = _INTO_LANE.search(before_rest)
-            if lane and _OPPOSED.get(lane[1]) is headings[number].value:
+            if lane and opposite(BOUND[lane[1]]) is headings[number].value:
                 found[number] = Finding(
                     Manoeuvre.ENTER_THE_WRONG_WAY, 0.85, clause.sentence, "it enters the other direction"
                 )
@@ -160,14 +160,6 @@ _ONE_WAY = re.compile(r"\b(?:1|one)-?\s?way\b")
 _WRONG_WAY = re.compile(r"\bwrong[- ](?:way|direction)\b")
 _EDGE = r"(?:(?:road|roadway|street|lane|outside|outer|paved|curb) )*(?:side|edge|shoulder|curb|roadside|berm)"
 _ALONG = re.compile(rf"\b(?:(north|south|east|west)|(left|right))(?:ern)?(?: hand)? {_EDGE}\b")
-# Where traffic keeps to the right, those who head west have the north edge beside them.
-_ALONG_EDGE = {"north": Position.E2W, "south": Position.W2E, "east": Position.S2N, "west": Position.N2S}
-_EDGES = {
-    Position.W2E: {"north", "south"},
-    Position.E2W: {"north", "south"},
-    Position.S2N: {"east", "west"},
-    Position.N2S: {"east", "west"},
-}
 
 
 def park_headings(headings: Headings, clauses: Sequence[Clause]) -> dict[int, Finding[Position]]:
@@ -199,5 +191,7 @@ def _beside(text: str, along: Position) -> Position | None:
     if match is None:
         return None
     if match[1]:
-        return _ALONG_EDGE[match[1]] if match[1] in _EDGES[along] else None
-    return along if match[2] == "right" else turned(turned(along, Side.LEFT), Side.LEFT)
+        # Where traffic keeps to the right, those who head west have the north edge beside them.
+        beside = turned(BOUND[match[1]], Side.LEFT)
+        return beside if beside in {along, opposite(along)} else None
+    return along if match[2] == "right" else opposite(along)

@@ -12,7 +12,6 @@ ABLATIONS: dict[str, tuple[Only, dict[str, dict[str, Any]]]] = {  # which stage 
     "only_rl": (None, {"reinforcement": {"start": "scratch"}}),
     "wo_sr": (None, {"reinforcement": {"step_reward": False}}),
     "wo_regulation": (None, {"frames": {"labels": "weak_without_regulation"}, "practice": {"near": 0.0}}),
-    "wo_precaution": (None, {"model": {"weighing": {"gain": 0.0}}}),
 }
 
 
@@ -28,9 +27,6 @@ def ablated(configuration: TrainingConfiguration, name: str, only: Only) -> tupl
         InputError: the configuration does not have what is to be left out.
     """
     stage, changes = ABLATIONS[name]
-    if "weighing" in changes.get("model", {}) and configuration.model.weighing is None:
-        mend = "leave it out, or give a configuration with model.weighing"
-        raise InputError("--ablation", f"'{name}' changes prices, of which this configuration has none", mend)
     changed = TrainingConfiguration.model_validate(_merged(configuration.model_dump(), changes))
     if "reinforcement" in changes and not changed.reinforcement.episodes:
         mend = "set reinforcement.episodes, or give --config config/training/adreft-paper.yaml"

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.training.adreft.case_frames import CaseFrames
-from roadmend.training.adreft.labels import Labels
+from roadmend.training.adreft.labels import FrameLabels
 from roadmend.training.adreft.token_rows import TokenRows
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Batch:
+class FrameBatch:
     """B frames, padded to the N tokens of the largest."""
 
     tokens: NDArray[np.float32]  # shape (B, N, c), zero where padded
@@ -36,7 +36,7 @@ class FrameSet(TokenRows):
     best_weight: NDArray[np.float32]
 
     @classmethod
-    def join(cls, frames: Sequence[CaseFrames], labels: Sequence[Labels], attributes: int) -> Self:
+    def join(cls, frames: Sequence[CaseFrames], labels: Sequence[FrameLabels], attributes: int) -> Self:
         """All frames of some cases with their labels."""
         counts = np.concatenate([np.zeros(1, dtype=np.int64), *(entry.counts.astype(np.int64) for entry in frames)])
         empty = np.empty(0, dtype=np.float32)
@@ -55,10 +55,10 @@ class FrameSet(TokenRows):
         """SHA-256 over all that is learned from, hexadecimal."""
         return self.digest_of()
 
-    def batch(self, chosen: NDArray[np.int64]) -> Batch:
+    def batch(self, chosen: NDArray[np.int64]) -> FrameBatch:
         """Some frames as one batch, in the order chosen."""
         tokens, mask = self.padded(chosen)
-        return Batch(
+        return FrameBatch(
             tokens,
             mask,
             self.action[chosen],
@@ -88,10 +88,10 @@ class FrameSet(TokenRows):
                 parts += [np.repeat(group, whole), generator.permutation(group)[:rest]]
         return generator.permutation(np.concatenate(parts)) if parts else np.empty(0, dtype=np.int64)
 
-    def batches(self, chosen: NDArray[np.int64], size: int, generator: np.random.Generator) -> Iterator[Batch]:
+    def batches(self, chosen: NDArray[np.int64], size: int, generator: np.random.Generator) -> Iterator[FrameBatch]:
         """Batches of ``size`` frames in random order; frames with like numbers of tokens meet, which saves padding."""
         return map(self.batch, self.batches_of(chosen, size, generator))
 
-    def sorted_batches(self, size: int) -> Iterator[tuple[NDArray[np.int64], Batch]]:
+    def sorted_batches(self, size: int) -> Iterator[tuple[NDArray[np.int64], FrameBatch]]:
         """All frames once, by number of tokens, with their indices: for judging, where order does not matter."""
         return ((chosen, self.batch(chosen)) for chosen in self.sorted_batches_of(np.arange(len(self)), size))

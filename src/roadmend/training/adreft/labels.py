@@ -22,7 +22,7 @@ _MILDEST, _STRONGEST = 0, len(ACTIONS) - 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Labels:
+class FrameLabels:
     """Labels of F frames, all of shape (F,)."""
 
     critical: NDArray[np.float32]  # what the monitor should say, 0 safe .. 1 critical
@@ -44,7 +44,7 @@ class LabelScheme(Protocol):
             mapper: runs a function on many questions.
         """
 
-    def label(self, case: EpisodeCase, frames: CaseFrames) -> Labels:
+    def label(self, case: EpisodeCase, frames: CaseFrames) -> FrameLabels:
         """Labels of one case."""
 
 
@@ -62,7 +62,7 @@ class WeakLabels:
     def prepare(self, cases: Sequence[EpisodeCase], policy: str, cache: Path, mapper: Mapper) -> None:
         """Nothing to do."""
 
-    def label(self, case: EpisodeCase, frames: CaseFrames) -> Labels:
+    def label(self, case: EpisodeCase, frames: CaseFrames) -> FrameLabels:
         """Labels of one case; every frame weighs the same."""
         del case
         critical = frames.distance < self.near
@@ -70,7 +70,7 @@ class WeakLabels:
             critical |= frames.time > frames.end - self.before_collision
         action = np.where(critical, _STRONGEST, _MILDEST)
         weight = np.ones(len(frames), dtype=np.float32)
-        return Labels(critical.astype(np.float32), action.astype(np.int64), weight, weight)
+        return FrameLabels(critical.astype(np.float32), action.astype(np.int64), weight, weight)
 
 
 SCHEMES: dict[str, Callable[[], LabelScheme]] = {

@@ -20,7 +20,7 @@ from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
 from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.training.adreft.calibration import calibrate, monitor_quality
 from roadmend.training.adreft.configuration import SupervisedSection
-from roadmend.training.adreft.frames import Batch, FrameSet
+from roadmend.training.adreft.frames import FrameBatch, FrameSet
 from roadmend.training.adreft.network import AdreftNetwork, load_tensors, tensors_of
 from roadmend.training.adreft.stage import StageRun
 from roadmend.training.optimizer_state import load_optimizer, optimizer_tensors
@@ -160,7 +160,7 @@ class SupervisedStage:
             raise RoadmendError("the loss is no longer finite; try a lower learning rate or clip the gradient")
         return total / max(1, count)
 
-    def _loss(self, batch: Batch) -> tuple[Tensor, Tensor, Tensor]:
+    def _loss(self, batch: FrameBatch) -> tuple[Tensor, Tensor, Tensor]:
         """The batch's loss, the monitor's logits and the adapter's values."""
         section, to = self._section, self._to
         logits, values = self.network(to(batch.tokens), to(batch.mask), to(batch.action))

@@ -12,7 +12,7 @@ _PAUSE = 2.0  # [s] longest pause between two interventions of a trial
 
 
 @dataclass(frozen=True, slots=True)
-class Manner:
+class InterventionPattern:
     """How the interventions of a trial are drawn."""
 
     latest: float  # [s] before the collision, between which and ``earliest`` the first intervention begins
@@ -25,9 +25,9 @@ class Manner:
     strongest: int
 
 
-ABRUPT = Manner(0.3, 6.0, 0.2, 4.0, 0.8, (1, 1, 2, 3), MILDEST, len(ACTIONS) - 1)
+ABRUPT = InterventionPattern(0.3, 6.0, 0.2, 4.0, 0.8, (1, 1, 2, 3), MILDEST, len(ACTIONS) - 1)
 # To be careful for a while, before anything has happened: what is short and mild changes nothing.
-GENTLE = Manner(2.0, 14.0, 2.0, 10.0, 3.0, (1, 1, 2), 2, 7)
+GENTLE = InterventionPattern(2.0, 14.0, 2.0, 10.0, 3.0, (1, 1, 2), 2, 7)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +52,9 @@ class TrialPlan:
     gentle_per_violation: int = 0  # long and mild trials besides; what is driven blinded gets none
     gentle_per_success: int = 0
 
-    def holds(self, name: str, number: int, end: float, *, collides: bool, manner: Manner = ABRUPT) -> list[Hold]:
+    def holds(
+        self, name: str, number: int, end: float, *, collides: bool, manner: InterventionPattern = ABRUPT
+    ) -> list[Hold]:
         """The interventions of one trial, drawn from the seed, the name and the trial's number.
 
         Args:

@@ -1,4 +1,4 @@
-"""The five scenario families of the evaluation (NHTSA pre-crash typology) and how to draw from them."""
+"""The scenario families by name, S1 to S5 of the evaluation (NHTSA pre-crash typology), and how to draw from them."""
 
 import random
 from collections.abc import Callable

@@ -5,7 +5,7 @@ from roadmend.world.families.traffic import (
     DRIVER,
     WEATHER,
     Counts,
-    Place,
+    LanePlace,
     body_length,
     count_of,
     environment,
@@ -80,14 +80,14 @@ def build_exit(parameters: Parameters, name: str, seed: int) -> Scenario:
         speed=round(float(parameters["ego_speed"]) * limit, 2),
         goal=100.0,
     )
-    here = Place("ego", ("approach", lane), ego.position + 0.5 * ego.length, ego.speed, ego.length)
+    here = LanePlace("ego", ("approach", lane), ego.position + 0.5 * ego.length, ego.speed, ego.length)
     places, ways = [], {}
     for slot in _slots(parameters):
         kind = str(parameters[f"{slot}.kind"])
         own_lane = min(int(float(parameters[f"{slot}.lane"]) * lanes), lanes - 1)
         speed = _speed(parameters, slot, limit)
         ahead = here.ahead + float(parameters[f"{slot}.offset"])
-        places.append(Place(slot, ("approach", own_lane), ahead, speed, body_length(kind)))
+        places.append(LanePlace(slot, ("approach", own_lane), ahead, speed, body_length(kind)))
         leaves = float(parameters[f"{slot}.side"]) < (0.45 if own_lane == 0 else 0.1)
         ways[slot] = ["approach", "diverge", "ramp" if leaves else "mainline"]
     actors = _actors(parameters, make_room(places, here), ways, {"approach": network.approach_length})
@@ -122,7 +122,7 @@ def build_ramp(parameters: Parameters, name: str, seed: int) -> Scenario:
         speed=round(float(parameters["ego_speed"]) * ramp_limit, 2),
         goal=150.0,
     )
-    here = Place("ego", ("ramp", 0), ego.position + 0.5 * ego.length, ego.speed, ego.length)
+    here = LanePlace("ego", ("ramp", 0), ego.position + 0.5 * ego.length, ego.speed, ego.length)
     meeting = (network.ramp_length - ego.position) / max(0.9 * ramp_limit, 1.0)  # [s] until the ego may merge
     places, ways = [], {}
     for slot in _slots(parameters):
@@ -130,7 +130,7 @@ def build_ramp(parameters: Parameters, name: str, seed: int) -> Scenario:
         if float(parameters[f"{slot}.side"]) < 0.12:
             speed = _speed(parameters, slot, ramp_limit)
             places.append(
-                Place(
+                LanePlace(
                     slot, ("ramp", 0), here.ahead + 0.5 * float(parameters[f"{slot}.offset"]), speed, body_length(kind)
                 )
             )
@@ -140,7 +140,7 @@ def build_ramp(parameters: Parameters, name: str, seed: int) -> Scenario:
         lane = min(int(float(parameters[f"{slot}.lane"]) ** 1.6 * lanes), lanes - 1)
         speed = _speed(parameters, slot, limit)
         ahead = network.approach_length - speed * meeting + float(parameters[f"{slot}.offset"])
-        places.append(Place(slot, ("approach", lane), ahead, speed, body_length(kind)))
+        places.append(LanePlace(slot, ("approach", lane), ahead, speed, body_length(kind)))
         ways[slot] = ["approach", "merge", "mainline"]
     lengths = {"approach": network.approach_length, "ramp": network.ramp_length}
     actors = _actors(parameters, make_room(places, here), ways, lengths)
@@ -166,7 +166,7 @@ def _speed(parameters: Parameters, slot: str, limit: float) -> float:
 
 
 def _actors(
-    parameters: Parameters, places: list[Place], ways: dict[str, list[str]], lengths: dict[str, float]
+    parameters: Parameters, places: list[LanePlace], ways: dict[str, list[str]], lengths: dict[str, float]
 ) -> list[Actor]:
     actors: list[Actor] = []
     for place in sorted(places, key=lambda place: int(place.slot[1:])):

@@ -6,7 +6,7 @@ from roadmend.world.families.traffic import (
     DRIVER,
     WEATHER,
     Counts,
-    Place,
+    LanePlace,
     body_length,
     count_of,
     environment,
@@ -102,7 +102,7 @@ def build_intersection(family: str, parameters: Parameters, name: str, seed: int
         speed=round(float(parameters["ego_speed"]) * limit, 2),
         goal=50.0,
     )
-    here = Place("ego", ("south", lane), ego.position + 0.5 * ego.length, ego.speed, ego.length)
+    here = LanePlace("ego", ("south", lane), ego.position + 0.5 * ego.length, ego.speed, ego.length)
     actors = [*_vehicles(parameters, arms, here), *_pedestrians(parameters, arms)]
     return Scenario(
         name=name,
@@ -158,7 +158,7 @@ def _turn(arms: list[str], arm: str, turn: int) -> str:
     return there[turn % len(there)]
 
 
-def _vehicles(parameters: Parameters, arms: list[str], ego: Place) -> list[Actor]:
+def _vehicles(parameters: Parameters, arms: list[str], ego: LanePlace) -> list[Actor]:
     limit = float(parameters["speed_limit"])
     places = []
     ways: dict[str, str] = {}
@@ -171,7 +171,7 @@ def _vehicles(parameters: Parameters, arms: list[str], ego: Place) -> list[Actor
         speed = min(float(parameters[f"{slot}.speed"]) * limit, BODIES[kind].speed_max)
         lane = _lane_for(parameters, arm, ways[slot])
         ahead = _ARM_LENGTH - _JUNCTION_RADIUS - float(parameters[f"{slot}.arrival"]) * speed
-        places.append(Place(slot, (arm, lane), ahead, speed, body_length(kind)))
+        places.append(LanePlace(slot, (arm, lane), ahead, speed, body_length(kind)))
     actors: list[Actor] = []
     for place in sorted(make_room(places, ego), key=lambda place: int(place.slot[1:])):
         if place.ahead > _ARM_LENGTH - _JUNCTION_RADIUS:

@@ -64,7 +64,7 @@ def environment(parameters: Parameters) -> Environment:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class LanePlace:
     """A vehicle in a lane: ``ahead`` is its front bumper's coordinate [m] along the lane, growing forwards."""
 
     slot: str
@@ -74,13 +74,13 @@ class Place:
     length: float  # [m]
 
 
-def make_room(places: Iterable[Place], fixed: Place | None) -> list[Place]:
+def make_room(places: Iterable[LanePlace], fixed: LanePlace | None) -> list[LanePlace]:
     """Spread vehicles of one lane so that none starts inside or hopelessly close to another.
 
     Vehicles keep their order; those ahead of ``fixed`` (the ego) are pushed forwards, the others backwards.
     """
-    result: list[Place] = []
-    lanes: dict[tuple[str, int], list[Place]] = {}
+    result: list[LanePlace] = []
+    lanes: dict[tuple[str, int], list[LanePlace]] = {}
     for place in places:
         lanes.setdefault(place.lane, []).append(place)
     for lane, members in lanes.items():

@@ -14,7 +14,7 @@ from roadmend.world.scenario import Scenario
 
 
 @dataclass(frozen=True, slots=True)
-class Trial:
+class TuningTrial:
     """The policy after some epochs on the validation set; means of the Driving Score, None where it was not driven."""
 
     epochs: int  # 0: as it was
@@ -25,15 +25,15 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Candidate:
+class TunedCandidate:
     """A trial and the weights that were tried."""
 
-    trial: Trial
+    trial: TuningTrial
     tensors: Tensors
 
 
 @dataclass
-class Guard:
+class TuningGuard:
     """Which candidates are worth a look, and which may take the old policy's place.
 
     All ordinary scenarios count, those that failed before too: where only those count that went well, luck that the old
@@ -46,25 +46,27 @@ class Guard:
     _hard_before: float = 0.0
     _ordinary_before: float = 0.0
 
-    def first(self, hard: Sequence[DrivingMeasures], ordinary: Sequence[DrivingMeasures]) -> Trial:
+    def first(self, hard: Sequence[DrivingMeasures], ordinary: Sequence[DrivingMeasures]) -> TuningTrial:
         """What the policy comes to as it is."""
         self._hard_before, self._ordinary_before = _mean(hard), _mean(ordinary)
-        return Trial(0, self._hard_before, self._ordinary_before)
+        return TuningTrial(0, self._hard_before, self._ordinary_before)
 
-    def trial(self, epochs: int, hard: Sequence[DrivingMeasures], loss: float | None, share: float = 1.0) -> Trial:
+    def trial(
+        self, epochs: int, hard: Sequence[DrivingMeasures], loss: float | None, share: float = 1.0
+    ) -> TuningTrial:
         """What the policy comes to after some epochs, as far as the hard scenarios tell."""
-        return Trial(epochs, _mean(hard), None, loss, share)
+        return TuningTrial(epochs, _mean(hard), None, loss, share)
 
-    def judged(self, candidate: Candidate, ordinary: Sequence[DrivingMeasures]) -> Candidate:
+    def judged(self, candidate: TunedCandidate, ordinary: Sequence[DrivingMeasures]) -> TunedCandidate:
         """A candidate that has driven the ordinary scenarios, too."""
         return replace(candidate, trial=replace(candidate.trial, ordinary=_mean(ordinary)))
 
-    def ranked(self, candidates: Sequence[Candidate]) -> list[Candidate]:
+    def ranked(self, candidates: Sequence[TunedCandidate]) -> list[TunedCandidate]:
         """Those that are better on the hard scenarios than the policy was, the best first, of equals the earlier."""
         better = [each for each in candidates if _score(each) > self._hard_before]
         return sorted(better, key=_score, reverse=True)
 
-    def allows(self, trial: Trial) -> bool:
+    def allows(self, trial: TuningTrial) -> bool:
         """Whether a trial has lost nothing of what the policy could do; one that has not been judged has."""
         return trial.ordinary is not None and trial.ordinary >= self._ordinary_before - self.tolerance
 
@@ -73,7 +75,7 @@ def _mean(measures: Sequence[DrivingMeasures]) -> float:
     return fmean(each.driving_score for each in measures)
 
 
-def _score(candidate: Candidate) -> float:
+def _score(candidate: TunedCandidate) -> float:
     assert candidate.trial.driving_score is not None
     return candidate.trial.driving_score
 

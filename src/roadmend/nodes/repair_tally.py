@@ -1,8 +1,10 @@
 """Counts what a repairer did over a run."""
 
 from collections import Counter
+from dataclasses import asdict
 
 from roadmend.core.repair import Interventions, Repair, RepairStatus
+from roadmend.core.spell import SpellBuilder
 
 
 class RepairTally:
@@ -11,11 +13,13 @@ class RepairTally:
     def __init__(self) -> None:
         self._states: Counter[RepairStatus] = Counter()
         self._interventions = Interventions()
+        self._spells = SpellBuilder()
 
-    def add(self, repair: Repair) -> None:
-        """Count one answer."""
+    def add(self, time: float, repair: Repair) -> None:
+        """Count the answer at ``time`` [s]."""
         self._states[repair.status] += 1
         self._interventions.add(repair)
+        self._spells.add(time, repair)
 
     def values(self) -> dict[str, object]:
         """The counts as plain values."""
@@ -27,3 +31,7 @@ class RepairTally:
             "dose": self._interventions.dose,
             **{f"state.{state.name}": count for state, count in sorted(self._states.items())},
         }
+
+    def account(self) -> dict[str, object]:
+        """The counts and the spells, as plain values."""
+        return {**self.values(), "spells": [asdict(spell) for spell in self._spells.spells]}

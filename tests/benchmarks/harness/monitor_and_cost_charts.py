@@ -9,8 +9,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from harness.benchmark_tables import monitor_title
-from harness.chart_labels import add_legend, colour_of, group_handles, label_points, name_methods
-from roadmend.reports.chart_style import GRID, GROUP_COLOUR, INK, MUTED, despine, new_figure
+from harness.chart_labels import GROUP_COLOUR, add_legend, colour_of, group_handles, label_points, name_methods
+from roadmend.reports.chart_style import GRID, INK, MUTED, despine, new_figure
 
 Content = Mapping[str, Any]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from roadmend.measures.driving import DrivingMeasures
-from roadmend.training.repair_guard import Candidate, Guard, Trial, mixture
+from roadmend.training.tuning_guard import TunedCandidate, TuningGuard, TuningTrial, mixture
 from roadmend.world.families import sample_scenario
 
 GOOD = DrivingMeasures("GOAL", 100.0, (), 100.0, True, None, None, False)
@@ -16,19 +16,19 @@ BAD = replace(GOOD, outcome="COLLISION", driving_score=30.0, success=False)
 @pytest.fixture
 def guard():
     scenarios = [sample_scenario("S1", seed) for seed in range(4)]
-    guard = Guard(scenarios[:3], scenarios[3:], tolerance=1.0)
-    assert guard.first([BAD], [GOOD, GOOD, BAD]) == Trial(0, 30.0, pytest.approx(230.0 / 3.0))
+    guard = TuningGuard(scenarios[:3], scenarios[3:], tolerance=1.0)
+    assert guard.first([BAD], [GOOD, GOOD, BAD]) == TuningTrial(0, 30.0, pytest.approx(230.0 / 3.0))
     return guard
 
 
 def scored(score, number=1):
-    return Candidate(Trial(number, score, None), {})
+    return TunedCandidate(TuningTrial(number, score, None), {})
 
 
 def test_candidates_that_are_better_on_the_hard_ones_are_ranked(guard):
     found = guard.ranked([scored(50.0, 1), scored(30.0, 2), scored(90.0, 3), scored(50.0, 4), scored(10.0, 5)])
     assert [candidate.trial.epochs for candidate in found] == [3, 1, 4]
-    assert guard.trial(2, [GOOD, BAD], 0.5, 0.25) == Trial(2, 65.0, None, 0.5, 0.25)
+    assert guard.trial(2, [GOOD, BAD], 0.5, 0.25) == TuningTrial(2, 65.0, None, 0.5, 0.25)
 
 
 @pytest.mark.parametrize(

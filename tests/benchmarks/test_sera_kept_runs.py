@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness import sera_workshop
-from harness.sera_workshop import Workshop, kept_epochs
+from harness import sera_kept_runs
+from harness.sera_kept_runs import KeptRuns, kept_epochs
 from roadmend.core.journal import Journal, entry_key
 from roadmend.measures.driving import DrivingMeasures
 from roadmend.networks.checkpoint import find_model, save_checkpoint
@@ -53,13 +53,13 @@ def done(monkeypatch):
         save_checkpoint(out, {}, header)
 
     for name, stub in (("drive_once", drive), ("gather", gather), ("few_shot_repair", repair)):
-        monkeypatch.setattr(sera_workshop, name, stub)
+        monkeypatch.setattr(sera_kept_runs, name, stub)
     return found
 
 
 def work(folder: Path, task):
     with Journal(folder / "results.jsonl", "test/1") as journal:
-        return task(Workshop(journal, map))
+        return task(KeptRuns(journal, map))
 
 
 def test_a_drive_is_kept_by_model_and_scenario(tmp_path, done):
@@ -101,7 +101,7 @@ def test_a_model_tuned_with_another_repair_of_the_same_name_is_another_one(tmp_p
     for policy in ("modular", "neural", "modular"):
         shutil.copyfile(find_model(policy, "adreft-"), repair)
         settings = FewShotSettings(repair=str(repair))
-        tune = partial(Workshop.tune, model=MODEL, scenarios=SCENARIOS[:1], settings=settings, seed=0)
+        tune = partial(KeptRuns.tune, model=MODEL, scenarios=SCENARIOS[:1], settings=settings, seed=0)
         paths.append(work(tmp_path / "work", partial(tune, validation=SCENARIOS[2:])))
     assert paths[0] == paths[2] != paths[1]
     assert sum(each.startswith("tune") for each in done) == 2

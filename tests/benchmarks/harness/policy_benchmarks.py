@@ -9,13 +9,13 @@ from typing import Any
 
 from rich.progress import Progress
 
-from harness.benchmark_run import HINDSIGHT, Entrants, Player
+from harness.benchmark_run import HINDSIGHT, Player, PolicyBenchmark
+from harness.contenders import Absence, BenchmarkPlan, resolve, resolve_monitors
 from harness.fresh_cases import fresh_cases
 from harness.hindsight import Bound
 from harness.hindsight_file import hindsight_bound
 from harness.pulse import PulsePlayer
 from roadmend.core.errors import InputError
-from roadmend.measures.contenders import Absence, BenchmarkPlan, resolve, resolve_monitors
 from roadmend.search.policy_model import policy_model
 from roadmend.world.corpus import Case, Corpus, corpus_of
 
@@ -49,29 +49,31 @@ class Choice:
         }
 
 
-def find_entrants(
+def find_benchmarks(
     plan: BenchmarkPlan, config: Path, choice: Choice, work: Path, workers: int, progress: Progress
-) -> list[Entrants]:
+) -> list[PolicyBenchmark]:
     """Load or gather the cases of every policy, and see which methods can run.
 
     Raises:
         InputError: a corpus or a parameter is unusable.
         SimulationError: a worker process died.
     """
-    return [_entrants(plan, config, choice, policy, work, workers, progress) for policy in choice.policies]
+    return [_benchmark(plan, config, choice, policy, work, workers, progress) for policy in choice.policies]
 
 
-def _entrants(
+def _benchmark(
     plan: BenchmarkPlan, config: Path, choice: Choice, policy: str, work: Path, workers: int, progress: Progress
-) -> Entrants:
+) -> PolicyBenchmark:
     contenders, absences = resolve(plan, config, policy, [*choice.methods])
     if not contenders:
-        return Entrants(policy, "", "", (), (), (), tuple(absences))
+        return PolicyBenchmark(policy, "", "", (), (), (), tuple(absences))
     if choice.fresh_seed is None:
         path = choice.corpora / f"{policy}.jsonl"
         if not path.is_file():
             reason = f"there is no corpus {path.name}"
-            return Entrants(policy, "", "", (), (), (), tuple(Absence(name, policy, reason) for name in choice.methods))
+            return PolicyBenchmark(
+                policy, "", "", (), (), (), tuple(Absence(name, policy, reason) for name in choice.methods)
+            )
         corpus = corpus_of(policy, path)
     else:
         assert choice.cases is not None
@@ -94,7 +96,7 @@ def _entrants(
             HINDSIGHT: {case.name: _player(bounds.get(case.name), is_lucky=False) for case in cases},
             LUCKY: {case.name: _player(bounds.get(case.name), is_lucky=True) for case in cases},
         }
-    return Entrants(
+    return PolicyBenchmark(
         policy, model or "", corpus.digest, tuple(cases), tuple(contenders), tuple(monitors), tuple(absences), players
     )
 

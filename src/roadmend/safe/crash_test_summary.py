@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from roadmend.safe.cases import Case
-from roadmend.safe.driving import Result
+from roadmend.safe.cases import CrashCase
+from roadmend.safe.driving import CrashTestResult
 
 
 @dataclass(frozen=True, slots=True)
-class TestTally:
+class TestSummary:
     """A policy in the scenarios of crash reports.
 
     Attributes:
@@ -47,29 +47,29 @@ class TestTally:
         return *map(str, counts), rate, top, seconds
 
 
-def tally_tests(cases: Sequence[Case], results: Sequence[Result]) -> TestTally:
+def summarise_tests(cases: Sequence[CrashCase], results: Sequence[CrashTestResult]) -> TestSummary:
     """Count the tests of one policy."""
-    ran = [result for result in results if result.outcome]
-    hits = [number for number, result in enumerate(ran, start=1) if result.collision]
-    return TestTally(
+    ran = [(result.driven, result.seconds) for result in results if result.driven is not None]
+    hits = [number for number, (driven, _) in enumerate(ran, start=1) if driven.collided]
+    return TestSummary(
         reports=len(cases),
         built=sum(_runs_whole(case, results) for case in cases),
         scenarios=len(ran),
         collisions=len(hits),
-        at_fault=sum(result.at_fault for result in ran),
+        at_fault=sum(driven.final.at_fault for driven, _ in ran),
         violation_rate=len(hits) / len(ran) if ran else None,
         top=tuple(hits[:3]),
-        seconds_per_scenario=sum(result.seconds for result in ran) / len(ran) if ran else None,
+        seconds_per_scenario=sum(seconds for _, seconds in ran) / len(ran) if ran else None,
     )
 
 
-def _runs_whole(case: Case, results: Sequence[Result]) -> bool:
+def _runs_whole(case: CrashCase, results: Sequence[CrashTestResult]) -> bool:
     own = [result for result in results if result.report == case.name]
-    return bool(own) and all(result.outcome for result in own)
+    return bool(own) and all(result.driven is not None for result in own)
 
 
 @dataclass(frozen=True, slots=True)
-class ReproductionTally:
+class ReproductionSummary:
     """The crashes that happened again with a policy in the place of a vehicle.
 
     Attributes:
@@ -105,8 +105,10 @@ def _share(part: int, whole: int) -> str:
     return f"{100.0 * part / whole:.1f} %" if whole else "-"
 
 
-def tally_reproductions(cases: Sequence[Case], results: Sequence[Result]) -> ReproductionTally:
+def summarise_reproductions(cases: Sequence[CrashCase], results: Sequence[CrashTestResult]) -> ReproductionSummary:
     """Count the reproductions of one policy."""
     names = sorted({result.report for result in results if result.reproduced})
     possible = sum(case.crash is not None and len(case.crash.vehicles) > 1 for case in cases)
-    return ReproductionTally(len(cases), possible, len(names), tuple(names), sum(result.episodes for result in results))
+    return ReproductionSummary(
+        len(cases), possible, len(names), tuple(names), sum(result.episodes for result in results)
+    )

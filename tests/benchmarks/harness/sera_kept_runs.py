@@ -11,18 +11,18 @@ from roadmend.measures.driving import DrivingMeasures
 from roadmend.networks.checkpoint import load_checkpoint
 from roadmend.policies.neural import load_model
 from roadmend.repair.adreft.model import KIND
+from roadmend.training.demonstrations import Lesson, gather
 from roadmend.training.few_shot import Labour, drive_once, few_shot_repair, repair_model
 from roadmend.training.few_shot_settings import FewShotSettings
-from roadmend.training.imitation_rollout import Lesson, gather
 from roadmend.training.samples import Samples, load_samples, save_samples
 from roadmend.world.scenario import Scenario
 
-_CODE = ("roadmend.policies.neural", "roadmend.measures.measured_run")
+_CODE = ("roadmend.policies.neural", "roadmend.measures.measured_run", "roadmend.repair.registry")
 _REPAIR = "roadmend.repair.adreft.method"
 
 
 @dataclass
-class Workshop:
+class KeptRuns:
     """Drives, gathers and tunes in a folder."""
 
     journal: Journal

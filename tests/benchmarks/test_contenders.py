@@ -4,8 +4,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from harness.contenders import read_plan, resolve, resolve_monitors
 from roadmend.core.errors import InputError
-from roadmend.measures.contenders import read_plan, resolve, resolve_monitors
 
 CONFIG = Path(__file__).parents[2] / "config"
 PLAN = CONFIG.parent / "tests" / "benchmarks" / "adreft.yaml"
@@ -71,13 +71,13 @@ def test_what_cannot_run_is_listed_with_its_reason(tmp_path):
 def test_a_monitor_can_be_another_method_than_its_name_says(tmp_path):
     plan, folder = read_plan(PLAN), folder_with(tmp_path)
     (folder / "models" / "ablations").mkdir(parents=True)
-    for name in ("adreft-modular", "ablations/wo_precaution-modular", "self_oracle-modular"):
+    for name in ("adreft-modular", "adreft-precaution-modular", "self_oracle-modular"):
         shutil.copyfile(CONFIG / "models" / f"{name}.safetensors", folder / "models" / f"{name}.safetensors")
     watched = resolve_monitors(plan, folder, "modular", plan.monitors)
     assert [each.name for each in watched] == ["adreft", "adreft_precaution", "rule", "model", "rss", "predictive"]
     assert [each.title for each in watched[:3]] == ["ADReFT, state monitor", "ADReFT, precaution too", "RuleRepair"]
-    assert [each.model.stem for each in watched[:2]] == ["wo_precaution-modular", "adreft-modular"]
-    assert watched[1].key == resolve(plan, folder, "modular", ["adreft"])[0][0].key
+    assert [each.model.stem for each in watched[:2]] == ["adreft-modular", "adreft-precaution-modular"]
+    assert watched[1].key == resolve(plan, folder, "modular", ["precaution"])[0][0].key
 
 
 def test_unusable_parameters_and_plans_are_refused(tmp_path):

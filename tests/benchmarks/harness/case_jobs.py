@@ -9,6 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.contenders import Contender
 from roadmend.core.command import Decision
 from roadmend.core.errors import SimulationError
 from roadmend.core.fanout import fan_out
@@ -18,7 +19,6 @@ from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.core.tick import Tick
 from roadmend.measures.case_result import CaseResult
-from roadmend.measures.contenders import Contender
 from roadmend.measures.monitor import Confusion
 from roadmend.policies.registry import make_policy
 from roadmend.repair.guard import GuardedRepairer
@@ -29,7 +29,7 @@ from roadmend.world.runner import run_episode
 Floats = NDArray[np.float64]
 
 
-class Labels(Protocol):
+class CriticalFrames(Protocol):
     """Says which frames of an episode are critical; travels to other processes by pickle."""
 
     def __call__(self, case: Case, time: Floats, distance: Floats, end: float, outcome: str, /) -> NDArray[np.bool_]:
@@ -56,13 +56,13 @@ def case_seed(case: Case) -> int:
 
 
 @dataclass(frozen=True, slots=True)
-class Job:
+class CaseJob:
     """A piece of work: one episode."""
 
     case: Case
     contenders: tuple[Contender, ...]  # the one that repairs, or all that watch
     keys: tuple[str, ...]  # of the results, one a contender
-    labels: Labels | None = None  # with it the contenders are watched as monitors, and nobody repairs
+    labels: CriticalFrames | None = None  # with it the contenders are watched as monitors, and nobody repairs
     repairer: Repairer | None = None  # repairs instead of the contender, which only lends its name
 
 
@@ -70,7 +70,7 @@ class Job:
 class Outcome:
     """What a job came to: its results as plain values, or why there are none."""
 
-    job: Job
+    job: CaseJob
     results: tuple[dict[str, Any], ...] = ()
     fault: str = ""
 
@@ -98,7 +98,7 @@ class Onlookers:
         return self._alone.step(scene, decision)
 
 
-def run_job(job: Job) -> Outcome:
+def run_job(job: CaseJob) -> Outcome:
     """Do one piece of work in this process; whatever goes wrong is a result here."""
     try:
         results = _repair(job) if job.labels is None else _monitor(job, job.labels)
@@ -110,7 +110,7 @@ def run_job(job: Job) -> Outcome:
     return Outcome(job, results)
 
 
-def _repair(job: Job) -> tuple[dict[str, Any], ...]:
+def _repair(job: CaseJob) -> tuple[dict[str, Any], ...]:
     case, (contender,) = job.case, job.contenders
     repairer = job.repairer or make_repairer(contender.method, contender.parameters, case_seed(case))
     episode = run_episode(case.scenario(), make_policy(contender.policy), repairer)
@@ -119,7 +119,7 @@ def _repair(job: Job) -> tuple[dict[str, Any], ...]:
     return (CaseResult(case.name, case.family, case.is_violation, episode).dump(),)
 
 
-def _monitor(job: Job, labels: Labels) -> tuple[dict[str, Any], ...]:
+def _monitor(job: CaseJob, labels: CriticalFrames) -> tuple[dict[str, Any], ...]:
     case = job.case
     monitors = [make_repairer(each.method, each.parameters, case_seed(case)) for each in job.contenders]
     onlookers = Onlookers(monitors, make_repairer("none"))
@@ -135,7 +135,7 @@ def _monitor(job: Job, labels: Labels) -> tuple[dict[str, Any], ...]:
     return tuple(Confusion.of(critical, np.array(alarms, dtype=np.bool_)).dump() for alarms in onlookers.alarms)
 
 
-def run_jobs(jobs: Sequence[Job], workers: int) -> Iterator[Outcome]:
+def run_jobs(jobs: Sequence[CaseJob], workers: int) -> Iterator[Outcome]:
     """Do all the work, side by side; what comes out, in the order of the jobs, does not depend on the number of workers.
 
     Raises:

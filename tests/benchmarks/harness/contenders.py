@@ -13,8 +13,9 @@ from roadmend.core.settings import check_parameters, read_settings
 from roadmend.core.source_digest import source_digest
 from roadmend.policies.registry import POLICIES, make_policy
 from roadmend.repair.registry import METHODS
+from roadmend.training.tuned_file import TunedMethods
 
-_ALWAYS = ("roadmend.repair.guard", "roadmend.world.corpus", "roadmend.measures.case_jobs")
+_ALWAYS = ("roadmend.repair.guard", "roadmend.world.corpus", "harness.case_jobs")
 
 Group = Literal["reference", "rival", "adreft", "variant", "ablation", "bound"]
 
@@ -66,18 +67,6 @@ class BenchmarkPlan(_Part):
     watched: dict[str, WatchedEntry] = Field(default_factory=dict)  # by monitor
     robustness: RobustnessEntry
     quick: QuickEntry
-
-
-class TunedMethod(BaseModel):
-    """A method's best parameters; what they came to stands beside them in the file."""
-
-    parameters: dict[str, Any]
-
-
-class TunedMethods(BaseModel):
-    """What 'roadmend train rivals' has found: config/repair/tuned/*.yaml. The file also says how."""
-
-    methods: dict[str, TunedMethod]
 
 
 @dataclass(frozen=True, slots=True)
