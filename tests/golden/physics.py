@@ -53,14 +53,10 @@ class Golden:
         return {"model": f"precaution-{self.policy}"} if self.method == "adreft" else {}
 
 
-def is_settled(scenario: Scenario) -> bool:
-    """Whether SUMO drives the scenario alike whatever the process did before.
-
-    A link of SUMO's draws one random number for each approaching person while a driver's jmIgnoreFoeProb lies between 0
-    and 1, in the order of pointers.
-    """
+def is_crowded(scenario: Scenario) -> bool:
+    """Whether reckless drivers meet several pedestrians, whom SUMO keeps in the order of their pointers."""
     drivers = [actor.driver for actor in scenario.actors if isinstance(actor, Vehicle)]
-    return "reckless" not in drivers or sum(isinstance(actor, Pedestrian) for actor in scenario.actors) < 2
+    return "reckless" in drivers and sum(isinstance(actor, Pedestrian) for actor in scenario.actors) >= 2
 
 
 @cache
@@ -72,7 +68,7 @@ def _lines(policy: str) -> list[str]:
 def _first(policy: str, family: str, *, violation: bool) -> Scenario:
     lines = (line for line in _lines(policy) if _is_for_training(line, family))
     cases = (case for line in lines if (case := Case.parse(line)).is_violation == violation)
-    return next(scenario for case in cases if is_settled(scenario := case.scenario()))
+    return next(cases).scenario()
 
 
 def _is_for_training(line: str, family: str) -> bool:

@@ -25,7 +25,6 @@ def episodes():
 def test_the_records_are_of_these_episodes():
     assert sorted(KEPT) == sorted(episodes())
     assert len(episodes()) >= 60
-    assert all(physics.is_settled(golden.scenario) for golden in episodes().values())
     assert {record["outcome"] for record in KEPT.values()} >= {"GOAL", "COLLISION", "TIMEOUT"}
 
 

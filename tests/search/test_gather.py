@@ -55,7 +55,7 @@ def plan(**changes):
 @pytest.fixture(autouse=True)
 def world(monkeypatch):
     """Counts of points that were searched and cases that were run again."""
-    counts = {"searched": 0, "rerun": 0}
+    counts = {"searched": 0, "rerun": 0, "futures": 0}
 
     def evaluate(subject, point):
         counts["searched"] += 1
@@ -69,6 +69,11 @@ def world(monkeypatch):
         outcome, digest = chance(case.family, case.parameters, case.seed)
         return Attempt(episode(outcome, digest=digest, blame=blame_of(digest)), "")
 
+    def persistence(question):
+        counts["futures"] += question.count
+        return round(random.Random(question.case.digest).random(), 2)
+
+    monkeypatch.setattr("roadmend.search.persistence._answer", persistence)
     monkeypatch.setattr("roadmend.search.gather.evaluate", evaluate)
     monkeypatch.setattr("roadmend.search.rerun.rerun", again)
     return counts
@@ -110,6 +115,21 @@ def test_points_of_one_search_are_apart(tmp_path):
             if one.search_seed == other.search_seed:
                 keys = {**one.parameters, **other.parameters}
                 assert sum(one.parameters.get(key) != other.parameters.get(key) for key in keys) > 1
+
+
+def test_violations_that_come_in_few_futures_are_left_out(tmp_path, world):
+    split = {**plan().test.model_dump(), "futures": 10, "least_persistence": 0.5, "most_per_campaign": 4}
+    gathered = build(tmp_path, ["S1"], plan(test=split))
+    violations = gathered.corpus.select("S1", "test", violation=True)
+    assert len(violations) == 4
+    assert all(case.persistence >= 0.5 for case in violations)
+    assert gathered.corpus.fleeting > 0
+    assert world["futures"] == 10 * (4 + gathered.corpus.fleeting)
+    told = {case.persistence for case in gathered.corpus.cases if case not in violations}
+    assert told == {None}  # of successes, and where nobody asked
+    world["futures"] = 0
+    assert build(tmp_path, ["S1"], plan(test=split)) == gathered
+    assert world["futures"] == 0
 
 
 def test_the_same_however_often_it_is_interrupted(tmp_path, world):

@@ -9,7 +9,7 @@ import pytest
 
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import Blame
-from roadmend.world.corpus import Case, Corpus, dump_corpus, load_corpus, save_corpus, sorted_cases
+from roadmend.world.corpus import FORMAT, Case, Corpus, dump_corpus, load_corpus, save_corpus, sorted_cases
 from roadmend.world.families import FAMILIES
 from roadmend.world.point_text import used_parameters
 from roadmend.world.space import sample
@@ -132,7 +132,7 @@ def change_header(path, **changes):
 def test_another_format_or_space_is_refused(path):
     change_header(path, format="roadmend-corpus/9")
     assert "has the format 'roadmend-corpus/9'" in refusal(path)
-    change_header(path, format="roadmend-corpus/2", plan="gone")
+    change_header(path, format=FORMAT, plan="gone")
     assert "lacks plan" in refusal(path)
     change_header(path, plan={}, spaces={})
     assert "another parameter space of S1" in refusal(path)

@@ -19,9 +19,12 @@ from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal
 from roadmend.core.resources import config_folder
+from roadmend.measures.need import PERSISTENT
 from roadmend.search.attempt import CRASH
 from roadmend.search.corpus_plan import LAST_FRESH, fresh_plan, read_corpus_plan
 from roadmend.search.gather import Gathered, Progress, Report, gather, gather_fresh
+from roadmend.search.persistence import FORMAT as PERSISTENCE
+from roadmend.search.persistence import PersistenceTeller
 from roadmend.search.policy_model import policy_model
 from roadmend.search.rerun import FORMAT as RERUNS
 from roadmend.search.rerun import Rerunner, agrees, renewed
@@ -200,8 +203,15 @@ def verify(policy: str, file: Path | None, count: int | None, workers: int, *, a
 @corpus.command()
 @_file_option
 @click.option("--out", type=FILE, required=True, help="File for the corpus as it is now.")
+@click.option(
+    "--futures",
+    default=20,
+    show_default=True,
+    type=click.IntRange(0, 1000),
+    help="Futures by which the persistence of a violation is told; 0: it is not.",
+)
 @WORKERS
-def renew(policy: str, file: Path | None, out: Path, workers: int) -> None:
+def renew(policy: str, file: Path | None, out: Path, futures: int, workers: int) -> None:
     """Drive all cases again and write the corpus with what they come to now, without those that come to something else.
 
     For a simulator or a policy that has changed a little, where a new search would find much the same.
@@ -209,8 +219,13 @@ def renew(policy: str, file: Path | None, out: Path, workers: int) -> None:
     loaded = _load(policy, file)
     kept: list[Case] = []
     moved = 0
-    journal = out.with_name(out.name + ".part.jsonl")
-    with Journal(journal, RERUNS) as finished, counting() as bar, fan_out(workers) as mapper:
+    journals = [out.with_name(f"{out.name}.{what}.jsonl") for what in ("driven", "futures")]
+    with (
+        Journal(journals[0], RERUNS) as finished,
+        Journal(journals[1], PERSISTENCE) as told,
+        counting() as bar,
+        fan_out(workers) as mapper,
+    ):
         task = bar.add_task("run again", total=len(loaded.cases))
         for case, found in zip(loaded.cases, Rerunner(loaded.policy, mapper, finished)(loaded.cases), strict=True):
             bar.advance(task)
@@ -218,6 +233,10 @@ def renew(policy: str, file: Path | None, out: Path, workers: int) -> None:
             if now is not None:
                 kept.append(now)
                 moved += now.digest != case.digest
+        task = bar.add_task("persistence", total=len(kept))
+        teller = PersistenceTeller(loaded.policy, mapper, told)
+        shares = list(teller(kept, futures, lambda: bar.advance(task)))
+    kept = [replace(case, persistence=share) for case, share in zip(kept, shares, strict=True)]
     lost = len(loaded.cases) - len(kept)
     again = replace(
         loaded,
@@ -227,7 +246,8 @@ def renew(policy: str, file: Path | None, out: Path, workers: int) -> None:
         version=__version__,
     )
     save_corpus(again, out)
-    journal.unlink()
+    for journal in journals:
+        journal.unlink()
     click.echo(
         f"{out}: {len(kept)} cases, {moved} of them with another trajectory, {lost} left out; SHA-256 {again.digest}"
     )
@@ -265,13 +285,25 @@ def _count(cases: list[Case]) -> dict[str, Any]:
         "searches": len({case.search_seed for case in cases}),
         "techniques": dict(Counter(case.technique for case in violations).most_common()),
         "partners": dict(Counter(case.partner or "unknown" for case in violations).most_common()),
-        "standing": sum(speed < 0.5 for speed in speeds),
+        "touches": sum(case.is_touch for case in violations),
+        "persistent": sum(case.persistence is not None and case.persistence >= PERSISTENT for case in violations),
         "median_impact_speed": statistics.median(speeds) if speeds else None,
     }
 
 
 def _show(loaded: Corpus) -> None:
-    titles = ("family", "split", "violations", "successes", "searches", "found by", "hit", "standing", "impact")
+    titles = (
+        "family",
+        "split",
+        "violations",
+        "successes",
+        "searches",
+        "found by",
+        "hit",
+        "persistent",
+        "touches",
+        "impact",
+    )
     table = Table(*titles, box=None, pad_edge=False, header_style="bold")
     for family in FAMILIES:
         for split in SPLITS:
@@ -287,7 +319,8 @@ def _show(loaded: Corpus) -> None:
                 str(counts["searches"]),
                 _listed(counts["techniques"]),
                 _listed(counts["partners"]),
-                str(counts["standing"]),
+                str(counts["persistent"]),
+                str(counts["touches"]),
                 "-" if speed is None else f"{speed:.1f} m/s",
             )
     wide_console().print(table)

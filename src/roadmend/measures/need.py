@@ -1,20 +1,27 @@
-"""Need of a spell: share of the futures of its first tick, the policy left alone, that violate within HORIZON."""
+"""What would come without repair: need of an intervention, persistence of a violation.
+
+Need of a spell: share of the futures of its first tick, the policy left alone, that violate within HORIZON. Persistence
+of a violation: share of the futures of the tick HORIZON before it that violate again, by LATER after it at the latest.
+"""
 
 from dataclasses import replace
 
 from roadmend.core.command import Decision
 from roadmend.core.episode_result import EpisodeResult
+from roadmend.core.errors import InputError
 from roadmend.core.interfaces import Policy, Repairer
 from roadmend.core.repair import Repair
 from roadmend.core.spell import SpellBuilder
-from roadmend.core.tick import Tick
+from roadmend.core.tick import INTERVAL, Tick
 from roadmend.world.futures import Moment, futures, share_of_violations
 from roadmend.world.runner import drive
 from roadmend.world.scenario import Scenario
 from roadmend.world.simulation import Simulation
 
 HORIZON = 8.0  # [s]
+LATER = 2.0  # [s] by which a violation may come later in another future
 NEEDLESS = 0.1  # need below which a spell is called so
+PERSISTENT = 0.8  # persistence from which a violation is called so
 
 
 def run_with_need(scenario: Scenario, policy: Policy, repairer: Repairer, count: int) -> EpisodeResult:
@@ -35,3 +42,29 @@ def run_with_need(scenario: Scenario, policy: Policy, repairer: Repairer, count:
 
         result = drive(simulation, policy, repairer, watch)
     return replace(result, spells=tuple(replace(spell, need=needs[spell.begin]) for spell in result.spells))
+
+
+def persistence(scenario: Scenario, policy: Policy, end: float, count: int) -> float:
+    """Share of ``count`` futures of a violation at ``end`` [s] that violate again.
+
+    Args:
+        scenario: in which the policy alone violates at ``end``.
+        policy: who does.
+        end: [s] of the violation; before HORIZON has passed the futures begin with the first tick.
+        count: of futures.
+
+    Raises:
+        InputError: the scenario cannot be run, or ends before.
+        SimulationError: SUMO failed.
+    """
+    begin = max(0, round((end - HORIZON) / INTERVAL))
+    with Simulation(scenario) as simulation:
+        policy.reset(simulation.route)
+        tick = simulation.first()
+        while tick.final is None:
+            decision = policy.step(tick.scene)
+            if tick.number == begin:
+                moment = Moment(simulation, tick, decision, policy)
+                return share_of_violations(futures(moment, None, range(1, count + 1), end - tick.scene.time + LATER))
+            tick = simulation.step(decision.command)
+    raise InputError(scenario.name, f"ends before {end:g} s", "drive it again")

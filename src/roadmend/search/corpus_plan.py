@@ -9,6 +9,7 @@ from pydantic import Field, field_validator
 from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
 from roadmend.core.settings import read_settings
+from roadmend.measures.need import PERSISTENT
 from roadmend.search.campaign import Campaign
 from roadmend.search.evaluation import Subject
 from roadmend.search.registry import read_technique_parameters
@@ -31,6 +32,8 @@ class SplitPlan(Parameters):
     budget: int = Field(ge=1, le=1_000_000, description="evaluations of a campaign")
     most_per_campaign: int | None = Field(None, ge=1, description="violations taken from one campaign")
     least_distance: float = Field(ge=0.0, le=1.0, description="between points taken from one campaign")
+    futures: int = Field(0, ge=0, le=1000, description="by which the persistence of a violation is told; 0: it is not")
+    least_persistence: float = Field(0.0, ge=0.0, le=1.0, description="of the violations taken; needs futures")
 
     @field_validator("parameters")
     @classmethod
@@ -63,11 +66,13 @@ class CorpusPlan(Parameters):
     test: SplitPlan = SplitPlan(
         violations=40,
         successes=40,
-        first_seed=1_000_000,
+        first_seed=4_000_000,
         techniques=_CYCLE,
         budget=300,
         most_per_campaign=12,
         least_distance=0.03,
+        futures=20,
+        least_persistence=PERSISTENT,
     )
     validation: SplitPlan = SplitPlan(
         violations=20,
@@ -77,6 +82,7 @@ class CorpusPlan(Parameters):
         budget=300,
         most_per_campaign=12,
         least_distance=0.03,
+        futures=20,
     )
     training: SplitPlan = SplitPlan(
         violations=200,
@@ -87,6 +93,7 @@ class CorpusPlan(Parameters):
         budget=400,
         most_per_campaign=40,
         least_distance=0.01,
+        futures=5,
     )
 
     def splits(self) -> Iterator[tuple[str, SplitPlan]]:

@@ -1,7 +1,7 @@
 """Gathers a corpus: searches every family until its splits are full, and runs each case again before it is taken."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
@@ -12,6 +12,8 @@ from roadmend.search.campaign import Campaign, run_campaign
 from roadmend.search.corpus_plan import CorpusPlan, SplitPlan, fresh_plan
 from roadmend.search.evaluation import Trial, evaluate
 from roadmend.search.ledger import LEDGER, Ledger, LedgerEntry
+from roadmend.search.persistence import FORMAT as PERSISTENCE_FORMAT
+from roadmend.search.persistence import PersistenceTeller
 from roadmend.search.policy_model import policy_model
 from roadmend.search.rerun import FORMAT as RERUN_FORMAT
 from roadmend.search.rerun import Rerunner, agrees
@@ -21,6 +23,7 @@ from roadmend.world.families import FAMILIES
 from roadmend.world.point_text import used_parameters
 
 RERUNS = "reruns.jsonl"
+PERSISTENCE = "persistence.jsonl"
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +70,7 @@ class Gatherer:
         policy: str,
         folder: Path,
         rerunner: Rerunner,
+        teller: PersistenceTeller,
         mapper: Mapper,
         *,
         is_partial: bool = False,
@@ -78,15 +82,17 @@ class Gatherer:
             policy: who drives.
             folder: of the policy's searches; each is in FAMILY/SPLIT-NUMBER below it.
             rerunner: runs candidates again.
+            teller: tells how persistent they are.
             mapper: runs the points of a search side by side.
             is_partial: make do with what the searches that are there hold, and search nothing.
         """
         self._plan, self._policy, self._folder = plan, policy, folder
-        self._rerunner, self._mapper = rerunner, mapper
+        self._rerunner, self._teller, self._mapper = rerunner, teller, mapper
         self._is_partial = is_partial
         self._digests: set[str] = set()
         self.cases: list[Case] = []
         self.dropped = 0
+        self.fleeting = 0  # violations that do not come in enough of their futures
         self.shortages: list[str] = []  # what could not be filled
         self.report: Report = lambda _progress: None
         self.wanted = 0
@@ -165,7 +171,8 @@ class Gatherer:
             if not picked:
                 break
             source.taken |= {index for index, _ in picked}
-            accepted += self._confirm([_case(source.campaign, split_name, index, trial) for index, trial in picked])
+            cases = [_case(source.campaign, split_name, index, trial) for index, trial in picked]
+            accepted += self._persistent(self._confirm(cases), split)
         return accepted
 
     def _confirm(self, candidates: Sequence[Case]) -> list[Case]:
@@ -177,11 +184,27 @@ class Gatherer:
             self._tell(stage, number, len(parsed))
             if agrees(found, case):
                 confirmed.append(case)
-                self._digests.add(case.digest)
-                self.cases.append(case)
             else:
                 self.dropped += 1
         return confirmed
+
+    def _persistent(self, candidates: Sequence[Case], split: SplitPlan) -> list[Case]:
+        """Those that are no violation or a persistent one, with their persistence; they are the corpus's from now on."""
+        if not candidates:
+            return []
+        stage = f"{candidates[0].family} {candidates[0].split}: persistence"
+        taken: list[Case] = []
+        for number, (case, found) in enumerate(
+            zip(candidates, self._teller(candidates, split.futures), strict=True), 1
+        ):
+            self._tell(stage, number, len(candidates))
+            if case.is_violation and split.futures and (found is None or found < split.least_persistence):
+                self.fleeting += 1
+                continue
+            taken.append(replace(case, persistence=found))
+            self._digests.add(case.digest)
+        self.cases += taken
+        return taken
 
     def _tell(self, stage: str, done: int, total: int) -> None:
         self.report(Progress(stage, done, total, len(self.cases), self.wanted))
@@ -243,8 +266,13 @@ def gather(
         SimulationError: a worker process died.
     """
     own = folder / policy
-    with fan_out(workers) as mapper, Journal(own / RERUNS, RERUN_FORMAT) as journal:
-        gatherer = Gatherer(plan, policy, own, Rerunner(policy, mapper, journal), mapper, is_partial=is_partial)
+    with (
+        fan_out(workers) as mapper,
+        Journal(own / RERUNS, RERUN_FORMAT) as reruns,
+        Journal(own / PERSISTENCE, PERSISTENCE_FORMAT) as told,
+    ):
+        rerunner, teller = Rerunner(policy, mapper, reruns), PersistenceTeller(policy, mapper, told)
+        gatherer = Gatherer(plan, policy, own, rerunner, teller, mapper, is_partial=is_partial)
         gatherer.gather(families, report)
     corpus = Corpus(
         policy,
@@ -253,6 +281,7 @@ def gather(
         command,
         plan.model_dump(mode="json"),
         gatherer.dropped,
+        gatherer.fleeting,
     )
     return Gathered(corpus, tuple(gatherer.shortages))
 

@@ -20,11 +20,12 @@ from roadmend.world.point_text import dump_point, parse_point
 from roadmend.world.scenario import Scenario
 from roadmend.world.space import Parameters
 
-FORMAT = "roadmend-corpus/2"
+FORMAT = "roadmend-corpus/3"
 SPLITS = ("training", "validation", "test")
+TOUCH = 2.0  # [m/s] of the ego, below which a collision is called a touch
 METHOD = "none"  # the repair method under which outcomes and digests were taken
 _COLLISION = EventKind.COLLISION.name
-_OF_COLLISION = ("blame", "partner", "impact_speed")
+_OF_COLLISION = ("blame", "partner", "impact_speed", "persistence")
 _AGAIN = "build it again with 'roadmend corpus build'"
 
 
@@ -48,6 +49,12 @@ class Case:
     blame: str = Blame.UNKNOWN.name  # of the collision
     partner: str = ""  # whom the ego hit first, by kind; empty without a collision
     impact_speed: float | None = None  # [m/s] of the ego at the collision, to a tenth; none without one
+    persistence: float | None = None  # of the collision, see ``measures.need``; none where it was not looked at
+
+    @property
+    def is_touch(self) -> bool:
+        """Whether the ego all but stood when it collided."""
+        return self.impact_speed is not None and self.impact_speed < TOUCH
 
     @property
     def is_violation(self) -> bool:
@@ -114,6 +121,7 @@ class Corpus:
     command: str = ""  # that made it
     plan: Mapping[str, Any] = field(default_factory=dict)  # what was asked for, as plain values
     dropped: int = 0  # candidates that did not come to the same when they were run again
+    fleeting: int = 0  # violations that were not taken, as too few of their futures violate again
     version: str = __version__  # of roadmend
 
     @cached_property
@@ -165,6 +173,7 @@ def dump_corpus(corpus: Corpus, without: Collection[str] = ()) -> str:
         # Of the families that occur: another one that is registered does not make this another corpus.
         "spaces": {name: _space_digest(name) for name in FAMILIES if name in families},
         "dropped": corpus.dropped,
+        "fleeting": corpus.fleeting,
         "cases": len(corpus.cases),
         "counts": dict(sorted(counts.items())),
     }
@@ -210,11 +219,12 @@ def load_corpus(path: Path) -> Corpus:
         header["command"],
         header["plan"],
         header["dropped"],
+        header["fleeting"],
         header["roadmend"],
     )
 
 
-_HEADER = ("policy", "model", "roadmend", "command", "plan", "spaces", "dropped", "cases")
+_HEADER = ("policy", "model", "roadmend", "command", "plan", "spaces", "dropped", "fleeting", "cases")
 
 
 def corpus_of(policy: str, file: Path | None = None) -> Corpus:

@@ -1,9 +1,10 @@
 """Who shares the road with the ego: bodies by kind, habits by driver, as SUMO vehicle types."""
 
+import random
 from dataclasses import dataclass
 
 from roadmend.core.scene import ObjectKind
-from roadmend.world.scenario import Environment
+from roadmend.world.scenario import Environment, Vehicle
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,22 +102,37 @@ _HABITS: dict[str, dict[str, float | str]] = {
         "impatience": 1.0,
         "jmDriveAfterYellowTime": 5.0,
         "jmDriveAfterRedTime": 4.0,
-        "jmIgnoreFoeProb": 0.8,
         "jmIgnoreFoeSpeed": 70.0,
     },
 }
 
-
-def type_name(kind: str, driver: str) -> str:
-    """Name of the SUMO vehicle type of a kind of vehicle with a kind of driver."""
-    return f"{kind}_{driver}"
+IGNORING = {"reckless": 0.8}  # share of a kind of drivers who look at nobody at junctions
 
 
-def vehicle_type(kind: str, driver: str, environment: Environment, speed_factor: float | None) -> dict[str, str]:
+def ignores_others(vehicle: Vehicle, seed: int) -> bool:
+    """Whether a driver looks at nobody at junctions, for good: drawn from the scenario's seed and the vehicle's name.
+
+    SUMO would draw it anew at every look, for one person after another in the order of their pointers until it heeds
+    one: how often would hang on the heap's layout, and with it all that the driver's random numbers decide after that.
+    """
+    share = IGNORING.get(vehicle.driver, 0.0)
+    return share > 0.0 and random.Random(f"ignores others:{seed}:{vehicle.id}").random() < share
+
+
+def type_name(vehicle: Vehicle, *, ignoring: bool) -> str:
+    """Name of the SUMO vehicle type: of all that are of this kind and drive like this, or of this one alone."""
+    name = f"{vehicle.kind}_{vehicle.driver}" + ("_ignoring" if ignoring else "")
+    return name if vehicle.speed_factor is None else f"{name}_{vehicle.id}"
+
+
+def vehicle_type(vehicle: Vehicle, environment: Environment, *, ignoring: bool) -> dict[str, str]:
     """Attributes of the SUMO vType, the road's friction taken into account."""
+    kind, driver, speed_factor = vehicle.kind, vehicle.driver, vehicle.speed_factor
     body = BODIES[kind]
     grip = min(1.0, environment.effective_friction / 0.9)
     habits = dict(_HABITS[driver])
+    if ignoring:
+        habits["jmIgnoreFoeProb"] = 1.0
     if speed_factor is not None:
         habits["speedFactor"] = speed_factor
     habits["speedFactor"] = float(habits["speedFactor"]) * (0.7 + 0.3 * grip)

@@ -3,7 +3,7 @@
 from xml.etree import ElementTree as ET
 
 from roadmend.core.errors import InputError
-from roadmend.world.drivers import pedestrian_type, type_name, vehicle_type
+from roadmend.world.drivers import ignores_others, pedestrian_type, type_name, vehicle_type
 from roadmend.world.road_network import RoadNetwork
 from roadmend.world.route_builder import check_edge
 from roadmend.world.scenario import Pedestrian, Scenario, Vehicle
@@ -51,10 +51,9 @@ def _add_vehicle(
         raise InputError(
             f"{where}.position", f"{vehicle.position:g} m is past the end of {edge.id}", "choose a smaller one"
         )
-    attributes = vehicle_type(vehicle.kind, vehicle.driver, scenario.environment, vehicle.speed_factor)
-    name = type_name(vehicle.kind, vehicle.driver)
-    if vehicle.speed_factor is not None:
-        name += f"_{vehicle.id}"
+    ignoring = ignores_others(vehicle, scenario.seed)
+    attributes = vehicle_type(vehicle, scenario.environment, ignoring=ignoring)
+    name = type_name(vehicle, ignoring=ignoring)
     if name not in types:
         types.add(name)
         ET.SubElement(root, "vType", {"id": name} | attributes)
