@@ -261,5 +261,5 @@ def test_a_network_is_built_once(tmp_path, monkeypatch):
     spec = sample_scenario("S3", 1).network
     assert isinstance(spec, IntersectionNetwork)
     first = network.network_file(spec)
-    monkeypatch.setattr(network, "_netconvert", lambda *_: pytest.fail("built twice"))
+    monkeypatch.setattr(network, "netconvert", lambda *_: pytest.fail("built twice"))
     assert network.network_file(spec) == first

@@ -29,13 +29,13 @@ def ego(x=0.0):
     return EgoState.from_yaw(x, 0.0, 0.0, 0.0, 0.0, 4.7, 1.85)
 
 
-def one(place, speed=0.0, kind=ObjectKind.BUS):
+def one(place, speed=0.0, kind=ObjectKind.BUS, yaw=0.5 * math.pi):
     return ObjectList.of(
         id=[1],
         kind=kind,
         x=place[0],
         y=place[1],
-        yaw=0.5 * math.pi,
+        yaw=yaw,
         speed=speed,
         acceleration=0.0,
         yaw_rate=0.0,
@@ -44,7 +44,7 @@ def one(place, speed=0.0, kind=ObjectKind.BUS):
     )
 
 
-def run(ticks, name="inside", place=ACROSS, *, speed=0.0, pace=0.0, kind=ObjectKind.BUS, waiting=()):
+def run(ticks, name="inside", place=ACROSS, *, speed=0.0, pace=0.0, kind=ObjectKind.BUS, waiting=(), yaw=0.5 * math.pi):
     """Ticks until somebody is removed, or None."""
     stand_off = StandOff(INTERVAL)
     for tick in range(ticks):
@@ -53,7 +53,7 @@ def run(ticks, name="inside", place=ACROSS, *, speed=0.0, pace=0.0, kind=ObjectK
             ego(x),
             lambda ahead, x=x: (x + ahead, 0.0, 0.0),
             (name,),
-            one((x + place[0], place[1]), speed, kind),
+            one((x + place[0], place[1]), speed, kind, yaw),
             waiting,
         )
         if found:
@@ -74,6 +74,16 @@ def test_who_has_left_the_junction_but_for_its_rear_counts(sumo):
 def test_who_waits_for_the_ego_need_not_be_in_its_way(sumo):
     assert run(3 * TICKS, place=BESIDE) is None
     assert run(3 * TICKS, place=BESIDE, waiting=("inside",)) == TICKS
+
+
+def test_who_queues_behind_the_ego_stays_however_long_it_waits(sumo):
+    assert run(3 * TICKS, place=(-8.0, 0.2), waiting=("inside",), yaw=0.1) is None
+    assert sumo == []
+
+
+@pytest.mark.parametrize("place", [(-8.0, 3.0), (8.0, 0.0)])
+def test_who_waits_in_another_place_is_no_queue(sumo, place):
+    assert run(3 * TICKS, place=place, waiting=("inside",), yaw=0.1) == TICKS
 
 
 @pytest.mark.parametrize(

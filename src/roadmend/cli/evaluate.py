@@ -19,9 +19,12 @@ from roadmend.reports.result_files import provenance, write_report
 from roadmend.world.corpus import SPLITS, load_corpus
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario import Scenario
-from roadmend.world.scenario_file import load_scenarios
+from roadmend.world.scenario_file import drawn_scenarios, load_scenarios
 
 _FORMAT = "roadmend-evaluation-work/1"
+_DRIVES = 3  # on each SUMO configuration
+_TIME_LIMIT = 120.0  # [s] of each
+_WARM_UP = 300.0  # [s] of traffic before
 
 
 @click.command(epilog=f"The table: {meanings()}.")
@@ -48,8 +51,27 @@ _FORMAT = "roadmend-evaluation-work/1"
 @click.option(
     "--family", "families", multiple=True, type=click.Choice([*FAMILIES]), help="Random scenarios instead. Repeatable."
 )
-@click.option("--count", type=click.IntRange(1, 100_000), help="Random scenarios of each family.  [default: 20]")
-@click.option("--seed", type=click.IntRange(0, 2**30), help="Of the first random scenario.  [default: 0]")
+@click.option(
+    "--sumocfg",
+    "configurations",
+    multiple=True,
+    type=PATH,
+    help="Drives in the traffic of a SUMO configuration instead, or of all below a folder. Repeatable.",
+)
+@click.option(
+    "--count",
+    type=click.IntRange(1, 100_000),
+    help="Random scenarios of each family, or drives on each SUMO configuration.  [default: 20; 3 drives]",
+)
+@click.option("--seed", type=click.IntRange(0, 2**30), help="Of the first of them.  [default: 0]")
+@click.option(
+    "--time-limit", type=click.FloatRange(0.1, 86_400.0), help="With --sumocfg: seconds to drive.  [default: 120]"
+)
+@click.option(
+    "--warm-up",
+    type=click.FloatRange(0.0, 86_400.0),
+    help="With --sumocfg: seconds of traffic before the ego enters.  [default: 300]",
+)
 @click.option(
     "--futures",
     default=0,
@@ -71,6 +93,9 @@ def evaluate(
     **chosen: object,
 ) -> int:
     """Measure policies with repair methods in SCENARIOS (files, or folders of files), in a corpus, or in random ones.
+
+    Random are scenarios of a family, and drives in SUMO configurations of anybody's: traffic, start and route of each
+    are drawn by its seed. 'roadmend networks' makes such configurations.
 
     Every policy is driven alone, with random repair and with every method. What it collides in alone can be fixed, what
     it completes can be degraded. Finished episodes are kept in the folder and not driven again. The exit code is 1 if
@@ -109,19 +134,31 @@ def _chosen(
     corpus: Path | None,
     split: str | None,
     families: tuple[str, ...],
+    configurations: tuple[Path, ...],
     count: int | None,
     seed: int | None,
+    time_limit: float | None,
+    warm_up: float | None,
 ) -> list[Scenario]:
     """The scenarios that the options stand for."""
-    is_drawn = bool(families) or count is not None or seed is not None
+    is_drawn = bool(families or configurations) or count is not None or seed is not None
     if bool(scenarios) + (corpus is not None) + is_drawn > 1:
-        raise click.UsageError("give SCENARIOS, or --corpus, or --family, --count and --seed")
+        raise click.UsageError("give SCENARIOS, or --corpus, or --family or --sumocfg with --count and --seed")
+    if families and configurations:
+        raise click.UsageError("give --family or --sumocfg")
     if split is not None and corpus is None:
         raise InputError("--split", "is of a corpus, and there is none", "name one with --corpus")
+    for option, given in (("--time-limit", time_limit), ("--warm-up", warm_up)):
+        if given is not None and not configurations:
+            raise InputError(option, "is of SUMO configurations, and there is none", "name one with --sumocfg")
     if corpus is not None:
         return [case.scenario() for case in load_corpus(corpus).select(split=split or "test")]
     if scenarios:
         return load_scenarios(scenarios)
     first = seed or 0
+    if configurations:
+        drives = range(first, first + (_DRIVES if count is None else count))
+        limit = _TIME_LIMIT if time_limit is None else time_limit
+        return drawn_scenarios(configurations, drives, _WARM_UP if warm_up is None else warm_up, limit)
     drawn = range(first, first + (20 if count is None else count))
     return [sample_scenario(family, number) for family in families or FAMILIES for number in drawn]

@@ -78,6 +78,7 @@ _COMMANDS: Table = {
     "demo": ("roadmend.cli.run", "demo", "See a collision repaired: the main job, end to end."),
     "sample": ("roadmend.cli.scenario", "sample", "Draw a scenario of a family."),
     "schema": ("roadmend.cli.scenario", "schema", "Print the JSON schema of a scenario file."),
+    "networks": ("roadmend.cli.networks", "networks", "Make SUMO configurations that are foreign to roadmend."),
     "evaluate": ("roadmend.cli.evaluate", "evaluate", "Measure policies with repair methods in scenarios of yours."),
     "search": ("roadmend.cli.search", "search", "Find scenarios in which a policy collides by its own fault."),
     "corpus": ("roadmend.cli.corpus", "corpus", "Gather, verify and show what policies are trained and measured on."),

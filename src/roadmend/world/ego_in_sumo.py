@@ -5,12 +5,13 @@ import math
 import libsumo
 
 from roadmend.world.ego import RouteFollower
-from roadmend.world.scenario import Scenario
+from roadmend.world.scenario import Scenario, SumoConfiguration
 from roadmend.world.traffic_file import EGO
 
 _TYPE = "roadmend_ego"
 _OFF_BY = 0.25  # [m] beyond which the body is put back into place instead of being steered there
 _FREE_PLACE = 2  # moveToXY: exactly there, on or off the lane
+_ON_ITS_ROUTE = 1  # moveToXY, beside: SUMO shall not take it for somebody who goes elsewhere
 
 
 class EgoInSumo:
@@ -25,6 +26,9 @@ class EgoInSumo:
         self._front = 0.5 * scenario.ego.length
         self._interval = interval
         self._placed = False
+        network = scenario.network
+        is_drawn = isinstance(network, SumoConfiguration) and network.draw
+        self._how = _FREE_PLACE | (_ON_ITS_ROUTE if is_drawn else 0)
         libsumo.vehicletype.copy("DEFAULT_VEHTYPE", _TYPE)
         libsumo.vehicletype.setVehicleClass(_TYPE, "passenger")
         libsumo.vehicletype.setLength(_TYPE, scenario.ego.length)
@@ -52,6 +56,6 @@ class EgoInSumo:
             ego.x + self._front * math.cos(ego.yaw),
             ego.y + self._front * math.sin(ego.yaw),
             (90.0 - math.degrees(ego.yaw)) % 360.0,
-            _FREE_PLACE,
+            self._how,
         )
         self._placed = True

@@ -5,7 +5,9 @@ import libsumo
 from roadmend.core.errors import InputError
 from roadmend.world.road_network import RoadNetwork
 from roadmend.world.route_builder import check_edge
-from roadmend.world.scenario import Scenario
+from roadmend.world.route_draw import draw_start
+from roadmend.world.scenario import Scenario, SumoConfiguration
+from roadmend.world.traffic_file import EGO
 
 _FREE_AHEAD = 15.0  # [m] between the ego's centre and the rear of whoever is ahead
 _FREE_BEHIND = 30.0  # [m] between the ego's centre and the front of whoever is behind
@@ -18,8 +20,13 @@ def join_traffic(scenario: Scenario, network: RoadNetwork) -> Scenario:
     """The scenario with the ego's route and start filled in; lets traffic run on until there is room.
 
     Raises:
-        InputError: no car is on the road to take a route from, or there is no room for the ego.
+        InputError: no car is on the road to take a route from, there is no room for the ego, or its name is taken.
     """
+    if EGO in libsumo.vehicle.getIDList() or EGO in libsumo.vehicle.getLoadedIDList():
+        where = scenario.network.path if isinstance(scenario.network, SumoConfiguration) else "network"
+        raise InputError(where, f"has a vehicle {EGO!r} of its own", "give that one another id")
+    if isinstance(scenario.network, SumoConfiguration) and scenario.network.draw and not scenario.ego.route:
+        return _with_drawn_start(scenario, network, scenario.network)
     ego = scenario.ego
     route = ego.route or _longest_route_under_way()
     check_edge(network, route[0], "ego.route[0]")
@@ -31,6 +38,21 @@ def join_traffic(scenario: Scenario, network: RoadNetwork) -> Scenario:
             return scenario.model_copy(update={"ego": ego.model_copy(update={"route": list(route), "position": place})})
         libsumo.simulation.step(libsumo.simulation.getTime() + 1.0)
     raise InputError("ego.route[0]", f"no room for the ego on {edge.id} within {_PATIENCE} s", "begin on another edge")
+
+
+def _with_drawn_start(scenario: Scenario, network: RoadNetwork, configuration: SumoConfiguration) -> Scenario:
+    is_empty = True
+    for _ in range(_PATIENCE):
+        start = draw_start(network, scenario.seed, scenario.time_limit)
+        if start is not None:
+            return scenario.model_copy(update={"ego": scenario.ego.model_copy(update=start._asdict())})
+        is_empty = is_empty and libsumo.vehicle.getIDCount() == 0
+        libsumo.simulation.step(libsumo.simulation.getTime() + 1.0)
+    time = libsumo.simulation.getTime()
+    if is_empty:
+        raise InputError(configuration.path, f"nobody is on the road until {time:g} s", "choose another --warm-up")
+    what = f"no car has a route of use to the ego, with room to join it, until {time:g} s"
+    raise InputError(configuration.path, what, "choose another --warm-up")
 
 
 def _longest_route_under_way() -> list[str]:

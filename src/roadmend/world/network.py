@@ -216,7 +216,7 @@ def _build(plain: PlainNetwork) -> Path:
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=target.parent) as folder:
-            built = _netconvert(Path(folder), texts, plain.options)
+            built = netconvert(Path(folder), texts, plain.options)
             built.replace(target)
     except OSError as error:
         raise InputError(
@@ -225,7 +225,12 @@ def _build(plain: PlainNetwork) -> Path:
     return target
 
 
-def _netconvert(folder: Path, texts: tuple[str, str, str], options: list[str]) -> Path:
+def netconvert(folder: Path, texts: tuple[str, str, str], options: list[str]) -> Path:
+    """Build a network in a folder from its nodes, edges and connections.
+
+    Raises:
+        SimulationError: netconvert failed.
+    """
     names = ("nodes.nod.xml", "edges.edg.xml", "connections.con.xml")
     for name, text in zip(names, texts, strict=True):
         (folder / name).write_text(text, encoding="utf-8")

@@ -59,11 +59,29 @@ class Observation:
 class Participants:
     """Numbers the participants of an episode and observes them tick by tick."""
 
-    def __init__(self, ego_name: str, interval: float, sensing_range: float, *, with_persons: bool) -> None:
+    def __init__(
+        self,
+        ego_name: str,
+        interval: float,
+        sensing_range: float,
+        *,
+        with_persons: bool,
+        elsewhere: frozenset[str] = frozenset(),
+    ) -> None:
+        """Start with nobody known.
+
+        Args:
+            ego_name: SUMO's name of the ego, which is no participant.
+            interval: [s] between two ticks.
+            sensing_range: [m], may be infinite.
+            with_persons: whether there are people on foot.
+            elsewhere: edges on other levels than the ego's way; whoever is on them is not there for it.
+        """
         self._ego_name = ego_name
         self._interval = interval
         self._range = sensing_range  # [m], may be infinite
         self._with_persons = with_persons
+        self._elsewhere = elsewhere
         self._fixed: dict[str, _Fixed] = {}
         self._names: tuple[str, ...] = ()
         self._objects = ObjectList.empty()  # at the last tick, in the order of the names
@@ -98,6 +116,8 @@ class Participants:
         for name in vehicle.getIDList():
             there_x, there_y = position(name)
             if (there_x - x) ** 2 + (there_y - y) ** 2 <= reach and name != self._ego_name:
+                if self._elsewhere and vehicle.getRoadID(name) in self._elsewhere:
+                    continue
                 names.append(name)
                 values += (there_x, there_y, angle(name), speed(name))
         if self._with_persons:
@@ -105,6 +125,8 @@ class Participants:
             for name in person.getIDList():
                 there_x, there_y = person.getPosition(name)
                 if (there_x - x) ** 2 + (there_y - y) ** 2 <= reach:
+                    if person.getVehicle(name) or person.getRoadID(name) in self._elsewhere:
+                        continue  # a passenger is part of the vehicle
                     names.append(name)
                     values += (there_x, there_y, person.getAngle(name), person.getSpeed(name))
         return tuple(names), values

@@ -1,6 +1,8 @@
 """A SUMO network as read from its .net.xml: lanes with shapes, and the connections between them."""
 
 import functools
+import gzip
+import zlib
 from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
@@ -14,6 +16,7 @@ from roadmend.core.errors import InputError
 Floats = NDArray[np.float64]
 
 _DEFAULT_LANE_WIDTH = 3.2  # [m] where the network gives none (SUMO's default)
+_GZIP = b"\x1f\x8b"  # the first bytes of a compressed file
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,6 +39,7 @@ class Edge:
     id: str
     function: str  # normal, internal, crossing, walkingarea, connector
     lanes: tuple[Lane, ...]
+    junctions: tuple[str, ...] = ()  # where it begins and ends, or the one that it is inside of
 
     @property
     def car_lanes(self) -> tuple[Lane, ...]:
@@ -100,15 +104,14 @@ def _read(path: Path, _modified: int) -> RoadNetwork:
     connections: dict[tuple[str, int], list[Connection]] = {}
     phases: dict[str, list[str]] = {}
     try:
-        root = ET.parse(path).getroot()
-    except ET.ParseError as error:
+        root = _root(path)
+    except (ET.ParseError, EOFError, gzip.BadGzipFile, zlib.error) as error:
         raise InputError(str(path), f"broken XML ({error})", "build the network again with netconvert") from None
     if root.tag != "net":
         raise InputError(str(path), f"is no SUMO network (its root is <{root.tag}>)", "give a .net.xml file")
     for element in root.iterfind("edge"):
-        edge = Edge(
-            element.attrib["id"], element.get("function", "normal"), tuple(map(_lane, element.iterfind("lane")))
-        )
+        name, lanes = element.attrib["id"], tuple(map(_lane, element.iterfind("lane")))
+        edge = Edge(name, element.get("function", "normal"), lanes, _junctions(element))
         edges[edge.id] = edge
     for element in root.iterfind("connection"):
         connection = _connection(element)
@@ -121,10 +124,29 @@ def _read(path: Path, _modified: int) -> RoadNetwork:
     return RoadNetwork(path, edges, connections, phases)
 
 
+def _root(path: Path) -> ET.Element:
+    """The root of a document, which may be compressed, as netconvert does where the name ends in .gz."""
+    with path.open("rb") as file:
+        is_compressed = file.read(2) == _GZIP
+        file.seek(0)
+        if not is_compressed:
+            return ET.parse(file).getroot()
+        with gzip.open(file) as text:
+            return ET.parse(text).getroot()
+
+
+def _junctions(element: ET.Element) -> tuple[str, ...]:
+    """Those that an edge touches; the name of an edge inside a junction tells which one it is."""
+    name = element.attrib["id"]
+    if name.startswith(":"):
+        return (name[1:].rpartition("_")[0],)
+    return tuple(dict.fromkeys(element.attrib[end] for end in ("from", "to") if end in element.attrib))
+
+
 def _lane(element: ET.Element) -> Lane:
     points = [point.split(",") for point in element.attrib["shape"].split()]
     allow, disallow = element.get("allow", "").split(), element.get("disallow", "").split()
-    for_cars = ("passenger" in allow) if allow else not ({"passenger", "all"} & set(disallow))
+    for_cars = bool({"passenger", "all"} & set(allow)) if allow else not ({"passenger", "all"} & set(disallow))
     return Lane(
         id=element.attrib["id"],
         shape=np.array([[float(point[0]), float(point[1])] for point in points]),

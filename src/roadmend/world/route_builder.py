@@ -1,7 +1,9 @@
 """From a list of edges to the ego's route: lane centre lines, lane changes and conflict zones."""
 
 import heapq
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -22,6 +24,7 @@ _END_MARGIN = (
 _CROSSING_MARGIN = 1.5  # [m] to keep free before a pedestrian crossing
 _YIELDING = frozenset("m=Zg")
 _STOPPING = frozenset("sw")
+_AROUND = frozenset("tT")  # SUMO's directions of connections that turn around
 
 
 @dataclass(frozen=True)
@@ -122,6 +125,32 @@ def check_edge(network: RoadNetwork, name: str, where: str) -> None:
         raise InputError(where, f"there is no edge {name!r} in the network", f"choose from {known}, ...")
     if not edge.car_lanes:
         raise InputError(where, f"edge {name!r} has no lane for cars", "choose another edge")
+
+
+def easiest_lane(network: RoadNetwork, route: Sequence[str]) -> int | None:
+    """The lane for cars of a route's first edge from which it takes the fewest lane changes; None if none leads along.
+
+    Raises:
+        InputError: an edge is no road for cars.
+    """
+    for place, name in enumerate(route):
+        check_edge(network, name, f"ego.route[{place}]")
+    edges = [network.edges[name] for name in route]
+    changes = _changes_to_go(network, edges)
+    lanes = [edges[0].lane_number(number) for number in range(len(edges[0].car_lanes))]
+    fit = [(changes[0, lane], number) for number, lane in enumerate(lanes) if (0, lane) in changes]
+    return min(fit)[1] if fit else None
+
+
+def turns_around(network: RoadNetwork, route: Sequence[str]) -> bool:
+    """Whether a route comes back on the other side of the road somewhere."""
+    return any(
+        connection.direction in _AROUND
+        for name, following in pairwise(route)
+        for lane in range(len(network.edges[name].lanes))
+        for connection in network.connections.get((name, lane), [])
+        if connection.to_edge == following
+    )
 
 
 def _links(network: RoadNetwork, edge: Edge, lane: int, following: Edge) -> list[Connection]:

@@ -38,6 +38,10 @@ def _is_none(value: object) -> bool:
     return value is None
 
 
+def _is_false(value: object) -> bool:
+    return value is False
+
+
 class Arm(ScenarioModel):
     """One road that meets the others at an intersection: edges NAME_in (towards it) and NAME_out."""
 
@@ -113,6 +117,17 @@ class SumoConfiguration(ScenarioModel):
     kind: Literal["sumocfg"] = "sumocfg"
     path: str = Field(description="SUMO .sumocfg file; relative paths start at the scenario file")
     warm_up: Seconds = Field(default=600.0, description="[s] of traffic before the ego enters")
+    draw: bool = Field(
+        default=False,
+        exclude_if=_is_false,
+        description="an ego without a route drives a stretch of what some car drives, drawn by the seed, from a speed "
+        "that suits the place; else all of the longest route under way, from standstill",
+    )
+    content: str | None = Field(
+        default=None,
+        exclude_if=_is_none,
+        description="digest of the configuration's files as they were; it tells kept results apart and is not checked",
+    )
 
 
 Network = Annotated[

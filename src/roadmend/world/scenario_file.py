@@ -12,7 +12,9 @@ from roadmend.core.settings import check_settings
 from roadmend.core.whole_file import write_text
 from roadmend.core.yaml_file import read_yaml
 from roadmend.world.scenario import NetworkFile, Scenario, SumoConfiguration
+from roadmend.world.user_configuration import configurations_in, content_of, network_of
 
+_SENSING_RANGE = 150.0  # [m] as in the scenario families on a clear day
 SUFFIXES = frozenset({".yaml", ".yml"})
 
 
@@ -82,6 +84,38 @@ def scenario_of_configuration(path: Path, ego_route: Sequence[str], warm_up: flo
         "ego": {"route": [*ego_route], "speed": 0.0},
     }
     return parse_scenario(content, str(path))
+
+
+def drawn_scenarios(paths: Sequence[Path], seeds: Iterable[int], warm_up: float, time_limit: float) -> list[Scenario]:
+    """Drives in the traffic of SUMO configurations: with each seed other traffic, another start and another route.
+
+    Args:
+        paths: of .sumocfg files, and of folders in which all below are taken.
+        seeds: of the drives on each.
+        warm_up: [s] of traffic before the ego enters.
+        time_limit: [s] to drive.
+
+    Raises:
+        InputError: there is no such file, it names none or a file that does not exist, or a value is out of range.
+    """
+    found: dict[str, Path] = {}
+    scenarios = []
+    for given, path in configurations_in(paths):
+        name = re.sub(r"[^A-Za-z0-9_.-]", "_", given)
+        if name in found:
+            what = f"is called {name!r}, as {found[name]} is"
+            raise InputError(str(path), what, "give it another name, or measure the two one after the other")
+        found[name] = path
+        network_of(path)
+        network = {"kind": "sumocfg", "path": str(path.resolve()), "warm_up": warm_up, "draw": True}
+        content = {
+            "time_limit": time_limit,
+            "network": network | {"content": content_of(path)},
+            "ego": {},
+            "environment": {"sensing_range": _SENSING_RANGE},
+        }
+        scenarios += [parse_scenario(content | {"name": f"{name}-{seed}", "seed": seed}, str(path)) for seed in seeds]
+    return scenarios
 
 
 def _with_absolute_paths(scenario: Scenario, base: Path) -> Scenario:

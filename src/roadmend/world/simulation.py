@@ -26,6 +26,7 @@ from roadmend.world.courtesy import Courtesy
 from roadmend.world.ego import STANDING, LongitudinalDynamics, RouteFollower, VehicleParameters
 from roadmend.world.ego_in_sumo import EgoInSumo
 from roadmend.world.joining import join_traffic
+from roadmend.world.levels import roads_on_other_levels
 from roadmend.world.manoeuvres import ManoeuvreScript
 from roadmend.world.network import network_file
 from roadmend.world.participants import Observation, Participants
@@ -78,13 +79,15 @@ class Simulation:
         self._files = tempfile.TemporaryDirectory(prefix="roadmend-")
         try:
             _start(self._arguments(report_collisions=report_collisions), scenario)
-            self._warm_up()
             if isinstance(scenario.network, SumoConfiguration):
-                self.scenario = scenario = join_traffic(scenario, self.network)
+                with _refused(scenario.network.path):
+                    self._warm_up(scenario.network)
+                    self.scenario = scenario = join_traffic(scenario, self.network)
                 built = build_route(self.network, scenario)
             assert built is not None
             self._built: BuiltRoute = built
-            self._body = EgoInSumo(scenario, INTERVAL)
+            with _refused(getattr(scenario.network, "path", scenario.name)):
+                self._body = EgoInSumo(scenario, INTERVAL)
         except BaseException:
             self.close()
             raise
@@ -92,7 +95,11 @@ class Simulation:
         limited = not self._is_users or environment.sensing_range is not None
         with_persons = self._is_users or any(isinstance(actor, Pedestrian) for actor in scenario.actors)
         self._participants = Participants(
-            EGO, INTERVAL, environment.effective_range if limited else math.inf, with_persons=with_persons
+            EGO,
+            INTERVAL,
+            environment.effective_range if limited else math.inf,
+            with_persons=with_persons,
+            elsewhere=roads_on_other_levels(self.network, scenario.ego.route, built.route),
         )
         self._courtesy = Courtesy()
         self._stand_off = StandOff(INTERVAL)
@@ -170,7 +177,8 @@ class Simulation:
             self._body.follow(self._follower, distance)
             libsumo.simulation.step()
         except (libsumo.TraCIException, libsumo.FatalTraCIError) as error:
-            raise SimulationError(f"SUMO failed at {self._tick * INTERVAL:.2f} s: {self._reason(error)}") from None
+            reason = " ".join(self._reason(error).split())
+            raise SimulationError(f"SUMO failed at {self._tick * INTERVAL:.2f} s: {reason}") from None
 
     def _reason(self, error: Exception) -> str:
         follower = self._follower
@@ -284,10 +292,26 @@ class Simulation:
             *arguments,
         ]
 
-    def _warm_up(self) -> None:
-        if isinstance(self.scenario.network, SumoConfiguration):
-            begin = libsumo.simulation.getTime()
-            libsumo.simulation.step(begin + self.scenario.network.warm_up)
+    def _warm_up(self, configuration: SumoConfiguration) -> None:
+        begin = libsumo.simulation.getTime()
+        libsumo.simulation.step(begin + configuration.warm_up)
+
+
+@contextlib.contextmanager
+def _refused(where: str) -> Iterator[None]:
+    """Where SUMO fails before the ego has moved, the configuration is at fault.
+
+    Raises:
+        InputError: it failed.
+    """
+    failure: str | None = None
+    with _captured_stderr():  # SUMO says there once more what the exception says
+        try:
+            yield
+        except (libsumo.TraCIException, libsumo.FatalTraCIError) as error:
+            failure = " ".join(str(error).split())
+    if failure is not None:
+        raise InputError(where, f"SUMO fails in it: {failure.rstrip('.')}", "mend what it names")
 
 
 def _start(arguments: list[str], scenario: Scenario) -> None:

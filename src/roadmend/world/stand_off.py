@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection
 import libsumo
 import numpy as np
 
-from roadmend.core.geometry import corner_distance, fill_corners, fill_outline
+from roadmend.core.geometry import corner_distance, fill_corners, fill_outline, wrap_angle
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
 from roadmend.world.courtesy import STANDING
 
@@ -19,6 +19,7 @@ PATIENCE = 8.0  # [s] that both must have stood
 _CREEP = 1.5  # [m] that the ego may have moved meanwhile
 _AHEAD = (1.0, 2.0, 4.0, 6.0, 8.0)  # [m] of the ego's way that are looked at
 _MARGIN = 0.5  # [m] kept from the ego's way
+_ALIKE = math.radians(30.0)  # between headings of a queue
 _NEAR = 15.0  # [m] between the centres
 
 Way = Callable[[float], tuple[float, float, float]]
@@ -60,7 +61,9 @@ class StandOff:
         found = [
             name
             for name in patient
-            if _is_in_junction(name) and (name in waiting or _blocks(ego, way, around, standing[name]))
+            if _is_in_junction(name)
+            and not _queues(ego, around, standing[name])
+            and (name in waiting or _blocks(ego, way, around, standing[name]))
         ]
         for name in found:
             libsumo.vehicle.remove(name)
@@ -81,6 +84,16 @@ def _blocks(ego: EgoState, way: Way, around: ObjectList, index: int) -> bool:
         if corner_distance(own, other) < _MARGIN:
             return True
     return False
+
+
+def _queues(ego: EgoState, around: ObjectList, index: int) -> bool:
+    """Whether somebody stands behind the ego, in its direction: the ego may wait at a light, and they with it."""
+    other = around.table[index]
+    dx, dy = float(other["x"]) - ego.x, float(other["y"]) - ego.y
+    cosine, sine = math.cos(ego.yaw), math.sin(ego.yaw)
+    along, across = cosine * dx + sine * dy, cosine * dy - sine * dx
+    is_alike = abs(wrap_angle(float(other["yaw"]) - ego.yaw)) < _ALIKE
+    return along < -0.5 * ego.length and abs(across) < ego.width and is_alike
 
 
 def _is_in_junction(name: str) -> bool:

@@ -1,12 +1,64 @@
-"""A user's SUMO configuration, made fit to run here: same input, none of its output."""
+"""A user's SUMO configuration, made fit to run here: same input, none of its output, and no will of its own."""
 
+import hashlib
+import os
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 from roadmend.core.errors import InputError
 
-_INPUT_FILES = frozenset({"net-file", "route-files", "additional-files", "weight-files", "taz-files", "load-state"})
-_DROPPED = ("output", "report", "gui_only", "gui-only")  # sections whose effects belong to the user's own runs
+_NET = frozenset({"net-file", "net", "n"})
+_INPUT_FILES = _NET | {
+    "route-files",
+    "routes",
+    "r",
+    "additional-files",
+    "additional",
+    "a",
+    "weight-files",
+    "weights",
+    "w",
+    "taz-files",
+    "load-state",
+    "astar.all-distances",
+    "astar.landmark-distances",
+    "device.fcd-replay.files",
+}
+# Sections whose effects belong to the user's own runs.
+_DROPPED = ("output", "report", "gui_only", "gui-only")
+# So do these options, in whatever section: they write, wait for a client, open windows, or draw numbers and share work
+# in a way that makes every run another.
+_OTHERS = frozenset(
+    {
+        "alternative-net-file",
+        "breakpoints",
+        "device.rerouting.threads",
+        "edgedata-files",
+        "end",
+        "error-log",
+        "gui-settings-file",
+        "log",
+        "log-file",
+        "message-log",
+        "netstate",
+        "netstate-dump",
+        "ndump",
+        "num-clients",
+        "random",
+        "remote-port",
+        "save-configuration",
+        "save-schema",
+        "save-template",
+        "selection-file",
+        "summary",
+        "threads",
+        "tripinfo",
+        "vehroutes",
+    }
+)
+_WRITING_PREFIXES = ("output", "save-state.", "fcd-output.", "pedestrian.jupedsim.")
+_WRITING_SUFFIXES = ("-output", ".output", "ssm.file", "toc.file")
 
 _DEPTH = 64  # no folder lies deeper; to climb beyond the root is harmless
 
@@ -15,14 +67,22 @@ def read_configuration(path: Path) -> ET.Element:
     """The root element of a .sumocfg.
 
     Raises:
-        InputError: the file is missing or is no XML.
+        InputError: the file is missing, is no XML, or no configuration for the microscopic simulation.
     """
     if not path.is_file():
         raise InputError(str(path), "no such file", "give the path of a SUMO .sumocfg file")
     try:
-        return ET.parse(path).getroot()
+        root = ET.parse(path).getroot()
     except ET.ParseError as error:
         raise InputError(str(path), f"broken XML ({error})", "mend the SUMO configuration") from None
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read ({error.strerror})", "make it readable") from None
+    if root.tag in {"net", "routes", "additional"}:
+        raise InputError(str(path), f"is no SUMO configuration (its root is <{root.tag}>)", "give a .sumocfg file")
+    for option in root.iter("mesosim"):
+        if _value(option).lower() in {"true", "1", "yes", "on", "x", "t"}:
+            raise InputError(str(path), "simulates queues and not vehicles (mesosim)", "take mesosim out of it")
+    return root
 
 
 def network_of(path: Path) -> Path:
@@ -31,20 +91,16 @@ def network_of(path: Path) -> Path:
     Raises:
         InputError: it names none, or one that does not exist.
     """
-    element = read_configuration(path).find(".//net-file")
-    value = "" if element is None else element.get("value", element.get("v", ""))
-    if not value:
+    found = [option for option in read_configuration(path).iter() if option.tag in _NET and _value(option)]
+    if not found:
         raise InputError(str(path), "names no net-file", "add <net-file value=.../> to its <input>")
-    network = path.parent / value
-    if not network.is_file():
-        raise InputError(str(path), f"net-file {value} does not exist", "mend the path in the configuration")
-    return network
+    return _existing(path, "net-file", _value(found[0]))
 
 
 def private_copy(path: Path, folder: Path) -> list[str]:
     """SUMO arguments that run a configuration without writing next to it.
 
-    The copy in ``folder`` has absolute input paths and no output sections. Detectors in additional files still name
+    The copy in ``folder`` has absolute input paths and no output. Detectors in additional files still name
     output files, relative to their own place, which may be any folder; SUMO puts the prefix before the file's name,
     and this one climbs to the root from wherever that is and leads into ``folder``.
 
@@ -52,20 +108,74 @@ def private_copy(path: Path, folder: Path) -> list[str]:
         InputError: the configuration cannot be read or names files that do not exist.
     """
     root = read_configuration(path)
-    for element in list(root):
-        if element.tag in _DROPPED:
-            root.remove(element)
+    for parent in list(root.iter()):
+        for element in list(parent):
+            if _is_dropped(element, at_root=parent is root):
+                parent.remove(element)
     for element in root.iter():
         if element.tag in _INPUT_FILES:
-            key = "value" if "value" in element.attrib else "v"
-            names = [name.strip() for name in element.get(key, "").split(",") if name.strip()]
-            for name in names:
-                if not (path.parent / name).is_file():
-                    raise InputError(
-                        str(path), f"{element.tag} {name} does not exist", "mend the path in the configuration"
-                    )
-            element.set(key, ",".join(str((path.parent / name).resolve()) for name in names))
+            option = "net-file" if element.tag in _NET else element.tag
+            paths = [str(_existing(path, option, name)) for name in _names(_value(element))]
+            element.attrib.clear()
+            element.text = None
+            element.set("value", ",".join(paths))
     copy = folder / "user.sumocfg"
     ET.ElementTree(root).write(copy, encoding="unicode")
     prefix = "../" * _DEPTH + str(folder.resolve()).lstrip("/") + "/out-"
     return ["-c", str(copy), "--output-prefix", prefix]
+
+
+def content_of(path: Path) -> str:
+    """SHA-256 of a configuration and of the files that it names, hexadecimal.
+
+    Raises:
+        InputError: the configuration cannot be read or names files that do not exist.
+    """
+    digest = hashlib.sha256(path.read_bytes())
+    for option in read_configuration(path).iter():
+        if option.tag in _INPUT_FILES:
+            for name in _names(_value(option)):
+                digest.update(_existing(path, option.tag, name).read_bytes())
+    return digest.hexdigest()
+
+
+def configurations_in(paths: Sequence[Path]) -> Iterator[tuple[str, Path]]:
+    """The configurations among files and, in folders, all that lie below; each with a name of its own.
+
+    Raises:
+        InputError: a path does not exist, or there is no configuration in a folder.
+    """
+    for given in paths:
+        found = sorted(given.rglob("*.sumocfg")) if given.is_dir() else [given]
+        if not found:
+            raise InputError(str(given), "holds no .sumocfg", "'roadmend networks' makes some")
+        for path in found:
+            if not path.is_file():
+                raise InputError(str(path), "no such file", "give the path of a SUMO .sumocfg file, or of a folder")
+            top = given.resolve().parent if given.is_dir() else path.resolve().parent.parent
+            parts = path.resolve().relative_to(top).with_suffix("").parts
+            yield "-".join(part for part, after in zip(parts, (*parts[1:], ""), strict=True) if part != after), path
+
+
+def _existing(path: Path, option: str, value: str) -> Path:
+    """A file that a configuration names, which may use variables of the environment as SUMO does."""
+    found = (path.parent / os.path.expandvars(value.strip())).resolve()
+    if not found.is_file():
+        raise InputError(str(path), f"{option} {value.strip()} does not exist", "mend the path in the configuration")
+    return found
+
+
+def _names(value: str) -> list[str]:
+    return [name for name in value.split(",") if name.strip()]
+
+
+def _value(option: ET.Element) -> str:
+    return (option.get("value") or option.get("v") or option.text or "").strip()
+
+
+def _is_dropped(element: ET.Element, *, at_root: bool) -> bool:
+    """Whether a section or an option is none of ours."""
+    name = element.tag.lower()
+    if at_root and name in _DROPPED:
+        return True
+    return name in _OTHERS or name.startswith(_WRITING_PREFIXES) or name.endswith(_WRITING_SUFFIXES)
