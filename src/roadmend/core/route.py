@@ -97,6 +97,10 @@ class Stage:
         """Point [m] and heading [rad] at an arc length."""
         return point_at(self.x, self.y, self.s, position)
 
+    def limit_at(self, position: float) -> float:
+        """Speed limit [m/s] at an arc length."""
+        return float(self.speed_limit[segment_at(self.s, position)])
+
     def project(self, x: float, y: float, around: float, reach: float = 30.0) -> tuple[float, float]:
         """Arc length and signed offset [m] (left positive) nearest to a point, searched around an arc length."""
         return project(self.x, self.y, self.s, x, y, around, reach)

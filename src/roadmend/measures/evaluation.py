@@ -1,8 +1,9 @@
 """Evaluation: policies times repair methods times scenarios are driven; ``evaluation_figures`` says what they are worth."""
 
 import hashlib
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import SimulationError
@@ -28,6 +29,13 @@ class EvaluationTrial:
     method: str
     driver: Key  # see ``measures.driver``
     futures: int = 0  # by which the need of every spell is told; 0: not told
+    parameters: Mapping[str, Any] = field(default_factory=dict)  # what differs from the method's defaults
+    title: str = ""  # under which the method is told; its name where empty
+
+    @property
+    def told_as(self) -> str:
+        """What the method is called in figures."""
+        return self.title or self.method
 
     @property
     def key(self) -> Key:
@@ -98,7 +106,7 @@ def drive_trial(trial: EvaluationTrial) -> Driven:
     """Drive one episode in this process; whatever goes wrong is a result here."""
     scenario = trial.scenario
     try:
-        repairer = make_repairer(trial.method, seed=_seed_of(scenario))
+        repairer = make_repairer(trial.method, trial.parameters, _seed_of(scenario))
         policy = make_policy(trial.policy)
         if trial.futures:
             result = run_with_need(scenario, policy, repairer, trial.futures)
@@ -108,7 +116,7 @@ def drive_trial(trial: EvaluationTrial) -> Driven:
             raise SimulationError("a pose or a command was not a number")  # noqa: TRY301
     except Exception as error:  # noqa: BLE001 - the others shall go on, and this one is reported
         text = " ".join(f"{type(error).__name__}: {error}".split())
-        return Driven(trial, fault=f"{scenario.name}, policy {trial.policy}, {trial.method}: {text}")
+        return Driven(trial, fault=f"{scenario.name}, policy {trial.policy}, {trial.told_as}: {text}")
     return Driven(trial, result)
 
 

@@ -24,7 +24,7 @@ def evaluate(driven: Sequence[Driven]) -> dict[str, dict[str, dict[str, Any]]]:
     results: dict[str, dict[str, list[EpisodeResult]]] = {}
     for each in driven:
         if each.result is not None:
-            results.setdefault(each.trial.policy, {}).setdefault(each.trial.method, []).append(each.result)
+            results.setdefault(each.trial.policy, {}).setdefault(each.trial.told_as, []).append(each.result)
     return {
         policy: {method: _figures(found, methods[ALONE]) for method, found in methods.items()}
         for policy, methods in results.items()

@@ -35,6 +35,13 @@ class RandomParameters(Parameters):
     probability: float = Field(0.1, ge=0.0, le=1.0, description="probability of stepping in at a tick")
 
 
+class GovernorParameters(Parameters):
+    """A lower speed limit: what it saves to drive slower, whoever is there."""
+
+    share: float = Field(0.9, gt=0.1, le=1.0, description="of the speed limit at which it holds the ego")
+    gain: float = Field(0.5, gt=0.0, le=10.0, description="brake for each [m/s] above that")
+
+
 class RuleParameters(Parameters):
     """The paper's RuleRepair: time-to-collision to the object ahead."""
 

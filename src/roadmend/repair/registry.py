@@ -8,11 +8,13 @@ from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
 from roadmend.core.settings import check_parameters
 from roadmend.repair.adreft.method import AdreftRepair
+from roadmend.repair.governor import GovernorRepair
 from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.method import RepairMethod
 from roadmend.repair.none import NoRepair
 from roadmend.repair.parameters import (
     AdreftParameters,
+    GovernorParameters,
     GuardParameters,
     ModelParameters,
     NoParameters,
@@ -39,6 +41,7 @@ class MethodEntry:
 METHODS: dict[str, MethodEntry] = {
     "none": MethodEntry(NoParameters, lambda _parameters, _seed: NoRepair()),
     "random": MethodEntry(RandomParameters, RandomRepair),
+    "governor": MethodEntry(GovernorParameters, lambda parameters, _seed: GovernorRepair(parameters)),
     "rule": MethodEntry(RuleParameters, lambda parameters, _seed: RuleRepair(parameters)),
     "rss": MethodEntry(RssParameters, lambda parameters, _seed: RssRepair(parameters)),
     "predictive": MethodEntry(PredictiveParameters, lambda parameters, _seed: PredictiveRepair(parameters)),

@@ -17,7 +17,7 @@ from roadmend.training.tuned_file import TunedMethods
 
 _ALWAYS = ("roadmend.repair.guard", "roadmend.world.corpus", "harness.case_jobs")
 
-Group = Literal["reference", "rival", "adreft", "variant", "ablation", "bound"]
+Group = Literal["reference", "control", "rival", "adreft", "variant", "ablation", "bound"]
 
 
 class _Part(BaseModel):
@@ -40,6 +40,13 @@ class RobustnessEntry(_Part):
 
     methods: list[str]
     techniques: list[str]
+
+
+class CurveEntry(_Part):
+    """The settings of a method among which the best at a price is looked for: every combination of the values."""
+
+    method: str  # a key of the plan's methods
+    values: list[dict[str, list[Any]]]  # grids, one after another
 
 
 class QuickEntry(_Part):
@@ -66,6 +73,8 @@ class BenchmarkPlan(_Part):
     monitors: list[str]
     watched: dict[str, WatchedEntry] = Field(default_factory=dict)  # by monitor
     robustness: RobustnessEntry
+    ordinary: list[str]  # methods whose price is told on ordinary drives
+    curves: list[CurveEntry]
     quick: QuickEntry
 
 
@@ -121,7 +130,8 @@ def read_plan(path: Path) -> BenchmarkPlan:
     """
     plan = read_settings(path, BenchmarkPlan, "mend the file")
     monitors = [_watched(plan, name) for name in (*plan.monitors, *plan.quick.monitors)]
-    for name in [*monitors, *plan.robustness.methods, *plan.quick.methods]:
+    curves = [curve.method for curve in plan.curves]
+    for name in [*monitors, *plan.robustness.methods, *plan.ordinary, *curves, *plan.quick.methods]:
         if name not in plan.methods:
             raise InputError(f"{path}: methods", f"there is no {name!r}", "add it or take it out of the lists")
     return plan

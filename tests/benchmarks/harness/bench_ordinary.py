@@ -1,0 +1,169 @@
+"""``roadmend bench ordinary``: what repair costs where nothing was wrong, and what a method fixes at a given price."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import click
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from harness.benchmark_content import dump_json
+from harness.contenders import BenchmarkPlan, read_plan, resolve
+from harness.grid import TABLE_SEED, Setting, alone, drive_all, random_drives
+from harness.options import CACHED_WORK, PLANS
+from harness.ordinary_tables import ordinary_tables
+from harness.price_curve import Ground, at_time_lost, curve_settings, points_of
+from roadmend.cli.options import JSON, WORKERS, options_of
+from roadmend.cli.output import show_rows
+from roadmend.core.resources import config_folder
+from roadmend.core.whole_file import write_texts
+from roadmend.reports.result_files import origin, provenance
+from roadmend.world.network import cache_folder
+from roadmend.world.scenario import Scenario
+
+FORMAT = "roadmend-ordinary/1"
+STEM = "adreft-ordinary"
+_COLUMNS = (
+    TextColumn("{task.description}"),
+    BarColumn(),
+    MofNCompleteColumn(),
+    TimeElapsedColumn(),
+    TimeRemainingColumn(),
+)
+
+
+@dataclass(frozen=True)
+class OrdinaryOptions:
+    """What is driven, and where it is kept."""
+
+    policies: Annotated[
+        tuple[str, ...], click.option("--policy", "policies", multiple=True, help="May be repeated.  [default: all]")
+    ]
+    methods: Annotated[str | None, click.option("--methods", help="Separated by commas.  [default: the plan's]")]
+    count: Annotated[
+        int,
+        click.option(
+            "--count", default=200, show_default=True, type=click.IntRange(1, 100_000), help="Random drives a family."
+        ),
+    ]
+    futures: Annotated[
+        int,
+        click.option(
+            "--futures",
+            default=0,
+            show_default=True,
+            type=click.IntRange(0, 1000),
+            help="Futures by which the need of every intervention is told; 0: it is not.",
+        ),
+    ]
+    curve_count: Annotated[
+        int,
+        click.option(
+            "--curve-count",
+            default=0,
+            show_default=True,
+            type=click.IntRange(0, 10_000),
+            help="Random drives a family of every setting of the plan's curves; 0: no curves.",
+        ),
+    ]
+    curve_cases: Annotated[
+        int,
+        click.option(
+            "--curve-cases",
+            default=20,
+            show_default=True,
+            type=click.IntRange(1, 10_000),
+            help="Validation violations, and successes, of each family for the same.",
+        ),
+    ]
+    table_cases: Annotated[
+        int | None,
+        click.option(
+            "--table-cases",
+            type=click.IntRange(1, 10_000),
+            help="Test violations, and successes, of each family for what is then said of them.  [default: all]",
+        ),
+    ]
+    work: Annotated[Path | None, CACHED_WORK]
+    out: Annotated[
+        Path | None, click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Folder of results.")
+    ]
+    workers: Annotated[int, WORKERS]
+
+
+@click.command()
+@options_of(OrdinaryOptions)
+@JSON
+def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
+    """Drive at random with every method, and look for the best setting of each at a given loss of time.
+
+    The settings of a curve are chosen on validation cases and random drives of their own; what is then said of the
+    chosen ones was measured on the test cases and on the random drives of the table. Finished episodes are kept.
+    """
+    plan, config = read_plan(PLANS / "adreft.yaml"), config_folder()
+    policies = given.policies or tuple(plan.policies)
+    names = given.methods.split(",") if given.methods else plan.ordinary
+    work = given.work or cache_folder() / "benchmarks" / "ordinary"
+    drives = random_drives(given.count, TABLE_SEED)
+    content: dict[str, Any] = {
+        "format": FORMAT,
+        "provenance": provenance(_command(given)),
+        "titles": {name: plan.methods[name].title for name in plan.methods},
+        "ordinary": {"random": {}},
+        "curve": {},
+        "at_time_lost": {},
+    }
+    with Progress(*_COLUMNS, console=Console(stderr=True)) as progress:
+        for policy in policies:
+            content["ordinary"]["random"][policy] = _prices(plan, config, policy, names, drives, given, work, progress)
+            if given.curve_count:
+                settings = curve_settings(plan, config, policy, given.methods)
+                chosen = Ground.choosing(policy, given.curve_count, given.curve_cases)
+                curves = points_of(settings, chosen.drive(settings, work, given.workers, progress, "curves"))
+                shown = Ground.showing(policy, given.count, given.table_cases)
+                content["curve"][policy] = curves
+                content["at_time_lost"][policy] = at_time_lost(curves, shown, work, given.workers, progress)
+    tables = ordinary_tables(content)
+    if given.out is not None:
+        text = "\n\n".join(table.markdown() for table in tables)
+        made = origin(content["provenance"])
+        write_texts(
+            given.out,
+            {f"{STEM}.json": dump_json(content) + "\n", f"{STEM}.md": f"# Ordinary driving\n\n{text}\n\n{made}\n"},
+        )
+    if as_json:
+        click.echo(dump_json(content))
+        return
+    for table in tables:
+        show_rows(table.rows)
+
+
+def _prices(
+    plan: BenchmarkPlan,
+    config: Path,
+    policy: str,
+    names: Sequence[str],
+    drives: Sequence[Scenario],
+    given: OrdinaryOptions,
+    work: Path,
+    progress: Progress,
+) -> dict[str, Any]:
+    """The figures of ordinary driving by method."""
+    contenders, _ = resolve(plan, config, policy, [*names])
+    settings = [alone(policy), *(Setting.of(each) for each in contenders if each.method != "none")]
+    trials = [trial for setting in settings for trial in setting.trials(drives, given.futures)]
+    figures = drive_all(trials, work, given.workers, progress, f"{policy}: random drives")
+    return {name: found["ordinary"] for name, found in figures[policy].items()}
+
+
+def _command(given: OrdinaryOptions) -> str:
+    """The command again, without places on this machine."""
+    parts = ["./roadmend bench ordinary", *(f"--policy {policy}" for policy in given.policies)]
+    parts += [f"--methods {given.methods}"] if given.methods else []
+    parts += [f"--count {given.count}"] if given.count != 200 else []
+    parts += [f"--futures {given.futures}"] if given.futures else []
+    parts += [f"--curve-count {given.curve_count} --curve-cases {given.curve_cases}"] if given.curve_count else []
+    parts += [f"--table-cases {given.table_cases}"] if given.table_cases else []
+    return " ".join(parts)
