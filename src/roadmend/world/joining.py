@@ -43,7 +43,7 @@ def join_traffic(scenario: Scenario, network: RoadNetwork) -> Scenario:
 def _with_drawn_start(scenario: Scenario, network: RoadNetwork, configuration: SumoConfiguration) -> Scenario:
     is_empty = True
     for _ in range(_PATIENCE):
-        start = draw_start(network, scenario.seed, scenario.time_limit)
+        start = draw_start(network, scenario)
         if start is not None:
             return scenario.model_copy(update={"ego": scenario.ego.model_copy(update=start._asdict())})
         is_empty = is_empty and libsumo.vehicle.getIDCount() == 0

@@ -8,9 +8,12 @@ from typing import NamedTuple
 import libsumo
 import numpy as np
 
+from roadmend.core.errors import InputError
 from roadmend.core.route import Stage
+from roadmend.world.clearance import has_clearance
 from roadmend.world.road_network import Edge, Lane, RoadNetwork
-from roadmend.world.route_builder import easiest_lane, turns_around
+from roadmend.world.route_builder import build_route, easiest_lane, turns_around
+from roadmend.world.scenario import Scenario
 
 SHORTEST, LONGEST = 300.0, 900.0  # [m] of a drive
 _CLASSES = frozenset({"passenger", "private", "taxi", "evehicle", "hov", "vip", "custom1", "custom2"})
@@ -54,16 +57,15 @@ class _Other(NamedTuple):
     position: float  # [m] of the front
 
 
-def draw_start(network: RoadNetwork, seed: int, time_limit: float) -> Start | None:
+def draw_start(network: RoadNetwork, scenario: Scenario) -> Start | None:
     """Where and how the ego begins, drawn from what this moment of the traffic offers; None: it offers nothing.
 
     Args:
         network: that the traffic is on.
-        seed: of the scenario.
-        time_limit: [s] of the drive.
+        scenario: whose seed draws, and whose time limit and ego count.
     """
-    numbers = random.Random(f"roadmend/route/{seed}")
-    wanted = Limits(numbers.uniform(SHORTEST, LONGEST), _SHARE_OF_TIME * time_limit)
+    numbers = random.Random(f"roadmend/route/{scenario.seed}")
+    wanted = Limits(numbers.uniform(SHORTEST, LONGEST), _SHARE_OF_TIME * scenario.time_limit)
     routes = _routes(network)
     others = _others()
     starts = [(route, place) for route in routes for place in range(len(route))]
@@ -71,12 +73,22 @@ def draw_start(network: RoadNetwork, seed: int, time_limit: float) -> Start | No
     found: list[tuple[float, Start]] = []
     for route, place in starts[:_TRIES]:
         start, length = _start(network, route[place:], wanted, others, numbers)
-        if start is not None:
+        if start is not None and _is_drivable(network, scenario, start):
             if length >= SHORTEST:
                 return start
             found.append((length, start))
     # Nowhere is there as much to drive: the longest stretch there is.
     return max(found)[1] if found else None
+
+
+def _is_drivable(network: RoadNetwork, scenario: Scenario, start: Start) -> bool:
+    """Whether the ego can follow a route, and those who come the other way can pass it."""
+    ego = scenario.ego.model_copy(update=start._asdict())
+    try:
+        built = build_route(network, scenario.model_copy(update={"ego": ego}))
+    except InputError:
+        return False
+    return has_clearance(network, start.route, built.route)
 
 
 def _routes(network: RoadNetwork) -> list[tuple[str, ...]]:
