@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from roadmend.training.adreft.calibration import calibrate, monitor_quality
+from roadmend.training.adreft.calibration import calibrate, calibrate_untouched, monitor_quality
 
 
 @given(
@@ -44,3 +44,26 @@ def test_quality():
 def test_without_a_critical_frame_there_is_no_threshold():
     with pytest.raises(ValueError, match="no frame is critical"):
         calibrate(np.array([0.5]), np.array([False]))
+
+
+@given(
+    highest=st.lists(st.floats(0.0, 1.0), min_size=1, max_size=60),
+    touched=st.sampled_from([0.0, 0.1, 0.25, 0.9]),
+)
+def test_it_is_the_least_threshold_that_leaves_enough_drives_alone(highest, touched):
+    highest = np.array(highest)
+    threshold = calibrate_untouched(highest, touched)
+    allowed = touched * len(highest) + 1e-6
+    assert np.count_nonzero(highest > threshold) <= allowed
+    assert np.count_nonzero(highest >= threshold) > allowed - 1e-5
+
+
+def test_one_drive_in_ten_may_be_touched():
+    assert calibrate_untouched(np.arange(20) / 20.0, 0.1) == 17 / 20
+    assert calibrate_untouched(np.arange(20) / 20.0, 0.0) == 19 / 20
+    assert calibrate_untouched(np.arange(9) / 9.0, 0.1) == 8 / 9
+
+
+def test_without_a_harmless_drive_there_is_no_threshold():
+    with pytest.raises(ValueError, match="no harmless drive"):
+        calibrate_untouched(np.array([]), 0.1)

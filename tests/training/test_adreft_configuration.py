@@ -11,14 +11,14 @@ from roadmend.core.parameters import Parameters
 from roadmend.training.adreft.configuration import TrainingConfiguration, read_training_configuration
 
 FOLDER = Path(__file__).parents[2] / "config" / "training"
-SECTIONS = ("model", "frames", "supervised", "practice", "reinforcement")
+SECTIONS = ("model", "frames", "supervised", "practice", "futures", "reinforcement")
 
 
 def names(content, section):
     return set(content[section]) if section else set(content)
 
 
-@pytest.mark.parametrize("name", ["adreft", "adreft-paper"])
+@pytest.mark.parametrize("name", ["adreft", "adreft-futures", "adreft-paper"])
 def test_the_files_name_every_setting(name):
     content = yaml.safe_load((FOLDER / f"{name}.yaml").read_text())
     read = read_training_configuration(FOLDER / f"{name}.yaml")

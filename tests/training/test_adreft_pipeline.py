@@ -15,6 +15,7 @@ from roadmend.training.adreft.configuration import PracticeSection
 from roadmend.training.closed_loop import evaluate_cases, summarise
 from roadmend.world import corpus as corpus_module
 from roadmend.world.corpus import save_corpus
+from roadmend.world.families import FAMILIES
 
 from .blind import BlindPolicy, blind_corpus
 
@@ -51,6 +52,21 @@ PRACTISED = {
         "per_success": 0,
         "blinded": 0,
         "batch": 64,
+    },
+    "reinforcement": {"episodes": 0},
+}
+FUTURES = {
+    "model": {**SMALL, "tokenizer": "rich", "interval": 12, "hold": 0.6, "fresh": True, "weighing": {}},
+    "frames": {"validation_stride": 4},
+    "practice": {"method": "futures", "epochs": 2, "rounds": 2, "later_epochs": 1, "batch": 64},
+    "futures": {
+        "moments": 2,
+        "futures": 2,
+        "actions": 1,
+        "harmless": 0.2,
+        "random_cases": 0,
+        "random_validation": 1,
+        "touched": 0.5,
     },
     "reinforcement": {"episodes": 0},
 }
@@ -193,6 +209,37 @@ def test_the_trials_of_another_policy_can_be_practised_on_too(train, tmp_path, m
     assert count == len(corpus.select(split="training")) + len(other.select(split="training"))
 
 
+@pytest.mark.slow
+def test_practice_on_futures_goes_on_where_it_stood_and_says_how_reliable_its_monitor_is(train, tmp_path, capsys):
+    corpus = blind_corpus(1, 1)
+    assert train(corpus, FUTURES, "whole.safetensors") == 0
+    path, work = tmp_path / "whole.safetensors", tmp_path / "whole.training"
+    whole, model = path.read_bytes(), AdreftModel.load(path)
+    moments = sorted((work / "moments").iterdir())
+    assert len(moments) == 2 * 2 + 2 + len(FAMILIES)  # two rounds of the training cases, and those for validation
+    guide, last = work / "futures-guide-1.safetensors", work / "practice-1.safetensors"
+    assert AdreftModel.load(guide).digest != model.digest
+    for gone in (last, guide, path, moments[0]):
+        gone.unlink()
+    assert train(corpus, FUTURES, "whole.safetensors") == 2
+    assert train(corpus, FUTURES, "whole.safetensors", "--resume") == 0
+    assert path.read_bytes() == whole
+    metrics = load_checkpoint(path).header["metrics"]
+    told = metrics["futures"]
+    assert 0.0 <= told["calibration_error"] <= 1.0
+    assert 0.0 < told["rate"] < 1.0
+    assert sum(each["weight"] for each in told["bins"]) == pytest.approx(1.0)
+    assert {"precision", "recall", "f1"} == set(metrics["monitor"])
+    capsys.readouterr()
+
+    on = ["--set", f"futures.start={path}", "--set", "practice.rounds=1", "--set", "practice.epochs=1"]
+    assert train(corpus, FUTURES, "on.safetensors", "--work", str(work), "--restart", *on) == 0
+    header = load_checkpoint(tmp_path / "on.safetensors").header
+    assert header["ancestry"] == [model.digest]
+    assert train(corpus, FUTURES, "other.safetensors", *on, "--set", "model.adapter=[8]") == 2
+    assert "has other networks than the configuration asks for" in capsys.readouterr().err
+
+
 def test_without_precaution_only_the_monitor_decides(train, tmp_path):
     corpus = blind_corpus(1, 1)
     practice = {**PRACTISED["practice"], "rounds": 1, "method": "counterfactual"}
@@ -241,6 +288,7 @@ def test_ablations_leave_something_out(train, tmp_path, ablation):
             [*_FORESEEING, "--set", "practice.epochs=1", "--set", "practice.rounds=2"],
             "practice.rounds: counterfactuals",
         ),
+        (["--set", "practice.epochs=1", "--set", "practice.method=futures"], "model.weighing: does not go with"),
         ([*_FORESEEING, "--set", "practice.epochs=1"], "reinforcement.episodes: fine-tuning takes an adapter that"),
         (["--ablation", "wo_sr", "--set", "reinforcement.episodes=0"], "--ablation: 'wo_sr' changes fine-tuning, of"),
     ],

@@ -17,3 +17,9 @@ def test_a_case_is_a_scenario_that_nobody_has_driven():
     assert (case.digest, case.is_violation) == ("", False)
     assert case.scenario().name == case.name
     assert case.scenario().family == case.family
+
+
+def test_nobody_practises_on_what_a_model_is_judged_by():
+    judged = {case.name for policy in ("modular", "neural") for case in random_cases(policy, 20, validation=True)}
+    assert len(judged) == 2 * 20 * len(FAMILIES)
+    assert not judged & {case.name for policy in ("modular", "neural") for case in random_cases(policy, 20)}

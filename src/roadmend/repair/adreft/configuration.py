@@ -36,6 +36,17 @@ class Deciding(Parameters):
     clear: float = Field(
         0.0, ge=0.0, le=2.0, description="how long the score must be low before release [s]; the paper's is 0"
     )
+    fresh: bool = Field(
+        default=False,
+        description="a choice is made when an intervention begins and every `interval` ticks from there, and ends it "
+        "where it does not brake; else the ticks are counted from the episode's first, as the paper's",
+    )
+    longest: float = Field(
+        0.0, ge=0.0, le=60.0, description="seconds of intervention after which it is let go (see `patience`); 0: never"
+    )
+    standstill: float = Field(
+        0.0, ge=0.0, le=60.0, description="seconds at a standstill under intervention after which it is; 0: never"
+    )
     weighing: Weighing | None = Field(
         None, description="prices, where the adapter foresees collisions; without, it gives the values, as the paper's"
     )

@@ -12,6 +12,7 @@ from roadmend.core.scene import Scene
 from roadmend.networks.checkpoint import find_model
 from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.model import AdreftModel
+from roadmend.repair.adreft.patience import Patience
 from roadmend.repair.adreft.tokenizer import TokenSet
 from roadmend.repair.latch import Latch
 from roadmend.repair.parameters import AdreftParameters
@@ -23,7 +24,7 @@ class AdreftRepair:
     """Proposes the action of greatest value; steps in where the score is above the threshold.
 
     Score: y_safe, or how due an intervention is by its worth where that is more; threshold: lambda_safe of the model,
-    or what was given instead. A trigger's weight is the share of attention that the participant's tokens drew in the
+    or what was given instead, raised where patience has ended. A trigger's weight is the share of attention that the participant's tokens drew in the
     encoder's last layer.
     """
 
@@ -48,7 +49,9 @@ class AdreftRepair:
         self._tokenizer = self.model.tokenizer()
         self._seed = seed
         self._numbers = random.Random(f"{seed}:")
-        self._latch = Latch(self.model.configuration.hold, self.model.configuration.clear)
+        configuration = self.model.configuration
+        self._latch = Latch(configuration.hold, configuration.clear)
+        self._patience = Patience(configuration.longest, configuration.standstill)
         self._held = 0  # ticks for which the last choice has held, 0 where it is time for another
         self._action = ACTIONS[0]
 
@@ -56,6 +59,7 @@ class AdreftRepair:
         """Begin an episode on ``route``."""
         self._tokenizer.reset(route)
         self._latch.reset()
+        self._patience.reset()
         self._held, self._action = 0, ACTIONS[0]
         self._numbers.seed(f"{self._seed}:{route.scenario}")
 
@@ -65,24 +69,33 @@ class AdreftRepair:
         Raises:
             FloatingPointError: the model's values are not finite.
         """
-        tokens = self._tokenizer.tokens(scene, decision)
+        tokens, asked = self._tokenizer.tokens(scene, decision), decision.command.action
         state = self.model.encode(tokens.values)
-        score = self.model.score(state, decision.command.action)
-        values = self.model.values(state, decision.command.action)
+        score = self.model.score(state, asked)
+        values = self.model.values(state, asked)
         if not np.isfinite(values).all():
             raise FloatingPointError("the decision adapter's values are not finite")
         alarmed = score > self.threshold
-        score = max(score, self.model.due(values, decision.command.action, scene))
-        if self._held == 0:
-            self._action = ACTIONS[self._choose(values, decision.command.action)]
-        self._held = (self._held + 1) % self.model.configuration.interval
+        score = max(score, self.model.due(values, asked, scene))
+        bar = self._patience.bar(score, self.threshold)
+        configuration = self.model.configuration
+        if self._held == 0 or (configuration.fresh and score > bar and not self._latch.is_on):
+            self._action, self._held = ACTIONS[self._choose(values, asked)], 0
+        self._held = (self._held + 1) % configuration.interval
         triggers: tuple[RepairTrigger, ...] = ()
-        reason = ""
-        if score > self.threshold:
+        reason = f"let go until the score falls to {self.threshold:.3f}" if self._patience.has_ended else ""
+        if score > bar:
             triggers = attended(self.model, tokens, scene)
             what = "criticality" if alarmed else "precaution: worth"
-            reason = f"{what} {score:.3f} above {self.threshold:.3f}"
-        return self._latch.settle(scene.time, Proposal(score, self.threshold, self._action, triggers, reason))
+            reason = f"{what} {score:.3f} above {bar:.3f}"
+        proposal = Proposal(score, bar, self._action, triggers, reason)
+        if configuration.fresh and self._action >= asked:
+            self._latch.reset()  # the adapter, or the policy by braking itself, has ended it
+            self._held = 0
+        else:
+            proposal = self._latch.settle(scene.time, proposal)
+        self._patience.watch(scene, intervenes=proposal.score > proposal.threshold and asked > proposal.action)
+        return proposal
 
     def _choose(self, values: NDArray[np.float32], asked: float) -> int:
         """Index of the action to propose where the policy asks for ``asked``."""

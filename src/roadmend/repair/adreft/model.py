@@ -97,6 +97,10 @@ class AdreftModel:
         self._seen[-1] = action
         return sigmoid(float(self._monitor.apply(self._seen)[0]))
 
+    def given(self, state: Floats) -> Floats:
+        """What the adapter says of a state, before prices make values of it: values, or logits, shape (outputs,)."""
+        return self._adapter.apply(state)
+
     def values(self, state: Floats, action: float) -> Floats:
         """Q of every action of the repair action space, shape (actions,), where the policy asks for ``action``."""
         return self._valued(self._adapter.apply(state), action)

@@ -44,3 +44,19 @@ def monitor_quality(scores: Floats, critical: NDArray[np.bool_], threshold: floa
     recall = hits / max(1, int(np.count_nonzero(critical)))
     f1 = 2.0 * precision * recall / (precision + recall) if hits else 0.0
     return MonitorQuality(precision, recall, f1)
+
+
+def calibrate_untouched(highest: Floats, touched: float) -> float:
+    """lambda_safe by what is left alone: the least threshold that few harmless drives ever score above.
+
+    Args:
+        highest: score of each drive, shape (D,), 0 .. 1.
+        touched: at most this share of the drives may have a score above the threshold, 0 <= touched < 1.
+
+    Raises:
+        ValueError: there is no drive.
+    """
+    found = np.sort(np.asarray(highest, dtype=np.float64))[::-1]
+    if not len(found):
+        raise ValueError("there is no harmless drive")
+    return float(found[math.floor(touched * len(found) + 1e-9)])  # 'above' is strict

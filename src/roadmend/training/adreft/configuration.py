@@ -16,7 +16,9 @@ from roadmend.core.yaml_file import read_fields
 from roadmend.networks.shape import EncoderShape
 from roadmend.repair.adreft.configuration import Deciding, ModelConfiguration
 from roadmend.repair.adreft.registry import make_tokenizer
+from roadmend.training.adreft.futures_configuration import FuturesSection
 
+FORESEEING = ("counterfactual", "futures")  # methods of practice whose adapter foresees collisions
 LearningRate = Annotated[float, Field(gt=0.0, le=1.0, description="learning rate")]
 
 
@@ -94,8 +96,10 @@ class PracticeSection(Parameters):
     """Practice on trials, ours: values of random interventions instead of labels (see ``practice``)."""
 
     epochs: int = Field(0, ge=0, le=10_000, description="passes over the trials; 0 leaves the stage out")
-    method: Literal["fitted_q", "counterfactual"] = Field(
-        "fitted_q", description="learn values, or collisions with and without an intervention (model.weighing: prices)"
+    method: Literal["fitted_q", "counterfactual", "futures"] = Field(
+        "fitted_q",
+        description="learn values, or collisions with and without an intervention (model.weighing: prices), of trials "
+        "or of futures",
     )
     rounds: int = Field(
         1, ge=1, le=100, description="times that trials are driven; from the second on the model so far drives along"
@@ -226,6 +230,7 @@ class TrainingConfiguration(Parameters):
     frames: FramesSection = FramesSection()
     supervised: SupervisedSection = SupervisedSection()
     practice: PracticeSection = PracticeSection()
+    futures: FuturesSection = FuturesSection()
     reinforcement: ReinforcementSection = ReinforcementSection()
     threads: int = Field(1, ge=1, le=256, description="threads of torch; the bits may depend on it")
 

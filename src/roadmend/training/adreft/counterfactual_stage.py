@@ -16,7 +16,7 @@ from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.repair.adreft.weighing import AVERTED, CAUSED, DANGER
 from roadmend.training.adreft.configuration import PracticeSection
 from roadmend.training.adreft.counterfactual import Counterfactuals
-from roadmend.training.adreft.practice import Loss, PracticeStage, cross_entropy
+from roadmend.training.adreft.learning_stage import LearningStage, Loss, cross_entropy
 from roadmend.training.adreft.stage import StageRun
 from roadmend.training.adreft.trial_set import TrialSet
 
@@ -24,7 +24,7 @@ from roadmend.training.adreft.trial_set import TrialSet
 _DANGER, _AVERTED, _CAUSED = 2.0, 0.5, 0.25
 
 
-class CounterfactualStage(PracticeStage):
+class CounterfactualStage(LearningStage):
     """One run of the stage. It goes on from its state after an interruption."""
 
     _stream = 7
@@ -38,7 +38,7 @@ class CounterfactualStage(PracticeStage):
         run: StageRun,
         start: Mapping[str, NDArray[Any]] | None = None,
     ) -> None:
-        """As PracticeStage, with the labels of the trials.
+        """As LearningStage, with the labels of the trials.
 
         Raises:
             InputError: the file is of another run, or the trials tell nothing.

@@ -11,10 +11,11 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from roadmend.networks.checkpoint import save_checkpoint
+from roadmend.core.errors import InputError
+from roadmend.networks.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from roadmend.networks.encoder import Head, SceneEncoder
-from roadmend.repair.adreft.configuration import ModelConfiguration
-from roadmend.repair.adreft.model import KIND
+from roadmend.repair.adreft.configuration import ModelConfiguration, read_configuration
+from roadmend.repair.adreft.model import KIND, AdreftModel
 from roadmend.training.closed_loop import EpisodeCase
 
 
@@ -75,6 +76,26 @@ def save_model(
     configuration = {"model": model.model_dump(mode="json"), **header.pop("configuration", {})}
     whole = {"kind": KIND, "threshold": threshold, "data_digest": "", "metrics": {}, "ancestry": [], **header}
     return save_checkpoint(path, tensors, {**whole, "configuration": configuration})
+
+
+def load_start(path: Path, wanted: ModelConfiguration) -> Checkpoint:
+    """A model of ADReFT to begin a training with.
+
+    Raises:
+        InputError: it cannot be read, or has other networks than are wanted.
+    """
+    checkpoint = load_checkpoint(path, KIND)
+    AdreftModel.of(checkpoint, str(path))  # whatever does not fit is said here
+    kept = read_configuration(str(path), checkpoint.header)
+    if (kept.tokenizer, kept.encoder, kept.monitor_shape, kept.adapter_shape) != (
+        wanted.tokenizer,
+        wanted.encoder,
+        wanted.monitor_shape,
+        wanted.adapter_shape,
+    ):
+        mend = "give a model of the same configuration, or begin without one"
+        raise InputError(str(path), "has other networks than the configuration asks for", mend)
+    return checkpoint
 
 
 def digest_of_cases(cases: Sequence[EpisodeCase]) -> str:

@@ -3,33 +3,32 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
 from numpy.typing import NDArray
 
 from roadmend import __version__
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
 from roadmend.measures.case_result import CaseResult
-from roadmend.networks.checkpoint import load_checkpoint
-from roadmend.repair.adreft.configuration import ModelConfiguration, read_configuration
-from roadmend.repair.adreft.model import KIND, AdreftModel
+from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.training.adreft.calibration import MonitorQuality, calibrate, monitor_quality
 from roadmend.training.adreft.case_frames import CaseFrames
-from roadmend.training.adreft.configuration import TrainingConfiguration
+from roadmend.training.adreft.configuration import FORESEEING, TrainingConfiguration
 from roadmend.training.adreft.counterfactual import Counterfactuals
 from roadmend.training.adreft.counterfactual_stage import CounterfactualStage
 from roadmend.training.adreft.frames import FrameSet
+from roadmend.training.adreft.futures_practice import FuturesPractice
 from roadmend.training.adreft.gathering import Recipe, gather_frames
 from roadmend.training.adreft.labels import make_scheme
-from roadmend.training.adreft.network import digest_of_cases, save_model
-from roadmend.training.adreft.practice import PracticeFigures, PracticeStage
+from roadmend.training.adreft.learning_stage import LearningStage, PracticeFigures
+from roadmend.training.adreft.network import digest_of_cases, load_start, save_model
+from roadmend.training.adreft.practice import PracticeStage
 from roadmend.training.adreft.random_case import random_cases
 from roadmend.training.adreft.reinforcement import ReinforcementStage, RoundFigures
-from roadmend.training.adreft.stage import StageRun, TrainingSubject
+from roadmend.training.adreft.scoring import monitor_scores
+from roadmend.training.adreft.stage import PRACTICE_STATE, StageRun, TrainingSubject
 from roadmend.training.adreft.supervised import EpochFigures, SupervisedStage
 from roadmend.training.adreft.trial_plan import TrialPlan
 from roadmend.training.adreft.trial_set import TrialSet
@@ -37,7 +36,6 @@ from roadmend.training.adreft.trials import CaseTrials, gather_trials
 from roadmend.training.closed_loop import EpisodeCase, Summary, evaluate_cases, summarise
 
 SUPERVISED_STATE = "supervised.safetensors"
-PRACTICE_STATE = "practice-{}.safetensors"  # one a round
 GUIDE = "guide-{}.safetensors"  # the model that drives along in a round
 REINFORCEMENT_STATE = "reinforcement.safetensors"
 
@@ -103,6 +101,11 @@ class Pipeline:
         self._seed, self._device, self._mapper, self._work, self._report = seed, device, mapper, work, report
         self._model = configuration.model.configuration()
         self._scheme = make_scheme(configuration.frames.labels)
+        self._futures: FuturesPractice | None = None
+        if configuration.practice.epochs and configuration.practice.method == "futures":
+            self._futures = FuturesPractice(
+                configuration, subject, seed=seed, device=device, mapper=mapper, work=work, report=report
+            )
 
     def run(self, out: Path, only: Only = None, start: Path | None = None) -> Trained:
         """Train and write the model.
@@ -125,6 +128,8 @@ class Pipeline:
         if only != "supervised" and self._configuration.reinforcement.episodes:
             tensors, history = self._reinforce(before, threshold)
         header = self._header(before, quality, history, only)
+        if self._futures is not None:
+            header["metrics"]["futures"] = self._futures.judge(tensors, threshold)
         beside = self._work / "finished.safetensors"
         save_model(beside, before.model, tensors, threshold, **header)
         results = self._look(beside)
@@ -157,7 +162,10 @@ class Pipeline:
         return self._practise(validation) if self._configuration.practice.epochs else self._supervise(validation, only)
 
     def _practise(self, validation: FrameSet) -> _Supervised:
-        """Rounds of trials, each learned from together with all before it."""
+        """Rounds of trials or of moments, each learned from together with all before it."""
+        if self._futures is not None:
+            tensors, digest = self._futures.run()
+            return _Supervised(self._model, tensors, None, digest, self._futures.ancestry)
         section = self._configuration.practice
         gathered: list[CaseTrials] = []
         result: _Supervised | None = None
@@ -175,6 +183,7 @@ class Pipeline:
                 self._work / "tensorboard" / f"practice-{number}",
             )
             start = None if result is None else result.tensors
+            stage: LearningStage
             if labels is None:
                 stage = PracticeStage(self._model, own, trials, run, start)
             else:
@@ -244,36 +253,18 @@ class Pipeline:
         return _Supervised(self._model, result.tensors, result.figures, training.digest, [])
 
     def _from_model(self, start: Path) -> _Supervised:
-        checkpoint = load_checkpoint(start, KIND)
-        AdreftModel.of(checkpoint, str(start))  # whatever does not fit is said here
-        kept = read_configuration(str(start), checkpoint.header)
-        wanted = self._model
-        if (kept.tokenizer, kept.encoder, kept.monitor_shape, kept.adapter_shape) != (
-            wanted.tokenizer,
-            wanted.encoder,
-            wanted.monitor_shape,
-            wanted.adapter_shape,
-        ):
-            mend = "give a model of the same configuration, or leave out --start"
-            raise InputError(str(start), "has other networks than the configuration asks for", mend)
-        return _Supervised(wanted, checkpoint.tensors, None, checkpoint.header["data_digest"], [checkpoint.digest])
+        checkpoint = load_start(start, self._model)
+        return _Supervised(self._model, checkpoint.tensors, None, checkpoint.header["data_digest"], [checkpoint.digest])
 
     def _calibrate(self, before: _Supervised, validation: FrameSet) -> tuple[float, MonitorQuality]:
-        """lambda_safe by the compiled networks, so that it is exact for what will run."""
-        order = np.arange(len(validation))
-        blocks = [block for block in np.array_split(order, max(1, len(order) // 512)) if len(block)]
-        sets = [
-            (
-                validation.tokens[validation.offsets[block[0]] : validation.offsets[block[-1] + 1]],
-                validation.sizes[block],
-                validation.action[block],
-            )
-            for block in blocks
-        ]
-        scores = np.concatenate(list(self._mapper(partial(_score, before.model, before.tensors), sets)))
+        """lambda_safe, by harmless drives or by critical frames, and how good the monitor is at these."""
+        scores = monitor_scores(before.model, before.tensors, validation, validation.action, self._mapper)
         judged = validation.critical_weight > 0.0
         critical = validation.critical[judged] > 0.5
-        threshold = calibrate(scores[judged], critical, self._configuration.supervised.recall)
+        if self._futures is not None:
+            threshold = self._futures.calibrate(before.tensors)
+        else:
+            threshold = calibrate(scores[judged], critical, self._configuration.supervised.recall)
         return threshold, monitor_quality(scores[judged], critical, threshold)
 
     def _reinforce(self, before: _Supervised, threshold: float) -> tuple[dict[str, NDArray[Any]], list[RoundFigures]]:
@@ -350,32 +341,15 @@ def _check_adapter(configuration: TrainingConfiguration) -> None:
     """
     practice = configuration.practice
     foresees = configuration.model.weighing is not None
-    if foresees != (practice.epochs > 0 and practice.method == "counterfactual"):
-        mend = "set both, or neither: prices are what practice by counterfactuals is weighed with"
+    if foresees != (practice.epochs > 0 and practice.method in FORESEEING):
+        mend = "set both, or neither: prices are what practice by counterfactuals or futures is weighed with"
         raise InputError("model.weighing", "does not go with practice.method", mend)
-    if foresees and practice.rounds > 1:
-        mend = "set it to 1, or practice.method to fitted_q"
+    if practice.method == "counterfactual" and foresees and practice.rounds > 1:
+        mend = "set it to 1, or practice.method to fitted_q or futures"
         raise InputError("practice.rounds", "counterfactuals are of the policy alone, with no model along", mend)
     if foresees and configuration.reinforcement.episodes:
         mend = "set it to 0, or practice.method to fitted_q"
         raise InputError("reinforcement.episodes", "fine-tuning takes an adapter that gives values", mend)
-
-
-def _score(
-    model: ModelConfiguration,
-    tensors: dict[str, NDArray[Any]],
-    frames: tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float32]],
-) -> NDArray[np.float64]:
-    """The monitor's scores of some frames: their tokens one after the other, tokens of each, and the policy's actions."""
-    tokens, sizes, actions = frames
-    compiled = AdreftModel(model, tensors, 0.0)
-    scores = np.empty(len(sizes), dtype=np.float64)
-    begin = 0
-    for index, size in enumerate(sizes):
-        state = compiled.encode(tokens[begin : begin + size])
-        scores[index] = compiled.score(state, float(actions[index]))
-        begin += size
-    return scores
 
 
 def open_work(work: Path, *, resume: bool | None, keep_supervised: bool) -> None:

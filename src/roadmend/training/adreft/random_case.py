@@ -13,6 +13,7 @@ from roadmend.world.scenario import Scenario
 FIRST_SEED = 40_000_000  # beyond those of every corpus, of the policies' training and of the scenario bank
 _BLOCK = 100_000  # seeds of a policy
 _BLOCKS = 1000
+_VALIDATION = _BLOCK * _BLOCKS  # seeds between a policy's scenarios to practise on and those to validate by
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +43,13 @@ class RandomCase:
         return sample_scenario(self.family, self.seed)
 
 
-def random_cases(policy: str, number: int) -> list[RandomCase]:
-    """So many scenarios of each family, the same ones for a policy at every call; other policies get others."""
-    first = FIRST_SEED + _BLOCK * (zlib.crc32(policy.encode()) % _BLOCKS)
+def random_cases(policy: str, number: int, *, validation: bool = False) -> list[RandomCase]:
+    """So many scenarios of each family, the same ones for a policy at every call; other policies get others.
+
+    Args:
+        policy: for which.
+        number: of each family.
+        validation: those that are never practised on, by which a model is judged.
+    """
+    first = FIRST_SEED + _BLOCK * (zlib.crc32(policy.encode()) % _BLOCKS) + (_VALIDATION if validation else 0)
     return [RandomCase(family, first + index) for index in range(number) for family in FAMILIES]

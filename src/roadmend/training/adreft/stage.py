@@ -7,6 +7,8 @@ from pathlib import Path
 from roadmend.training.adreft.network import digest_of_cases
 from roadmend.training.closed_loop import EpisodeCase
 
+PRACTICE_STATE = "practice-{}.safetensors"  # file of the state of a round
+
 
 @dataclass(frozen=True, slots=True)
 class RepairedPolicy:

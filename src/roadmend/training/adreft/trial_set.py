@@ -11,7 +11,7 @@ from roadmend.core.outcome import EventKind
 from roadmend.core.tick import INTERVAL
 from roadmend.repair.actions import ACTIONS
 from roadmend.training.adreft.configuration import PracticeSection
-from roadmend.training.adreft.token_rows import TokenRows
+from roadmend.training.adreft.decision_set import DecisionSet
 from roadmend.training.adreft.trials import PASS, CaseTrials
 
 Floats = NDArray[np.float32]
@@ -20,21 +20,11 @@ _ACTIONS = np.array(ACTIONS, dtype=np.float32)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class TrialBatch:
-    """B decisions, padded to the N tokens of the largest."""
+class TrialSet(DecisionSet):
+    """F decisions of many episodes."""
 
-    tokens: Floats  # shape (B, N, c), zero where padded
-    mask: NDArray[np.bool_]  # shape (B, N), true where there is a token
-    action: Floats  # the policy's throttle - brake, shape (B,)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class TrialSet(TokenRows):
-    """F decisions of many episodes with their tokens, float16."""
-
-    action: Floats  # shape (F,), as are all below but ``alike``
-    critical: Floats  # weak label of what was really driven
-    judged: Floats  # 1 where that label speaks of the policy, 0 where an intervention may have made it harmless
+    # Shapes are (F,), but for ``alike``. ``critical`` is the weak label of what was really driven; ``judged`` is 1
+    # where that speaks of the policy, 0 where an intervention may have made it harmless.
     reward: Floats  # discounted sum over the next ``steps`` decisions
     discount: Floats  # of the value of ``following``
     following: NDArray[np.int64]  # the decision ``steps`` later, -1 where the episode has ended by then
@@ -78,16 +68,6 @@ class TrialSet(TokenRows):
     def digest(self) -> str:
         """SHA-256 over all that is learned from, hexadecimal."""
         return self.digest_of("discount", "following")
-
-    def batch(self, chosen: NDArray[np.int64]) -> TrialBatch:
-        """Some decisions as one batch, in the order chosen."""
-        tokens, mask = self.padded(chosen)
-        return TrialBatch(tokens, mask, self.action[chosen])
-
-    def draw(self, number: int, generator: np.random.Generator) -> NDArray[np.int64]:
-        """Indices of ``number`` decisions in random order, none twice; 0 stands for all."""
-        order = generator.permutation(len(self))
-        return order[:number] if number else order
 
 
 @dataclass(frozen=True, slots=True, eq=False)
