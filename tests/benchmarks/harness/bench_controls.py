@@ -1,0 +1,245 @@
+"""``roadmend bench controls``: is it the timing, does it hold in other futures, and how little would have done?"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import fmean
+from typing import Annotated, Any
+
+import click
+import numpy as np
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from harness.benchmark_content import dump_json
+from harness.contenders import read_plan, resolve
+from harness.control_jobs import FORMAT, ControlJob, ControlResult, run_controls
+from harness.grid import Setting
+from harness.options import CACHED_WORK, PLANS
+from harness.table import Table, number, span
+from roadmend.cli.options import JSON, WORKERS, options_of
+from roadmend.cli.output import show_rows
+from roadmend.core.fanout import fan_out
+from roadmend.core.journal import Journal
+from roadmend.core.resources import config_folder
+from roadmend.core.whole_file import write_texts
+from roadmend.measures.intervals import bootstrap
+from roadmend.reports.result_files import origin, provenance
+from roadmend.world.corpus import TOUCH, Case, corpus_of
+from roadmend.world.families import FAMILIES
+from roadmend.world.network import cache_folder
+
+CONTENT = "roadmend-controls/1"
+STEM = "adreft-controls"
+HARD = 6.0  # [m/s] impact speed from which a violation is told apart
+_COLUMNS = (
+    TextColumn("{task.description}"),
+    BarColumn(),
+    MofNCompleteColumn(),
+    TimeElapsedColumn(),
+    TimeRemainingColumn(),
+)
+
+
+@dataclass(frozen=True)
+class ControlOptions:
+    """What is driven, and where it is kept."""
+
+    policies: Annotated[
+        tuple[str, ...], click.option("--policy", "policies", multiple=True, help="May be repeated.  [default: all]")
+    ]
+    methods: Annotated[
+        str,
+        click.option(
+            "--methods", default="rule,rss,predictive,adreft,precaution", show_default=True, help="With commas."
+        ),
+    ]
+    cases: Annotated[
+        int | None,
+        click.option(
+            "--cases", type=click.IntRange(1, 10_000), help="Violations, and successes, of each family.  [default: all]"
+        ),
+    ]
+    bound: Annotated[bool, click.option("--bound/--no-bound", default=True, show_default=True, help="Informed bound.")]
+    work: Annotated[Path | None, CACHED_WORK]
+    out: Annotated[
+        Path | None, click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Folder of results.")
+    ]
+    workers: Annotated[int, WORKERS]
+
+
+@click.command()
+@options_of(ControlOptions)
+@JSON
+def controls(given: ControlOptions, *, as_json: bool) -> None:
+    """Hold each method against its own braking at random times, in other futures, and against the informed bound."""
+    plan, config = read_plan(PLANS / "adreft.yaml"), config_folder()
+    work = given.work or cache_folder() / "benchmarks" / "controls"
+    content: dict[str, Any] = {
+        "format": CONTENT,
+        "provenance": provenance(_command(given)),
+        "titles": {name: method.title for name, method in plan.methods.items()},
+        "controls": {},
+        "bound": {},
+    }
+    with (
+        Progress(*_COLUMNS, console=Console(stderr=True)) as progress,
+        Journal(work / "results.jsonl", FORMAT, owns_folder=True) as journal,
+        fan_out(given.workers) as mapper,
+    ):
+
+        def run(what: str, jobs: Sequence[ControlJob]) -> list[ControlResult]:
+            task = progress.add_task(what, total=len(jobs))
+            found = []
+            for result in run_controls(jobs, journal, mapper):
+                found.append(result)
+                progress.advance(task)
+            return found
+
+        for policy in given.policies or tuple(plan.policies):
+            cases = _cases(policy, given.cases)
+            contenders, _ = resolve(plan, config, policy, given.methods.split(","))
+            content["controls"][policy] = {"shuffled": {}}
+            for contender in contenders:
+                setting = Setting.of(contender)
+                results = run(f"{policy}: {contender.name}", [ControlJob(case, policy, setting) for case in cases])
+                content["controls"][policy]["shuffled"][contender.name] = shuffle_figures(results)
+            if given.bound:
+                jobs = [ControlJob(case, policy, None) for case in cases if case.is_violation]
+                content["bound"][policy] = {"informed": bound_figures(run(f"{policy}: informed bound", jobs))}
+    tables = [_controls_table(content), *([_bound_table(content)] if given.bound else [])]
+    if given.out is not None:
+        text = "\n\n".join(table.markdown() for table in tables)
+        made = origin(content["provenance"])
+        write_texts(
+            given.out, {f"{STEM}.json": dump_json(content) + "\n", f"{STEM}.md": f"# Controls\n\n{text}\n\n{made}\n"}
+        )
+    if as_json:
+        click.echo(dump_json(content))
+        return
+    for table in tables:
+        show_rows(table.rows)
+
+
+def shuffle_figures(results: Sequence[ControlResult]) -> dict[str, Any]:
+    """A method beside its own braking at random times, in percent; intervals of the paired bootstrap over cases."""
+    violations = [result for result in results if result.is_violation]
+    successes = [result for result in results if not result.is_violation]
+    strata = tuple(
+        np.array([(each.worth, each.shuffled) for each in part], dtype=np.float64).reshape(-1, 2)
+        for part in (violations, successes)
+    )
+
+    def difference(sums: Sequence[Any]) -> Any:
+        fix, deg = (total / max(1, len(part)) for total, part in zip(sums, strata, strict=True))
+        return 100.0 * ((fix[:, 0] - fix[:, 1]) - (deg[:, 0] - deg[:, 1]))
+
+    fix, deg = (100.0 * part.mean(axis=0) if len(part) else np.zeros(2) for part in strata)
+    hard = [each for each in violations if (each.impact_speed or 0.0) >= HARD]
+    touches = [each for each in violations if (each.impact_speed or 0.0) < TOUCH]
+    return {
+        "violations": len(violations),
+        "successes": len(successes),
+        "delta_e": float(fix[0] - deg[0]),
+        "shuffled_fix": float(fix[1]),
+        "shuffled_deg": float(deg[1]),
+        "shuffled_delta_e": float(fix[1] - deg[1]),
+        "more_than_shuffled": float(fix[0] - deg[0] - fix[1] + deg[1]),
+        "interval": list(bootstrap(strata, difference)) if all(map(len, strata)) else None,
+        "in_futures": _percent(violations, lambda each: each.in_futures or 0.0),
+        "fix_hard": _percent(hard, lambda each: each.worth),
+        "fix_touches": _percent(touches, lambda each: each.worth),
+        "hard": len(hard),
+        "touches": len(touches),
+        "dose_violations": fmean(each.dose for each in violations) if violations else None,
+    }
+
+
+def bound_figures(results: Sequence[ControlResult]) -> dict[str, Any]:
+    """The informed bound over violations."""
+    found = [each for each in results if each.bound is not None]
+    return {
+        "violations": len(results),
+        "repaired": len(found),
+        "dose": fmean(each.dose for each in found) if found else None,
+        "in_futures": _percent(found, lambda each: each.bound_in_futures or 0.0),
+    }
+
+
+def _percent(results: Sequence[ControlResult], value: Callable[[ControlResult], float]) -> float | None:
+    return 100.0 * fmean(map(value, results)) if results else None
+
+
+def _cases(policy: str, most: int | None) -> list[Case]:
+    corpus = corpus_of(policy)
+    return [
+        case
+        for family in FAMILIES
+        for violation in (True, False)
+        for case in corpus.select(family, "test", violation=violation)[:most]
+    ]
+
+
+def _controls_table(content: Mapping[str, Any]) -> Table:
+    rows: list[tuple[str, ...]] = [
+        (
+            "policy",
+            "method",
+            "ΔE",
+            "shuffled",
+            "more",
+            "95 %",
+            "in futures [%]",
+            "hard %Fix",
+            "touches %Fix",
+            "dose [s]",
+        )
+    ]
+    for policy, found in content["controls"].items():
+        for method, figures in found["shuffled"].items():
+            rows.append(
+                (
+                    policy,
+                    content["titles"].get(method, method),
+                    number(figures["delta_e"]),
+                    number(figures["shuffled_delta_e"]),
+                    number(figures["more_than_shuffled"]),
+                    span(figures["interval"]),
+                    number(figures["in_futures"]),
+                    number(figures["fix_hard"]),
+                    number(figures["fix_touches"]),
+                    number(figures["dose_violations"], 2),
+                )
+            )
+    note = (
+        "Shuffled: the method's own braking of each case, block by block, at random times before the impact. In "
+        "futures: share of five futures of each violation, the method at work from 8 s before it, that reach the goal. "
+        f"Hard: impacts of {HARD:g} m/s and more; touches: below {TOUCH:g} m/s. Dose: on violations."
+    )
+    return Table("Timing, other futures, impact speed", note, tuple(rows))
+
+
+def _bound_table(content: Mapping[str, Any]) -> Table:
+    rows: list[tuple[str, ...]] = [
+        ("policy", "violations", "repaired by a pulse", "dose [s]", "in further futures [%]")
+    ]
+    for policy, found in content["bound"].items():
+        figures = found["informed"]
+        rows.append(
+            (
+                policy,
+                str(figures["violations"]),
+                str(figures["repaired"]),
+                number(figures["dose"], 2),
+                number(figures["in_futures"]),
+            )
+        )
+    note = "The least of a few pulses that brings five futures of a case to the goal at once, tried in ten others."
+    return Table("Informed bound", note, tuple(rows))
+
+
+def _command(given: ControlOptions) -> str:
+    parts = ["./roadmend bench controls", *(f"--policy {policy}" for policy in given.policies)]
+    parts += [f"--methods {given.methods}"] if given.methods != "rule,rss,predictive,adreft,precaution" else []
+    parts += [f"--cases {given.cases}"] if given.cases else []
+    return " ".join(parts + ["--no-bound"] * (not given.bound))
