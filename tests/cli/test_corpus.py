@@ -80,6 +80,22 @@ def test_a_corpus_is_renewed_without_what_comes_to_something_else(folder, capsys
     assert sorted(file.name for file in folder.glob("new*")) == ["new.jsonl"]
 
 
+def test_splits_of_another_corpus_take_the_place_of_those_of_the_same_name(folder, capsys):
+    corpus = load_corpus(folder / "first.jsonl")
+    first, second, third = corpus.cases
+    training = dataclasses.replace(first, name="kept", split="training")
+    twice = dataclasses.replace(third, name="twice", split="training")
+    save_corpus(dataclasses.replace(corpus, cases=(training, twice, second)), folder / "old.jsonl")
+    save_corpus(dataclasses.replace(corpus, cases=(third,), fleeting=4), folder / "fresh.jsonl")
+    asked = ["corpus", "renew", "--corpus", str(folder / "old.jsonl"), "--with", str(folder / "fresh.jsonl")]
+    assert main([*asked, "--out", str(folder / "new.jsonl"), "--workers", "1"]) == 0
+    capsys.readouterr()
+    joined = load_corpus(folder / "new.jsonl")
+    assert [case.name for case in joined.cases] == ["kept", third.name]
+    assert joined.fleeting == 4
+    assert "training by" in joined.command
+
+
 def test_a_shortage_is_told(folder, capsys):
     text = PLAN.replace("validation: {violations: 0", "validation: {violations: 50")
     (folder / "more.yaml").write_text(text)

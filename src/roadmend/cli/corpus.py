@@ -3,7 +3,7 @@
 import json
 import statistics
 from collections import Counter
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,7 +11,6 @@ import click
 from rich.progress import Progress as Bar
 from rich.table import Table
 
-from roadmend import __version__
 from roadmend.cli.driver_options import POLICY
 from roadmend.cli.options import FILE, FOLDER, JSON, WORKERS, options_of
 from roadmend.cli.output import counting, wide_console
@@ -26,8 +25,10 @@ from roadmend.search.gather import Gathered, Progress, Report, gather, gather_fr
 from roadmend.search.persistence import FORMAT as PERSISTENCE
 from roadmend.search.persistence import PersistenceTeller
 from roadmend.search.policy_model import policy_model
+from roadmend.search.renewal import joined, without_splits_of
+from roadmend.search.renewal import renew as renew_cases
 from roadmend.search.rerun import FORMAT as RERUNS
-from roadmend.search.rerun import Rerunner, agrees, renewed
+from roadmend.search.rerun import Rerunner, agrees
 from roadmend.search.selection import spread
 from roadmend.world.corpus import SPLITS, Case, Corpus, load_corpus, save_corpus
 from roadmend.world.families import FAMILIES
@@ -210,15 +211,16 @@ def verify(policy: str, file: Path | None, count: int | None, workers: int, *, a
     type=click.IntRange(0, 1000),
     help="Futures by which the persistence of a violation is told; 0: it is not.",
 )
+@click.option("--with", "other", type=FILE, help="Corpus whose splits take the place of those of the same name.")
 @WORKERS
-def renew(policy: str, file: Path | None, out: Path, futures: int, workers: int) -> None:
+def renew(policy: str, file: Path | None, out: Path, futures: int, other: Path | None, workers: int) -> None:
     """Drive all cases again and write the corpus with what they come to now, without those that come to something else.
 
     For a simulator or a policy that has changed a little, where a new search would find much the same.
     """
     loaded = _load(policy, file)
-    kept: list[Case] = []
-    moved = 0
+    fresh = None if other is None else load_corpus(other)
+    old = loaded if fresh is None else without_splits_of(loaded, fresh)
     journals = [out.with_name(f"{out.name}.{what}.jsonl") for what in ("driven", "futures")]
     with (
         Journal(journals[0], RERUNS) as finished,
@@ -226,30 +228,22 @@ def renew(policy: str, file: Path | None, out: Path, futures: int, workers: int)
         counting() as bar,
         fan_out(workers) as mapper,
     ):
-        task = bar.add_task("run again", total=len(loaded.cases))
-        for case, found in zip(loaded.cases, Rerunner(loaded.policy, mapper, finished)(loaded.cases), strict=True):
-            bar.advance(task)
-            now = renewed(case, found)
-            if now is not None:
-                kept.append(now)
-                moved += now.digest != case.digest
-        task = bar.add_task("persistence", total=len(kept))
+        tasks: dict[str, Any] = {}
+
+        def report(what: str, done: int, total: int) -> None:
+            if what not in tasks:
+                tasks[what] = bar.add_task(what, total=total)
+            bar.update(tasks[what], completed=done)
+
         teller = PersistenceTeller(loaded.policy, mapper, told)
-        shares = list(teller(kept, futures, lambda: bar.advance(task)))
-    kept = [replace(case, persistence=share) for case, share in zip(kept, shares, strict=True)]
-    lost = len(loaded.cases) - len(kept)
-    again = replace(
-        loaded,
-        cases=tuple(kept),
-        model=policy_model(loaded.policy),
-        dropped=loaded.dropped + lost,
-        version=__version__,
-    )
+        found = renew_cases(old, Rerunner(loaded.policy, mapper, finished), teller, futures, report)
+    again = found.corpus if fresh is None else joined(found.corpus, fresh)
     save_corpus(again, out)
     for journal in journals:
         journal.unlink()
     click.echo(
-        f"{out}: {len(kept)} cases, {moved} of them with another trajectory, {lost} left out; SHA-256 {again.digest}"
+        f"{out}: {len(again.cases)} cases, {found.moved} of them with another trajectory, {found.lost} left out; "
+        f"SHA-256 {again.digest}"
     )
 
 
