@@ -1,0 +1,84 @@
+"""Ordinary driving and what is fixed at a price: settings are chosen where they are not shown."""
+
+import json
+
+import pytest
+
+from harness import grid, price_curve
+from harness.bench_ordinary import ordinary
+from harness.contenders import read_plan
+from harness.options import PLANS
+from harness.price_curve import at_time_lost, curve_settings, points_of
+from roadmend.cli.main import run_group
+from roadmend.core.resources import config_folder
+
+
+def figures_of(settings, lost, fixed):
+    """As if each setting lost so much time, and fixed so much."""
+    cases, drives = {}, {}
+    for setting, time_lost, fix in zip(settings, lost, fixed, strict=True):
+        repair = {"fix": fix, "deg": 0.0, "delta_e": fix, "dose": 1.0, "intervals": {"delta_e": [0.0, 100.0]}}
+        cases[setting.title] = {"repair": repair}
+        drives[setting.title] = {"ordinary": {"time_lost": time_lost, "untouched": 90.0, "new_collisions": 0}}
+    return {settings[0].policy: cases}, {settings[0].policy: drives}
+
+
+def test_every_combination_of_a_curve_is_a_setting():
+    plan = read_plan(PLANS / "adreft.yaml")
+    settings = curve_settings(plan, config_folder(), "modular", "rule")
+    assert len(settings) == 10
+    assert len({setting.title for setting in settings}) == 10
+    assert {setting.parameters["time_to_collision"] for setting in settings} == {1.0, 1.5, 2.0, 3.0, 4.0}
+    assert {setting.method for setting in settings} == {"rule"}
+
+
+def test_the_best_within_the_price_is_chosen_and_shown_where_it_was_not_chosen():
+    settings = curve_settings(read_plan(PLANS / "adreft.yaml"), config_folder(), "modular", "governor")
+    curves = points_of(settings, figures_of(settings, [9.0, 4.0, 1.9, 0.5, 0.1], [90.0, 80.0, 40.0, 60.0, 10.0]))
+    assert [point["time_lost"] for point in curves["governor"]] == [0.1, 0.5, 1.9, 4.0, 9.0]
+    asked = []
+
+    class Shown:
+        policy = "modular"
+
+        def drive(self, chosen, *_rest):
+            asked.extend(chosen)
+            return figures_of(chosen, [3.0] * len(chosen), [33.0] * len(chosen))
+
+    found = at_time_lost(curves, Shown(), None, 1, None)["governor"]
+    assert [setting.parameters["share"] for setting in asked] == [0.9, 0.9, 0.8]
+    assert {price: point["chosen_at"]["delta_e"] for price, point in found.items()} == {"1": 60.0, "2": 60.0, "5": 80.0}
+    assert {point["delta_e"] for point in found.values()} == {33.0}
+
+
+def test_a_price_that_no_setting_keeps_to_has_none():
+    settings = curve_settings(read_plan(PLANS / "adreft.yaml"), config_folder(), "modular", "governor")
+    curves = points_of(settings, figures_of(settings, [9.0] * 5, [90.0] * 5))
+
+    class Shown:
+        policy = "modular"
+
+        def drive(self, chosen, *_rest):
+            assert not chosen
+            return {}, {}
+
+    assert at_time_lost(curves, Shown(), None, 1, None) == {"governor": {"1": None, "2": None, "5": None}}
+
+
+@pytest.mark.slow
+def test_a_run_gives_json_and_tables(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(price_curve, "FAMILIES", ("S5",))
+    monkeypatch.setattr(grid, "FAMILIES", ("S5",))
+    words = ["--policy", "modular", "--methods", "governor", "--count", "2", "--curve-count", "1", "--curve-cases", "1"]
+    words += ["--table-cases", "1", "--workers", "1", "--work", str(tmp_path / "work"), "--out", str(tmp_path / "out")]
+    assert run_group(ordinary, "ordinary", [*words, "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    found = content["ordinary"]["random"]["modular"]
+    assert [*found] == ["none", "governor"]
+    assert found["none"]["untouched"] == 100.0
+    assert found["governor"]["untouched"] == 0.0
+    assert found["governor"]["time_lost"] > 1.0
+    assert len(content["curve"]["modular"]["governor"]) == 5
+    assert content["provenance"]["command"].startswith("./roadmend bench ordinary --policy modular --methods governor")
+    assert json.loads((tmp_path / "out" / "adreft-ordinary.json").read_text()) == content
+    assert "Ordinary driving" in (tmp_path / "out" / "adreft-ordinary.md").read_text()
