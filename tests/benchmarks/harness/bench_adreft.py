@@ -161,9 +161,9 @@ def _measure(plan: BenchmarkPlan, config: Path, choice: Choice, options: _Option
     if choice.fresh_seed is not None:
         content["difference_to_table"] = _to_table(content, options.committed / "adreft.json")
     if options.out is not None:
-        path = options.out / "adreft-robustness.json"
-        content["robustness"] = read_json(path) if path.is_file() else None
         stem = _stem(plan, choice)
+        if stem == "adreft":
+            content |= _beside(options.out)
         if stem == "adreft":
             content["not_run"] += _not_asked_for(plan, choice)
         write_benchmark(options.out, stem, content, case_table(measured))
@@ -172,6 +172,21 @@ def _measure(plan: BenchmarkPlan, config: Path, choice: Choice, options: _Option
     else:
         _show(content)
     return 0
+
+
+def _beside(folder: Path) -> dict[str, Any]:
+    """What other commands have measured of the same methods and left in the folder; None where one has not."""
+    parts: dict[str, tuple[str, ...]] = {
+        "adreft-ordinary.json": ("ordinary", "curve", "at_time_lost"),
+        "adreft-controls.json": ("controls", "bound"),
+    }
+    found: dict[str, Any] = {}
+    for name, keys in parts.items():
+        path = folder / name
+        content = read_json(path) if path.is_file() else {}
+        found |= {key: content.get(key) for key in keys}
+    path = folder / "adreft-robustness.json"
+    return found | {"robustness": read_json(path) if path.is_file() else None}
 
 
 def _verify(plan: BenchmarkPlan, config: Path, choice: Choice, options: _Options) -> int:

@@ -1,6 +1,5 @@
 """``roadmend bench ordinary``: what repair costs where nothing was wrong, and what a method fixes at a given price."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,20 +9,25 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from harness.benchmark_content import dump_json
-from harness.contenders import BenchmarkPlan, read_plan, resolve
+from harness.contenders import read_plan, resolve
 from harness.grid import TABLE_SEED, Setting, alone, drive_all, random_drives
 from harness.options import CACHED_WORK, PLANS
 from harness.ordinary_tables import ordinary_tables
 from harness.price_curve import Ground, at_time_lost, curve_settings, points_of
 from roadmend.cli.options import JSON, WORKERS, options_of
 from roadmend.cli.output import show_rows
+from roadmend.core.fanout import fan_out
 from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import write_texts
 from roadmend.reports.result_files import origin, provenance
 from roadmend.world.network import cache_folder
+from roadmend.world.procedural_networks import KINDS, Request, generate_configuration
 from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_file import drawn_scenarios
 
 FORMAT = "roadmend-ordinary/1"
+FIRST_NETWORK = 5000  # seed of the first generated network of each kind; nothing is trained or chosen on them
+WARM_UP, TIME_LIMIT = 300.0, 120.0  # [s] of traffic before the ego enters, and of a drive, on networks
 STEM = "adreft-ordinary"
 _COLUMNS = (
     TextColumn("{task.description}"),
@@ -47,6 +51,29 @@ class OrdinaryOptions:
         click.option(
             "--count", default=200, show_default=True, type=click.IntRange(1, 100_000), help="Random drives a family."
         ),
+    ]
+    networks: Annotated[
+        int,
+        click.option(
+            "--networks",
+            default=0,
+            show_default=True,
+            type=click.IntRange(0, 1000),
+            help="SUMO networks of each kind ('roadmend networks') to drive on as well.",
+        ),
+    ]
+    sumocfg: Annotated[
+        tuple[Path, ...],
+        click.option(
+            "--sumocfg",
+            multiple=True,
+            type=click.Path(path_type=Path),
+            help="SUMO configuration, or a folder of them, to drive on as well: a set each. May be repeated.",
+        ),
+    ]
+    drives: Annotated[
+        int,
+        click.option("--drives", default=3, show_default=True, type=click.IntRange(1, 10_000), help="On each network."),
     ]
     futures: Annotated[
         int,
@@ -106,18 +133,25 @@ def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
     policies = given.policies or tuple(plan.policies)
     names = given.methods.split(",") if given.methods else plan.ordinary
     work = given.work or cache_folder() / "benchmarks" / "ordinary"
-    drives = random_drives(given.count, TABLE_SEED)
     content: dict[str, Any] = {
         "format": FORMAT,
         "provenance": provenance(_command(given)),
         "titles": {name: plan.methods[name].title for name in plan.methods},
-        "ordinary": {"random": {}},
+        "ordinary": {},
         "curve": {},
         "at_time_lost": {},
     }
     with Progress(*_COLUMNS, console=Console(stderr=True)) as progress:
+        sets = _sets(given, work, progress)
         for policy in policies:
-            content["ordinary"]["random"][policy] = _prices(plan, config, policy, names, drives, given, work, progress)
+            everybody, _ = resolve(plan, config, policy, [*names])
+            contenders = [each for each in everybody if each.method != "none"]
+            for name, scenarios in sets.items():
+                settings = [alone(policy), *map(Setting.of, contenders)]
+                trials = [trial for setting in settings for trial in setting.trials(scenarios, given.futures)]
+                figures = drive_all(trials, work, given.workers, progress, f"{policy}: {name}")
+                found = {method: figure["ordinary"] for method, figure in figures[policy].items()}
+                content["ordinary"].setdefault(name, {})[policy] = found
             if given.curve_count:
                 settings = curve_settings(plan, config, policy, given.methods)
                 chosen = Ground.choosing(policy, given.curve_count, given.curve_cases)
@@ -140,22 +174,20 @@ def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
         show_rows(table.rows)
 
 
-def _prices(
-    plan: BenchmarkPlan,
-    config: Path,
-    policy: str,
-    names: Sequence[str],
-    drives: Sequence[Scenario],
-    given: OrdinaryOptions,
-    work: Path,
-    progress: Progress,
-) -> dict[str, Any]:
-    """The figures of ordinary driving by method."""
-    contenders, _ = resolve(plan, config, policy, [*names])
-    settings = [alone(policy), *(Setting.of(each) for each in contenders if each.method != "none")]
-    trials = [trial for setting in settings for trial in setting.trials(drives, given.futures)]
-    figures = drive_all(trials, work, given.workers, progress, f"{policy}: random drives")
-    return {name: found["ordinary"] for name, found in figures[policy].items()}
+def _sets(given: OrdinaryOptions, work: Path, progress: Progress) -> dict[str, list[Scenario]]:
+    """What is driven, by name: random scenarios of the families, generated networks by kind, and those given."""
+    sets = {"random": random_drives(given.count, TABLE_SEED)}
+    seeds = range(FIRST_NETWORK, FIRST_NETWORK + given.networks)
+    requests = [Request(kind, seed, work.with_name(f"{work.name}-networks")) for kind in KINDS for seed in seeds]
+    paths: dict[str, list[Path]] = {}
+    task = progress.add_task("networks", total=len(requests), visible=bool(requests))
+    with fan_out(given.workers, len(requests)) as mapper:
+        for request, path in zip(requests, mapper(generate_configuration, requests), strict=True):
+            paths.setdefault(request.kind, []).append(path)
+            progress.advance(task)
+    paths |= {path.stem: [path] for path in given.sumocfg}
+    drives = range(given.drives)
+    return sets | {name: drawn_scenarios(found, drives, WARM_UP, TIME_LIMIT) for name, found in paths.items()}
 
 
 def _command(given: OrdinaryOptions) -> str:
@@ -163,6 +195,9 @@ def _command(given: OrdinaryOptions) -> str:
     parts = ["./roadmend bench ordinary", *(f"--policy {policy}" for policy in given.policies)]
     parts += [f"--methods {given.methods}"] if given.methods else []
     parts += [f"--count {given.count}"] if given.count != 200 else []
+    parts += [f"--networks {given.networks}"] if given.networks else []
+    parts += [f"--sumocfg {path.name}" for path in given.sumocfg]
+    parts += [f"--drives {given.drives}"] if given.networks or given.sumocfg else []
     parts += [f"--futures {given.futures}"] if given.futures else []
     parts += [f"--curve-count {given.curve_count} --curve-cases {given.curve_cases}"] if given.curve_count else []
     parts += [f"--table-cases {given.table_cases}"] if given.table_cases else []
