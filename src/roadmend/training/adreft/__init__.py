@@ -1,1 +1,1 @@
-"""Training of ADReFT: frames, labels, the supervised stage and reinforcement fine-tuning (ADReFT section 3.2)."""
+"""Training of ADReFT: frames and labels, the supervised stage, practice on trials or futures, and fine-tuning (ADReFT section 3.2)."""
