@@ -13,7 +13,7 @@ from roadmend.core.tick import INTERVAL
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.world.network import find_binary
-from roadmend.world.procedural_networks import Request, generate_configuration
+from roadmend.world.procedural_networks import NetworkRequest, generate_configuration
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Ego, Environment, Scenario, SumoConfiguration
 from roadmend.world.scenario_file import drawn_scenarios
@@ -37,7 +37,7 @@ def stand(simulation, duration):
 
 @pytest.fixture(scope="module")
 def ring(tmp_path_factory):
-    return generate_configuration(Request("ring", 1, tmp_path_factory.mktemp("ring")))
+    return generate_configuration(NetworkRequest("ring", 1, tmp_path_factory.mktemp("ring")))
 
 
 @pytest.fixture
@@ -60,13 +60,13 @@ def own(ring, tmp_path):
 
 @pytest.mark.parametrize("kind", ["ring", "motorway", "rural"])
 def test_a_drawn_drive_on_a_generated_network_reaches_its_goal(kind, tmp_path):
-    result = drive(draw(generate_configuration(Request(kind, 2, tmp_path)), warm_up=120.0))
+    result = drive(draw(generate_configuration(NetworkRequest(kind, 2, tmp_path)), warm_up=120.0))
     assert result.outcome is EventKind.GOAL
 
 
 @pytest.mark.slow
 def test_a_city_with_lights_and_people_comes_to_an_outcome(tmp_path):
-    assert drive(draw(generate_configuration(Request("city", 2, tmp_path)))).outcome in set(EventKind)
+    assert drive(draw(generate_configuration(NetworkRequest("city", 2, tmp_path)))).outcome in set(EventKind)
 
 
 def test_seeds_draw_other_routes_and_the_same_seed_the_same(ring):
@@ -180,7 +180,7 @@ def test_passengers_are_not_people_on_foot(own):
 
 
 def test_who_is_on_a_bridge_over_the_way_is_not_there(tmp_path):
-    path = generate_configuration(Request("motorway", 1, tmp_path))
+    path = generate_configuration(NetworkRequest("motorway", 1, tmp_path))
     edges = [line for line in path.with_suffix(".rou.xml").read_text().split('"') if "south_1-north_1" in line]
     assert edges
     network = SumoConfiguration(path=str(path), warm_up=60.0)

@@ -1,6 +1,7 @@
 """``roadmend evaluate``: policies times repair methods times scenarios."""
 
 import json
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -101,7 +102,8 @@ def evaluate(
     it completes can be degraded. Finished episodes are kept in the folder and not driven again. The exit code is 1 if
     an episode could not be driven.
     """
-    trials = trials_of(_chosen(**chosen), policies, methods, futures)  # type: ignore[arg-type] # as the options have it
+    asked = _Asked(**chosen)  # type: ignore[arg-type] # as the options have it
+    trials = trials_of(_scenarios(asked), policies, methods, futures)
     with Journal(out / "results.jsonl", _FORMAT, owns_folder=True) as journal, counting() as progress:
         task = progress.add_task("episodes", total=len(trials))
         driven = run_trials(trials, journal, workers, lambda done: progress.update(task, completed=done))
@@ -129,36 +131,43 @@ def evaluate(
     return 1 if faults else 0
 
 
-def _chosen(
-    scenarios: tuple[Path, ...],
-    corpus: Path | None,
-    split: str | None,
-    families: tuple[str, ...],
-    configurations: tuple[Path, ...],
-    count: int | None,
-    seed: int | None,
-    time_limit: float | None,
-    warm_up: float | None,
-) -> list[Scenario]:
+@dataclass(frozen=True)
+class _Asked:
+    """The options that say what is driven."""
+
+    scenarios: tuple[Path, ...]
+    corpus: Path | None
+    split: str | None
+    families: tuple[str, ...]
+    configurations: tuple[Path, ...]
+    count: int | None
+    seed: int | None
+    time_limit: float | None  # [s]
+    warm_up: float | None  # [s]
+
+
+def _scenarios(asked: _Asked) -> list[Scenario]:
     """The scenarios that the options stand for."""
-    is_drawn = bool(families or configurations) or count is not None or seed is not None
-    if bool(scenarios) + (corpus is not None) + is_drawn > 1:
+    is_drawn = bool(asked.families or asked.configurations) or asked.count is not None or asked.seed is not None
+    if bool(asked.scenarios) + (asked.corpus is not None) + is_drawn > 1:
         raise click.UsageError("give SCENARIOS, or --corpus, or --family or --sumocfg with --count and --seed")
-    if families and configurations:
+    if asked.families and asked.configurations:
         raise click.UsageError("give --family or --sumocfg")
-    if split is not None and corpus is None:
+    if asked.split is not None and asked.corpus is None:
         raise InputError("--split", "is of a corpus, and there is none", "name one with --corpus")
-    for option, given in (("--time-limit", time_limit), ("--warm-up", warm_up)):
-        if given is not None and not configurations:
+    for option, given in (("--time-limit", asked.time_limit), ("--warm-up", asked.warm_up)):
+        if given is not None and not asked.configurations:
             raise InputError(option, "is of SUMO configurations, and there is none", "name one with --sumocfg")
-    if corpus is not None:
-        return [case.scenario() for case in load_corpus(corpus).select(split=split or "test")]
-    if scenarios:
-        return load_scenarios(scenarios)
-    first = seed or 0
-    if configurations:
-        drives = range(first, first + (_DRIVES if count is None else count))
-        limit = _TIME_LIMIT if time_limit is None else time_limit
-        return drawn_scenarios(configurations, drives, _WARM_UP if warm_up is None else warm_up, limit)
-    drawn = range(first, first + (20 if count is None else count))
-    return [sample_scenario(family, number) for family in families or FAMILIES for number in drawn]
+    if asked.corpus is not None:
+        return [case.scenario() for case in load_corpus(asked.corpus).select(split=asked.split or "test")]
+    if asked.scenarios:
+        return load_scenarios(asked.scenarios)
+    first = asked.seed or 0
+    if asked.configurations:
+        drives = range(first, first + (_DRIVES if asked.count is None else asked.count))
+        limit = _TIME_LIMIT if asked.time_limit is None else asked.time_limit
+        return drawn_scenarios(
+            asked.configurations, drives, _WARM_UP if asked.warm_up is None else asked.warm_up, limit
+        )
+    drawn = range(first, first + (20 if asked.count is None else asked.count))
+    return [sample_scenario(family, number) for family in asked.families or FAMILIES for number in drawn]

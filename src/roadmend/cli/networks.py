@@ -8,7 +8,7 @@ from roadmend.cli.options import FOLDER, WORKERS
 from roadmend.cli.output import counting
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
-from roadmend.world.procedural_networks import FIRST_TRAINING_SEED, KINDS, Request, generate_configuration
+from roadmend.world.procedural_networks import FIRST_TRAINING_SEED, KINDS, NetworkRequest, generate_configuration
 
 
 @click.command()
@@ -33,7 +33,7 @@ def networks(kinds: tuple[str, ...], count: int, seed: int, out: Path, workers: 
         what = f"{seed} to {seed + count - 1} are seeds for tests and seeds for training"
         raise InputError("--seed", what, f"stay below {FIRST_TRAINING_SEED} or begin there")
     seeds = range(seed, seed + count)
-    requests = [Request(kind, number, out) for kind in dict.fromkeys(kinds or KINDS) for number in seeds]
+    requests = [NetworkRequest(kind, number, out) for kind in dict.fromkeys(kinds or KINDS) for number in seeds]
     with fan_out(workers, len(requests)) as mapper, counting() as progress:
         task = progress.add_task("configurations", total=len(requests))
         for path in mapper(generate_configuration, requests):

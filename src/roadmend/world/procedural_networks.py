@@ -62,7 +62,7 @@ _DEMANDS: dict[str, tuple[_Demand, ...]] = {
 KINDS = tuple(_DEMANDS)
 
 
-class Request(NamedTuple):
+class NetworkRequest(NamedTuple):
     """What shall be made, and where; travels to other processes by pickle."""
 
     kind: str  # one of KINDS
@@ -70,7 +70,7 @@ class Request(NamedTuple):
     parent: Path  # folder in which the folder KIND-SEED is made
 
 
-def generate_configuration(request: Request) -> Path:
+def generate_configuration(request: NetworkRequest) -> Path:
     """Write a network with traffic as a folder of a .net.xml, a .rou.xml and a .sumocfg.
 
     The same kind and seed give the same bytes with one release of SUMO.

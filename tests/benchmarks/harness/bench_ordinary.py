@@ -21,7 +21,7 @@ from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import write_texts
 from roadmend.reports.result_files import origin, provenance
 from roadmend.world.network import cache_folder
-from roadmend.world.procedural_networks import KINDS, Request, generate_configuration
+from roadmend.world.procedural_networks import KINDS, NetworkRequest, generate_configuration
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import drawn_scenarios
 
@@ -178,7 +178,7 @@ def _sets(given: OrdinaryOptions, work: Path, progress: Progress) -> dict[str, l
     """What is driven, by name: random scenarios of the families, generated networks by kind, and those given."""
     sets = {"random": random_drives(given.count, TABLE_SEED)}
     seeds = range(FIRST_NETWORK, FIRST_NETWORK + given.networks)
-    requests = [Request(kind, seed, work.with_name(f"{work.name}-networks")) for kind in KINDS for seed in seeds]
+    requests = [NetworkRequest(kind, seed, work.with_name(f"{work.name}-networks")) for kind in KINDS for seed in seeds]
     paths: dict[str, list[Path]] = {}
     task = progress.add_task("networks", total=len(requests), visible=bool(requests))
     with fan_out(given.workers, len(requests)) as mapper:
