@@ -20,6 +20,7 @@ from roadmend.core.whole_file import written_beside
 from roadmend.policies.neural_kinds import KINDS
 from roadmend.policies.registry import POLICIES
 from roadmend.training.adreft.ablations import ABLATIONS, ablated
+from roadmend.training.adreft.adjusting import adjust as adjust_model
 from roadmend.training.adreft.configuration import read_training_configuration
 from roadmend.training.adreft.pipeline import Only, Pipeline, Trained, open_work
 from roadmend.training.adreft.stage import RepairedPolicy, TrainingSubject
@@ -202,6 +203,27 @@ def adreft(given: AdreftOptions) -> None:
         )
         trained = pipeline.run(given.out, only, given.start)
     _say(given.out, trained, time.perf_counter() - begin)
+
+
+@click.command()
+@click.argument("model", type=FILE)
+@click.option("--threshold", type=click.FloatRange(0.0, 1.0), help="Above which it steps in.  [default: as it is]")
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Rule of deciding in the place of the model's: hold, clear, interval, longest, ...; may be repeated.",
+)
+@MODEL_OUT
+def adjust(model: Path, threshold: float | None, settings: tuple[str, ...], out: Path) -> None:
+    """Write MODEL, one of ADReFT, with another threshold or other rules of deciding; its networks stay as they are."""
+    changes = {name.removeprefix("model."): value for name, value in (_setting(f"model.{each}") for each in settings)}
+    command = f"./roadmend train adjust {model.name}"
+    command += f" --threshold {threshold:g}" if threshold is not None else ""
+    command += "".join(f" --set {each}" for each in settings)
+    digest = adjust_model(model, out, threshold, changes, command)
+    click.echo(f"{out}: SHA-256 {digest}")
 
 
 def _setting(text: str) -> tuple[str, Any]:
