@@ -5,8 +5,7 @@
     .venv/bin/python tests/golden/physics.py neural     # only the episodes with this in their name
 
 An episode's record holds three digests, of the ego's trajectory, of all that was seen, and of all that was repaired and
-why, beside a coarse trace by which a change can be told. Episodes in which SUMO's random numbers depend on the layout
-of the heap (reckless drivers among two or more pedestrians) have no place here.
+why, beside a coarse trace by which a change can be told.
 """
 
 import argparse
