@@ -26,8 +26,8 @@ def figures_of(settings, lost, fixed):
 def test_every_combination_of_a_curve_is_a_setting():
     plan = read_plan(PLANS / "adreft.yaml")
     settings = curve_settings(plan, config_folder(), "modular", "rule")
-    assert len(settings) == 10
-    assert len({setting.title for setting in settings}) == 10
+    assert len(settings) == 5
+    assert len({setting.title for setting in settings}) == 5
     assert {setting.parameters["time_to_collision"] for setting in settings} == {1.0, 1.5, 2.0, 3.0, 4.0}
     assert {setting.method for setting in settings} == {"rule"}
 

@@ -179,8 +179,13 @@ def test_what_ships_is_whole_and_its_violations_are_the_egos_fault(path):
     families = {case.family for case in corpus.cases}
     assert families >= {"S1", "S2", "S3", "S4", "S5"}
     for family in families:
-        for split, count in (("test", 40), ("validation", 20), ("training", 200)):
+        # What came to something else when it was driven again is left out.
+        for split, least, most in (("test", 35, 40), ("validation", 13, 20), ("training", 160, 200)):
             violations = corpus.select(family, split, violation=True)
-            assert len(violations) == len(corpus.select(family, split, violation=False)) == count
+            assert least <= len(violations) <= most
+            assert least <= len(corpus.select(family, split, violation=False)) <= most
             assert all(Blame[case.blame].is_egos for case in violations)
+            assert all(case.persistence is not None and case.impact_speed is not None for case in violations)
+            lowest = corpus.plan[split].get("least_persistence", 0.0)
+            assert all(case.persistence >= lowest for case in violations)
     assert len({case.digest for case in corpus.cases}) == len(corpus.cases)

@@ -17,7 +17,7 @@ class Renewed:
 
     corpus: Corpus
     moved: int  # cases with another trajectory
-    lost: int  # cases that come to something else now, or are another corpus's too
+    lost: int  # cases that come to something else now, or to the same as another
 
 
 def renew(
@@ -27,7 +27,7 @@ def renew(
     futures: int,
     report: Callable[[str, int, int], None] = lambda _what, _done, _total: None,
 ) -> Renewed:
-    """Drive all cases again; those that come to something else are left out.
+    """Drive all cases again; those that come to something else, or to the same as another, are left out.
 
     Args:
         corpus: as it was.
@@ -41,10 +41,12 @@ def renew(
         SimulationError: a worker process died.
     """
     total, kept, moved = len(corpus.cases), [], 0
+    known: set[str] = set()  # trajectories; what was apart may have become the same
     for done, (case, found) in enumerate(zip(corpus.cases, rerunner(corpus.cases), strict=True), 1):
         report("run again", done, total)
         now = renewed(case, found)
-        if now is not None:
+        if now is not None and now.digest not in known:
+            known.add(now.digest)
             kept.append(now)
             moved += now.digest != case.digest
     told = []
