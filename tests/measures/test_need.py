@@ -1,23 +1,25 @@
 import pytest
 
-from roadmend.measures.need import NEEDLESS, run_with_need
+from roadmend.core.errors import InputError
+from roadmend.core.resources import config_folder
+from roadmend.measures.need import NEEDLESS, PERSISTENT, persistence, run_with_need
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.world.corpus import corpus_of
 from roadmend.world.families import sample_scenario
 from roadmend.world.runner import run_episode
+from roadmend.world.scenario_file import load_scenario
 
 
 @pytest.fixture(scope="module")
 def violation():
-    """The first of the corpus whose impact is hard."""
-    cases = corpus_of("modular").select("S4", "test", violation=True)
-    return next(case for case in cases if case.impact_speed > 6.0)
+    """In which ADReFT saves the modular policy."""
+    return load_scenario(config_folder() / "scenarios" / "demo-exit.yaml")
 
 
 def test_the_need_of_spells_is_told_and_nothing_else_moves(violation):
-    told = run_with_need(violation.scenario(), make_policy("modular"), make_repairer("adreft"), 5)
-    alone = run_episode(violation.scenario(), make_policy("modular"), make_repairer("adreft"))
+    told = run_with_need(violation, make_policy("modular"), make_repairer("adreft"), 5)
+    alone = run_episode(violation, make_policy("modular"), make_repairer("adreft"))
     assert told.digest == alone.digest
     assert [spell.begin for spell in told.spells] == [spell.begin for spell in alone.spells]
     assert all(spell.need in {0.0, 0.2, 0.4, 0.6, 0.8, 1.0} for spell in told.spells)
@@ -31,3 +33,13 @@ def test_who_brakes_at_random_on_a_quiet_road_is_not_needed():
     told = run_with_need(scenario, make_policy("modular"), make_repairer("random", seed=1), 2)
     assert len(told.spells) > 3
     assert sum(spell.need < NEEDLESS for spell in told.spells) > 0.8 * len(told.spells)
+
+
+def test_persistence_is_the_share_of_futures_that_violate_again():
+    case = next(
+        case for case in corpus_of("modular").select("S4", "test", violation=True) if case.persistence >= PERSISTENT
+    )
+    again = persistence(case.scenario(), make_policy("modular"), case.duration, 20)
+    assert again == case.persistence
+    with pytest.raises(InputError, match="ends before"):
+        persistence(case.scenario(), make_policy("modular"), case.duration + 60.0, 1)
