@@ -6,11 +6,10 @@ from roadmend.cli.main import main
 SAMPLES = Path(__file__).parents[2] / "bags" / "samples"
 
 
-def test_the_sample_shows_a_rescue_and_what_was_for_nothing(capsys):
+def test_the_sample_shows_a_rescue(capsys):
     assert main(["bag", "need", str(SAMPLES / "repaired"), "--futures", "6", "--json"]) == 0
     spells = json.loads(capsys.readouterr().out)["spells"]
     assert [round(spell["begin"], 2) for spell in spells] == sorted(round(spell["begin"], 2) for spell in spells)
-    assert {spell["verdict"] for spell in spells} >= {"rescue", "needless"}
     rescue = next(spell for spell in spells if spell["verdict"] == "rescue")
     assert rescue["need"] >= 0.8
     assert rescue["reason"].startswith("criticality")

@@ -86,7 +86,7 @@ def test_repaired_it_reaches_its_goal(bags):
     bag = bags["repaired"]
     assert kinds(bag)[-1] == bag["/events"][0].GOAL
     repaired = [state for state in bag["/repair/state"] if state.intervened]
-    assert len(repaired) > 10
+    assert len(repaired) >= 10
     assert all(state.final_action < state.policy_action for state in repaired)
     assert min(gap.data for gap in bag["/ego/distance"]) > 0.5
 

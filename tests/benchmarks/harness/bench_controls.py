@@ -109,7 +109,7 @@ def controls(given: ControlOptions, *, as_json: bool) -> None:
                 content["bound"][policy] = {"informed": bound_figures(run(f"{policy}: informed bound", jobs))}
     tables = [_controls_table(content), *([_bound_table(content)] if given.bound else [])]
     if given.out is not None:
-        text = "\n\n".join(table.markdown() for table in tables)
+        text = "\n\n".join(table.markdown(3) for table in tables)
         made = origin(content["provenance"])
         write_texts(
             given.out, {f"{STEM}.json": dump_json(content) + "\n", f"{STEM}.md": f"# Controls\n\n{text}\n\n{made}\n"}

@@ -161,7 +161,7 @@ def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
                 content["at_time_lost"][policy] = at_time_lost(curves, shown, work, given.workers, progress)
     tables = ordinary_tables(content)
     if given.out is not None:
-        text = "\n\n".join(table.markdown() for table in tables)
+        text = "\n\n".join(table.markdown(3) for table in tables)
         made = origin(content["provenance"])
         write_texts(
             given.out,
