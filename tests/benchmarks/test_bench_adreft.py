@@ -124,7 +124,7 @@ def test_an_error_in_one_episode_is_one_line_and_the_others_are_kept(bench, tmp_
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        (["--methods", "rule,magic"], "--methods: there is no 'magic'; choose from none, random, "),
+        (["--methods", "rule,magic"], "--methods: there is no 'magic'; choose from none, random_paper, "),
         (["--families", "S9"], "--families: there is no 'S9'; choose from S1, "),
         (["--policy", "mine"], "--policy: there is no 'mine'; choose from modular, neural"),
         (["--fresh-seed", "3"], "--fresh-seed needs --cases"),

@@ -15,10 +15,10 @@ def test_patterns_go_where_recommend_reads_them_and_a_report_beside(tmp_path, ca
     assert main(["sera", "analyse", str(SAMPLES / "collision"), "--out", str(out), "--workers", "1", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     (pattern,) = read_patterns(str(out))
-    assert pattern.why.hazard == "cut_in"
+    assert pattern.why.hazard == "cut_in_and_brake"
     assert told["patterns"][0]["name"] == pattern.name
-    assert told["incidents"][0]["other"]["name"] == "v10"
-    assert "a truck cuts in" in out.with_suffix(".md").read_text(encoding="utf-8")
+    assert told["incidents"][0]["other"]["name"] == "v8"
+    assert "a car cuts in" in out.with_suffix(".md").read_text(encoding="utf-8")
 
 
 def test_a_corrupt_bag_among_others_is_named_and_the_code_is_1(tmp_path, capsys):
@@ -28,7 +28,7 @@ def test_a_corrupt_bag_among_others_is_named_and_the_code_is_1(tmp_path, capsys)
     file.write_bytes(file.read_bytes()[:9000])
     assert main(["sera", "analyse", str(tmp_path), "--workers", "1"]) == 1
     printed = capsys.readouterr()
-    assert "a truck cuts in" in " ".join(printed.out.split())
+    assert "a car cuts in" in " ".join(printed.out.split())
     assert f"not read: {file}" in printed.err
 
 

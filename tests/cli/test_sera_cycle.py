@@ -56,7 +56,7 @@ def test_the_cycle_end_to_end_from_the_sample_bags_and_once_more(tmp_path, capsy
     told = json.loads(capsys.readouterr().out)
     assert json.loads((out / "cycle.json").read_text(encoding="utf-8")) == told
     first, last = told["generations"]
-    assert first["patterns"] == ["collision in the exit lane: the ego drives on, a truck cuts in"]
+    assert first["patterns"] == ["collision in the exit lane: the ego drives on, a car cuts in"]
     assert len(first["selected"]) == 2
     assert first["tuned"] == {
         "model": "generation-0/model.safetensors",

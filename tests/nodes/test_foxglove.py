@@ -144,7 +144,7 @@ def test_topics_messages_and_parameters_reach_a_client_and_a_new_threshold_reach
     assert known["/viz_node.rate"] == 10
     client.ask(subscribe="/repair/state", watch=[THRESHOLD])
     states = (heard["value"] for heard in iter(lambda: client.wait("message"), None) if heard["topic"] != "/ego")
-    assert next(state["threshold"] for state in states if state["threshold"] != "NaN") < 0.5
+    assert next(state["threshold"] for state in states if state["threshold"] != "NaN") < 1.0
     client.ask(set={THRESHOLD: 1})  # a whole number, as JSON has it
     after = client.wait("parameters", lambda heard: heard.get("id") == "set")["parameters"]
     assert [(one["name"], one["value"]) for one in after] == [(THRESHOLD, 1)]

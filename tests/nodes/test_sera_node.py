@@ -84,8 +84,8 @@ def test_from_bags_to_scenarios_and_every_fault_is_an_answer(caller, bank, tmp_p
     found = call(srv.AnalyseBag, "analyse_bag", bags=[str(SAMPLES / "collision")])
     assert (found.success, found.unreadable) == (True, [])
     (pattern,) = found.patterns
-    assert (pattern.outcome, pattern.participant, pattern.hazard) == ("COLLISION", "truck", "cut_in")
-    assert "at 16.60 s" in found.report
+    assert (pattern.outcome, pattern.participant, pattern.hazard) == ("COLLISION", "car", "cut_in_and_brake")
+    assert "at 27.80 s" in found.report
     chosen = call(srv.Recommend, "recommend", patterns=found.patterns)
     assert chosen.success, chosen.message
     assert len(chosen.name) == len(chosen.score) == 3
