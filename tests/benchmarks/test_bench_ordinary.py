@@ -38,15 +38,12 @@ def test_the_best_within_the_price_is_chosen_and_shown_where_it_was_not_chosen()
     assert [point["time_lost"] for point in curves["governor"]] == [0.1, 0.5, 1.9, 4.0, 9.0]
     asked = []
 
-    class Shown:
-        policy = "modular"
+    def drive(_shown, chosen):
+        asked.extend(chosen)
+        return figures_of(chosen, [3.0] * len(chosen), [33.0] * len(chosen))
 
-        def drive(self, chosen, *_rest):
-            asked.extend(chosen)
-            return figures_of(chosen, [3.0] * len(chosen), [33.0] * len(chosen))
-
-    found = at_time_lost(curves, Shown(), None, 1, None)["governor"]
-    assert [setting.parameters["share"] for setting in asked] == [0.9, 0.9, 0.8]
+    found = at_time_lost(curves, settings, None, drive)["governor"]
+    assert [setting.parameters["share"] for setting in asked] == [0.9, 0.8]  # each once
     assert {price: point["chosen_at"]["delta_e"] for price, point in found.items()} == {"1": 60.0, "2": 60.0, "5": 80.0}
     assert {point["delta_e"] for point in found.values()} == {33.0}
 
@@ -55,14 +52,24 @@ def test_a_price_that_no_setting_keeps_to_has_none():
     settings = curve_settings(read_plan(PLANS / "adreft.yaml"), config_folder(), "modular", "governor")
     curves = points_of(settings, figures_of(settings, [9.0] * 5, [90.0] * 5))
 
-    class Shown:
-        policy = "modular"
+    def drive(_shown, chosen):
+        assert not chosen
+        return {}, {}
 
-        def drive(self, chosen, *_rest):
-            assert not chosen
-            return {}, {}
+    assert at_time_lost(curves, settings, None, drive) == {"governor": {"1": None, "2": None, "5": None}}
 
-    assert at_time_lost(curves, Shown(), None, 1, None) == {"governor": {"1": None, "2": None, "5": None}}
+
+def test_what_is_shown_has_the_model_of_the_policy_as_what_was_chosen():
+    settings = curve_settings(read_plan(PLANS / "adreft.yaml"), config_folder(), "neural", "adreft")
+    curves = points_of(settings, figures_of(settings, [1.0] * len(settings), [50.0] * len(settings)))
+    asked = []
+
+    def drive(_shown, chosen):
+        asked.extend(chosen)
+        return figures_of(chosen, [1.0] * len(chosen), [50.0] * len(chosen))
+
+    at_time_lost(curves, settings, None, drive)
+    assert [setting.parameters["model"].endswith("adreft-neural.safetensors") for setting in asked] == [True]
 
 
 @pytest.mark.slow

@@ -1,5 +1,6 @@
 """``roadmend bench ordinary``: what repair costs where nothing was wrong, and what a method fixes at a given price."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -9,8 +10,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from harness.benchmark_content import dump_json
-from harness.contenders import read_plan, resolve
-from harness.grid import TABLE_SEED, Setting, alone, drive_all, random_drives
+from harness.contenders import BenchmarkPlan, read_plan, resolve
+from harness.grid import TABLE_SEED, Figures, Setting, alone, drive_all, random_drives
 from harness.options import CACHED_WORK, PLANS
 from harness.ordinary_tables import ordinary_tables
 from harness.price_curve import Ground, at_time_lost, curve_settings, points_of
@@ -153,12 +154,7 @@ def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
                 found = {method: figure["ordinary"] for method, figure in figures[policy].items()}
                 content["ordinary"].setdefault(name, {})[policy] = found
             if given.curve_count:
-                settings = curve_settings(plan, config, policy, given.methods)
-                chosen = Ground.choosing(policy, given.curve_count, given.curve_cases)
-                curves = points_of(settings, chosen.drive(settings, work, given.workers, progress, "curves"))
-                shown = Ground.showing(policy, given.count, given.table_cases)
-                content["curve"][policy] = curves
-                content["at_time_lost"][policy] = at_time_lost(curves, shown, work, given.workers, progress)
+                content["curve"][policy], content["at_time_lost"][policy] = _curves(plan, policy, given, work, progress)
     tables = ordinary_tables(content)
     if given.out is not None:
         text = "\n\n".join(table.markdown(3) for table in tables)
@@ -188,6 +184,19 @@ def _sets(given: OrdinaryOptions, work: Path, progress: Progress) -> dict[str, l
     paths |= {path.stem: [path] for path in given.sumocfg}
     drives = range(given.drives)
     return sets | {name: drawn_scenarios(found, drives, WARM_UP, TIME_LIMIT) for name, found in paths.items()}
+
+
+def _curves(
+    plan: BenchmarkPlan, policy: str, given: OrdinaryOptions, work: Path, progress: Progress
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The points of every method's curve, and the best at each price."""
+
+    def drive(ground: Ground, settings: Sequence[Setting]) -> tuple[Figures, Figures]:
+        return ground.drive(settings, work, given.workers, progress, f"{len(settings)} settings")
+
+    settings = curve_settings(plan, config_folder(), policy, given.methods)
+    curves = points_of(settings, drive(Ground.choosing(policy, given.curve_count, given.curve_cases), settings))
+    return curves, at_time_lost(curves, settings, Ground.showing(policy, given.count, given.table_cases), drive)
 
 
 def _command(given: OrdinaryOptions) -> str:

@@ -1,7 +1,7 @@
 """Curves of what a method fixes over what it costs, as its settings go from timid to busy, and the best at a price."""
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
@@ -114,26 +114,32 @@ def points_of(settings: Sequence[Setting], figures: tuple[Figures, Figures]) -> 
 
 
 def at_time_lost(
-    curves: Mapping[str, Sequence[Mapping[str, Any]]], shown: Ground, work: Path, workers: int, progress: Progress
+    curves: Mapping[str, Sequence[Mapping[str, Any]]],
+    settings: Sequence[Setting],
+    shown: Ground,
+    drive: Callable[[Ground, Sequence[Setting]], tuple[Figures, Figures]],
 ) -> dict[str, dict[str, Any]]:
     """Of each method and price, the setting that was best where settings are chosen, and what it comes to where shown.
 
     A price that no setting keeps to has none.
+
+    Args:
+        curves: points of each method.
+        settings: of which the points are.
+        shown: where the chosen ones are driven.
+        drive: does that.
     """
+    known = {setting.title: setting for setting in settings}
     chosen: dict[tuple[str, int], Mapping[str, Any]] = {}
     for method, points in curves.items():
         for price in PRICES:
             cheap = [point for point in points if point["time_lost"] <= price]
             if cheap:
                 chosen[method, price] = max(cheap, key=lambda point: point["delta_e"])
-    settings = {
-        (method, price): Setting(f"{method}{_SEPARATOR}{price}", shown.policy, point["method"], point["parameters"])
-        for (method, price), point in chosen.items()
-    }
-    figures = shown.drive([*settings.values()], work, workers, progress, "at a price")
+    figures = drive(shown, [known[title] for title in dict.fromkeys(point["setting"] for point in chosen.values())])
     found: dict[str, dict[str, Any]] = {method: {str(price): None for price in PRICES} for method in curves}
-    for (method, price), setting in settings.items():
-        found[method][str(price)] = {**_point(setting, figures), "chosen_at": dict(chosen[method, price])}
+    for (method, price), point in chosen.items():
+        found[method][str(price)] = {**_point(known[point["setting"]], figures), "chosen_at": dict(point)}
     return found
 
 
@@ -141,6 +147,7 @@ def _point(setting: Setting, figures: tuple[Figures, Figures]) -> dict[str, Any]
     cases, drives = (found[setting.policy][setting.title] for found in figures)
     repair, ordinary = cases["repair"], drives["ordinary"]
     return {
+        "setting": setting.title,
         "method": setting.method,
         "parameters": {name: value for name, value in setting.parameters.items() if name != "model"},
         "fix": repair["fix"],
