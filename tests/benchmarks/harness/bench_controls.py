@@ -9,13 +9,14 @@ from typing import Annotated, Any
 import click
 import numpy as np
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import Progress
 
 from harness.benchmark_content import dump_json
 from harness.contenders import read_plan, resolve
 from harness.control_jobs import FORMAT, ControlJob, ControlResult, run_controls
 from harness.grid import Setting
-from harness.options import CACHED_WORK, PLANS
+from harness.options import CACHED_WORK, COLUMNS, PLANS
+from harness.policy_benchmarks import select
 from harness.table import Table, number, span
 from roadmend.cli.options import JSON, WORKERS, options_of
 from roadmend.cli.output import show_rows
@@ -25,20 +26,13 @@ from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import write_texts
 from roadmend.measures.intervals import bootstrap
 from roadmend.reports.result_files import origin, provenance
-from roadmend.world.corpus import TOUCH, Case, corpus_of
+from roadmend.world.corpus import TOUCH, corpus_of
 from roadmend.world.families import FAMILIES
 from roadmend.world.network import cache_folder
 
 CONTENT = "roadmend-controls/1"
 STEM = "adreft-controls"
 HARD = 6.0  # [m/s] impact speed from which a violation is told apart
-_COLUMNS = (
-    TextColumn("{task.description}"),
-    BarColumn(),
-    MofNCompleteColumn(),
-    TimeElapsedColumn(),
-    TimeRemainingColumn(),
-)
 
 
 @dataclass(frozen=True)
@@ -83,7 +77,7 @@ def controls(given: ControlOptions, *, as_json: bool) -> None:
         "bound": {},
     }
     with (
-        Progress(*_COLUMNS, console=Console(stderr=True)) as progress,
+        Progress(*COLUMNS, console=Console(stderr=True)) as progress,
         Journal(work / "results.jsonl", FORMAT, owns_folder=True) as journal,
         fan_out(given.workers) as mapper,
     ):
@@ -97,7 +91,7 @@ def controls(given: ControlOptions, *, as_json: bool) -> None:
             return found
 
         for policy in given.policies or tuple(plan.policies):
-            cases = _cases(policy, given.cases)
+            cases = select(corpus_of(policy), [*FAMILIES], given.cases, "test")
             contenders, _ = resolve(plan, config, policy, given.methods.split(","))
             content["controls"][policy] = {"shuffled": {}}
             for contender in contenders:
@@ -168,16 +162,6 @@ def bound_figures(results: Sequence[ControlResult]) -> dict[str, Any]:
 
 def _percent(results: Sequence[ControlResult], value: Callable[[ControlResult], float]) -> float | None:
     return 100.0 * fmean(map(value, results)) if results else None
-
-
-def _cases(policy: str, most: int | None) -> list[Case]:
-    corpus = corpus_of(policy)
-    return [
-        case
-        for family in FAMILIES
-        for violation in (True, False)
-        for case in corpus.select(family, "test", violation=violation)[:most]
-    ]
 
 
 def _controls_table(content: Mapping[str, Any]) -> Table:

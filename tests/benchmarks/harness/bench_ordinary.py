@@ -7,12 +7,12 @@ from typing import Annotated, Any
 
 import click
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import Progress
 
 from harness.benchmark_content import dump_json
 from harness.contenders import BenchmarkPlan, read_plan, resolve
 from harness.grid import TABLE_SEED, Figures, Setting, alone, drive_all, random_drives
-from harness.options import CACHED_WORK, PLANS
+from harness.options import CACHED_WORK, COLUMNS, PLANS
 from harness.ordinary_tables import ordinary_tables
 from harness.price_curve import Ground, at_time_lost, curve_settings, points_of
 from roadmend.cli.options import JSON, WORKERS, options_of
@@ -30,13 +30,6 @@ FORMAT = "roadmend-ordinary/1"
 FIRST_NETWORK = 5000  # seed of the first generated network of each kind; nothing is trained or chosen on them
 WARM_UP, TIME_LIMIT = 300.0, 120.0  # [s] of traffic before the ego enters, and of a drive, on networks
 STEM = "adreft-ordinary"
-_COLUMNS = (
-    TextColumn("{task.description}"),
-    BarColumn(),
-    MofNCompleteColumn(),
-    TimeElapsedColumn(),
-    TimeRemainingColumn(),
-)
 
 
 @dataclass(frozen=True)
@@ -142,7 +135,7 @@ def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
         "curve": {},
         "at_time_lost": {},
     }
-    with Progress(*_COLUMNS, console=Console(stderr=True)) as progress:
+    with Progress(*COLUMNS, console=Console(stderr=True)) as progress:
         sets = _sets(given, work, progress)
         for policy in policies:
             everybody, _ = resolve(plan, config, policy, [*names])

@@ -8,18 +8,11 @@ from typing import Any
 import click
 import numpy as np
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TaskID,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
+from rich.progress import Progress, TaskID
 
 from harness.benchmark_content import dump_json
 from harness.contenders import BenchmarkPlan, Contender, resolve
+from harness.options import COLUMNS
 from harness.policy_benchmarks import Choice
 from roadmend.core.errors import RoadmendError
 from roadmend.core.fanout import fan_out
@@ -33,13 +26,6 @@ from roadmend.search.evaluation import Subject, evaluate
 from roadmend.search.ledger import Ledger, LedgerEntry
 from roadmend.search.registry import read_technique_parameters
 
-_COLUMNS = (
-    TextColumn("{task.description}"),
-    BarColumn(),
-    MofNCompleteColumn(),
-    TimeElapsedColumn(),
-    TimeRemainingColumn(),
-)
 RUNS = 3
 _SEARCH = "roadmend.search.campaign"
 FIRST_SEED = 7_000_000  # beyond those of every corpus
@@ -70,7 +56,7 @@ def run_robustness(
         "policies": {},
         "not_run": [],
     }
-    with Progress(*_COLUMNS, console=Console(stderr=True)) as progress:
+    with Progress(*COLUMNS, console=Console(stderr=True)) as progress:
         for policy in choice.policies:
             contenders, absences = resolve(plan, config, policy, methods)
             content["not_run"] += [{"policy": policy, "method": each.name, "reason": each.reason} for each in absences]

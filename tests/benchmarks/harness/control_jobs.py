@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 
+from harness.case_jobs import case_seed
 from harness.grid import Setting
 from harness.pulse import Pulse, PulsePlayer
 from harness.shuffle import BlockPlayer, blocks_of, shuffled
@@ -16,7 +17,7 @@ from roadmend.measures.need import HORIZON
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.world.corpus import Case
-from roadmend.world.futures import Future, Moment, futures
+from roadmend.world.futures import Future, futures, moment_at
 from roadmend.world.runner import run_episode
 from roadmend.world.simulation import Simulation
 
@@ -94,7 +95,7 @@ def _shuffled(job: ControlJob, setting: Setting) -> ControlResult:
     case, scenario = job.case, job.case.scenario()
 
     def method() -> Repairer:
-        return make_repairer(setting.method, setting.parameters, _seed(case))
+        return make_repairer(setting.method, setting.parameters, case_seed(case))
 
     result, blocks = blocks_of(scenario, make_policy(job.policy), method())
     wanted = EventKind.GOAL if case.is_violation else EventKind.COLLISION
@@ -155,21 +156,12 @@ def _bound(case: Case, dose: float | None, share: float | None) -> ControlResult
 def _futures(case: Case, policy_name: str, before: float, repairer: Repairer, seeds: range) -> list[Future]:
     """Futures, to the end of the episode, of the moment so long before the violation, a method at work from then on."""
     begin = max(0, round((case.duration - before) / INTERVAL))
-    scenario, policy = case.scenario(), make_policy(policy_name)
+    scenario = case.scenario()
     with Simulation(scenario) as simulation:
-        policy.reset(simulation.route)
+        moment = moment_at(simulation, make_policy(policy_name), begin)
         repairer.reset(simulation.route)
-        tick = simulation.first()
-        while tick.number < begin and tick.final is None:
-            tick = simulation.step(policy.step(tick.scene).command)
-        moment = Moment(simulation, tick, policy.step(tick.scene), policy)
         return futures(moment, repairer, seeds, scenario.time_limit)
 
 
 def _arrived(found: Sequence[Future]) -> float:
     return sum(future.final is not None and future.final.kind is EventKind.GOAL for future in found) / len(found)
-
-
-def _seed(case: Case) -> int:
-    """For methods that draw numbers."""
-    return int(entry_key([], case.name)[:8], 16) >> 1

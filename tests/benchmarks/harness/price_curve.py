@@ -10,6 +10,7 @@ from rich.progress import Progress
 
 from harness.contenders import BenchmarkPlan, resolve
 from harness.grid import CHOICE_SEED, TABLE_SEED, Figures, Setting, alone, drive_all, random_drives
+from harness.policy_benchmarks import select
 from roadmend.world.corpus import corpus_of
 from roadmend.world.families import FAMILIES
 from roadmend.world.scenario import Scenario
@@ -69,13 +70,7 @@ class Ground:
 
 
 def _cases(policy: str, split: str, most: int | None) -> tuple[Scenario, ...]:
-    corpus = corpus_of(policy)
-    return tuple(
-        case.scenario()
-        for family in FAMILIES
-        for violation in (True, False)
-        for case in corpus.select(family, split, violation=violation)[:most]
-    )
+    return tuple(case.scenario() for case in select(corpus_of(policy), [*FAMILIES], most, split))
 
 
 def curve_settings(plan: BenchmarkPlan, config: Path, policy: str, only: str | None) -> list[Setting]:

@@ -4,8 +4,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from roadmend.core.command import Command, Decision
-from roadmend.core.repair import Repair, RepairStatus
+from roadmend.core.command import Decision
+from roadmend.core.repair import Repair, played
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.core.tick import INTERVAL
@@ -80,10 +80,7 @@ class PulsePlayer:
         self._tick += 1
         self.actions.append(asked)
         planned = min((pulse.action for pulse in self._pulses if pulse.begin <= tick < pulse.end), default=1.0)
-        if planned >= asked:
-            return Repair(command, RepairStatus.PASS, 0.0, 0.5, asked, planned, intervened=False)
-        self._dose += (asked - planned) * INTERVAL
-        if self._dose >= self._limit:
+        self._dose += max(0.0, asked - planned) * INTERVAL
+        if planned < asked and self._dose >= self._limit:
             raise DoseExceededError
-        final = Command.from_action(planned, change_lane=command.change_lane)
-        return Repair(final, RepairStatus.REPAIRED, 1.0, 0.5, asked, planned, intervened=True)
+        return played(command, planned)

@@ -7,10 +7,10 @@ import random
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from roadmend.core.command import Command, Decision
+from roadmend.core.command import Decision
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.interfaces import Policy, Repairer
-from roadmend.core.repair import Repair, RepairStatus
+from roadmend.core.repair import Repair, played
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.core.tick import Tick
@@ -96,11 +96,6 @@ class BlockPlayer:
     def step(self, scene: Scene, decision: Decision) -> Repair:
         """Play one tick."""
         del scene
-        command = decision.command
-        asked = command.action
         planned = self._planned.get(self._tick, 1.0)
         self._tick += 1
-        if planned >= asked:
-            return Repair(command, RepairStatus.PASS, 0.0, 0.5, asked, planned, intervened=False)
-        final = Command.from_action(planned, change_lane=command.change_lane)
-        return Repair(final, RepairStatus.REPAIRED, 1.0, 0.5, asked, planned, intervened=True)
+        return played(decision.command, planned)

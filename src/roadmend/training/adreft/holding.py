@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from roadmend.core.command import Command, Decision
-from roadmend.core.repair import Repair, RepairStatus
+from roadmend.core.command import Decision
+from roadmend.core.repair import Repair, played
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.repair.actions import ACTIONS
@@ -25,10 +25,6 @@ class HoldingRepairer:
 
     def step(self, scene: Scene, decision: Decision) -> Repair:
         """Play one tick."""
-        now, command = scene.time + _TICK, decision.command
-        asked = command.action
+        now, asked = scene.time + _TICK, decision.command.action
         wanted = next((ACTIONS[hold.action] for hold in self._holds if hold.begin <= now < hold.end), asked)
-        if wanted >= asked:
-            return Repair(command, RepairStatus.PASS, 0.0, 0.5, asked, wanted, intervened=False)
-        final = Command.from_action(wanted, change_lane=command.change_lane)
-        return Repair(final, RepairStatus.REPAIRED, 1.0, 0.5, asked, wanted, intervened=True)
+        return played(decision.command, wanted)

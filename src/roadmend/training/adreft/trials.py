@@ -21,13 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.array_file import load_record, save_record
-from roadmend.core.command import Command, Decision
+from roadmend.core.command import Decision
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
 from roadmend.core.journal import Key, entry_key, file_of
 from roadmend.core.outcome import EventKind
-from roadmend.core.repair import Repair, RepairStatus
+from roadmend.core.repair import Repair, played
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.core.tick import INTERVAL, Tick
@@ -122,10 +122,7 @@ class _Trial:
                 self.tokens.append(tokens.values.astype(np.float16))
         self._tick += 1
         wanted = asked if self._choice == PASS else ACTIONS[self._choice]
-        if wanted >= asked:
-            return Repair(command, RepairStatus.PASS, 0.0, 0.5, asked, wanted, intervened=False)
-        final = Command.from_action(wanted, change_lane=command.change_lane)
-        return Repair(final, RepairStatus.REPAIRED, 1.0, 0.5, asked, wanted, intervened=True)
+        return played(command, wanted)
 
     def _guided(self, tokens: TokenSet, asked: float) -> int:
         """What the guide would do; without one, nothing."""
