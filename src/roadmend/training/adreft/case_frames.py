@@ -1,17 +1,15 @@
 """Frames of one case: what the model would have seen while the policy drove alone. On disk as one .npz file."""
 
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from roadmend.core.array_file import load_record, save_record
+from roadmend.core.array_file import ArrayRecord
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class CaseFrames:
+class CaseFrames(ArrayRecord):
     """F frames of one case with M tokens of c attributes in all."""
 
     name: str  # of the case
@@ -28,21 +26,3 @@ class CaseFrames:
 
     def __len__(self) -> int:
         return len(self.time)
-
-    def save(self, path: Path) -> None:
-        """Write the file, whole or not at all.
-
-        Raises:
-            InputError: the place cannot be written.
-        """
-        save_record(path, self)
-
-    @classmethod
-    def load(cls, path: Path) -> Self:
-        """Read a file.
-
-        Raises:
-            OSError: there is no such file.
-            ValueError: it is damaged.
-        """
-        return load_record(path, cls)

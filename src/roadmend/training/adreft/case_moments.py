@@ -1,19 +1,17 @@
 """Moments of one case with what came of them, over and over. On disk as one .npz file."""
 
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from roadmend.core.array_file import load_record, save_record
+from roadmend.core.array_file import ArrayRecord
 
 Floats = NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class CaseMoments:
+class CaseMoments(ArrayRecord):
     """F moments of one case with M tokens of c attributes in all, and T pulses that were tried at them."""
 
     name: str  # of the case
@@ -34,21 +32,3 @@ class CaseMoments:
 
     def __len__(self) -> int:
         return len(self.time)
-
-    def save(self, path: Path) -> None:
-        """Write the file, whole or not at all.
-
-        Raises:
-            InputError: the place cannot be written.
-        """
-        save_record(path, self)
-
-    @classmethod
-    def load(cls, path: Path) -> Self:
-        """Read a file.
-
-        Raises:
-            OSError: there is no such file.
-            ValueError: it is damaged.
-        """
-        return load_record(path, cls)

@@ -15,12 +15,11 @@ from dataclasses import asdict, dataclass
 from functools import partial
 from itertools import chain
 from pathlib import Path
-from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from roadmend.core.array_file import load_record, save_record
+from roadmend.core.array_file import ArrayRecord
 from roadmend.core.command import Decision
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import InputError
@@ -47,7 +46,7 @@ _LEAD = 0.2  # [s] before the first intervention from which a trial is kept: bef
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class CaseTrials:
+class CaseTrials(ArrayRecord):
     """T episodes of one case with F decisions and M tokens of c attributes in all. On disk as one .npz file."""
 
     name: str  # of the case
@@ -61,24 +60,6 @@ class CaseTrials:
     distance: NDArray[np.float32]  # [m] least until the next decision, inf where nobody was there, shape (F,)
     counts: NDArray[np.int32]  # tokens of each decision, shape (F,)
     tokens: NDArray[np.float16]  # shape (M, c); half precision is finer than what they measure
-
-    def save(self, path: Path) -> None:
-        """Write the file, whole or not at all.
-
-        Raises:
-            InputError: the place cannot be written.
-        """
-        save_record(path, self)
-
-    @classmethod
-    def load(cls, path: Path) -> Self:
-        """Read a file.
-
-        Raises:
-            OSError: there is no such file.
-            ValueError: it is damaged.
-        """
-        return load_record(path, cls)
 
 
 class _Trial:
