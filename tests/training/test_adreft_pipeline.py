@@ -240,6 +240,30 @@ def test_practice_on_futures_goes_on_where_it_stood_and_says_how_reliable_its_mo
     assert "has other networks than the configuration asks for" in capsys.readouterr().err
 
 
+@pytest.mark.slow
+def test_fine_tuning_by_rollouts_goes_on_from_a_model_and_moves_its_adapter_alone(train, tmp_path):
+    corpus = blind_corpus(2, 1)
+    assert train(corpus, FUTURES, "before.safetensors", "--set", "practice.rounds=1") == 0
+    rollouts = {"rounds": 2, "moments": 2, "futures": 2, "actions": 1, "random_cases": 0, "epochs": 3, "score": 0.0}
+    tuning = {**FUTURES, "rollouts": {**rollouts, "held_out": 0.5, "learning_rate": 0.01}}
+    start = ["--start", str(tmp_path / "before.safetensors"), "--work", str(tmp_path / "before.training"), "--restart"]
+    assert train(corpus, tuning, "after.safetensors", *start) == 0
+    after = (tmp_path / "after.safetensors").read_bytes()
+    kept = list((tmp_path / "before.training" / "rollouts").iterdir())
+    assert len(kept) == 2 * len(corpus.select(split="training"))
+    kept[0].unlink()
+    assert train(corpus, tuning, "after.safetensors", *start) == 0
+    assert (tmp_path / "after.safetensors").read_bytes() == after
+    first, second = (load_checkpoint(tmp_path / f"{name}.safetensors") for name in ("before", "after"))
+    told = second.header["metrics"]["rollouts"]
+    assert len(told) == 2
+    assert 0 < told[0]["moments"] < told[1]["moments"]
+    assert second.header["ancestry"] == [first.digest]
+    assert first.header["metrics"]["rollouts"] == []
+    moved = {name.split(".")[0] for name in first.tensors if (first.tensors[name] != second.tensors[name]).any()}
+    assert moved <= {"adapter"}
+
+
 def test_without_precaution_only_the_monitor_decides(train, tmp_path):
     corpus = blind_corpus(1, 1)
     practice = {**PRACTISED["practice"], "rounds": 1, "method": "counterfactual"}
@@ -289,7 +313,8 @@ def test_ablations_leave_something_out(train, tmp_path, ablation):
             "practice.rounds: counterfactuals",
         ),
         (["--set", "practice.epochs=1", "--set", "practice.method=futures"], "model.weighing: does not go with"),
-        ([*_FORESEEING, "--set", "practice.epochs=1"], "reinforcement.episodes: fine-tuning takes an adapter that"),
+        ([*_FORESEEING, "--set", "practice.epochs=1"], "reinforcement.episodes: a DQN takes an adapter that"),
+        (["--set", "rollouts.rounds=1"], "rollouts.rounds: rollouts take an adapter that foresees"),
         (["--ablation", "wo_sr", "--set", "reinforcement.episodes=0"], "--ablation: 'wo_sr' changes fine-tuning, of"),
     ],
 )

@@ -35,6 +35,7 @@ class Future:
     x: float  # [m] the ego's place and speed then, which tell futures apart
     y: float  # [m]
     speed: float  # [m/s]
+    driven: float  # [m] that the ego went until then
 
     @property
     def violates(self) -> bool:
@@ -89,10 +90,12 @@ def _go_on(moment: Moment, repairer: Repairer | None, seed: int | None, horizon:
     if seed is not None:
         simulation.vary(seed, spread)
     begin, last = tick.number, tick.number + round(horizon / INTERVAL)
+    driven = 0.0
     while tick.final is None and tick.number < last:
         command = decision.command if repairer is None else repairer.step(tick.scene, decision).command
         tick = simulation.step(command)
+        driven += tick.scene.ego.speed * INTERVAL
         if tick.final is None:
             decision = moment.policy.step(tick.scene)
     ego = tick.scene.ego
-    return Future(tick.final, (tick.number - begin) * INTERVAL, ego.x, ego.y, ego.speed)
+    return Future(tick.final, (tick.number - begin) * INTERVAL, ego.x, ego.y, ego.speed, driven)

@@ -17,6 +17,7 @@ from roadmend.networks.shape import EncoderShape
 from roadmend.repair.adreft.configuration import Deciding, ModelConfiguration
 from roadmend.repair.adreft.registry import make_tokenizer
 from roadmend.training.adreft.futures_configuration import FuturesSection
+from roadmend.training.adreft.rollouts_configuration import RolloutsSection
 
 FORESEEING = ("counterfactual", "futures")  # methods of practice whose adapter foresees collisions
 LearningRate = Annotated[float, Field(gt=0.0, le=1.0, description="learning rate")]
@@ -231,6 +232,7 @@ class TrainingConfiguration(Parameters):
     supervised: SupervisedSection = SupervisedSection()
     practice: PracticeSection = PracticeSection()
     futures: FuturesSection = FuturesSection()
+    rollouts: RolloutsSection = RolloutsSection()
     reinforcement: ReinforcementSection = ReinforcementSection()
     threads: int = Field(1, ge=1, le=256, description="threads of torch; the bits may depend on it")
 

@@ -136,8 +136,12 @@ class FuturesPractice:
             guide,
         )
 
-    def calibrate(self, tensors: Tensors) -> float:
+    def calibrate(self, tensors: Tensors, touched: float | None = None) -> float:
         """lambda_safe: few validation drives that end well ever score above it.
+
+        Args:
+            tensors: of the networks.
+            touched: share of those that do; None for the section's.
 
         Raises:
             InputError: there is none, or a case cannot be driven.
@@ -148,7 +152,7 @@ class FuturesPractice:
         rows, actions, drives = self._harmless
         scores = monitor_scores(self._model, tensors, rows, actions, self._mapper)
         highest = np.maximum.reduceat(scores, drives)
-        return calibrate_untouched(highest, self._section.touched)
+        return calibrate_untouched(highest, self._section.touched if touched is None else touched)
 
     def _harmless_drives(self) -> tuple[TokenRows, NDArray[np.float32], NDArray[np.int64]]:
         """Frames of all of them with the policy's actions, and where each drive begins."""

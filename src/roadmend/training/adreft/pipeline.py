@@ -27,6 +27,8 @@ from roadmend.training.adreft.network import digest_of_cases, load_start, save_m
 from roadmend.training.adreft.practice import PracticeStage
 from roadmend.training.adreft.random_case import random_cases
 from roadmend.training.adreft.reinforcement import ReinforcementStage, RoundFigures
+from roadmend.training.adreft.rollouts_stage import TuningFigures
+from roadmend.training.adreft.rollouts_tuning import RolloutsTuning
 from roadmend.training.adreft.scoring import monitor_scores
 from roadmend.training.adreft.stage import PRACTICE_STATE, StageRun, TrainingSubject
 from roadmend.training.adreft.supervised import EpochFigures, SupervisedStage
@@ -127,7 +129,11 @@ class Pipeline:
         history: list[RoundFigures] = []
         if only != "supervised" and self._configuration.reinforcement.episodes:
             tensors, history = self._reinforce(before, threshold)
+        tuned: list[TuningFigures] = []
+        if only != "supervised" and self._configuration.rollouts.rounds:
+            tensors, threshold, tuned = self._roll_out(tensors)
         header = self._header(before, quality, history, only)
+        header["metrics"]["rollouts"] = [asdict(figures) for figures in tuned]
         if self._futures is not None:
             header["metrics"]["futures"] = self._futures.judge(tensors, threshold)
         beside = self._work / "finished.safetensors"
@@ -282,6 +288,24 @@ class Pipeline:
         tensors = stage.run(report)
         return tensors, stage.history
 
+    def _roll_out(self, tensors: dict[str, NDArray[Any]]) -> tuple[dict[str, NDArray[Any]], float, list[TuningFigures]]:
+        """ReFT by rollouts: the networks, the threshold above which the monitor asks the adapter, and the rounds."""
+        assert self._futures is not None
+        section = self._configuration.rollouts
+        threshold = self._futures.calibrate(tensors, section.touched)
+        tuning = RolloutsTuning(
+            self._model,
+            section,
+            self._subject,
+            seed=self._seed,
+            device=self._device,
+            mapper=self._mapper,
+            work=self._work,
+            report=self._report,
+        )
+        tuned, history = tuning.run(tensors, threshold)
+        return tuned, threshold, history
+
     def _look(self, model: Path) -> list[CaseResult]:
         subject = self._subject
         done = 0
@@ -348,8 +372,11 @@ def _check_adapter(configuration: TrainingConfiguration) -> None:
         mend = "set it to 1, or practice.method to fitted_q or futures"
         raise InputError("practice.rounds", "counterfactuals are of the policy alone, with no model along", mend)
     if foresees and configuration.reinforcement.episodes:
-        mend = "set it to 0, or practice.method to fitted_q"
-        raise InputError("reinforcement.episodes", "fine-tuning takes an adapter that gives values", mend)
+        mend = "set it to 0 and rollouts.rounds to what is wanted, or practice.method to fitted_q"
+        raise InputError("reinforcement.episodes", "a DQN takes an adapter that gives values", mend)
+    if configuration.rollouts.rounds and not (foresees and practice.method == "futures"):
+        mend = "set it to 0, or practice.method to futures"
+        raise InputError("rollouts.rounds", "rollouts take an adapter that foresees, and its harmless drives", mend)
 
 
 def open_work(work: Path, *, resume: bool | None, keep_supervised: bool) -> None:
