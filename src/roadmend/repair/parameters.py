@@ -1,6 +1,6 @@
 """Parameters of the guard and of every method: the single source of default, range and meaning."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -104,3 +104,13 @@ class AdreftParameters(Parameters):
     threshold: float = Field(
         -1.0, ge=-1.0, le=1.0, description="steps in where the score is above this; below 0: the model's own threshold"
     )
+
+
+class GatedParameters(AdreftParameters):
+    """A rule that asks the monitor of a model of ADReFT first."""
+
+    rule: Literal["rss", "predictive", "both"] = Field("both", description="what proposes the braking")
+    horizon: float = Field(2.5, ge=0.5, le=8.0, description="of PredictiveBrake, as there [s]")
+    margin: float = Field(0.3, ge=0.0, le=3.0, description="of PredictiveBrake, as there [m]")
+    time_gap: float = Field(0.5, ge=0.0, le=3.0, description="of RSS, as there [s]")
+    rss_horizon: float = Field(3.0, ge=1.0, le=10.0, description="horizon of RSS, as there [s]")

@@ -8,12 +8,14 @@ from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
 from roadmend.core.settings import check_parameters
 from roadmend.repair.adreft.method import AdreftRepair
+from roadmend.repair.gated import GatedRepair
 from roadmend.repair.governor import GovernorRepair
 from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.method import RepairMethod
 from roadmend.repair.none import NoRepair
 from roadmend.repair.parameters import (
     AdreftParameters,
+    GatedParameters,
     GovernorParameters,
     GuardParameters,
     ModelParameters,
@@ -47,6 +49,7 @@ METHODS: dict[str, MethodEntry] = {
     "predictive": MethodEntry(PredictiveParameters, lambda parameters, _seed: PredictiveRepair(parameters)),
     "model": MethodEntry(ModelParameters, lambda parameters, _seed: ModelRepair(parameters)),
     "adreft": MethodEntry(AdreftParameters, AdreftRepair),
+    "gated": MethodEntry(GatedParameters, lambda parameters, _seed: GatedRepair(parameters)),
 }
 
 
