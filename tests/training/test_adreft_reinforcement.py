@@ -15,8 +15,8 @@ from roadmend.repair.adreft.model import AdreftModel
 from roadmend.training.adreft.configuration import ModelSection, ReinforcementSection
 from roadmend.training.adreft.exploring import Rolled, Transitions, explore
 from roadmend.training.adreft.network import AdreftNetwork, save_model, tensors_of
-from roadmend.training.adreft.reinforcement import ReinforcementStage, spread
-from roadmend.training.adreft.stage import RepairedPolicy, StageRun, TrainingSubject
+from roadmend.training.adreft.reinforcement import ReinforcementStage
+from roadmend.training.adreft.stage import RepairedPolicy, StageRun, TrainingSubject, spread
 from roadmend.training.closed_loop import summarise
 from roadmend.training.device import choose_torch_device
 from tests.measures.results import episode

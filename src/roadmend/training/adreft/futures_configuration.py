@@ -17,6 +17,9 @@ class FuturesSection(Parameters):
     pulse: float = Field(0.6, ge=0.05, le=5.0, description="how long a tried action is held [s]")
     actions: int = Field(2, ge=0, le=9, description="actions that are tried where some future violates alone")
     harmless: float = Field(0.25, ge=0.0, le=1.0, description="probability that one is tried where none does")
+    cases: int = Field(
+        0, ge=0, le=100_000, description="training cases of every policy that drives, spread over the families; 0: all"
+    )
     random_cases: int = Field(
         100, ge=0, le=100_000, description="scenarios of each family drawn at random for every policy that drives"
     )

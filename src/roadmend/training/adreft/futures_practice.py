@@ -27,7 +27,7 @@ from roadmend.training.adreft.random_case import random_cases
 from roadmend.training.adreft.recalibration import fit_logits, fold, sigmoids
 from roadmend.training.adreft.reliability import reliability
 from roadmend.training.adreft.scoring import monitor_scores, said_logits
-from roadmend.training.adreft.stage import PRACTICE_STATE, StageRun, TrainingSubject
+from roadmend.training.adreft.stage import PRACTICE_STATE, StageRun, TrainingSubject, spread
 from roadmend.training.adreft.token_rows import TokenRows
 from roadmend.training.closed_loop import EpisodeCase
 
@@ -94,12 +94,15 @@ class FuturesPractice:
 
     def _gather(self, number: int, tensors: Tensors | None) -> list[CaseMoments]:
         """The moments of one round: of the policy alone, later of the model so far at work."""
-        guide, digest = None, ""
+        section, guide, digest = self._section, None, ""
         if number and tensors is not None:
             guide = self._work / GUIDE.format(number)
             digest = save_model(guide, self._model, tensors, self.calibrate(tensors))
         jobs = [
-            (driver.policy, [*driver.training, *random_cases(driver.policy, self._section.random_cases)])
+            (
+                driver.policy,
+                [*spread(driver.training, section.cases), *random_cases(driver.policy, section.random_cases)],
+            )
             for driver in (self._subject.driver, *self._subject.also)
         ]
         plan = self._plan(digest)

@@ -22,7 +22,7 @@ from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.training.adreft.configuration import ReinforcementSection
 from roadmend.training.adreft.exploring import ReplayMemory, Roll, Rolled, Transitions, explore
 from roadmend.training.adreft.network import digest_of_cases, load_tensors, save_model, tensors_of
-from roadmend.training.adreft.stage import StageRun, TrainingSubject
+from roadmend.training.adreft.stage import StageRun, TrainingSubject, spread
 from roadmend.training.adreft.supervised import check_identity
 from roadmend.training.closed_loop import EpisodeCase, Summary, evaluate_cases, summarise
 from roadmend.training.optimizer_state import load_optimizer, optimizer_tensors
@@ -321,20 +321,3 @@ def _draw_episodes(cases: Sequence[EpisodeCase], section: ReinforcementSection, 
             left[kind] = generator.permutation(len(groups[kind])).tolist()
         drawn.append(groups[kind][left[kind].pop()])
     return drawn
-
-
-def spread(cases: Sequence[EpisodeCase], number: int) -> list[EpisodeCase]:
-    """``number`` of the cases, the same share of every family and kind, in their order; 0 stands for all."""
-    if not number or number >= len(cases):
-        return list(cases)
-    groups: dict[tuple[str, bool], list[int]] = {}
-    for index, case in enumerate(cases):
-        groups.setdefault((case.family, case.is_violation), []).append(index)
-    chosen: list[int] = []
-    turn = 0
-    while len(chosen) < number:
-        for group in groups.values():
-            if turn < len(group) and len(chosen) < number:
-                chosen.append(group[turn])
-        turn += 1
-    return [cases[index] for index in sorted(chosen)]

@@ -12,11 +12,10 @@ from roadmend.training.adreft.case_rollouts import CaseRollouts
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.adreft.network import save_model
 from roadmend.training.adreft.random_case import random_cases
-from roadmend.training.adreft.reinforcement import spread
 from roadmend.training.adreft.rollouts import RolloutPlan, gather_rollouts
 from roadmend.training.adreft.rollouts_configuration import RolloutsSection
 from roadmend.training.adreft.rollouts_stage import RolloutsStage, TuningFigures
-from roadmend.training.adreft.stage import TrainingSubject
+from roadmend.training.adreft.stage import TrainingSubject, spread
 from roadmend.training.closed_loop import EpisodeCase
 
 GUIDE = "rollouts-guide-{}.safetensors"  # the model that drives in a round

@@ -41,3 +41,20 @@ class StageRun:
     device: str  # torch's name of where to compute
     state: Path  # file of the state; one that exists is gone on with
     log: Path | None = None  # folder for TensorBoard
+
+
+def spread(cases: Sequence[EpisodeCase], number: int) -> list[EpisodeCase]:
+    """``number`` of the cases, the same share of every family and kind, in their order; 0 stands for all."""
+    if not number or number >= len(cases):
+        return list(cases)
+    groups: dict[tuple[str, bool], list[int]] = {}
+    for index, case in enumerate(cases):
+        groups.setdefault((case.family, case.is_violation), []).append(index)
+    chosen: list[int] = []
+    turn = 0
+    while len(chosen) < number:
+        for group in groups.values():
+            if turn < len(group) and len(chosen) < number:
+                chosen.append(group[turn])
+        turn += 1
+    return [cases[index] for index in sorted(chosen)]
