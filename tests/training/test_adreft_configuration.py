@@ -11,7 +11,7 @@ from roadmend.core.parameters import Parameters
 from roadmend.training.adreft.configuration import TrainingConfiguration, read_training_configuration
 
 FOLDER = Path(__file__).parents[2] / "config" / "training"
-SECTIONS = ("model", "frames", "supervised", "practice", "futures", "reinforcement")
+SECTIONS = ("model", "frames", "supervised", "practice", "futures", "rollouts", "reinforcement")
 
 
 def names(content, section):
