@@ -197,6 +197,7 @@ def test_ego_wears_the_colour_of_the_repair_state(status: RepairStatus) -> None:
 def test_ego_text_accounts_for_an_intervention() -> None:
     lines = caption_of(EGO, repair()).splitlines()
     assert lines == ["REPAIRED  8.0 m/s", "score 0.90 > 0.50", "action +0.40 -> -0.80", "car 2 ahead"]
+    assert caption_of(EGO, repair(worth=0.4)).splitlines()[2] == "action +0.40 -> -0.80, worth +0.40 collisions"
 
 
 def test_ego_text_without_score_and_without_command() -> None:

@@ -1,5 +1,6 @@
 """What goes into a message comes out of it again, bit for bit."""
 
+import dataclasses
 import math
 from pathlib import Path
 from types import SimpleNamespace
@@ -157,14 +158,34 @@ def test_a_route_with_an_unknown_rule_raises():
 @pytest.mark.parametrize("status", RepairStatus)
 def test_a_repair_arrives_complete(status):
     triggers = (RepairTrigger(7, 0.9), RepairTrigger(4_000_000_000, 0.1))
-    repair = Repair(Command(0.0, 0.6), status, 0.8, 0.5, 0.3, -0.6, True, 3, triggers, "object 7 ahead")
+    repair = Repair(Command(0.0, 0.6), status, 0.8, 0.5, 0.3, -0.6, True, 3, triggers, "object 7 ahead", 0.1 + 0.2)
     back = sent(messages.repair_message_of(repair, "rss", header()))
     assert (back.state, back.method, back.reason) == (int(status), "rss", "object 7 ahead")
-    assert (back.score, back.threshold) == (0.8, 0.5)
+    assert (back.score, back.threshold, back.worth) == (0.8, 0.5, 0.1 + 0.2)
     assert (back.policy_action, back.repair_action, back.final_action) == (0.3, -0.6, -0.6)
     assert (back.intervened, back.dropped_objects) == (True, 3)
     assert (list(back.trigger_id), list(back.trigger_weight)) == ([7, 4_000_000_000], [0.9, 0.1])
     assert messages.repair_of(back) == repair
+
+
+@pytest.mark.parametrize("worth", [None, 0.0, -0.25])
+def test_no_worth_is_not_a_worth_of_nothing(worth):
+    repair = Repair(Command(0.0, 0.6), RepairStatus.REPAIRED, 0.8, 0.5, 0.3, -0.6, True, worth=worth)
+    back = sent(messages.repair_message_of(repair, "rss", header()))
+    assert math.isnan(back.worth) == (worth is None)
+    assert messages.repair_of(back).worth == worth
+
+
+def test_repair_states_of_earlier_versions_tell_no_worth():
+    message = messages.repair_message_of(
+        Repair(Command(0.0, 0.6), RepairStatus.REPAIRED, 0.8, 0.5, 0.3, -0.6, True), "rss", header()
+    )
+    told = {name: getattr(message, name) for name in message.__dataclass_fields__ if name != "worth"}
+    earlier = dataclasses.make_dataclass("Earlier", told)(**told)
+    assert messages.repair_of(earlier).worth is None
+    renewed = messages.renewed_repair_message_of(earlier)
+    assert math.isnan(renewed.worth)
+    assert {name: getattr(renewed, name) for name in told} == told
 
 
 def test_an_action_that_is_not_finite_becomes_no_number():

@@ -126,7 +126,17 @@ def test_a_bag_without_an_episode_is_refused(bag):
 def test_a_bag_carries_a_repair_without_loss(bag):
     triggers = (RepairTrigger(7, 0.9), RepairTrigger(3, 0.1))
     done = Repair(
-        Command(0.0, 0.6, change_lane=True), RepairStatus.REPAIRED, 0.8, 0.5, 0.3, -0.6, True, 2, triggers, "7 ahead"
+        Command(0.0, 0.6, change_lane=True),
+        RepairStatus.REPAIRED,
+        0.8,
+        0.5,
+        0.3,
+        -0.6,
+        True,
+        2,
+        triggers,
+        "7 ahead",
+        0.5,
     )
     (tick,) = bag(
         ("route", 0, route()),

@@ -53,6 +53,33 @@ def test_the_proposal_is_what_the_networks_say(model, count):
     assert proposal.action == ACTIONS[int(np.argmax(adapter.apply(state)))]
 
 
+def test_a_choice_is_worth_its_gain_in_prices_of_a_collision(tmp_path):
+    scene = crowd(3, 4)
+    weighing = Weighing(collision=4.0, strength=0.0, any=0.0)
+    method = made(save_tiny_model(tmp_path / "weighs.safetensors", weighing=weighing))
+    proposal = method.propose(scene, keep_on(scene, action=0.9))
+    tokens = method.model.tokenizer().tokens(scene, keep_on(scene, action=0.9)).values
+    values = method.model.values(method.model.encode(tokens), 0.9)
+    assert proposal.worth == gain_of(values, 0.9) / 4.0 > 0.0
+
+
+def test_what_a_held_choice_is_worth_is_judged_anew(tmp_path):
+    weighing = Weighing(collision=4.0, strength=0.0, any=0.0)
+    path = save_tiny_model(tmp_path / "holds.safetensors", weighing=weighing, interval=2)
+    method, first, second = made(path), crowd(3, 4), crowd(5, 2)
+    chosen = method.propose(first, keep_on(first, action=0.9)).action
+    held = method.propose(second, keep_on(second, action=0.9))
+    assert held.action == chosen
+    tokens = method.model.tokenizer().tokens(second, keep_on(second, action=0.9)).values
+    values = method.model.values(method.model.encode(tokens), 0.9)
+    assert held.worth == pytest.approx(gain_of(values, 0.9, ACTIONS.index(chosen)) / 4.0)
+
+
+def test_an_adapter_that_foresees_nothing_judges_no_worth(model):
+    scene = crowd(3, 4)
+    assert made(model).propose(scene, keep_on(scene, action=0.9)).worth is None
+
+
 def test_what_pays_is_due_before_the_monitor_alarms(tmp_path):
     scene = crowd(3, 4)
 

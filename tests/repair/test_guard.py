@@ -396,7 +396,8 @@ def test_an_invalid_command_costs_the_plan_nothing_and_an_unusable_plan_not_the_
 
 def test_the_account_holds_what_the_method_said():
     trigger = RepairTrigger(7, 0.4)
-    repair = step(guarded(Scripted(Proposal(0.9, 0.5, -0.6, (trigger,), "because"))), [Box(1, math.nan, 0.0)])
+    repair = step(guarded(Scripted(Proposal(0.9, 0.5, -0.6, (trigger,), "because", 0.3))), [Box(1, math.nan, 0.0)])
+    assert repair.worth == 0.3
     assert (repair.score, repair.threshold, repair.triggers) == (0.9, 0.5, (trigger,))
     assert repair.dropped_objects == 1
     assert repair.status == RepairStatus.INVALID_OBJECTS

@@ -57,6 +57,16 @@ def test_gain_by_hand():
     assert gain_of(weigh(foreseen(0.001, 0.75, 0.001), 0.4, PRICES), 0.4) == 0.0
 
 
+def test_the_gain_of_a_choice_that_is_not_the_best_may_be_a_loss():
+    values = weigh(foreseen(0.5, 0.75, 0.1), 0.4, PRICES)
+    best = int(values.argmax())
+    assert gain_of(values, 0.4, best) == gain_of(values, 0.4) > 0.0
+    assert gain_of(values, 0.4, 9) == pytest.approx(5.0 - 1.75 - 0.4 * 1.4**2 - 0.1, abs=1e-5)
+    assert gain_of(values, 0.4, 2) == 0.0  # brakes no harder than the policy
+    calm = weigh(foreseen(0.001, 0.75, 0.001), 0.4, PRICES)
+    assert gain_of(calm, 0.4, 9) < -0.8
+
+
 def test_what_is_not_finite_stays_so():
     outputs = foreseen(0.5, 0.5, 0.5)
     outputs[3] = np.nan

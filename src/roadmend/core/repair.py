@@ -39,6 +39,7 @@ class Proposal:
     action: float  # proposed throttle - brake, -1 .. 1
     triggers: tuple[RepairTrigger, ...] = ()
     reason: str = ""
+    worth: float | None = None  # see Repair.worth
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +56,8 @@ class Repair:
     dropped_objects: int = 0
     triggers: tuple[RepairTrigger, ...] = field(default=())
     reason: str = ""
+    worth: float | None = None  # by how much the proposed action is judged better than leaving the policy alone, in
+    # prices of a collision; None where the method judges no worth, which is not the same as none
 
     @property
     def change(self) -> float:

@@ -8,11 +8,11 @@ import numpy as np
 
 
 def deviations(first: Any, second: Any) -> dict[str, float]:
-    """The fields that differ, with the largest difference of their numbers.
+    """The fields that differ, with the largest difference of their numbers; those that only one of them has are left out.
 
     Args:
         first: a message, decoded.
-        second: another of the same type.
+        second: another of the same type, perhaps of another version of it.
 
     Returns:
         By the field's name, such as ``pose.pose.position.x`` or ``markers[].id``: the absolute difference; infinite
@@ -26,7 +26,7 @@ def deviations(first: Any, second: Any) -> dict[str, float]:
 
 def _walk(name: str, first: Any, second: Any) -> Iterator[tuple[str, float]]:
     if hasattr(first, "__dataclass_fields__"):
-        for field in first.__dataclass_fields__:
+        for field in filter(second.__dataclass_fields__.__contains__, first.__dataclass_fields__):
             yield from _walk(f"{name}.{field}" if name else field, getattr(first, field), getattr(second, field))
     elif isinstance(first, np.ndarray | list | tuple):
         if len(first) != len(second):

@@ -167,7 +167,8 @@ def caption_of(ego: EgoState, repair: Repair | None) -> str:
             against = f" {'>' if repair.score > repair.threshold else '<='} {repair.threshold:.2f}"
         lines.append(f"score {repair.score:.2f}{against}")
     if repair.intervened or repair.status is not RepairStatus.PASS:
-        lines.append(f"action {_signed(repair.policy_action)} -> {_signed(repair.final_action)}")
+        worth = "" if repair.worth is None else f", worth {repair.worth:+.2f} collisions"
+        lines.append(f"action {_signed(repair.policy_action)} -> {_signed(repair.final_action)}{worth}")
         if repair.reason:
             lines.append(repair.reason)
     return "\n".join(lines)

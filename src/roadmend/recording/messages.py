@@ -187,6 +187,7 @@ def repair_message_of(repair: Repair, method: str, header: Any) -> Any:
         method=method,
         score=repair.score,
         threshold=repair.threshold,
+        worth=math.nan if repair.worth is None else repair.worth,
         policy_action=_finite_or_nan(repair.policy_action),
         repair_action=_finite_or_nan(repair.repair_action),
         final_action=repair.final_action,
@@ -198,13 +199,22 @@ def repair_message_of(repair: Repair, method: str, header: Any) -> Any:
     )
 
 
+def renewed_repair_message_of(message: Any) -> Any:
+    """The account of another version as one of this; where that one tells no worth, it is no number."""
+    empty = REPAIR(worth=math.nan)
+    return REPAIR(**{name: getattr(message, name, getattr(empty, name)) for name in empty.__dataclass_fields__})
+
+
 def repair_of(message: Any) -> Repair:
     """The account of one tick's repair, with the command that its final action stands for.
+
+    Bags of earlier versions tell no worth.
 
     Raises:
         ValueError: the arrays differ in length.
     """
     triggers = zip(message.trigger_id.tolist(), message.trigger_weight.tolist(), strict=True)
+    worth = getattr(message, "worth", math.nan)
     return Repair(
         Command.from_action(message.final_action),
         status_of(message.state),
@@ -216,6 +226,7 @@ def repair_of(message: Any) -> Repair:
         message.dropped_objects,
         tuple(RepairTrigger(identity, weight) for identity, weight in triggers),
         message.reason,
+        worth if math.isfinite(worth) else None,
     )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from roadmend.core.errors import InputError
 from roadmend.recording.errors import RecordingError
 from roadmend.recording.reader import BagReader, Record
+from roadmend.recording.renewal import Renewal
 from roadmend.recording.writer import BagOptions, BagWriter
 
 _INSIDE = "rosbag2"  # metadata record that every writer makes anew
@@ -53,19 +54,20 @@ def place_for(folder: Path) -> Iterator[Path]:
 class BagCopy:
     """Copies a bag into another, up to one time after the other, so that what is added lies beside what was there.
 
-    Topics, attachments and metadata are copied at once.
+    Topics, attachments and metadata are copied at once. Repair states of an earlier version become such of this one.
     """
 
     def __init__(self, reader: BagReader, writer: BagWriter) -> None:
         self._writer = writer
+        renewal = Renewal(reader)
         for topic in reader.topics.values():
-            writer.add_topic(topic.name, topic.type_name, topic.offers, reader.definitions[topic.type_name])
+            writer.add_topic(topic.name, topic.type_name, topic.offers, renewal.definition(topic.type_name))
         for name, values in reader.metadata.items():
             if name != _INSIDE:
                 writer.add_metadata(name, values)
         for attachment in reader.attachments.values():
             writer.add_attachment(attachment.name, attachment.media_type, attachment.data)
-        self._records = reader.records()
+        self._records = renewal.records()
         self._next: Record | None = next(self._records, None)
 
     def until(self, time_ns: float) -> None:

@@ -5,9 +5,9 @@ from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from roadmend.core.errors import InputError
-from roadmend.recording.definitions import computed_hash, find
 from roadmend.recording.qos import Qos
 from roadmend.recording.reader import BagReader, Record
+from roadmend.recording.renewal import Renewal, is_installed
 from roadmend.recording.topics import CLOCK
 
 DEPTH_MAX = 1000  # messages that a replayed publisher keeps at most where the bag does not tell its depth
@@ -24,7 +24,7 @@ class ReplayTick:
 
 
 class ReplaySource:
-    """The messages of some topics of a bag, from a moment on.
+    """The messages of some topics of a bag, from a moment on; repair states of an earlier version as such of this one.
 
     Args:
         reader: the bag.
@@ -46,6 +46,7 @@ class ReplaySource:
         self.start_ns = reader.start_ns + round(start_offset * _NANOSECONDS)
         self.end_ns = reader.end_ns
         self._reader = reader
+        self._renewal = Renewal(reader)
         self._topics = list(topics)
 
     def latched(self) -> list[Record]:
@@ -59,7 +60,7 @@ class ReplaySource:
             for name, offer in offers.items()
             if offer.durability == "transient_local"
         }
-        for record in self._reader.records(list(kept)) if kept else ():
+        for record in self._renewal.records(list(kept)) if kept else ():
             if record.time_ns >= self.start_ns:
                 break
             kept[record.topic].append(record)
@@ -69,7 +70,7 @@ class ReplaySource:
         """The ticks from the beginning on, in the order of their time."""
         records: list[Record] = []
         size = 0
-        for record in self._reader.records(self._topics):
+        for record in self._renewal.records(self._topics):
             if record.time_ns < self.start_ns:
                 continue
             if records and (record.time_ns != records[0].time_ns or size > _TICK_BYTES_MAX):
@@ -157,16 +158,13 @@ def find_topic(reader: BagReader, name: str) -> str:
 
 
 def check_definition(reader: BagReader, topic: str) -> None:
-    """Make sure that the installed type of a topic reads the recorded bytes.
+    """Make sure that the installed type of a topic reads its messages as a ``Renewal`` hands them on.
 
     Raises:
         InputError: the type is not installed, or its definition is not the one that the topic was recorded with.
     """
     summary = reader.topics[topic]
-    recorded = reader.definitions[summary.type_name]
-    installed = find(summary.type_name)
-    type_hash = summary.type_hash or (computed_hash(summary.type_name, recorded.text) if recorded.text else "")
-    if type_hash and type_hash != installed.type_hash:
+    if not is_installed(Renewal(reader).definition(summary.type_name)):
         raise InputError(
             topic, f"was recorded with another definition of {summary.type_name}", "install that version of its package"
         )

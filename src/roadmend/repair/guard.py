@@ -223,6 +223,7 @@ class GuardedRepairer:
             dropped,
             proposal.triggers,
             "; ".join(notes),
+            proposal.worth,
         )
 
     def _consult(self, scene: Scene, decision: Decision) -> tuple[Proposal, str]:

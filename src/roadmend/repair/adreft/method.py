@@ -88,7 +88,8 @@ class AdreftRepair:
             triggers = attended(self.model, tokens, scene)
             what = "criticality" if alarmed else "precaution: worth"
             reason = f"{what} {score:.3f} above {bar:.3f}"
-        proposal = Proposal(score, bar, self._action, triggers, reason)
+        worth = self.model.worth(values, asked, ACTIONS.index(self._action))
+        proposal = Proposal(score, bar, self._action, triggers, reason, worth)
         if configuration.fresh and self._action >= asked:
             self._latch.reset()  # the adapter, or the policy by braking itself, has ended it
             self._held = 0

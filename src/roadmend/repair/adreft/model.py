@@ -125,6 +125,19 @@ class AdreftModel:
             return 0.0
         return min(1.0, self.threshold * worth / prices.gain)
 
+    def worth(self, values: Floats, action: float, chosen: int) -> float | None:
+        """By how much a choice is judged better than leaving the policy alone, in prices of a collision.
+
+        None where the adapter foresees no collisions (the paper's): its values have no price to be measured in.
+
+        Args:
+            values: of every action, shape (actions,).
+            action: the policy's throttle - brake.
+            chosen: index of the action.
+        """
+        prices = self.configuration.weighing
+        return None if prices is None else gain_of(values, action, chosen) / prices.collision
+
     def _valued(self, given: Floats, action: float) -> Floats:
         """Values from what the adapter gives."""
         prices = self.configuration.weighing

@@ -72,15 +72,17 @@ def weigh(foreseen: Floats, asked: float, prices: Weighing) -> Floats:
     return values.astype(np.float32)
 
 
-def gain_of(values: Floats, asked: float) -> float:
-    """How much more the best action is worth than leaving the policy alone.
+def gain_of(values: Floats, asked: float, chosen: int | None = None) -> float:
+    """How much more an action is worth than leaving the policy alone.
 
     Args:
         values: of every action, as ``weigh`` gives them.
         asked: the policy's throttle - brake.
+        chosen: index of the action; None for the best one, which alone cannot be worth less.
     """
     idle = _strengths(asked) == 0.0
-    return float(values.max() - values[idle].max())
+    value = values.max() if chosen is None else values[chosen]
+    return float(value - values[idle].max())
 
 
 def _strengths(asked: float) -> NDArray[np.float64]:
