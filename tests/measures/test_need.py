@@ -2,7 +2,8 @@ import pytest
 
 from roadmend.core.errors import InputError
 from roadmend.core.resources import config_folder
-from roadmend.measures.need import NEEDLESS, PERSISTENT, persistence, run_with_need
+from roadmend.measures.need import PERSISTENT, persistence, run_with_need
+from roadmend.measures.need_verdict import NEEDLESS
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.world.corpus import corpus_of

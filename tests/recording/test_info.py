@@ -46,6 +46,10 @@ class Maker:
             values.setdefault(field, empty)
         return self.store.types[name](**values)
 
+    def header(self, tick):
+        stamp = self.value("builtin_interfaces/msg/Time", sec=tick // 20, nanosec=tick % 20 * TICK)
+        return self.value("std_msgs/msg/Header", stamp=stamp)
+
     def __call__(self, name, **fields):
         return bytes(self.store.serialize_cdr(self.value(name, **fields), name))
 
@@ -65,7 +69,13 @@ def episode(tmp_path):
             acts = 10 <= tick < 15 or tick == 60
             if not 40 <= tick < 50:
                 writer.write("/clock", tick * TICK, make(CLOCK))
-            writer.write("/repair/state", tick * TICK, make(STATE, state=int(acts), intervened=acts))
+            done = {
+                "state": int(acts),
+                "intervened": acts,
+                "worth": 0.25 if tick == 10 else np.nan,
+                "final_action": -0.4,
+            }
+            writer.write("/repair/state", tick * TICK, make(STATE, header=make.header(tick), **done))
             if tick % 10 == 9:
                 writer.flush()
         writer.write("/events", 99 * TICK, make(EVENT, kind=EventKind.COLLISION, text="hit bus_1"))
@@ -83,6 +93,9 @@ def test_a_whole_bag(episode):
     acts = info.interventions
     assert (acts.ticks, acts.interventions, acts.spells) == (100, 6, 2)
     assert acts.states == {"PASS": 94, "REPAIRED": 6}
+    first, second = info.spells
+    assert (first.spell.begin, first.spell.ticks, first.strongest, first.worth, first.who) == (0.5, 5, -0.4, 0.25, ())
+    assert (second.spell.begin, second.spell.ticks, second.worth) == (3.0, 1, None)
     assert info.metadata["roadmend"]["seed"] == "7"
     assert info.attachments == {"scenario.yaml": 12}
     topics = {topic.name: topic for topic in info.topics}
@@ -111,11 +124,19 @@ def test_a_cut_bag_tells_what_it_still_can(episode):
     assert 0 < info.messages < 192
     assert (info.outcome, info.outcome_text) == ("UNFINISHED", "no final event was recorded")
     assert info.interventions.interventions >= 5
+    assert (info.spells[0].spell.begin, info.spells[0].worth) == (0.5, 0.25)
 
 
 def test_the_command_prints_it_for_people_and_for_programs(episode):
     printed = CliRunner().invoke(command, ["info", str(episode)], catch_exceptions=False).stdout
-    for words in ("COLLISION hit bus_1", "6 of 100 ticks in 2 spells", "0.550 s at 1.950 s", "seed"):
+    assert "verdict" not in printed  # nobody has looked
+    for words in (
+        "0.50 s  0.25 s  0.10 s      -0.40  +0.25",
+        "COLLISION hit bus_1",
+        "6 of 100 ticks in 2 spells",
+        "0.550 s at 1.950 s",
+        "seed",
+    ):
         assert words in printed
     read = json.loads(CliRunner().invoke(command, ["info", "--json", str(episode)], catch_exceptions=False).stdout)
     assert read["topics"][0]["name"] == "/clock"
@@ -125,6 +146,10 @@ def test_the_command_prints_it_for_people_and_for_programs(episode):
         "spells": 2,
         "states": {"PASS": 94, "REPAIRED": 6},
     }
+    assert [(spell["begin"], spell["worth"], spell["need"], spell["verdict"]) for spell in read["spells"]] == [
+        (0.5, 0.25, None, None),
+        (3.0, None, None, None),
+    ]
 
 
 def test_the_command_that_recovers(episode, tmp_path, monkeypatch):

@@ -2,7 +2,7 @@
 
 import json
 import math
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import click
@@ -10,8 +10,11 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from roadmend.cli.options import JSON, PATH
+from roadmend.cli.options import FUTURES, JSON, PATH
 from roadmend.cli.output import bag_progress, message_progress, wide_console
+from roadmend.cli.spell_table import account_figures, show_spells
+from roadmend.core.spell import Spell
+from roadmend.core.spell_account import with_needs
 from roadmend.recording.conversion import MCAP, SQLITE3, convert, storage_of
 from roadmend.recording.diff import UNSTEADY, BagDiff, TopicDiff
 from roadmend.recording.diff import bag_diff as compare
@@ -23,19 +26,31 @@ from roadmend.reports.bag_picture import draw_bag
 
 @click.command("info")
 @click.argument("bag", type=PATH)
+@FUTURES
 @JSON
-def bag_info(bag: Path, *, as_json: bool) -> None:
+def bag_info(bag: Path, futures: int, *, as_json: bool) -> None:
     """Show a bag's topics, types, rates and gaps, its outcome and interventions, and whether it is complete.
 
     Reads all of the bag, so that what it says of damages holds. A gap is a silence of more than 2.5 times the usual
-    interval, on topics that keep a rate.
+    interval, on topics that keep a rate. Of each intervention it tells what it was worth in the method's own judgement
+    (in prices of a collision), because of whom and why; and with --futures, from the run driven again, whether it was
+    needed.
     """
     with bag_progress("reading", bag_size(bag)) as advance:
         info = read_info(bag, advance)
+    if futures:
+        info = replace(info, spells=with_needs(info.spells, _with_need(bag, futures)))
     if as_json:
-        click.echo(json.dumps(info.as_dict(), indent=2))
+        spells = [account_figures(account) for account in info.spells]
+        click.echo(json.dumps(info.as_dict() | {"spells": spells}, indent=2))
     else:
         _show_info(info, wide_console())
+
+
+def _with_need(bag: Path, futures: int) -> tuple[Spell, ...]:
+    from roadmend.cli.bag_need import needs_of  # noqa: PLC0415 - SUMO and the policies; most calls drive nothing
+
+    return needs_of(bag, futures)
 
 
 def _show_info(info: BagInfo, console: Console) -> None:
@@ -58,6 +73,10 @@ def _show_info(info: BagInfo, console: Console) -> None:
     for name, size in info.attachments.items():
         table.add_row("attachment", escape(f"{name}, {size} bytes"))
     console.print(table)
+    if info.spells:
+        console.print()
+        show_spells(info.spells, console)
+        console.print()
     console.print(_topic_table(info.topics))
 
 
@@ -210,7 +229,12 @@ def _name(bag: Path) -> str:
 @click.option(
     "--span", default=70.0, show_default=True, type=click.FloatRange(10.0, 2000.0), help="Width of the scene [m]."
 )
-def plot(bag: Path, out: Path, at: float | None, span: float) -> None:
-    """Draw the time line of a bag, with the scene at one moment."""
-    moment = draw_bag(bag, out, at, span)
+@FUTURES
+def plot(bag: Path, out: Path, at: float | None, span: float, futures: int) -> None:
+    """Draw the time line of a bag, with the scene at one moment.
+
+    Interventions are drawn in the colour of what they were, with --futures: rescue, nuisance, or unclear. A page lists
+    them as 'bag info' does.
+    """
+    moment = draw_bag(bag, out, at, span, _with_need(bag, futures) if futures else ())
     click.echo(f"{out}: {moment:.2f} s")

@@ -18,6 +18,14 @@ SEED = click.option("--seed", default=0, show_default=True, type=click.IntRange(
 WORKERS = click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 DEVICE = click.option("--device", default="auto", show_default=True, help="auto, cpu or cuda.")
+FUTURES_MAX = 1000  # of each intervention
+FUTURES = click.option(
+    "--futures",
+    default=0,
+    show_default="not looked at",
+    type=click.IntRange(0, FUTURES_MAX),
+    help="Tell of each intervention whether it was needed, from so many futures; drives the run again (see 'bag need').",
+)
 MODEL_OUT = click.option("--out", required=True, type=FILE, help="Model file to write.")
 RESULT_FOLDER = click.option("--out", required=True, type=FOLDER, help="Folder; resumes there.")
 

@@ -19,7 +19,6 @@ from roadmend.world.simulation import Simulation
 
 HORIZON = 8.0  # [s]
 LATER = 2.0  # [s] by which a violation may come later in another future
-NEEDLESS = 0.1  # need below which a spell is called so
 PERSISTENT = 0.8  # persistence from which a violation is called so
 
 

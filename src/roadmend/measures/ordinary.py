@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from statistics import fmean, median
 
 from roadmend.core.episode_result import EpisodeResult
-from roadmend.measures.need import NEEDLESS
+from roadmend.measures.need_verdict import NEEDLESS
 
 TOUCH = 0.2  # [s] of full command from which a drive counts as touched
 

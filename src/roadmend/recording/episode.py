@@ -9,6 +9,7 @@ from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, ObjectList
+from roadmend.core.spell_account import SpellAccount, SpellAccountBuilder
 from roadmend.recording.messages import sized
 from roadmend.recording.reader import BagReader
 from roadmend.recording.ticks import BagTicks
@@ -43,6 +44,15 @@ class BagEpisode:
             if event.kind is EventKind.STARTED:
                 break
         return ""
+
+    def spells(self) -> tuple[SpellAccount, ...]:
+        """The interventions, explained; without the answer to a final tick, on which nobody drives."""
+        builder = SpellAccountBuilder()
+        ends = {round(event.time * 1e9) for event in self.events if event.kind.is_final}
+        for stamp, repair in sorted(self.repairs.items()):
+            if stamp not in ends and builder.add(stamp * 1e-9, repair) and stamp in self.ego and stamp in self.objects:
+                builder.see(self.ego[stamp], self.objects[stamp])
+        return builder.accounts
 
 
 def read_episode(path: Path) -> BagEpisode:

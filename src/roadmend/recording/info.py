@@ -9,12 +9,14 @@ from typing import Any
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
 from roadmend.core.repair import RepairStatus
+from roadmend.core.spell_account import SpellAccount
 from roadmend.recording.codec import Codec
 from roadmend.recording.enclosure import Attachment
 from roadmend.recording.layout import REPEATED
 from roadmend.recording.recovery import files_left
 from roadmend.recording.rhythm import Rhythm
 from roadmend.recording.scan import Item, NamedTexts, Scan, ScannedMessage, ScannedTopic
+from roadmend.recording.spell_scan import SpellScan
 from roadmend.recording.topics import EVENTS, REPAIR_STATE, TYPES
 
 _RECORD = "roadmend"  # metadata that the recorder writes
@@ -72,13 +74,14 @@ class BagInfo:
     outcome: str  # as the events or else the recorder tell; UNFINISHED without a final event, empty without any
     outcome_text: str
     interventions: InterventionSummary | None  # None where no repair state was recorded
+    spells: tuple[SpellAccount, ...]  # of the graph itself, not of a shadow in the bag
     topics: list[TopicInfo]
     metadata: dict[str, dict[str, str]]
     attachments: dict[str, int]  # name and size [bytes]
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values, for JSON."""
-        values = asdict(self)
+        values = asdict(self) | {"spells": [account.as_dict() for account in self.spells]}
         if values["interventions"] is not None:
             del values["interventions"]["_last"]
         return values
@@ -121,6 +124,7 @@ class _Reading:
         self._repair: InterventionSummary | None = None
         self._outcome: tuple[str, str] | None = None  # with its text, as the events tell it
         self._codec = Codec()
+        self._spells = SpellScan(self._codec)
 
     def take(self, item: Item) -> None:
         if isinstance(item, NamedTexts):
@@ -130,12 +134,15 @@ class _Reading:
         else:
             self._rhythms.setdefault(item.topic.name, Rhythm()).add(item.time_ns)
             self._topics[item.topic.name] = item.topic
-            if item.topic.definition.type_name in {TYPES[REPAIR_STATE], TYPES[EVENTS]}:
-                with contextlib.suppress(ValueError):  # a message that was altered on the disk
-                    self._look_into(item)
+            with contextlib.suppress(ValueError):  # a message that was altered on the disk
+                self._look_into(item)
 
     def _look_into(self, item: ScannedMessage) -> None:
+        if item.topic.definition.type_name not in {TYPES[REPAIR_STATE], TYPES[EVENTS]}:
+            self._spells.take(item)
+            return
         value = self._codec.decode(item.topic.definition, item.data)
+        self._spells.take(item, value)
         if item.topic.definition.type_name == TYPES[REPAIR_STATE]:
             self._repair = self._repair or InterventionSummary()
             self._repair.add(int(value.state), intervened=bool(value.intervened))
@@ -160,6 +167,7 @@ class _Reading:
             outcome=outcome,
             outcome_text=text,
             interventions=self._repair,
+            spells=self._spells.accounts(),
             topics=[self._topic(name) for name in sorted(self._rhythms)],
             metadata={name: values for name, values in self._metadata.items() if name not in _HIDDEN},
             attachments=self._attachments,
