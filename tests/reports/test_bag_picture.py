@@ -12,6 +12,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from roadmend.core.appearance import SILENT_COLOUR
 from roadmend.core.errors import InputError
 from roadmend.core.repair import RepairStatus
+from roadmend.core.spell import Spell
 from roadmend.recording import definitions
 from roadmend.recording.episode import read_episode
 from roadmend.recording.writer import BagWriter
@@ -141,6 +142,7 @@ def record(folder, *, prefix="", intervene=range(40, 60), outcome=2, with_state=
                     trigger_id=[9] if acts else [],
                     trigger_weight=[1.0] if acts else [],
                     reason="car 9 ahead" if acts else "",
+                    worth=math.nan,
                 )
         scribe.write("events", TICKS * 50_000_000, kind=outcome, text="the end")
     return folder
@@ -230,6 +232,26 @@ def test_a_page_stands_alone_and_holds_each_tick(tmp_path):
     draw_bag(bag, tmp_path / "again.html", at=2.0)
     assert (tmp_path / "again.html").read_text("utf-8") == page
     assert not [*tmp_path.glob(".*")]
+
+
+def test_a_page_lists_the_interventions_with_who_and_why(tmp_path):
+    bag = record(tmp_path / "bag", intervene=[*range(20, 25), *range(40, 60)])
+    draw_bag(bag, tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text("utf-8")
+    rows = rows_of(page)
+    assert [row[:5] for row in rows] == [["1", "1.00", "0.25", "0.30", "-0.80"], ["2", "2.00", "1.00", "1.20", "-0.80"]]
+    assert rows[1][5:] == ["\N{EN DASH}", "car 9 ahead, 30 m", "car 9 ahead"]  # no worth is told, and nobody has looked
+    assert "rescue" not in page
+    draw_bag(bag, tmp_path / "page.html", spells=[Spell(2.0, 20, 24.0, 0.05)])
+    page = (tmp_path / "page.html").read_text("utf-8")
+    assert [row[6:8] for row in rows_of(page)] == [["\N{EN DASH}", ""], ["0.05", "nuisance"]]
+
+
+def rows_of(page):
+    """The texts of the table of interventions."""
+    body = page.partition('<table id="spells">')[2].partition("<tbody>")[2].partition("</tbody>")[0]
+    cells = [re.findall(r"<td>(.*?)</td>", row, re.DOTALL) for row in body.split("</tr>")[:-1]]
+    return [[re.sub("<[^>]*>", "", cell) for cell in row] for row in cells]
 
 
 def test_texts_of_a_bag_cannot_break_out_of_the_page(tmp_path):

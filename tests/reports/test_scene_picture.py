@@ -18,6 +18,8 @@ from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import Repair, RepairStatus, RepairTrigger
 from roadmend.core.route import RightOfWay, Route, Stage, Zone
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList
+from roadmend.core.spell import Spell
+from roadmend.core.spell_account import SpellAccount
 from roadmend.reports.scene_layers import ASPHALT, Trail
 from roadmend.reports.scene_picture import SceneView, draw_scene
 from roadmend.reports.scene_timeline import SILENT, Band, Timeline, draw_timeline, rows_of
@@ -191,10 +193,10 @@ def test_states_are_bands_in_their_colour_and_events_are_named() -> None:
     events = (Event(0.0, EventKind.STARTED, "go"), Event(5.0, EventKind.WATCHDOG, ""), Event(9.95, EventKind.GOAL, ""))
     course = dataclasses.replace(timeline(), status=status.astype(np.int64), events=events)
     assert course.bands() == [
-        Band(0.0, pytest.approx(1.0), RepairStatus.STARTING),
-        Band(pytest.approx(1.0), pytest.approx(5.0), 0),
-        Band(pytest.approx(5.0), pytest.approx(7.0), SILENT),
-        Band(pytest.approx(7.0), pytest.approx(9.95), 0),
+        Band.of_status(0.0, pytest.approx(1.0), RepairStatus.STARTING),
+        Band.of_status(pytest.approx(1.0), pytest.approx(5.0), 0),
+        Band.of_status(pytest.approx(5.0), pytest.approx(7.0), SILENT),
+        Band.of_status(pytest.approx(7.0), pytest.approx(9.95), 0),
     ]
     figure = Figure(figsize=(10, 5))
     drawn = draw_timeline(figure, course)[-1]
@@ -204,6 +206,34 @@ def test_states_are_bands_in_their_colour_and_events_are_named() -> None:
     pixels = pixels_of(figure)
     for band in course.bands():
         assert share_of(pixels, band.colour) > 0.002, band.name
+
+
+def test_interventions_are_drawn_in_the_colour_of_what_they_were() -> None:
+    spells = tuple(
+        SpellAccount(Spell(begin, 20, 8.0, need), -0.4, None, (), "")
+        for begin, need in ((1.0, 1.0), (3.0, 0.0), (5.0, 0.15), (7.0, None))
+    )
+    course = dataclasses.replace(timeline(), spells=spells)
+    figure = Figure(figsize=(10, 5))
+    drawn = draw_timeline(figure, course)[-1]
+    assert {"spells", "rescue", "nuisance", "unclear", "intervention", "1", "2", "3", "4"} <= {
+        drawn.yaxis.get_label().get_text(),
+        *(text.get_text() for text in drawn.texts),
+    }
+    pixels = pixels_of(figure)
+    for number, account in enumerate(spells, 1):
+        assert share_of(pixels, Band.of_spell(number, account).colour) > 0.001, account.spell.need
+    assert [row.label for row in rows_of(timeline())][-1] != "spells"  # nothing to draw without any
+
+
+def test_the_numbers_of_interventions_never_lie_on_each_other() -> None:
+    spells = tuple(SpellAccount(Spell(4.0 + 0.1 * place, 1, 0.4), 0.0, None, (), "") for place in range(30))
+    figure = Figure(figsize=(10, 5))
+    drawn = draw_timeline(figure, dataclasses.replace(timeline(), spells=spells))[-1]
+    figure.canvas.draw()
+    frames = [text.get_window_extent() for text in drawn.texts if text.get_text().isdigit()]
+    assert 5 <= len(frames) < 30
+    assert not any(one.overlaps(other) for one, other in itertools.combinations(frames, 2))
 
 
 def test_names_of_events_never_lie_on_each_other() -> None:

@@ -9,9 +9,11 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from roadmend.core.outcome import EventKind
+from roadmend.core.spell_account import SpellAccount
+from roadmend.measures.need_verdict import verdict_of
 from roadmend.recording.episode import BagEpisode
 from roadmend.reports.page import inline_svg, render
-from roadmend.reports.scene_timeline import Band, Timeline
+from roadmend.reports.scene_timeline import VERDICT_COLOUR, Band, Timeline
 
 _INTERVENTIONS_MAX = 10  # that get a button
 
@@ -30,6 +32,8 @@ def page_of(episode: BagEpisode, timeline: Timeline, figure: Figure, now: float)
         title=figure.texts[0].get_text() if figure.texts else episode.path.stem,
         picture=inline_svg(figure),
         moments=_moments(timeline),
+        spells=[_row(number, account) for number, account in enumerate(timeline.spells, 1)],
+        is_looked_at=any(account.spell.need is not None for account in timeline.spells),
         account=sorted(episode.account.items()),
         data=_data(episode, timeline, figure, now),
     )
@@ -45,6 +49,24 @@ def _moments(timeline: Timeline) -> list[tuple[float, str]]:
         if event.kind is not EventKind.STARTED
     ]
     return sorted(found)
+
+
+def _row(number: int, account: SpellAccount) -> dict[str, Any]:
+    """A row of the table of interventions; empty where something is not known."""
+    spell, verdict = account.spell, verdict_of(account.spell.need)
+    return {
+        "number": number,
+        "begin": spell.begin,
+        "lasts": f"{spell.end - spell.begin:.2f}",
+        "dose": f"{spell.dose:.2f}",
+        "strongest": f"{account.strongest:+.2f}",
+        "worth": "" if account.worth is None else f"{account.worth:+.2f}",
+        "need": "" if spell.need is None else f"{spell.need:.2f}",
+        "verdict": verdict or "",
+        "colour": VERDICT_COLOUR[verdict],
+        "who": "; ".join(sight.words for sight in account.chiefly),
+        "why": account.why,
+    }
 
 
 def _data(episode: BagEpisode, timeline: Timeline, figure: Figure, now: float) -> dict[str, Any]:
@@ -67,7 +89,7 @@ def _data(episode: BagEpisode, timeline: Timeline, figure: Figure, now: float) -
         "states": {
             status: [band.name, band.colour]
             for status in sorted(set(timeline.status.tolist()))
-            for band in [Band(0.0, 0.0, status)]
+            for band in [Band.of_status(0.0, 0.0, status)]
         },
         "reason": [known.index(reason) for reason in reasons],
         "reasons": known,

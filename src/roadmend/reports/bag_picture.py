@@ -2,6 +2,7 @@
 
 import bisect
 import math
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,8 @@ from roadmend.core.errors import InputError
 from roadmend.core.geometry import nearest_distance
 from roadmend.core.repair import Repair
 from roadmend.core.scene import ObjectList
+from roadmend.core.spell import Spell
+from roadmend.core.spell_account import with_needs
 from roadmend.core.whole_file import written_beside
 from roadmend.recording.episode import BagEpisode, read_episode
 from roadmend.reports.bag_page import page_of
@@ -27,7 +30,7 @@ _PICTURES = frozenset({".png", ".svg", ".pdf"})
 _PAGES = frozenset({".html", ".htm"})
 
 
-def draw_bag(bag: Path, out: Path, at: float | None = None, span: float = 70.0) -> float:
+def draw_bag(bag: Path, out: Path, at: float | None = None, span: float = 70.0, spells: Iterable[Spell] = ()) -> float:
     """Draw one moment of a bag into a file.
 
     Args:
@@ -36,6 +39,7 @@ def draw_bag(bag: Path, out: Path, at: float | None = None, span: float = 70.0) 
         at: simulation time [s]; None picks the middle of the longest intervention, or the last second but one where
             there was none.
         span: width of the scene [m].
+        spells: those whose need is known; it shows in their colour, and in the table of a page.
 
     Returns:
         Simulation time of the tick that was drawn [s].
@@ -48,7 +52,7 @@ def draw_bag(bag: Path, out: Path, at: float | None = None, span: float = 70.0) 
             str(out), f"{out.suffix or 'no ending'} is no format for a picture", "write .png, .svg, .pdf or .html"
         )
     episode = read_episode(bag)
-    timeline = timeline_of(episode)
+    timeline = timeline_of(episode, spells)
     stamp = _tick_at(episode, interesting_moment(timeline) if at is None else at)
     view = view_of(episode, stamp, timeline)
     try:
@@ -90,8 +94,8 @@ def view_of(episode: BagEpisode, stamp: int, timeline: Timeline | None = None) -
     )
 
 
-def timeline_of(episode: BagEpisode) -> Timeline:
-    """One value a tick."""
+def timeline_of(episode: BagEpisode, spells: Iterable[Spell] = ()) -> Timeline:
+    """One value a tick, and the interventions with the needs that ``spells`` tell."""
     stamps = episode.stamps
     repairs = [episode.repairs.get(stamp) for stamp in stamps]
     return Timeline(
@@ -105,6 +109,7 @@ def timeline_of(episode: BagEpisode) -> Timeline:
         np.array([repair is not None and repair.intervened for repair in repairs], dtype=np.bool_),
         np.array([SILENT if repair is None else repair.status for repair in repairs], dtype=np.int64),
         tuple(episode.events),
+        with_needs(episode.spells(), spells),
     )
 
 

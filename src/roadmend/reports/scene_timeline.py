@@ -1,6 +1,8 @@
 """The course of a whole episode as a strip: speed, distance, score, actions, states and events over time."""
 
+import math
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,6 +12,8 @@ from numpy.typing import NDArray
 from roadmend.core.appearance import SILENT_COLOUR, STATUS_COLOUR, TRIGGER_COLOUR, status_of
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import RepairStatus
+from roadmend.core.spell_account import SpellAccount
+from roadmend.measures.need_verdict import NeedVerdict, verdict_of
 
 Floats = NDArray[np.float64]
 
@@ -18,6 +22,12 @@ SPEED_COLOUR = STATUS_COLOUR[RepairStatus.PASS]
 REPAIRED_COLOUR = STATUS_COLOUR[RepairStatus.REPAIRED]
 POLICY_COLOUR = "#7b3fe4"
 SCORE_COLOUR = "#0072b2"
+VERDICT_COLOUR = {  # of an intervention; orange, as the state, where nobody has looked
+    NeedVerdict.RESCUE: "#009e73",
+    NeedVerdict.NUISANCE: "#d55e00",
+    NeedVerdict.UNCLEAR: REPAIRED_COLOUR,
+    None: REPAIRED_COLOUR,
+}
 SILENT = -1  # in place of a repair status where the repair node said nothing
 LEFT, RIGHT = 0.085, 0.87  # share of the width at which the plots begin and end
 GAP = 0.16  # of a row's height, between rows
@@ -40,6 +50,7 @@ class Timeline:
     intervened: NDArray[np.bool_]
     status: NDArray[np.int64]  # of the repair node; SILENT where it said nothing
     events: tuple[Event, ...] = ()
+    spells: tuple[SpellAccount, ...] = ()
 
     def spans(self) -> list[tuple[float, float]]:
         """First and last time [s] of each unbroken stretch of intervention."""
@@ -54,28 +65,34 @@ class Timeline:
         begins = np.flatnonzero(np.diff(self.status, prepend=self.status[:1] - 1))
         ends = [*self.time[begins[1:]].tolist(), float(self.time[-1])]
         return [
-            Band(float(self.time[begin]), end, int(self.status[begin]))
+            Band.of_status(float(self.time[begin]), end, int(self.status[begin]))
             for begin, end in zip(begins.tolist(), ends, strict=True)
         ]
 
 
 @dataclass(frozen=True, slots=True)
 class Band:
-    """A stretch of time [s] in which the repair node was in one state."""
+    """A stretch of time [s] with a name and a colour, and a label above it."""
 
     begin: float
     end: float
-    status: int
+    name: str
+    colour: str
+    label: str = ""
 
-    @property
-    def name(self) -> str:
-        """The state in words."""
-        return "silent" if self.status == SILENT else status_of(self.status).name.lower().replace("_", " ")
+    @classmethod
+    def of_status(cls, begin: float, end: float, status: int) -> Self:
+        """A stretch in which the repair node was in one state, or SILENT."""
+        if status == SILENT:
+            return cls(begin, end, "silent", SILENT_COLOUR)
+        known = status_of(status)
+        return cls(begin, end, known.name.lower().replace("_", " "), STATUS_COLOUR[known])
 
-    @property
-    def colour(self) -> str:
-        """The state's colour."""
-        return SILENT_COLOUR if self.status == SILENT else STATUS_COLOUR[status_of(self.status)]
+    @classmethod
+    def of_spell(cls, number: int, account: SpellAccount) -> Self:
+        """An intervention, with its number from 1 on as in the table, named by what it was."""
+        verdict, spell = verdict_of(account.spell.need), account.spell
+        return cls(spell.begin, spell.end, verdict or "intervention", VERDICT_COLOUR[verdict], f"{number}")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,6 +114,7 @@ class Row:
     low: float | None = None  # limits of the axis; None: as the data have it
     high: float | None = None
     bands: tuple[Band, ...] = ()
+    has_events: bool = False  # whether their names stand above the bands
 
 
 def rows_of(timeline: Timeline) -> list[Row]:
@@ -125,7 +143,10 @@ def rows_of(timeline: Timeline) -> list[Row]:
     ]
     rows = [row for row in rows if any(np.isfinite(series.values).any() for series in row.series)]
     if (timeline.status != SILENT).any():
-        rows.append(Row("state", bands=tuple(timeline.bands())))
+        rows.append(Row("state", bands=tuple(timeline.bands()), has_events=True))
+    if timeline.spells:
+        spells = tuple(Band.of_spell(number, account) for number, account in enumerate(timeline.spells, 1))
+        rows.append(Row("spells", bands=spells))
     return rows
 
 
@@ -160,6 +181,8 @@ def draw_timeline(
         _draw_lines(axes, timeline, row)
         if row.bands:
             _draw_bands(axes, row)
+            _draw_labels(axes, timeline, row)
+        if row.has_events:
             _draw_events(axes, timeline)
         _finish(axes, row)
         _mark(axes, timeline, now)
@@ -189,25 +212,36 @@ def _draw_lines(axes: Axes, timeline: Timeline, row: Row) -> None:
 
 
 def _draw_bands(axes: Axes, row: Row) -> None:
-    length: dict[int, float] = {}
+    length: dict[tuple[str, str], float] = {}  # [s] by name and colour
     for band in row.bands:
         axes.broken_barh([(band.begin, band.end - band.begin)], (0.0, BAND_HEIGHT), color=band.colour, lw=0, zorder=3)
-        length[band.status] = length.get(band.status, 0.0) + band.end - band.begin
-    named = sorted(length, key=lambda status: -length[status])[:NAMES_MAX]
-    for place, status in enumerate(named):
-        band = Band(0.0, 0.0, status)
+        kind = band.name, band.colour
+        length[kind] = length.get(kind, 0.0) + band.end - band.begin
+    named = sorted(length, key=lambda kind: -length[kind])[:NAMES_MAX]
+    for place, (name, colour) in enumerate(named):
         axes.text(
             1.012,
             0.5 + 0.13 * (len(named) - 1) - 0.26 * place,
-            band.name,
+            name,
             transform=axes.transAxes,
             fontsize=8 if len(named) > 2 else 8.5,
-            color=band.colour,
+            color=colour,
             va="center",
             fontweight="bold",
         )
     axes.set_ylim(0.0, 1.0)
     axes.set_yticks([])
+
+
+def _draw_labels(axes: Axes, timeline: Timeline, row: Row) -> None:
+    """The label of each band above its middle, where there is room for it."""
+    room = 2.0 * LETTER_SHARE * float(timeline.time[-1] - timeline.time[0])  # [s]
+    taken = -math.inf
+    for band in row.bands:
+        middle = 0.5 * (band.begin + band.end)
+        if band.label and middle - taken > room:
+            axes.text(middle, BAND_HEIGHT + 0.08, band.label, fontsize=7.5, color=band.colour, ha="center", va="bottom")
+            taken = middle
 
 
 def _draw_events(axes: Axes, timeline: Timeline) -> None:
@@ -255,7 +289,9 @@ def _finish(axes: Axes, row: Row) -> None:
 
 def _mark(axes: Axes, timeline: Timeline, now: float | None) -> None:
     tick = float(np.median(np.diff(timeline.time)))
+    verdicts = {account.spell.begin: verdict_of(account.spell.need) for account in timeline.spells}
     for begin, end in timeline.spans():
-        axes.axvspan(begin, end + tick, color=REPAIRED_COLOUR, alpha=0.22, lw=0, zorder=1)
+        colour = VERDICT_COLOUR[verdicts.get(begin)]
+        axes.axvspan(begin, end + tick, color=colour, alpha=0.22, lw=0, zorder=1)
     if now is not None:
         axes.axvline(now, color=INK, lw=1.1, zorder=4)
