@@ -46,8 +46,9 @@ class GatedRepair:
 
     def reset(self, route: Route) -> None:
         """Begin an episode on ``route``."""
-        for part in (self._tokenizer, *self._rules):
-            part.reset(route)
+        self._tokenizer.reset(route)
+        for rule in self._rules:
+            rule.reset(route)
 
     def propose(self, scene: Scene, decision: Decision) -> Proposal:
         """Judge one tick."""
