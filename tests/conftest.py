@@ -1,5 +1,28 @@
-"""The order of the tests: long ones first, so that the last worker at work has only short ones left."""
+"""The order of the tests: long ones first, so that the last worker at work has only short ones left. And code of users."""
+
+import itertools
+import sys
+
+import pytest
+
+_numbers = itertools.count()
 
 
 def pytest_collection_modifyitems(items):
     items.sort(key=lambda item: item.get_closest_marker("slow") is None)
+
+
+@pytest.fixture
+def own(tmp_path, monkeypatch):
+    """Writes a module of a user's into the folder that he is in; returns its name, which no other test has imported."""
+    folder = tmp_path / "theirs"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+
+    def write(text, name=""):
+        name = name or f"own_code_{next(_numbers)}"
+        (folder / f"{name}.py").write_text(text)
+        return name
+
+    return write

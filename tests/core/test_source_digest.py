@@ -73,6 +73,17 @@ def test_lazy_and_relative_imports_and_the_packages_around_count(package, change
     assert digest("house.top") != before
 
 
+def test_files_beside_a_users_module_count_and_installed_packages_by_version(package):
+    house, digest = package
+    (house.parent / "mine.py").write_text("import beside_mine\nimport numpy\n")
+    (house.parent / "beside_mine.py").write_text("import beside_that\n")
+    (house.parent / "beside_that.py").write_text("value = 1\n")
+    before = digest("mine")
+    assert digest("mine") == before
+    (house.parent / "beside_that.py").write_text("value = 2\n")
+    assert digest("mine") != before
+
+
 def test_data_that_a_module_reads_from_its_package_counts(package):
     house, digest = package
     before = digest("house.room.beside")

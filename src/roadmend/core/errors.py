@@ -29,3 +29,7 @@ class InputError(RoadmendError):
 
 class SimulationError(RoadmendError):
     """SUMO failed while an episode was running."""
+
+
+class ForeignError(RoadmendError):
+    """Code from outside, such as a policy of the user's own, failed while it was at work."""

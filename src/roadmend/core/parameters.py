@@ -1,8 +1,9 @@
 """What every set of parameters is: the single source of names, defaults, ranges and meanings."""
 
-from typing import Any
+from copy import copy
+from typing import Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, field_validator
+from pydantic import BaseModel, ConfigDict, create_model, field_validator
 
 
 class Parameters(BaseModel):
@@ -15,3 +16,20 @@ class Parameters(BaseModel):
     def _from_list(cls, value: Any) -> Any:
         """Neither YAML nor JSON nor ROS has tuples."""
         return tuple(map(cls._from_list, value)) if isinstance(value, list) else value
+
+
+class NoParameters(Parameters):
+    """Nothing can be set."""
+
+
+AnyParameters = TypeVar("AnyParameters", bound=Parameters)
+
+
+def with_defaults(model: type[AnyParameters], /, **defaults: Any) -> type[AnyParameters]:
+    """The same parameters with other defaults."""
+    fields: dict[str, Any] = {}
+    for name, default in defaults.items():
+        info = copy(model.model_fields[name])
+        info.default = default
+        fields[name] = (info.annotation, info)
+    return create_model(model.__name__, __base__=model, __module__=model.__module__, **fields)

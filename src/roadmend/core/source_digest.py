@@ -8,11 +8,13 @@ from functools import cache
 from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
+from sysconfig import get_paths
 from threading import Lock
 
 from roadmend.core.errors import InputError
 
 _PACKAGE = "roadmend"
+_INSTALLED = {Path(path) for name, path in get_paths().items() if name not in {"data", "scripts"}}
 _LOCK = Lock()  # the parser of Python 3.11 is not made for several threads
 _TABLES = {  # know everybody; what they decide themselves, whoever is asked for
     "roadmend.policies.registry": (),
@@ -23,7 +25,8 @@ _TABLES = {  # know everybody; what they decide themselves, whoever is asked for
 def source_digest(modules: Iterable[str]) -> str:
     """SHA-256 of modules and of all that they import from their packages and ours; deaf to comments, docstrings and layout.
 
-    Imports count wherever they stand, those within functions too. The tables of policies and methods are not followed,
+    Imports count wherever they stand, those within functions too, and of a user's code also those of files that nobody
+    has installed, such as a module beside it. The tables of policies and methods are not followed,
     so that another method's code does not count: name the modules of the policy and of the method themselves. Where
     package data is read, all files beneath the module count; of other libraries, their versions.
 
@@ -50,6 +53,8 @@ def _digest(modules: tuple[str, ...]) -> str:
             continue
         closed.add(name)
         imported = _read(name)[1]
+        if _root(name) != _PACKAGE:
+            own |= {_root(each) for each in imported if _is_loose(_root(each))}
         open_ends += [each for each in imported if _root(each) in own and _path(each) is not None]
         roots |= set(map(_root, imported))
     digest = hashlib.sha256()
@@ -85,6 +90,13 @@ def _imports(tree: ast.AST, package: str) -> Iterator[str]:
             yield from (module, *(f"{module}.{alias.name}" for alias in node.names))
         elif isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
+
+
+@cache
+def _is_loose(root: str) -> bool:
+    """Whether a module lies where nothing is installed, so that no version says what is in it."""
+    path = _path(root)
+    return path is not None and not any(path.is_relative_to(folder) for folder in _INSTALLED)
 
 
 def _is_data(path: Path) -> bool:

@@ -25,10 +25,6 @@ class GuardParameters(Parameters):
     )
 
 
-class NoParameters(Parameters):
-    """The method that never steps in has nothing to set."""
-
-
 class RandomParameters(Parameters):
     """The paper's Random baseline."""
 
