@@ -11,7 +11,8 @@ from harness.pulse import PulsePlayer
 from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
-from roadmend.policies.registry import POLICIES
+from roadmend.core.parameters import NoParameters
+from roadmend.policies.registry import POLICIES, PolicyEntry
 from roadmend.world.runner import run_episode
 from tests.training.cases import Drawn
 
@@ -69,7 +70,7 @@ def test_it_goes_through_json(bound):
 
 
 def test_interrupted_work_goes_on(tmp_path, monkeypatch, bound):
-    monkeypatch.setitem(POLICIES, "blind", lambda _values: Blind())
+    monkeypatch.setitem(POLICIES, "blind", PolicyEntry(NoParameters, lambda _parameters: Blind()))
     seen = []
     first = hindsight_bound([CASE], "blind", 1, tmp_path, seen.append, budget=30)
     assert first == seen == [bound]

@@ -22,6 +22,7 @@ from roadmend.training.adreft.trial_plan import TrialPlan
 from roadmend.training.adreft.trials import trial_keys
 from roadmend.world.corpus import Case
 from roadmend.world.families import sample_scenario
+from tests.core.own_code import METHOD, POLICY
 from tests.safe.crashes import ALL, role
 from tests.training.cases import Drawn
 
@@ -134,3 +135,25 @@ def test_a_model_counts_by_what_is_in_it_and_not_by_its_place(tmp_path):
 def test_another_seed_is_another_key_of_a_job():
     job = CrashTestJob(Task.TEST, role(ALL["rear end"]), "modular", 0, 0, 1, Path(), None)
     assert job.key != dataclasses.replace(job, seed=1).key
+
+
+@pytest.mark.parametrize(("kind", "text"), [("policy", POLICY), ("method", METHOD)])
+def test_a_change_in_code_of_the_users_own_is_another_key(own, change, kind, text):
+    name = own(text)
+    given = {"policy": "modular", "method": "rss", kind: f"{name}:{'Careful' if kind == 'policy' else 'Near'}"}
+    before = driver_key(**given)
+    assert before == driver_key(**given) != driver_key("modular", "rss")
+    change(name)
+    assert driver_key(**given) != before
+
+
+def test_a_model_of_the_users_own_counts_by_the_digest_that_its_class_tells(own):
+    name = own(POLICY + "\nclass A(Careful):\n    model_digest = 'a'\n\nclass B(Careful):\n    model_digest = 'b'\n")
+    assert len({driver_key(f"{name}:{each}") for each in ("Careful", "A", "B")}) == 3
+
+
+def test_a_model_file_is_the_same_driver_as_the_model_that_ships():
+    models = Path(__file__).parents[2] / "config" / "models"
+    assert driver_key(str(models / "neural.safetensors")) == driver_key("neural")
+    path = str(models / "adreft-modular.safetensors")
+    assert driver_key("modular", path) == driver_key("modular", "adreft")

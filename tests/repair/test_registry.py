@@ -60,7 +60,7 @@ def test_every_parameter_has_a_meaning_and_a_range(name, field):
 
 @pytest.mark.parametrize("name", ["magic", "", "RSS"])
 def test_an_unknown_method_is_refused_with_the_known_ones(name):
-    with pytest.raises(InputError, match=f"not available.*{', '.join(METHODS)}"):
+    with pytest.raises(InputError, match=f"there is no .*{', '.join(METHODS)}"):
         make_repairer(name)
 
 

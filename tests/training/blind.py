@@ -4,6 +4,8 @@ import random
 from functools import cache
 
 from roadmend.core.command import Command, Decision, Trajectory
+from roadmend.core.parameters import NoParameters
+from roadmend.policies.registry import PolicyEntry
 from roadmend.repair.registry import make_repairer
 from roadmend.world.corpus import Case, Corpus
 from roadmend.world.families import FAMILIES, sample_scenario
@@ -27,6 +29,9 @@ class BlindPolicy:
 
     def step(self, scene):
         return Decision(Command(0.5 if scene.ego.speed < PACE else 0.05, 0.0), Trajectory.empty())
+
+
+ENTRY = PolicyEntry(NoParameters, BlindPolicy)  # for the table of policies
 
 
 @cache

@@ -17,7 +17,7 @@ from roadmend.training.adreft.moments import gather_moments, moment_keys, moment
 from roadmend.training.adreft.network import AdreftNetwork, save_model, tensors_of
 from roadmend.training.adreft.trial_plan import Hold
 
-from .blind import BlindPolicy, blind_corpus
+from .blind import ENTRY, blind_corpus
 from .cases import Drawn
 
 PLAN = MomentPlan(moments=3, futures=2, actions=2, harmless=1.0, pulse=0.6, pulsed=1, seed=7)
@@ -130,7 +130,7 @@ def test_what_is_there_is_not_looked_at_again_and_what_is_damaged_is(gathered):
 
 
 def test_of_a_violation_futures_tell_the_danger_and_what_braking_averts(monkeypatch):
-    monkeypatch.setitem(POLICIES, "blind", BlindPolicy)
+    monkeypatch.setitem(POLICIES, "blind", ENTRY)
     [case] = (case for case in blind_corpus(1, 0).cases if case.is_violation)
     found = moments_of_case(case, BLIND, plan_of(moments=6, pulse=2.0, pulsed=0, actions=3))
     late = found.time > case.duration - 1.0

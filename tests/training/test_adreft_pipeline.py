@@ -17,7 +17,7 @@ from roadmend.world import corpus as corpus_module
 from roadmend.world.corpus import save_corpus
 from roadmend.world.families import FAMILIES
 
-from .blind import BlindPolicy, blind_corpus
+from .blind import ENTRY, blind_corpus
 
 SMALL = {"tokenizer": "paper", "hidden": 32, "layers": 1, "feed_forward": 32, "monitor": [32], "adapter": [32]}
 LEARNING = {
@@ -79,8 +79,8 @@ CHOOSING = ("roadmend.cli.train", "roadmend.cli.driver_options")  # read the cho
 @pytest.fixture
 def train(tmp_path, monkeypatch):
     """Runs the command for the blind policy in this process; returns its exit code."""
-    monkeypatch.setitem(POLICIES, "blind", BlindPolicy)
-    monkeypatch.setitem(POLICIES, "sleepy", BlindPolicy)
+    monkeypatch.setitem(POLICIES, "blind", ENTRY)
+    monkeypatch.setitem(POLICIES, "sleepy", ENTRY)
     for name in CHOOSING:
         monkeypatch.delitem(sys.modules, name, raising=False)
     importlib.import_module("roadmend.cli.train")

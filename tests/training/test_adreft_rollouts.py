@@ -23,7 +23,7 @@ from roadmend.training.adreft.rollouts_stage import RolloutsStage
 from roadmend.training.adreft.trial_plan import Hold
 from roadmend.training.device import choose_torch_device
 
-from .blind import BlindPolicy, blind_corpus
+from .blind import ENTRY, blind_corpus
 from .cases import Drawn
 
 STRONGEST = len(ACTIONS) - 1
@@ -105,7 +105,7 @@ def test_where_the_monitor_is_quiet_nobody_looks(tmp_path):
 
 
 def test_acting_late_averts_what_waiting_does_not(tmp_path, monkeypatch):
-    monkeypatch.setitem(POLICIES, "blind", BlindPolicy)
+    monkeypatch.setitem(POLICIES, "blind", ENTRY)
     [case] = (case for case in blind_corpus(1, 0).cases if case.is_violation)
     guide = guide_of(tmp_path / "guide.safetensors", 0.9)
     found = rollouts_of_case(case, BLIND, plan_of(moments=40, chance=0.15, actions=3), guide)

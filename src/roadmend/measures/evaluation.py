@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from roadmend.core.episode_result import EpisodeResult
-from roadmend.core.errors import SimulationError
+from roadmend.core.errors import RoadmendError, SimulationError
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal, Key, entry_key
 from roadmend.measures.driver import driver_key
@@ -115,6 +115,8 @@ def drive_trial(trial: EvaluationTrial) -> Driven:
             result = run_episode(scenario, policy, repairer)
         if not result.is_finite:
             raise SimulationError("a pose or a command was not a number")  # noqa: TRY301
+        if repairer.first_fault:  # what the guard's rule did in its place is nothing that the method has earned
+            raise RoadmendError(repairer.first_fault)  # noqa: TRY301
     except Exception as error:  # noqa: BLE001 - the others shall go on, and this one is reported
         text = " ".join(f"{type(error).__name__}: {error}".split())
         return Driven(trial, fault=f"{scenario.name}, policy {trial.policy}, {trial.told_as}: {text}")

@@ -5,6 +5,7 @@ import json
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -91,6 +92,24 @@ def load_checkpoint(path: Path, kind: str | None = None) -> Checkpoint:
     if kind is not None and header.get("kind") != kind:
         raise InputError(where, f"is a model of the kind {header.get('kind')!r}", f"give one of the kind {kind!r}")
     return Checkpoint(tensors, header, hashlib.sha256(data).hexdigest())
+
+
+@cache
+def _kind(path: Path, _modified: int) -> str:
+    return str(load_checkpoint(path).header["kind"])
+
+
+def model_kind(path: Path) -> str:
+    """The kind of model that a file holds; read once for as long as the file stays as it is.
+
+    Raises:
+        InputError: as load_checkpoint.
+    """
+    try:
+        modified = path.stat().st_mtime_ns
+    except OSError:
+        modified = 0  # reading it says what is wrong
+    return _kind(path, modified)
 
 
 def _read_header(data: bytes) -> dict[str, Any]:

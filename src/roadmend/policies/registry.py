@@ -1,45 +1,73 @@
-"""The driving policies by name."""
+"""The driving policies: ours by name, and those of others."""
 
 from collections.abc import Callable, Mapping
-from functools import partial
+from dataclasses import dataclass
 from typing import Any
 
 from roadmend.core.errors import InputError
+from roadmend.core.foreign import ForeignClass
 from roadmend.core.interfaces import Policy
+from roadmend.core.parameters import Parameters, with_defaults
+from roadmend.core.registry import Registry
 from roadmend.core.settings import check_parameters
-from roadmend.networks.checkpoint import SUFFIX, find_model
+from roadmend.networks.checkpoint import SUFFIX, find_model, model_kind
+from roadmend.policies.foreign import ForeignPolicy, check_answers
 from roadmend.policies.modular import ModularPolicy
 from roadmend.policies.neural import NeuralParameters, NeuralPolicy
 from roadmend.policies.neural_kinds import KINDS
 from roadmend.policies.parameters import ModularParameters
 
-Values = Mapping[str, Any]
+
+@dataclass(frozen=True, slots=True)
+class PolicyEntry:
+    """How a policy is made."""
+
+    parameters: type[Parameters]
+    make: Callable[[Any], Policy]  # from an instance of ``parameters``
 
 
-def _modular(values: Values) -> Policy:
-    return ModularPolicy(check_parameters(values, ModularParameters, "policy.modular"))
+def _neural(kind: str, model: str) -> PolicyEntry:
+    return PolicyEntry(
+        with_defaults(NeuralParameters, model=model), lambda parameters: NeuralPolicy(parameters.path, kind)
+    )
 
 
-def _neural(kind: str, values: Values) -> Policy:
-    return NeuralPolicy(NeuralParameters.of(kind, values).path, kind)
-
-
-POLICIES: dict[str, Callable[[Values], Policy]] = {
-    "modular": _modular,
-    **{kind: partial(_neural, kind) for kind in KINDS},
+POLICIES: dict[str, PolicyEntry] = {
+    "modular": PolicyEntry(ModularParameters, ModularPolicy),
+    **{kind: _neural(kind, kind) for kind in KINDS},
 }
 
 
-def make_policy(name: str, parameters: Values | None = None) -> Policy:
-    """A policy by name, or the neural one of a model file; ``parameters`` replace single defaults.
+def _of_class(given: str, thing: Any) -> PolicyEntry:
+    found = ForeignClass.check(f"policy {given}", thing, Policy, ["parameters"])
+
+    def make(parameters: Parameters) -> ForeignPolicy:
+        if found.is_new():
+            check_answers(ForeignPolicy(given, found.make(parameters=parameters)))
+        return ForeignPolicy(given, found.make(parameters=parameters))
+
+    return PolicyEntry(found.parameters, make)
+
+
+def _of_model(given: str) -> tuple[str, PolicyEntry] | None:
+    if not given.endswith(SUFFIX):
+        return None
+    kind = model_kind(find_model(given))
+    if kind not in KINDS:
+        raise InputError(given, f"is a model of the kind {kind!r}, which does not drive", "give a neural policy's")
+    return kind, _neural(kind, given)
+
+
+POLICY_REGISTRY = Registry(
+    "policy", "roadmend.policies", POLICIES, _of_class, _of_model, "a neural policy's model file (.safetensors)"
+)
+
+
+def make_policy(given: str, parameters: Mapping[str, Any] | None = None) -> Policy:
+    """A policy by name, as ``package.module:Class``, or by its model file; ``parameters`` replace single defaults.
 
     Raises:
-        InputError: there is no such policy or file, or a parameter is unknown or out of range.
+        InputError: there is none, it cannot be used, or a parameter is unknown or out of range.
     """
-    if name.endswith(SUFFIX):
-        return NeuralPolicy(find_model(name))
-    if name not in POLICIES:
-        raise InputError(
-            "policy", f"there is no {name!r}", f"choose one of {', '.join(POLICIES)}, or give a model file"
-        )
-    return POLICIES[name](parameters or {})
+    found = POLICY_REGISTRY.find(given)
+    return found.entry.make(check_parameters(parameters, found.entry.parameters, f"policy.{found.label}"))

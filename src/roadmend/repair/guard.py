@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from roadmend.core.command import Command, Decision, Trajectory
+from roadmend.core.plain_moment import plain_moment
 from roadmend.core.repair import Proposal, Repair, RepairStatus
-from roadmend.core.route import Route, Stage
-from roadmend.core.scene import OBJECT, EgoState, ObjectList, Scene
+from roadmend.core.route import Route
+from roadmend.core.scene import Scene
 from roadmend.repair.merger import merge, proposal_fault
 from roadmend.repair.method import RepairMethod
 from roadmend.repair.none import NO_OPINION
@@ -51,6 +52,7 @@ class GuardedRepairer:
         self._rule = RssRepair()
         self._route: Route | None = None
         self._method_fault = ""
+        self.first_fault = ""  # why the method, ever since it was made, first could not answer; not that it was slow
         self._time = math.nan  # [s] stamp of the last tick; NaN before the first of an episode
         self._keep = np.zeros(64, dtype=np.bool_)
 
@@ -64,14 +66,10 @@ class GuardedRepairer:
 
         To be called between episodes: the guard then waits for a ``reset``.
         """
-        x = np.array([0.0, 50.0, 100.0])
-        stage = Stage(x, np.zeros(3), np.full(3, 10.0))
-        self.reset(Route("warm-up", 4.5, 1.8, 90.0, 1.0, (stage,), (), ()))
-        objects = ObjectList(np.ones(1, dtype=OBJECT)).with_columns(x=30.0, y=0.0)
-        ego = EgoState.from_yaw(10.0, 0.0, 0.0, 5.0, 0.0, 4.5, 1.8)
-        scene = Scene(0.0, ego, objects, np.zeros(0, dtype=np.uint8))
-        self.step(scene, Decision(Command(0.1, 0.0), _EMPTY))
-        self.controlled_stop(RepairStatus.STALE_COMMAND, scene=scene)
+        moment = plain_moment()
+        self.reset(moment.route)
+        self.step(moment.scene, moment.decision)
+        self.controlled_stop(RepairStatus.STALE_COMMAND, scene=moment.scene)
         self._route = None
 
     def step(self, scene: Scene, decision: Decision) -> Repair:
@@ -230,15 +228,23 @@ class GuardedRepairer:
         """The method's proposal, and what is wrong with it or an empty string."""
         budget = self.parameters.budget
         if self._method_fault:
+            self._note(self._method_fault)
             return NO_OPINION, self._method_fault
         begin = time.perf_counter() if budget is not None else 0.0
         try:
             proposal = self._method.propose(scene, decision)
             fault = proposal_fault(proposal)
         except Exception as error:  # noqa: BLE001 -- any failure of the method is a fault, never a crash
-            return NO_OPINION, f"{self.name} failed: {error!r}"
+            fault = f"{self.name} failed: {error!r}"
+            self._note(fault)
+            return NO_OPINION, fault
+        fault = f"{self.name}: {fault}" if fault else ""
+        self._note(fault)
         if budget is not None:
             spent = time.perf_counter() - begin
             if spent > budget:
                 return proposal, f"{self.name} took {1e3 * spent:.1f} ms of {1e3 * budget:.1f} ms"
-        return proposal, f"{self.name}: {fault}" if fault else ""
+        return proposal, fault
+
+    def _note(self, fault: str) -> None:
+        self.first_fault = self.first_fault or fault

@@ -1,13 +1,17 @@
-"""Repair methods by name, and the one door through which they are made."""
+"""Repair methods, ours by name and those of others, and the one door through which they are made."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from roadmend.core.errors import InputError
-from roadmend.core.parameters import Parameters
+from roadmend.core.foreign import ForeignClass
+from roadmend.core.parameters import NoParameters, Parameters, with_defaults
+from roadmend.core.registry import Registry
 from roadmend.core.settings import check_parameters
+from roadmend.networks.checkpoint import SUFFIX, find_model, model_kind
 from roadmend.repair.adreft.method import AdreftRepair
+from roadmend.repair.foreign import ForeignMethod, check_answers
 from roadmend.repair.gated import GatedRepair
 from roadmend.repair.governor import GovernorRepair
 from roadmend.repair.guard import GuardedRepairer
@@ -19,7 +23,6 @@ from roadmend.repair.parameters import (
     GovernorParameters,
     GuardParameters,
     ModelParameters,
-    NoParameters,
     PredictiveParameters,
     RandomParameters,
     RssParameters,
@@ -52,6 +55,35 @@ METHODS: dict[str, MethodEntry] = {
     "gated": MethodEntry(GatedParameters, lambda parameters, _seed: GatedRepair(parameters)),
 }
 
+_MODELS = {"adreft": "adreft", "self_oracle": "model"}  # the method that a kind of model is for
+
+
+def _of_class(given: str, thing: Any) -> MethodEntry:
+    found = ForeignClass.check(f"repair method {given}", thing, RepairMethod, ["parameters", "seed"])
+
+    def make(parameters: Parameters, seed: int) -> RepairMethod:
+        if found.is_new():
+            check_answers(ForeignMethod(given, found.make(parameters=parameters, seed=seed)))
+        return ForeignMethod(given, found.make(parameters=parameters, seed=seed))
+
+    return MethodEntry(found.parameters, make)
+
+
+def _of_model(given: str) -> tuple[str, MethodEntry] | None:
+    if not given.endswith(SUFFIX):
+        return None
+    kind = model_kind(find_model(given))
+    if kind not in _MODELS:
+        raise InputError(given, f"is a model of the kind {kind!r}, which does not repair", "give one of ADReFT")
+    method = _MODELS[kind]
+    entry = METHODS[method]
+    return method, MethodEntry(with_defaults(entry.parameters, model=given), entry.make)
+
+
+METHOD_REGISTRY = Registry(
+    "repair method", "roadmend.repairs", METHODS, _of_class, _of_model, "a model file of ADReFT (.safetensors)"
+)
+
 
 def make_repairer(
     name: str,
@@ -59,10 +91,10 @@ def make_repairer(
     seed: int = 0,
     guard: Mapping[str, Any] | None = None,
 ) -> GuardedRepairer:
-    """The method called ``name`` behind the guard.
+    """A method behind the guard.
 
     Args:
-        name: a key of METHODS.
+        name: of ours or of an installed package's, ``package.module:Class``, or a model file.
         parameters: what differs from the method's defaults.
         seed: for methods that draw numbers.
         guard: what differs from the guard's defaults (GuardParameters).
@@ -74,12 +106,10 @@ def make_repairer(
 
 
 def make_method(name: str, parameters: Mapping[str, Any] | None = None, seed: int = 0) -> RepairMethod:
-    """The method called ``name`` alone, which nothing may be driven with.
+    """A method alone, which nothing may be driven with.
 
     Raises:
         InputError: the method is not available, or a parameter is unknown or out of range.
     """
-    entry = METHODS.get(name)
-    if entry is None:
-        raise InputError("repair method", f"'{name}' is not available", f"choose one of: {', '.join(METHODS)}")
-    return entry.make(check_parameters(parameters, entry.parameters, name), seed)
+    found = METHOD_REGISTRY.find(name)
+    return found.entry.make(check_parameters(parameters, found.entry.parameters, found.label), seed)

@@ -1,0 +1,75 @@
+"""A policy from outside, as roadmend drives with it."""
+
+from typing import Any
+
+from roadmend.core.command import Command, Decision, Trajectory
+from roadmend.core.errors import ForeignError, InputError
+from roadmend.core.foreign import blamed_on
+from roadmend.core.interfaces import Policy
+from roadmend.core.plain_moment import plain_moment
+from roadmend.core.route import Route
+from roadmend.core.scene import Scene
+
+
+class ForeignPolicy:
+    """Passes everything on, and says in one line what went wrong. Called as it was asked for, so it is found again.
+
+    A policy that drives with a model of its own says the model's SHA-256, hexadecimal, as ``model_digest``; results are
+    kept by it.
+    """
+
+    def __init__(self, given: str, policy: Policy) -> None:
+        self.name = given
+        self.policy = policy
+        self.model_digest: str | None = getattr(policy, "model_digest", None)
+        self._where = f"policy {given}"
+
+    def reset(self, route: Route) -> None:
+        """Begin an episode on ``route``.
+
+        Raises:
+            ForeignError: it fails.
+        """
+        with blamed_on(self._where, "reset"):
+            self.policy.reset(route)
+
+    def step(self, scene: Scene) -> Decision:
+        """Decide for one tick.
+
+        Raises:
+            ForeignError: it fails, or answers with something else than a decision.
+        """
+        with blamed_on(self._where, f"step at {scene.time:.2f} s"):
+            decision: Any = self.policy.step(scene)
+        if not isinstance(decision, Decision):
+            raise self._no_decision(scene.time, "a roadmend.core.command.Decision", decision)
+        if not isinstance(decision.command, Command):
+            raise self._no_decision(scene.time, "a Decision with a Command", decision.command)
+        if not isinstance(decision.trajectory, Trajectory):
+            raise self._no_decision(
+                scene.time, "a Decision with a Trajectory (Trajectory.empty())", decision.trajectory
+            )
+        return decision
+
+    def _no_decision(self, time: float, wanted: str, answer: Any) -> ForeignError:
+        return ForeignError(
+            f"{self._where}: its step at {time:.2f} s answered with {type(answer).__name__}; answer with {wanted}"
+        )
+
+
+def check_answers(policy: ForeignPolicy) -> None:
+    """Ask a policy about a plain moment, so that one that cannot drive at all is refused before anything is started.
+
+    Args:
+        policy: an instance that nothing is driven with.
+
+    Raises:
+        InputError: it has no answer.
+    """
+    moment = plain_moment()
+    try:
+        policy.reset(moment.route)
+        policy.step(moment.scene)
+    except ForeignError as error:
+        what, _, mend = str(error).removeprefix(f"policy {policy.name}").lstrip(": ").rpartition("; ")
+        raise InputError(f"policy {policy.name}", f"cannot answer a plain scene: {what}", mend) from None

@@ -1,0 +1,71 @@
+"""A policy of one's own drives as ours do; one that fails is said in one line."""
+
+import pytest
+
+from roadmend.core.errors import ForeignError, InputError
+from roadmend.policies.registry import make_policy
+from roadmend.repair.registry import make_repairer
+from roadmend.world.families import sample_scenario
+from roadmend.world.runner import run_episode
+from tests.core.own_code import POLICY
+
+SCENARIO = sample_scenario("S3", 0).model_copy(update={"time_limit": 3.0})
+
+
+def drive(given):
+    return run_episode(SCENARIO, make_policy(given), make_repairer("none"))
+
+
+def test_it_drives_under_the_name_that_it_was_asked_for_by(own):
+    given = f"{own(POLICY)}:Careful"
+    assert drive(given).policy == given
+    assert drive(given).digest == drive(given).digest
+
+
+def test_one_that_fails_on_the_way_is_said_with_time_and_place(own, tmp_path):
+    name = own(POLICY)
+    with pytest.raises(ForeignError) as caught:
+        drive(f"{name}:Late")
+    place = tmp_path / "theirs" / f"{name}.py"
+    assert str(caught.value) == (
+        f"policy {name}:Late failed in step at 1.05 s: ZeroDivisionError: division by zero ({place} line 15); "
+        "mend the class"
+    )
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        ("return None", "its step at 0.00 s answered with NoneType; answer with a roadmend.core.command.Decision"),
+        ("return Decision(0.5, Trajectory.empty())", "answered with float; answer with a Decision with a Command"),
+        ("return Decision(Command(0.0, 0.0), None)", "answered with NoneType; answer with a Decision with a Traj"),
+        ("return scene.nothing", "failed in step at 0.00 s: AttributeError"),
+    ],
+)
+def test_one_that_cannot_answer_a_plain_scene_is_refused_before_it_drives(own, answer, said):
+    name = own(POLICY + f"\nclass Wrong(Careful):\n    def step(self, scene):\n        {answer}\n")
+    with pytest.raises(InputError) as caught:
+        make_policy(f"{name}:Wrong")
+    assert "cannot answer a plain scene: " in str(caught.value)
+    assert said in str(caught.value)
+
+
+def test_its_parameters_are_checked_as_ours_are(own):
+    text = """
+from pydantic import Field
+from roadmend.core.parameters import Parameters
+
+class Settings(Parameters):
+    pace: float = Field(8.0, ge=0.0, le=20.0, description="speed that is kept [m/s]")
+
+class Paced(Careful):
+    def __init__(self, parameters: Settings):
+        self.pace = parameters.pace
+"""
+    given = f"{own(POLICY + text)}:Paced"
+    assert make_policy(given).policy.pace == 8.0
+    assert make_policy(given, {"pace": 9.0}).policy.pace == 9.0
+    with pytest.raises(InputError, match=r"policy\.Paced\.pace: .*; speed that is kept"):
+        make_policy(given, {"pace": 21.0})
+    with pytest.raises(InputError, match=r"is unknown, did you mean pace\?"):
+        make_policy(given, {"pase": 2.0})
