@@ -11,7 +11,7 @@ from roadmend.core.errors import InputError
 from roadmend.language.chat import Image as Picture
 from roadmend.language.exchange import ReplayModel, dump_exchanges
 from roadmend.language.openai_chat import OpenAIModel, OpenAISettings
-from roadmend.safe.backends import BACKENDS, BackendOptions
+from roadmend.safe.backends import BackendOptions, open_extractor
 from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.extraction import ExtractionError
 from roadmend.safe.report import CrashReport
@@ -274,6 +274,6 @@ def test_backends_say_what_they_lack(monkeypatch):
     monkeypatch.delenv("OPENAI_API_KEY", raising=False)
     options = BackendOptions(StageOneOptions())
     with pytest.raises(InputError, match="no recording"):
-        BACKENDS["replay"](options)
+        open_extractor("replay", options)
     with pytest.raises(InputError, match="OPENAI_API_KEY"):
-        BACKENDS["openai"](options)
+        open_extractor("openai", options)

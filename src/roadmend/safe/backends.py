@@ -1,11 +1,9 @@
-"""The backends of stage I by name."""
+"""The backends of stage I."""
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
-from roadmend.language.models import MODELS
+from roadmend.language.models import open_model
 from roadmend.safe.embedded import EmbeddedExtractor
 from roadmend.safe.extraction import Extractor
 from roadmend.safe.stage_one import LanguageExtractor, StageOneOptions
@@ -26,15 +24,15 @@ class BackendOptions:
     recording: Path | None = None
 
 
-def _embedded(_: BackendOptions) -> Extractor:
-    return EmbeddedExtractor()
+def open_extractor(backend: str, options: BackendOptions) -> Extractor:
+    """The backend of a name.
 
+    Args:
+        backend: as ``language.models`` finds it.
+        options: what it may need.
 
-def _language(name: str, options: BackendOptions) -> Extractor:
-    return LanguageExtractor(MODELS[name](options.settings, options.recording), options.stage_one)
-
-
-BACKENDS: Mapping[str, Callable[[BackendOptions], Extractor]] = {
-    "embedded": _embedded,
-    **{name: partial(_language, name) for name in MODELS},
-}
+    Raises:
+        InputError: there is none of that name, or something that it needs is missing or unusable.
+    """
+    model = open_model(backend, options.settings, options.recording)
+    return EmbeddedExtractor() if model is None else LanguageExtractor(model, options.stage_one)

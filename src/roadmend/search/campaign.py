@@ -8,14 +8,16 @@ from typing import Any
 from roadmend import __version__
 from roadmend.core.errors import InputError
 from roadmend.core.journal import Key, entry_key
+from roadmend.core.parameters import Parameters as AnyParameters
 from roadmend.measures.driver import driver_key
+from roadmend.policies.registry import POLICY_REGISTRY
+from roadmend.repair.registry import METHOD_REGISTRY
 from roadmend.search.attempt import CRASH
 from roadmend.search.evaluation import Evaluation, Subject, Trial
 from roadmend.search.ledger import FOUND, Ledger, LedgerEntry, RerunCommand
 from roadmend.search.policy_model import policy_model
-from roadmend.search.registry import make_technique
-from roadmend.search.technique import TechniqueParameters
-from roadmend.world.families import FAMILIES
+from roadmend.search.registry import TECHNIQUE_REGISTRY, make_technique
+from roadmend.world.families import FAMILY_REGISTRY, family_of
 from roadmend.world.scenario_file import save_scenario
 from roadmend.world.space import Parameters
 
@@ -28,13 +30,14 @@ class Campaign:
 
     subject: Subject
     technique: str
-    parameters: TechniqueParameters
+    parameters: AnyParameters
 
     @property
     def settings(self) -> dict[str, Any]:
         """All that decides what is found, as plain values."""
         subject = self.subject
         model = policy_model(subject.policy)
+        foreign = (*TECHNIQUE_REGISTRY.find(self.technique).modules, *FAMILY_REGISTRY.find(subject.family).modules)
         return {
             "family": subject.family,
             "technique": self.technique,
@@ -44,13 +47,19 @@ class Campaign:
             "parameters": self.parameters.model_dump(mode="json"),
             "roadmend": __version__,
             **({} if model is None else {"model": model}),
-            "code": entry_key([__name__], driver_key(subject.policy, subject.method)),
+            "code": entry_key([__name__, *foreign], driver_key(subject.policy, subject.method)),
         }
 
     def name(self, index: int) -> str:
         """Name of the scenario of one evaluated point."""
         subject = self.subject
-        return f"{subject.family}-{subject.policy}-{subject.method}-{self.technique}-{subject.seed}-{index:05d}"
+        labels = (
+            FAMILY_REGISTRY.find(subject.family).label,
+            POLICY_REGISTRY.find(subject.policy).label,
+            METHOD_REGISTRY.find(subject.method).label,
+            TECHNIQUE_REGISTRY.find(self.technique).label,
+        )
+        return f"{'-'.join(labels)}-{subject.seed}-{index:05d}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +114,7 @@ def run_campaign(
         SimulationError: a worker process died.
     """
     technique = make_technique(
-        campaign.technique, FAMILIES[campaign.subject.family].space, campaign.subject.seed, campaign.parameters
+        campaign.technique, family_of(campaign.subject.family).space, campaign.subject.seed, campaign.parameters
     )
     done: list[Trial] = []
     while (start := len(done)) < budget:

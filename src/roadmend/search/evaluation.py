@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from roadmend.core.command import Decision
-from roadmend.core.errors import InputError
+from roadmend.core.errors import RoadmendError
 from roadmend.core.repair import Repair
 from roadmend.core.tick import INTERVAL, Tick
 from roadmend.policies.registry import make_policy
@@ -15,7 +15,7 @@ from roadmend.repair.registry import make_repairer
 from roadmend.search.attempt import Attempt, fault_of
 from roadmend.search.behaviour import FEATURES, BehaviourRecorder
 from roadmend.search.danger import Danger
-from roadmend.world.families import FAMILIES
+from roadmend.world.families import family_of
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Scenario
 from roadmend.world.space import Parameters
@@ -40,14 +40,13 @@ class Subject:
         Raises:
             InputError: there is no such family, policy or method.
         """
-        if self.family not in FAMILIES:
-            raise InputError("family", f"there is no {self.family!r}", f"choose one of {', '.join(FAMILIES)}")
+        family_of(self.family)
         make_policy(self.policy)
         make_repairer(self.method)
 
     def scenario(self, parameters: Parameters, name: str) -> Scenario:
         """The scenario that a point stands for."""
-        return FAMILIES[self.family].build(parameters, name, self.seed)
+        return family_of(self.family).build(parameters, name, self.seed)
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +94,7 @@ def evaluate_scenario(
     Raises:
         InputError: the scenario cannot be run, there is no such policy or method, or a parameter is unusable.
         SimulationError: SUMO failed.
+        RoadmendError: the method could not answer, so that the guard's rule did.
     """
     danger, behaviour = Danger(), BehaviourRecorder(INTERVAL)
 
@@ -102,7 +102,10 @@ def evaluate_scenario(
         danger.watch(tick.scene)
         behaviour.watch(tick.scene.ego)
 
-    result = run_episode(scenario, make_policy(policy), make_repairer(method, repair), watch)
+    repairer = make_repairer(method, repair)
+    result = run_episode(scenario, make_policy(policy), repairer, watch)
+    if repairer.first_fault:
+        raise RoadmendError(repairer.first_fault)
     fitness = min(BEST - 1e-6, -danger.least)
     if result.collided:
         fitness = BEST if result.final.at_fault else BLAMELESS_FITNESS

@@ -8,6 +8,7 @@ from pathlib import Path
 from roadmend.core.fanout import Mapper, fan_out
 from roadmend.core.journal import InUseError, Journal
 from roadmend.core.outcome import EventKind
+from roadmend.policies.registry import POLICY_REGISTRY
 from roadmend.search.campaign import Campaign, run_campaign
 from roadmend.search.corpus_plan import CorpusPlan, SplitPlan, fresh_plan
 from roadmend.search.evaluation import Trial, evaluate
@@ -19,7 +20,7 @@ from roadmend.search.rerun import FORMAT as RERUN_FORMAT
 from roadmend.search.rerun import Rerunner, agrees
 from roadmend.search.selection import Picker, shares
 from roadmend.world.corpus import Case, Corpus, sorted_cases, told_of
-from roadmend.world.families import FAMILIES
+from roadmend.world.families import FAMILIES, FAMILY_REGISTRY, family_of
 from roadmend.world.point_text import used_parameters
 
 RERUNS = "reruns.jsonl"
@@ -163,7 +164,7 @@ class Gatherer:
     def _take(self, source: _Source, outcome: EventKind, split_name: str, split: SplitPlan, most: int) -> list[Case]:
         """Up to ``most`` cases of one outcome from one search, each confirmed by another run."""
         picker = source.pickers.setdefault(
-            outcome, Picker(FAMILIES[source.campaign.subject.family].space, split.least_distance, self._digests)
+            outcome, Picker(family_of(source.campaign.subject.family).space, split.least_distance, self._digests)
         )
         accepted: list[Case] = []
         while len(accepted) < most:
@@ -217,7 +218,7 @@ class Gatherer:
 def _case(campaign: Campaign, split: str, index: int, trial: Trial) -> Case:
     subject, result = campaign.subject, trial.evaluation.result
     assert result is not None
-    parameters = used_parameters(FAMILIES[subject.family].build, trial.parameters, subject.seed)
+    parameters = used_parameters(family_of(subject.family).build, trial.parameters, subject.seed)
     return Case(
         name=campaign.name(index),
         family=subject.family,
@@ -269,7 +270,9 @@ def gather(
         InputError: there is no such policy or family, or a folder holds another search, is in use or cannot be written.
         SimulationError: a worker process died.
     """
-    own = folder / policy
+    for family in families:
+        FAMILY_REGISTRY.find_installed(family)  # for a corpus can be read with those alone
+    own = folder / POLICY_REGISTRY.find(policy).label
     with (
         fan_out(workers) as mapper,
         Journal(own / RERUNS, RERUN_FORMAT) as reruns,

@@ -1,16 +1,19 @@
-"""The search techniques by name."""
+"""The search techniques: ours by name, and those of others."""
 
 import random
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from roadmend.core.errors import InputError
+from roadmend.core.foreign import ForeignClass
+from roadmend.core.parameters import Parameters
+from roadmend.core.registry import Registry
 from roadmend.core.settings import check_parameters
 from roadmend.search.avfuzzer import AvFuzzer, AvFuzzerParameters
 from roadmend.search.behavexplor import BehAVExplor, BehAVExplorParameters
+from roadmend.search.foreign import ForeignTechnique
 from roadmend.search.random_draws import RandomDraws, RandomDrawsParameters
-from roadmend.search.technique import Technique, TechniqueParameters
+from roadmend.search.technique import Technique
 from roadmend.world.space import Space
 
 
@@ -18,7 +21,7 @@ from roadmend.world.space import Space
 class TechniqueEntry:
     """How a technique is made."""
 
-    parameters: type[TechniqueParameters]
+    parameters: type[Parameters]
     make: Callable[[Space, random.Random, Any], Technique]  # from an instance of ``parameters``
 
 
@@ -29,22 +32,33 @@ TECHNIQUES: dict[str, TechniqueEntry] = {
 }
 
 
-def read_technique_parameters(name: str, values: Mapping[str, Any] | None = None) -> TechniqueParameters:
+def _of_class(given: str, thing: Any) -> TechniqueEntry:
+    found = ForeignClass.check(f"technique {given}", thing, Technique, ["space", "generator", "parameters"])
+
+    def make(space: Space, generator: random.Random, parameters: Parameters) -> Technique:
+        made: Technique = found.make(space=space, generator=generator, parameters=parameters)
+        return ForeignTechnique(given, made)
+
+    return TechniqueEntry(found.parameters, make)
+
+
+TECHNIQUE_REGISTRY = Registry("technique", "roadmend.techniques", TECHNIQUES, _of_class)
+
+
+def read_technique_parameters(name: str, values: Mapping[str, Any] | None = None) -> Parameters:
     """Parameters of a technique; ``values`` replace single defaults.
 
     Raises:
         InputError: there is no such technique, or a parameter is unknown or out of range.
     """
-    if name not in TECHNIQUES:
-        raise InputError("technique", f"there is no {name!r}", f"choose one of {', '.join(TECHNIQUES)}")
-    return check_parameters(values, TECHNIQUES[name].parameters, f"technique {name}")
+    return check_parameters(values, TECHNIQUE_REGISTRY.find(name).entry.parameters, f"technique {name}")
 
 
-def make_technique(name: str, space: Space, seed: int, parameters: TechniqueParameters | None = None) -> Technique:
+def make_technique(name: str, space: Space, seed: int, parameters: Parameters | None = None) -> Technique:
     """A technique by name.
 
     Args:
-        name: a key of TECHNIQUES.
+        name: of ours or of an installed package's, or ``package.module:Class``.
         space: what it moves through.
         seed: of its chance.
         parameters: an instance of what the technique's entry names; its defaults if not given.
@@ -53,4 +67,4 @@ def make_technique(name: str, space: Space, seed: int, parameters: TechniquePara
         InputError: there is no such technique.
     """
     chosen = parameters if parameters is not None else read_technique_parameters(name)
-    return TECHNIQUES[name].make(space, random.Random(f"roadmend/search/{name}/{seed}"), chosen)
+    return TECHNIQUE_REGISTRY.find(name).entry.make(space, random.Random(f"roadmend/search/{name}/{seed}"), chosen)

@@ -4,17 +4,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
-from roadmend.core.errors import InputError
 from roadmend.language.exchange import RecordingModel, Usage, dump_exchanges, usage_of
-from roadmend.language.models import MODELS
+from roadmend.language.models import open_model
 from roadmend.language.question import ATTEMPTS
 from roadmend.sera.analyser import Analyser, EmbeddedAnalyser
 from roadmend.sera.language_analyser import LanguageAnalyser
 from roadmend.sera.language_reflection import LanguageReflector
 from roadmend.sera.reflection import EmbeddedReflector, Reflector
-
-EMBEDDED = "embedded"
-BACKENDS = (EMBEDDED, *MODELS)
 
 
 @dataclass(frozen=True)
@@ -32,7 +28,7 @@ class Backend:
         """The backend of a name.
 
         Args:
-            name: one of BACKENDS.
+            name: as ``language.models`` finds it.
             settings: file with the settings of openai; None for its environment alone.
             recording: recorded exchanges, for replay.
             attempts: answers that a question may take.
@@ -40,11 +36,10 @@ class Backend:
         Raises:
             InputError: there is none of that name, or something that it needs is missing or unusable.
         """
-        if name == EMBEDDED:
+        opened = open_model(name, settings, recording)
+        if opened is None:
             return cls(EmbeddedAnalyser(), EmbeddedReflector())
-        if name not in MODELS:
-            raise InputError("backend", f"there is no {name!r}", f"choose one of {', '.join(BACKENDS)}")
-        model = RecordingModel(MODELS[name](settings, recording))
+        model = RecordingModel(opened)
         return cls(LanguageAnalyser(model, attempts), LanguageReflector(model, attempts), model)
 
     def exchanges(self) -> str:

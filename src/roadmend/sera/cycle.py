@@ -272,7 +272,8 @@ class Cycle:
         """
         backend = self._backend
         code = [__name__, type(backend.analyser).__module__, type(backend.reflector).__module__]
-        key = entry_key(code, path.name, *decided)
+        model = getattr(getattr(backend.model, "model", None), "identity", "")
+        key = entry_key(code, path.name, model, *decided)
         try:
             content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
             if content["key"] == key and (needed is None or needed.exists()):

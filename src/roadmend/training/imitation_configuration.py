@@ -11,7 +11,7 @@ from roadmend.core.settings import read_settings
 from roadmend.networks.shape import EncoderShape, ExcerptShape, HeadShape, SetShape
 from roadmend.policies.neural_kinds import KINDS, AnyShape
 from roadmend.policies.neural_tokens import COLUMNS, OWN
-from roadmend.world.families import FAMILIES
+from roadmend.world.families import FAMILIES, FAMILY_REGISTRY
 
 SEEDS_A_ROUND = 1000  # apart
 
@@ -83,6 +83,9 @@ def read_imitation_configuration(path: Path) -> ImitationConfiguration:
         InputError: it cannot be read, or a name or value is unknown or out of range.
     """
     configuration = read_settings(path, ImitationConfiguration, "see config/training/policy-neural.yaml")
-    if unknown := [name for name in configuration.families if name not in FAMILIES]:
-        raise InputError(str(path), f"there is no family {unknown[0]!r}", f"choose from {', '.join(FAMILIES)}")
+    for name in configuration.families:
+        try:
+            FAMILY_REGISTRY.find_installed(name)
+        except InputError as error:
+            raise InputError(str(path), f"families: {error.what}", error.mend) from None
     return configuration

@@ -15,7 +15,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.outcome import Blame, EventKind
 from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import write_text
-from roadmend.world.families import FAMILIES
+from roadmend.world.families import FAMILY_REGISTRY, Family
 from roadmend.world.point_text import dump_point, parse_point
 from roadmend.world.scenario import Scenario
 from roadmend.world.space import Parameters
@@ -68,7 +68,7 @@ class Case:
             InputError: the family has come to depend on a parameter that the case does not have.
         """
         try:
-            return FAMILIES[self.family].build(self.parameters, self.name, self.seed)
+            return _family(self.family).build(self.parameters, self.name, self.seed)
         except KeyError as error:
             raise InputError(self.name, f"has no parameter {error}", _AGAIN) from None
 
@@ -76,7 +76,7 @@ class Case:
         """As a line of JSON, perhaps without some fields."""
         left_out = {*without, *(() if self.is_violation else _OF_COLLISION)}
         content = {name: value for name, value in asdict(self).items() if name not in left_out}
-        content["parameters"] = dump_point(FAMILIES[self.family].space, self.parameters)
+        content["parameters"] = dump_point(_family(self.family).space, self.parameters)
         return json.dumps(content, separators=(",", ":"), allow_nan=False) + "\n"
 
     @classmethod
@@ -90,10 +90,12 @@ class Case:
             content = json.loads(line)
             if content["split"] not in SPLITS:
                 raise ValueError(f"there is no split {content['split']!r}")
-            content["parameters"] = parse_point(FAMILIES[content["family"]].space, content["parameters"])
+            content["parameters"] = parse_point(_family(content["family"]).space, content["parameters"])
             return cls(**content)
         except (AttributeError, KeyError, TypeError) as error:
             raise ValueError(str(error)) from None
+        except InputError as error:
+            raise ValueError(error.what) from None
 
 
 def told_of(result: EpisodeResult) -> dict[str, Any]:
@@ -140,8 +142,8 @@ class Corpus:
         Raises:
             InputError: there is no such family or split.
         """
-        if family is not None and family not in FAMILIES:
-            raise InputError("family", f"there is no {family!r}", f"choose one of {', '.join(FAMILIES)}")
+        if family is not None:
+            _family(family)
         if split is not None and split not in SPLITS:
             raise InputError("split", f"there is no {split!r}", f"choose one of {', '.join(SPLITS)}")
         return [
@@ -149,6 +151,11 @@ class Corpus:
             for case in self.cases
             if family in (None, case.family) and split in (None, case.split) and violation in (None, case.is_violation)
         ]
+
+
+def _family(name: str) -> Family:
+    """Ours, or an installed package's: a corpus makes nobody run code that they did not install."""
+    return FAMILY_REGISTRY.find_installed(name).entry
 
 
 def sorted_cases(cases: Iterable[Case]) -> tuple[Case, ...]:
@@ -171,7 +178,7 @@ def dump_corpus(corpus: Corpus, without: Collection[str] = ()) -> str:
         "command": corpus.command,
         "plan": corpus.plan,
         # Of the families that occur: another one that is registered does not make this another corpus.
-        "spaces": {name: _space_digest(name) for name in FAMILIES if name in families},
+        "spaces": {name: _space_digest(name) for name in FAMILY_REGISTRY.names if name in families},
         "dropped": corpus.dropped,
         "fleeting": corpus.fleeting,
         "cases": len(corpus.cases),
@@ -254,7 +261,7 @@ def _parse_header(path: Path, line: str) -> dict[str, Any]:
     if missing:
         raise InputError(f"{path} line 1", f"lacks {missing[0]}", _AGAIN)
     for name, digest in header["spaces"].items():
-        if name not in FAMILIES or digest != _space_digest(name):
+        if name not in FAMILY_REGISTRY.names or digest != _space_digest(name):
             raise _other_space(path, name)
     return dict(header)
 
@@ -265,4 +272,4 @@ def _other_space(path: Path, family: str) -> InputError:
 
 def _space_digest(family: str) -> str:
     """Of the names, kinds, ranges and options of a space, shortened: the points' text leans on them."""
-    return hashlib.sha256(repr([*FAMILIES[family].space.items()]).encode()).hexdigest()[:16]
+    return hashlib.sha256(repr([*_family(family).space.items()]).encode()).hexdigest()[:16]

@@ -1,14 +1,16 @@
-"""The scenario families by name, S1 to S5 of the evaluation (NHTSA pre-crash typology), and how to draw from them."""
+"""The scenario families, S1 to S5 of the evaluation (NHTSA pre-crash typology) and those of others; drawing from them."""
 
 import random
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import AfterValidator, WithJsonSchema
 
-from roadmend.core.errors import InputError
+from roadmend.core.errors import ForeignError, InputError
+from roadmend.core.foreign import blamed_on
+from roadmend.core.registry import Registry
 from roadmend.world.families.highway import EXIT_SPACE, RAMP_SPACE, build_exit, build_ramp
 from roadmend.world.families.intersection import SPACE, build_intersection
 from roadmend.world.scenario import Scenario
@@ -34,6 +36,34 @@ FAMILIES: dict[str, Family] = {
 }
 
 
+def _of_object(given: str, thing: Any) -> Family:
+    """A family from outside; what it builds is looked at."""
+    where = f"family {given}"
+    if not isinstance(thing, Family):
+        raise InputError(where, f"is no Family but {type(thing).__name__}", "see roadmend.world.families.Family")
+
+    def build(parameters: Parameters, name: str, seed: int) -> Scenario:
+        with blamed_on(where, "build"):
+            scenario: Any = thing.build(parameters, name, seed)
+        if not isinstance(scenario, Scenario):
+            raise ForeignError(f"{where}: build answered with {type(scenario).__name__}; answer with a Scenario")
+        return scenario
+
+    return Family(given, thing.title, thing.space, build)
+
+
+FAMILY_REGISTRY = Registry("family", "roadmend.families", FAMILIES, _of_object)
+
+
+def family_of(given: str) -> Family:
+    """A family by name, or as ``package.module:OBJECT``.
+
+    Raises:
+        InputError: there is none, or it is no Family.
+    """
+    return FAMILY_REGISTRY.find(given).entry
+
+
 def _known(name: str) -> str:
     if name not in FAMILIES:
         raise ValueError(f"there is no family {name!r}")
@@ -49,8 +79,6 @@ def sample_scenario(family: str, seed: int) -> Scenario:
     Raises:
         InputError: there is no such family.
     """
-    if family not in FAMILIES:
-        raise InputError("family", f"there is no {family!r}", f"choose one of {', '.join(FAMILIES)}")
-    chosen = FAMILIES[family]
-    parameters = sample(chosen.space, random.Random(f"roadmend/{family}/{seed}"))
-    return chosen.build(parameters, f"{family}-{seed}", seed)
+    found = FAMILY_REGISTRY.find(family)
+    parameters = sample(found.entry.space, random.Random(f"roadmend/{family}/{seed}"))
+    return found.entry.build(parameters, f"{found.label}-{seed}", seed)
