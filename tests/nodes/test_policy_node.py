@@ -196,7 +196,8 @@ def test_an_unknown_policy_is_refused_by_name(domain, tmp_path, monkeypatch):
     rclpy.init(args=["test", "--ros-args", "-p", "policy:=autopilot"], domain_id=domain)
     try:
         with pytest.raises(
-            InputError, match="parameter policy: 'autopilot' is not allowed; choose one of deep_sets, ego_mlp, modular"
+            InputError,
+            match="parameter policy: there is no 'autopilot'; choose one of modular, neural, ego_mlp, deep_sets",
         ):
             PolicyNode()
     finally:

@@ -137,7 +137,7 @@ def test_a_language_model_that_invents_is_an_error_in_the_answer_and_on_record(c
     ("parameter", "complaint"),
     [
         ("bank:=/nowhere.bank", "no such file"),
-        ("backend:=oracle", "'oracle' is not allowed"),
+        ("backend:=oracle", "parameter backend: there is no 'oracle'"),
         ("backend:=replay", "has no recording"),
         ("count:=0", "parameter count"),
     ],

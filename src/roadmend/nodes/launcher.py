@@ -19,7 +19,10 @@ from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.spell import Spell
 from roadmend.nodes.children import Child, stop
 from roadmend.nodes.domain import own_domain
+from roadmend.nodes.fault import read_fault
 from roadmend.nodes.provenance import provenance
+from roadmend.policies.registry import POLICY_REGISTRY
+from roadmend.repair.registry import METHOD_REGISTRY
 
 POLL_S = 0.05
 RESTARTS_MAX = 5  # of one node in one run
@@ -113,6 +116,8 @@ class RunResult:
     real_time_factor: float
     bag: str
     recording_error: str = ""  # why the bag is not complete; empty if it is
+    policy_error: str = ""  # how the policy failed first, so that the vehicle braked; empty if it did not
+    method_error: str = ""  # how the repair method failed first, so that the guard's rule answered; empty if it did not
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values, for JSON: the episode's figures without its peaks, and what is the run's own."""
@@ -164,7 +169,8 @@ def _claimed_bag(options: GraphOptions) -> Iterator[Path | None]:
         bag = claim_folder(options.bags, options.name)
     else:
         stamp = time.strftime("%Y%m%d-%H%M%S")
-        bag = claim_numbered(options.bags, f"{options.scenario.stem}-{options.policy}-{options.method}-{stamp}")
+        who = POLICY_REGISTRY.find(options.policy).label, METHOD_REGISTRY.find(options.method).label
+        bag = claim_numbered(options.bags, "-".join([options.scenario.stem, *who, stamp]))
     try:
         yield bag
     except InputError:
@@ -295,6 +301,8 @@ class _GraphRun:
             sim["real_time_factor"],
             str(self._bag or ""),
             self._recording_error(),
+            self._policy_error(),
+            repair.get("fault", ""),
         )
 
     def _recording_error(self) -> str:
@@ -302,6 +310,10 @@ class _GraphRun:
         if recorder is None or not recorder.exit_code:
             return ""
         return str(recorder.fault())
+
+    def _policy_error(self) -> str:
+        policy = next(child for child in self._nodes if child.name == "policy_node")
+        return str(read_fault(policy.fault_file) or "")
 
 
 def _raise(child: Child) -> NoReturn:

@@ -1,7 +1,7 @@
 """Declare ROS parameters with a description, a range and a reason when a value is refused."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, TypeVar, get_args, get_origin
+from typing import Any, Literal, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
@@ -9,7 +9,8 @@ from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValu
 from rclpy.node import Node
 
 from roadmend.core.errors import InputError
-from roadmend.core.parameters import Parameters
+from roadmend.core.parameters import AnyParameters
+from roadmend.core.registry import Entry, Found, Registry
 
 
 def declare(
@@ -43,14 +44,44 @@ def declare(
         descriptor.additional_constraints = "one of " + ", ".join(choices)
     if low is not None or high is not None:
         _set_range(descriptor, default, low, high)
-    try:
-        value = node.declare_parameter(name, default, descriptor).value
-    except (InvalidParameterValueException, InvalidParameterTypeException) as error:
-        given = " ".join(str(error).split()).removesuffix(f": {name}")
-        raise InputError(f"parameter {name}", given, f"it is: {description}") from None
+    value = _declared(node, name, default, descriptor)
     if choices and value not in choices:
         raise InputError(f"parameter {name}", f"{value!r} is not allowed", f"choose one of {', '.join(choices)}")
     return value
+
+
+def declare_name(node: Node, name: str, default: str, description: str, registry: Registry[Any]) -> str:
+    """Declare a parameter that names something of a registry, and return it as it was given.
+
+    Raises:
+        InputError: it names nothing, or something that cannot be used.
+    """
+    descriptor = ParameterDescriptor(description=description, read_only=True)
+    descriptor.additional_constraints = f"one of {registry.ways}"
+    value = str(_declared(node, name, default, descriptor))
+    find_named(name, value, registry)
+    return value
+
+
+def find_named(name: str, value: str, registry: Registry[Entry]) -> Found[Entry]:
+    """What the value of a parameter names.
+
+    Raises:
+        InputError: it names nothing, or something that cannot be used.
+    """
+    try:
+        return registry.find(value)
+    except InputError as error:
+        where = f"parameter {name}" if error.where == registry.noun else f"parameter {name}: {error.where}"
+        raise InputError(where, error.what, error.mend) from None
+
+
+def _declared(node: Node, name: str, default: Any, descriptor: ParameterDescriptor) -> Any:
+    try:
+        return node.declare_parameter(name, default, descriptor).value
+    except (InvalidParameterValueException, InvalidParameterTypeException) as error:
+        given = " ".join(str(error).split()).removesuffix(f": {name}")
+        raise InputError(f"parameter {name}", given, f"it is: {descriptor.description}") from None
 
 
 def _set_range(descriptor: ParameterDescriptor, default: Any, low: float | None, high: float | None) -> None:
@@ -68,9 +99,6 @@ def _set_range(descriptor: ParameterDescriptor, default: Any, low: float | None,
                 step=0.0,
             )
         ]
-
-
-AnyParameters = TypeVar("AnyParameters", bound=Parameters)
 
 
 def declare_parameters(

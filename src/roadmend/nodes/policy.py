@@ -10,15 +10,17 @@ from rclpy.node import Node
 from roadmend_msgs import msg
 
 from roadmend.core.command import Decision
+from roadmend.core.errors import RoadmendError
 from roadmend.core.interfaces import Policy
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.nodes import qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
+from roadmend.nodes.fault import leave_fault
 from roadmend.nodes.pairing import TickPairing
-from roadmend.nodes.parameters import declare
+from roadmend.nodes.parameters import declare_name
 from roadmend.nodes.spinning import run_node
-from roadmend.policies.registry import POLICIES, make_policy
+from roadmend.policies.registry import POLICY_REGISTRY, make_policy
 from roadmend.recording import messages, topics
 from roadmend.recording.codec import encode
 
@@ -28,13 +30,14 @@ class PolicyNode(Node):
 
     def __init__(self) -> None:
         super().__init__("policy_node")
-        name = declare(self, "policy", "modular", "driving policy to run", choices=sorted(POLICIES))
+        name = declare_name(self, "policy", "modular", "driving policy to run", POLICY_REGISTRY)
         self._policy: Policy = make_policy(name)
         self._route: Route | None = None
         self._pairing = TickPairing(topics.EGO, topics.OBJECTS)
         self._last_stamp = -1
         self._last: Decision | None = None
         self._failure = ""
+        self._has_failed = False
         self._decided = 0
         self._command_publisher = self.create_publisher(msg.Command, topics.POLICY_COMMAND, qos.COMMAND)
         self._trajectory_publisher = self.create_publisher(msg.Trajectory, topics.POLICY_TRAJECTORY, qos.STREAM)
@@ -51,7 +54,7 @@ class PolicyNode(Node):
             self._policy.reset(self._route)
         except Exception as error:  # noqa: BLE001 - a policy that fails must be seen, not end the node
             self._route = None
-            self._failure = f"{type(error).__name__}: {error}"
+            self._note(error)
             self.get_logger().error(f"no route to drive: {self._failure}")
         else:
             self._failure = ""
@@ -73,7 +76,7 @@ class PolicyNode(Node):
                 state = messages.ego_of(messages.EGO.decode(ego), self._route.ego_length, self._route.ego_width)
                 self._last = self._policy.step(Scene(stamp * 1e-9, state, seen, signals))
             except Exception as error:  # noqa: BLE001 - a policy that fails must be seen, not end the node
-                self._failure = f"{type(error).__name__}: {error}"
+                self._note(error)
                 self.get_logger().error(
                     f"no decision at {stamp * 1e-9:.2f} s: {self._failure}", throttle_duration_sec=1.0
                 )
@@ -86,6 +89,13 @@ class PolicyNode(Node):
             header = messages.header_at(stamp)
             self._trajectory_publisher.publish(encode(messages.trajectory_message_of(self._last.trajectory, header)))
             self._command_publisher.publish(encode(messages.command_message_of(self._last.command, header)))
+
+    def _note(self, error: Exception) -> None:
+        """Keep what went wrong, and leave it for the launcher the first time: it ends the run with it."""
+        self._failure = str(error) if isinstance(error, RoadmendError) else f"{type(error).__name__}: {error}"
+        if not self._has_failed:
+            self._has_failed = True
+            leave_fault(error)
 
     def _health(self) -> Health:
         values = {"policy": self._policy.name, "decisions": self._decided}

@@ -8,15 +8,16 @@ import sys
 from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
 from roadmend import __version__
 from roadmend.core.errors import InputError
-from roadmend.core.parameters import Parameters
+from roadmend.core.registry import Registry
+from roadmend.core.source_digest import source_digest
 from roadmend.networks.checkpoint import find_model
-from roadmend.policies.neural import NeuralParameters
 from roadmend.policies.neural_kinds import KINDS
-from roadmend.policies.parameters import ModularParameters
-from roadmend.repair.registry import METHODS
+from roadmend.policies.registry import POLICY_REGISTRY
+from roadmend.repair.registry import METHOD_REGISTRY
 
 _VERSIONED = ("libsumo", "eclipse-sumo", "numpy", "mcap", "rosbags", "ros-jazzy-rclpy")
 _PREFIXES = {"adreft": "adreft-", "model": "self_oracle-"} | dict.fromkeys(
@@ -40,23 +41,27 @@ def provenance(scenario: Path, policy: str, method: str, clock: str, seed: int, 
     for package in _VERSIONED:
         with contextlib.suppress(PackageNotFoundError):
             known[package] = version(package)
-    for role, name, parameters in (
-        ("policy", policy, _policy_parameters(policy)),
-        ("method", method, METHODS[method].parameters() if method in METHODS else None),
-    ):
-        if parameters is not None:
-            values = parameters.model_dump()
-            known[f"{role}_defaults"] = json.dumps(values)
-            if name in _PREFIXES:
-                model = _override(f"{name}.model", given) or str(values["model"])
-                known[f"{role}_model"], known[f"{role}_model_sha256"] = model, _digest(model, _PREFIXES[name])
+    known |= _told_of("policy", POLICY_REGISTRY, policy, given)
+    known |= _told_of("method", METHOD_REGISTRY, method, given)
     return known
 
 
-def _policy_parameters(policy: str) -> Parameters | None:
-    if policy in KINDS:
-        return NeuralParameters.of(policy)
-    return ModularParameters() if policy == "modular" else None
+def _told_of(role: str, registry: Registry[Any], name: str, given: Sequence[str]) -> dict[str, str]:
+    """Parameters, model and source of who drives or repairs."""
+    try:
+        found = registry.find(name)
+    except InputError:
+        return {}  # the node refuses it anyway
+    values = found.entry.parameters().model_dump()
+    known = {f"{role}_defaults": json.dumps(values)}
+    if found.label in _PREFIXES:
+        model = _override(f"{found.label}.model", given) or str(values["model"])
+        known[f"{role}_model"], known[f"{role}_model_sha256"] = model, _digest(model, _PREFIXES[found.label])
+    if found.is_foreign:
+        known[f"{role}_origin"] = found.origin
+        with contextlib.suppress(InputError):  # code without a source has no digest
+            known[f"{role}_code_sha256"] = source_digest(found.modules)
+    return known
 
 
 def _override(name: str, given: Sequence[str]) -> str:

@@ -28,13 +28,13 @@ from roadmend.core.whole_file import write_text
 from roadmend.nodes import qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.pairing import TickPairing
-from roadmend.nodes.parameters import declare_field, declare_parameters
+from roadmend.nodes.parameters import declare_field, declare_parameters, find_named
 from roadmend.nodes.repair_tally import RepairTally
 from roadmend.nodes.spinning import run_node
 from roadmend.recording import messages, topics
 from roadmend.recording.codec import encode
 from roadmend.repair.guard import GuardedRepairer
-from roadmend.repair.registry import METHODS, make_repairer
+from roadmend.repair.registry import METHOD_REGISTRY, METHODS, make_repairer
 
 WATCH_PERIOD_S = 0.01  # how often ages are looked at [s]
 IMPATIENT_S = 0.02  # lockstep: patience while the policy is known to be silent [s]
@@ -46,7 +46,7 @@ _COMPLAINTS = frozenset({RepairStatus.STALE_COMMAND, RepairStatus.STALE_OBJECTS,
 class RepairNodeParameters(Parameters):
     """Parameters of the node, read once at start; those of the methods can be changed while it runs."""
 
-    method: str = Field("rss", description="repair method to run")
+    method: str = Field("rss", description=f"repair method to run: one of {METHOD_REGISTRY.ways}")
     clock: Literal["lockstep", "realtime"] = Field("lockstep", description="how the simulator keeps time")
     seed: int = Field(0, ge=0, le=2**31 - 1, description="seed of methods that draw numbers")
     input_timeout: float = Field(
@@ -109,23 +109,25 @@ class RepairNode(LifecycleNode):
     # -- configuration ------------------------------------------------------------------------------------------------
 
     def _declare_parameters(self) -> None:
-        settings = declare_parameters(self, RepairNodeParameters, choices={"method": sorted(METHODS)})
+        settings = declare_parameters(self, RepairNodeParameters)
+        found = find_named("method", settings.method, METHOD_REGISTRY)
+        self._fields, self._prefix = found.entry.parameters.model_fields, f"{found.label}."
         self._method, self._seed = settings.method, settings.seed
         self._lockstep = settings.clock == "lockstep"
         self._timeout = settings.input_timeout or (2.0 if self._lockstep else 0.04)
         self._budget = settings.time_budget or (None if self._lockstep else 0.03)
         self._autostart, self._summary = settings.autostart, settings.summary
-        for name, entry in METHODS.items():
+        for name, entry in {**METHODS, found.label: found.entry}.items():
             for field, info in entry.parameters.model_fields.items():
                 default = info.get_default(call_default_factory=True)
                 if isinstance(default, bool | int | float | str) and not isinstance(default, Enum):
                     declare_field(self, f"{name}.{field}", info, is_fixed=False)
 
     def _method_parameters(self, changed: Sequence[Parameter] = ()) -> dict[str, Any]:
-        prefix = f"{self._method}."
+        prefix = self._prefix
         values = {
             name.removeprefix(prefix): self.get_parameter(name).value
-            for name in (prefix + field for field in METHODS[self._method].parameters.model_fields)
+            for name in (prefix + field for field in self._fields)
             if self.has_parameter(name)
         }
         return values | {
@@ -141,8 +143,7 @@ class RepairNode(LifecycleNode):
         return repairer
 
     def _on_parameters(self, changed: list[Parameter]) -> SetParametersResult:
-        prefix = f"{self._method}."
-        if self._repairer is None or not any(parameter.name.startswith(prefix) for parameter in changed):
+        if self._repairer is None or not any(parameter.name.startswith(self._prefix) for parameter in changed):
             return SetParametersResult(successful=True)
         try:
             repairer = self._make_repairer(changed)
@@ -345,7 +346,8 @@ class RepairNode(LifecycleNode):
     def close(self) -> None:
         """Write the tally if a file was named."""
         if self._summary:
-            write_text(Path(self._summary), json.dumps(self._tally.account(), indent=1))
+            fault = "" if self._repairer is None else self._repairer.first_fault
+            write_text(Path(self._summary), json.dumps({**self._tally.account(), "fault": fault}, indent=1))
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -14,10 +14,11 @@ from rclpy.node import Node
 from roadmend_msgs.action import BuildCrashScenarios
 
 from roadmend.core.errors import InputError, RoadmendError
+from roadmend.language.models import BACKEND_REGISTRY, EMBEDDED
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
-from roadmend.nodes.parameters import declare
+from roadmend.nodes.parameters import declare, declare_name
 from roadmend.nodes.spinning import run_node
-from roadmend.safe.backends import BACKENDS, BackendOptions
+from roadmend.safe.backends import BackendOptions, open_extractor
 from roadmend.safe.dsl_file import dump_crash_scenario
 from roadmend.safe.extraction import Step
 from roadmend.safe.report import CrashReport, find_reports, load_report, report_of_text
@@ -53,8 +54,8 @@ class SafeNode(Node):
 
     def __init__(self) -> None:
         super().__init__("safe_node")
-        self._backend = declare(
-            self, "backend", "embedded", "what reads a report whose goal names none", choices=sorted(BACKENDS)
+        self._backend = declare_name(
+            self, "backend", EMBEDDED, "what reads a report whose goal names none", BACKEND_REGISTRY
         )
         self._output = Path(declare(self, "output", "crashes", "folder for what is read and built"))
         settings = declare(self, "settings", "", "openai: file like config/language/openai.yaml; the environment wins")
@@ -112,11 +113,10 @@ class SafeNode(Node):
             work.steps.put(None)
 
     def _build(self, work: _GoalThread) -> ReportBuild:
-        backend = work.goal.backend or self._backend
-        if backend not in BACKENDS:
-            raise InputError(f"backend {backend!r}", "is unknown", f"choose one of {', '.join(BACKENDS)}")
+        if work.goal.backend != self._backend:
+            BACKEND_REGISTRY.find_installed(work.goal.backend or EMBEDDED)  # a client makes the node run no code
         report = _report_of(work.goal)
-        extractor = BACKENDS[backend](self._options)
+        extractor = open_extractor(work.goal.backend or self._backend, self._options)
         return build_report(report, extractor, self._output, work.goal.samples, work.goal.seed, work.watch)
 
     def _health(self) -> Health:

@@ -9,14 +9,15 @@ from rclpy.node import Node
 from roadmend_msgs import srv
 
 from roadmend.core.errors import InputError, RoadmendError
+from roadmend.language.models import BACKEND_REGISTRY, EMBEDDED
 from roadmend.language.question import ATTEMPTS
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
-from roadmend.nodes.parameters import declare
+from roadmend.nodes.parameters import declare, declare_name
 from roadmend.nodes.pattern_messages import pattern_message_of, patterns_of
 from roadmend.nodes.spinning import StopFlag, run_node
 from roadmend.sera.analysis import analyse, find_bags, read_incidents
 from roadmend.sera.analysis_report import report
-from roadmend.sera.backends import BACKENDS, EMBEDDED, Backend
+from roadmend.sera.backends import Backend
 from roadmend.sera.bank import Bank
 from roadmend.sera.recommendation import recommend
 from roadmend.sera.words import words_of
@@ -35,7 +36,7 @@ class SeraNode(Node):
         embedder = declare(
             self, "embedder", "", "embedder that the bank must have been made with; needed where it is code of yours"
         )
-        backend = declare(self, "backend", EMBEDDED, "who analyses and reflects", choices=BACKENDS)
+        backend = declare_name(self, "backend", EMBEDDED, "who analyses and reflects", BACKEND_REGISTRY)
         settings = declare(self, "settings", "", "YAML file with the endpoint of openai; the environment wins")
         recording = declare(self, "recording", "", "exchanges of an earlier run, for replay")
         exchanges = declare(self, "exchanges", "", "file that what a language model is asked is added to")

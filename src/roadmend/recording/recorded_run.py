@@ -1,5 +1,6 @@
 """What a bag tells about the run in it: how to drive it again, and what it came to."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,7 @@ from roadmend.core.route import Route
 from roadmend.core.scene import ObjectList, Scene
 from roadmend.core.tick import INTERVAL_NS, Tick
 from roadmend.core.yaml_file import parse_yaml
-from roadmend.policies.registry import POLICIES
+from roadmend.policies.registry import POLICY_REGISTRY
 from roadmend.recording.messages import sized
 from roadmend.recording.reader import BagReader
 from roadmend.recording.ticks import BagTicks
@@ -34,8 +35,12 @@ class RunPlan:
     method: str
 
 
-def read_plan(reader: BagReader) -> RunPlan:
+def read_plan(reader: BagReader, policy: str = "") -> RunPlan:
     """How the run in a bag was driven.
+
+    Args:
+        reader: of the bag.
+        policy: who drove, where the user says it; otherwise it is what the bag says, unless that is code from outside.
 
     Raises:
         InputError: the bag carries no scenario, an unusable one, or does not say which policy drove.
@@ -44,13 +49,22 @@ def read_plan(reader: BagReader) -> RunPlan:
     scenario = recorded_scenario(reader)
     if scenario is None:
         raise InputError(bag, "carries no scenario", _MEND)
+    return RunPlan(scenario, record["scenario_file"], policy or _policy(bag, record), record.get("method", ""))
+
+
+def _policy(bag: str, record: Mapping[str, str]) -> str:
+    """Who drove, as the bag says."""
     policy = record.get("policy", "")
-    if policy not in POLICIES:
-        what = (
-            f"was driven by the policy {policy!r}, which is not here" if policy else "does not say which policy drove"
-        )
-        raise InputError(bag, what, _MEND)
-    return RunPlan(scenario, record["scenario_file"], policy, record.get("method", ""))
+    if not policy:
+        raise InputError(bag, "does not say which policy drove", _MEND)
+    if ":" in policy:
+        what = f"was driven by {policy!r}, code from outside that a bag makes nobody run"
+        raise InputError(bag, what, f"name it yourself: 'bag need' and 'bag resimulate' take --policy {policy}")
+    try:
+        POLICY_REGISTRY.find_installed(policy)
+    except InputError:
+        raise InputError(bag, f"was driven by the policy {policy!r}, which is not here", _MEND) from None
+    return policy
 
 
 def recorded_scenario(reader: BagReader) -> Scenario | None:
