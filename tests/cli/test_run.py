@@ -17,7 +17,7 @@ def options(tmp_path, monkeypatch):
 
     def start(options):
         started.append(options)
-        return SimpleNamespace(recording_error="")
+        return SimpleNamespace(policy_error="", method_error="", recording_error="")
 
     monkeypatch.setattr(run, "run_with_status", start)
     monkeypatch.setattr(run, "show_results", lambda *_: None)
@@ -53,7 +53,8 @@ def test_a_port_that_is_none_is_refused(options, port, capsys):
 
 def test_a_bag_that_is_not_complete_is_an_error_after_the_result(tmp_path, monkeypatch, capsys):
     shown = []
-    monkeypatch.setattr(run, "run_with_status", lambda _: SimpleNamespace(recording_error="bag_0.mcap: disk full"))
+    result = SimpleNamespace(policy_error="", method_error="", recording_error="bag_0.mcap: disk full")
+    monkeypatch.setattr(run, "run_with_status", lambda _: result)
     monkeypatch.setattr(run, "show_results", lambda *given: shown.append(given))
     path = tmp_path / "s.yaml"
     save_scenario(sample_scenario("S3", 7), path)

@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 from rich.console import Console
 
+from roadmend.cli.driver_options import DROVE
 from roadmend.cli.options import FUTURES_MAX, JSON, PATH
 from roadmend.cli.output import bag_progress, wide_console
 from roadmend.cli.spell_table import account_figures, show_spells
@@ -32,15 +33,16 @@ from roadmend.repair.registry import make_repairer
 @click.option(
     "--futures", default=20, show_default=True, type=click.IntRange(1, FUTURES_MAX), help="Of each intervention."
 )
+@DROVE
 @JSON
-def need(bag: Path, futures: int, *, as_json: bool) -> None:
+def need(bag: Path, futures: int, policy: str, *, as_json: bool) -> None:
     """Drive a recorded run again and tell of every intervention what would have come without it.
 
     The run must repeat itself bit for bit; futures differ in what the others want and in how exactly the ego obeys.
     """
     with bag_progress("reading", bag_size(bag)) as advance:
         told = bag_info(bag, advance).spells
-    spells = with_needs(told, needs_of(bag, futures))
+    spells = with_needs(told, needs_of(bag, futures, policy))
     if as_json:
         figures = [account_figures(account) for account in spells]
         click.echo(json.dumps({"bag": str(bag), "futures": futures, "spells": figures}, indent=2))
@@ -51,7 +53,7 @@ def need(bag: Path, futures: int, *, as_json: bool) -> None:
     click.echo(f"{len(spells)} interventions, {nuisances} of them a nuisance")
 
 
-def needs_of(bag: Path, futures: int) -> tuple[Spell, ...]:
+def needs_of(bag: Path, futures: int, policy: str = "") -> tuple[Spell, ...]:
     """Every spell of a bag's run with its need, from ``futures`` futures each.
 
     Raises:
@@ -59,7 +61,7 @@ def needs_of(bag: Path, futures: int) -> tuple[Spell, ...]:
         SimulationError: SUMO failed.
     """
     reader = BagReader(bag)
-    plan, ticks = read_plan(reader), BagTicks(reader)
+    plan, ticks = read_plan(reader, policy), BagTicks(reader)
     then = recorded_result(ticks, plan)
     played = Switchover(ticks, make_repairer("none"), then.duration + 1.0)
     with Console(stderr=True).status(f"{plan.scenario.name}: {futures} futures of {len(then.spells)} interventions"):

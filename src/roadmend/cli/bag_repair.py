@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from roadmend import __version__
-from roadmend.cli.driver_options import REPAIR_SEED
+from roadmend.cli.driver_options import DROVE, METHOD_NAME, REPAIR_SEED
 from roadmend.cli.options import JSON, PATH, options_of
 from roadmend.cli.output import OUTCOME_STYLES, wide_console
 from roadmend.core.episode_result import EpisodeResult
@@ -28,7 +28,7 @@ from roadmend.recording.resimulation import Switchover
 from roadmend.recording.shadow import ShadowSummary, run_shadow
 from roadmend.recording.ticks import BagTick, BagTicks
 from roadmend.repair.guard import GuardedRepairer
-from roadmend.repair.registry import METHODS, make_repairer
+from roadmend.repair.registry import make_repairer
 from roadmend.world.road_network import LaneMap
 from roadmend.world.runner import run_episode
 
@@ -58,7 +58,7 @@ class RepairChoice:
 class RepairOptions:
     """The repair method, its parameters and its seed."""
 
-    method: Annotated[str, click.option("--repair", "method", required=True, type=click.Choice(sorted(METHODS)))]
+    method: Annotated[str, click.option("--repair", "method", required=True, type=METHOD_NAME)]
     settings: Annotated[
         tuple[str, ...],
         click.option(
@@ -182,15 +182,16 @@ def _show_shadow(summary: ShadowSummary, choice: RepairChoice, out: Path) -> Non
     type=click.FloatRange(0.0),
     help="Simulation time [s] at which the method takes over; until then the recorded commands are driven.",
 )
+@DROVE
 @click.option("--out", required=True, type=PATH, help="Folder of the new bag.")
 @JSON
-def resimulate(bag: Path, given: RepairOptions, from_time: float, out: Path, *, as_json: bool) -> None:
+def resimulate(bag: Path, given: RepairOptions, from_time: float, policy: str, out: Path, *, as_json: bool) -> None:
     """Drive the scenario of a recorded run again, with another repair method from the start or from a moment on.
 
     Until that moment the run must repeat itself bit for bit, or the command ends with what differs.
     """
     choice = read_choice(given)
-    then, now = resimulate_bag(bag, choice, from_time, out)
+    then, now = resimulate_bag(bag, choice, from_time, out, policy)
     if as_json:
         content = {"then": _figures(then), "now": _figures(now), "from_time": from_time, "bag": str(out)}
         click.echo(json.dumps({**content, "choice": choice.provenance()}, indent=2))
@@ -198,7 +199,9 @@ def resimulate(bag: Path, given: RepairOptions, from_time: float, out: Path, *, 
         _show_outcomes({"then": then, "now": now}, {"then": bag, "now": out})
 
 
-def resimulate_bag(bag: Path, choice: RepairChoice, from_time: float, out: Path) -> tuple[EpisodeResult, EpisodeResult]:
+def resimulate_bag(
+    bag: Path, choice: RepairChoice, from_time: float, out: Path, policy: str = ""
+) -> tuple[EpisodeResult, EpisodeResult]:
     """Drive a run again and record it; returns what it came to then and now.
 
     Raises:
@@ -208,7 +211,7 @@ def resimulate_bag(bag: Path, choice: RepairChoice, from_time: float, out: Path)
         SimulationError: SUMO failed.
     """
     reader = BagReader(bag)
-    plan, ticks = read_plan(reader), BagTicks(reader)
+    plan, ticks = read_plan(reader, policy), BagTicks(reader)
     then = recorded_result(ticks, plan)
     if not from_time <= then.duration:
         raise InputError("--from-time", f"{from_time:g} s is after the end", f"give 0 to {then.duration:g} s")

@@ -19,6 +19,7 @@ from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal
 from roadmend.core.resources import config_folder
 from roadmend.measures.need import PERSISTENT
+from roadmend.policies.registry import POLICY_REGISTRY
 from roadmend.search.attempt import CRASH
 from roadmend.search.corpus_plan import LAST_FRESH, fresh_plan, read_corpus_plan
 from roadmend.search.gather import Gathered, Progress, Report, gather, gather_fresh
@@ -31,7 +32,7 @@ from roadmend.search.rerun import FORMAT as RERUNS
 from roadmend.search.rerun import Rerunner, agrees
 from roadmend.search.selection import spread
 from roadmend.world.corpus import SPLITS, Case, Corpus, load_corpus, save_corpus
-from roadmend.world.families import FAMILIES
+from roadmend.world.families import FAMILIES, FAMILY_REGISTRY
 
 
 def _file_option(command: Any) -> Any:
@@ -42,7 +43,12 @@ def _file_option(command: Any) -> Any:
 
 
 def _load(policy: str, file: Path | None) -> Corpus:
-    return load_corpus(file or config_folder() / "corpora" / f"{policy}.jsonl")
+    path = file or config_folder() / "corpora" / f"{POLICY_REGISTRY.find(policy).label}.jsonl"
+    loaded = load_corpus(path)
+    if loaded.policy != policy and ":" in loaded.policy:
+        what = f"is of {loaded.policy!r}, code from outside that a corpus makes nobody run"
+        raise InputError(str(path), what, f"name it with --policy {loaded.policy}")
+    return loaded
 
 
 @click.group()
@@ -111,8 +117,7 @@ def build(given: CorpusBuildOptions) -> int:
     """
     chosen = [name.strip() for name in given.families.split(",")]
     for name in chosen:
-        if name not in FAMILIES:
-            raise InputError("families", f"there is no {name!r}", f"choose from {','.join(FAMILIES)}")
+        FAMILY_REGISTRY.find_installed(name)  # for a corpus is read with those alone
     if given.fresh_seed is not None and (given.plan_file is not None or given.allow_partial):
         raise click.UsageError("--fresh-seed goes neither with --plan nor with --allow-partial")
     plan = read_corpus_plan(given.plan_file) if given.fresh_seed is None else fresh_plan(given.fresh_seed, given.cases)

@@ -2,15 +2,20 @@
 
 import click
 
-from roadmend.cli.options import FILE
-from roadmend.policies.registry import POLICIES
-from roadmend.repair.registry import METHODS
+from roadmend.cli.options import FILE, NameType
+from roadmend.policies.registry import POLICY_REGISTRY
+from roadmend.repair.registry import METHOD_REGISTRY
 
-POLICY = click.option("--policy", default="modular", show_default=True, type=click.Choice(sorted(POLICIES)))
+POLICY_NAME = NameType(POLICY_REGISTRY)
+METHOD_NAME = NameType(METHOD_REGISTRY)
+POLICY = click.option("--policy", default="modular", show_default=True, type=POLICY_NAME)
 POLICY_CORPUS = click.option(
     "--corpus", "corpus_file", type=FILE, help="The policy's corpus; config/corpora/POLICY.jsonl if not given."
 )
-REPAIR = click.option("--repair", "method", default="none", show_default=True, type=click.Choice(sorted(METHODS)))
+DROVE = click.option(
+    "--policy", default="", type=POLICY_NAME, help="Who drove, if it is code of yours.  [default: as the bag says]"
+)
+REPAIR = click.option("--repair", "method", default="none", show_default=True, type=METHOD_NAME)
 REPAIR_SEED = click.option(
     "--seed",
     default=0,

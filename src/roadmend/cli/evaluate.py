@@ -7,15 +7,15 @@ from typing import Any
 
 import click
 
+from roadmend.cli.driver_options import METHOD_NAME, POLICY_NAME
 from roadmend.cli.options import FILE, JSON, PATH, RESULT_FOLDER, WORKERS
 from roadmend.cli.output import counting, show_rows
+from roadmend.cli.scenario import FAMILY_NAME
 from roadmend.core.errors import InputError
 from roadmend.core.journal import Journal
 from roadmend.measures.evaluation import run_trials, trials_of
 from roadmend.measures.evaluation_figures import evaluate as figures_of
 from roadmend.measures.evaluation_figures import evaluation_rows, meanings
-from roadmend.policies.registry import POLICIES
-from roadmend.repair.registry import METHODS
 from roadmend.reports.result_files import provenance, write_report
 from roadmend.world.corpus import SPLITS, load_corpus
 from roadmend.world.families import FAMILIES, sample_scenario
@@ -36,7 +36,8 @@ _WARM_UP = 300.0  # [s] of traffic before
     multiple=True,
     default=["modular"],
     show_default=True,
-    help=f"One of {', '.join(sorted(POLICIES))}, or the model file of a neural policy. May be repeated.",
+    type=POLICY_NAME,
+    help="May be repeated.",
 )
 @click.option(
     "--repair",
@@ -44,14 +45,12 @@ _WARM_UP = 300.0  # [s] of traffic before
     multiple=True,
     default=["adreft"],
     show_default=True,
-    type=click.Choice(sorted(METHODS)),
+    type=METHOD_NAME,
     help="May be repeated; none and random are always beside it.",
 )
 @click.option("--corpus", type=FILE, help="The cases of a corpus instead of SCENARIOS.")
 @click.option("--split", type=click.Choice(SPLITS), help="Of the corpus.  [default: test]")
-@click.option(
-    "--family", "families", multiple=True, type=click.Choice([*FAMILIES]), help="Random scenarios instead. Repeatable."
-)
+@click.option("--family", "families", multiple=True, type=FAMILY_NAME, help="Random scenarios instead. Repeatable.")
 @click.option(
     "--sumocfg",
     "configurations",

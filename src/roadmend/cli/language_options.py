@@ -7,9 +7,9 @@ from typing import Annotated
 
 import click
 
-from roadmend.cli.options import FILE, PATH, options_of
+from roadmend.cli.options import FILE, PATH, NameType, options_of
 from roadmend.language.exchange import Usage
-from roadmend.language.models import MODELS
+from roadmend.language.models import BACKEND_REGISTRY, EMBEDDED
 from roadmend.language.question import ATTEMPTS
 
 
@@ -18,7 +18,7 @@ class LanguageChoice:
     """Which backend, and how it is asked."""
 
     backend: Annotated[
-        str, click.option("--backend", default="embedded", show_default=True, type=click.Choice(["embedded", *MODELS]))
+        str, click.option("--backend", default=EMBEDDED, show_default=True, type=NameType(BACKEND_REGISTRY))
     ]
     settings: Annotated[
         Path | None,

@@ -80,6 +80,7 @@ _COMMANDS: Table = {
     "sample": ("roadmend.cli.scenario", "sample", "Draw a scenario of a family."),
     "schema": ("roadmend.cli.scenario", "schema", "Print the JSON schema of a scenario file."),
     "networks": ("roadmend.cli.networks", "networks", "Make SUMO configurations that are foreign to roadmend."),
+    "list": ("roadmend.cli.listing", "list_names", "Show policies, methods, techniques, families, backends or models."),
     "evaluate": ("roadmend.cli.evaluate", "evaluate", "Measure policies with repair methods in scenarios of yours."),
     "search": ("roadmend.cli.search", "search", "Find scenarios in which a policy collides by its own fault."),
     "corpus": ("roadmend.cli.corpus", "corpus", "Gather, verify and show what policies are trained and measured on."),

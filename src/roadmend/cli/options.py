@@ -8,8 +8,40 @@ from pathlib import Path
 from typing import Any, TypeVar, get_args
 
 import click
+from click.shell_completion import CompletionItem
+
+from roadmend.core.errors import InputError
+from roadmend.core.registry import Registry
 
 Settings = TypeVar("Settings")
+
+
+class NameType(click.ParamType[str]):
+    """Names something of a registry in any of its ways; what names nothing is refused here, in the registry's words."""
+
+    def __init__(self, registry: Registry[Any]) -> None:
+        self.registry = registry
+        self.name = registry.noun
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str:
+        """For the help."""
+        del param, ctx  # by these names click gives them
+        return f"[{'|'.join([*self.registry.names, 'MODULE:CLASS', *(['FILE'] if self.registry.models else [])])}]"
+
+    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """The name as it was given."""
+        try:
+            if value:  # the empty text is the default of an option that may be left out
+                self.registry.find(value)
+        except InputError as error:
+            told = f"{error.what}; {error.mend}" if error.where == self.registry.noun else str(error)
+            self.fail(told, param, ctx)
+        return value
+
+    def shell_complete(self, _context: click.Context, _option: click.Parameter, begun: str) -> list[CompletionItem]:
+        """The names that begin so."""
+        return [CompletionItem(name) for name in self.registry.names if name.startswith(begun)]
+
 
 PATH = click.Path(path_type=Path)
 FILE = click.Path(path_type=Path, dir_okay=False)

@@ -14,13 +14,12 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from roadmend.cli.driver_options import POLICY, REPAIR_SEED
+from roadmend.cli.driver_options import METHOD_NAME, POLICY, REPAIR_SEED
 from roadmend.cli.options import PATH, options_of
 from roadmend.cli.output import OUTCOME_STYLES, wide_console
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.resources import config_folder
 from roadmend.nodes.launcher import GraphOptions, InterruptedRunError, RunResult, run_graph
-from roadmend.repair.registry import METHODS
 from roadmend.world.scenario_file import load_scenario, save_scenario, scenario_of_configuration
 
 _SCENARIO_FIELDS = ("ego.", "actors[", "network.")
@@ -68,9 +67,7 @@ class RunOptions:
         ),
     ]
     policy: Annotated[str, POLICY]
-    method: Annotated[
-        str, click.option("--repair", "method", default="rss", show_default=True, type=click.Choice(sorted(METHODS)))
-    ]
+    method: Annotated[str, click.option("--repair", "method", default="rss", show_default=True, type=METHOD_NAME)]
     clock: Annotated[
         str, click.option("--clock", default="lockstep", show_default=True, type=click.Choice(["lockstep", "realtime"]))
     ]
@@ -157,8 +154,9 @@ def run(given: RunOptions) -> None:
                 _show([error.result], as_json=given.as_json)
             raise
     _show([result], as_json=given.as_json)
-    if result.recording_error:
-        raise RoadmendError(result.recording_error)
+    for trouble in (result.policy_error, result.method_error, result.recording_error):
+        if trouble:
+            raise RoadmendError(trouble)
 
 
 def _ros_arguments(given: tuple[str, ...]) -> tuple[str, ...]:

@@ -10,13 +10,13 @@ import click
 from rich.markup import escape
 from rich.table import Table
 
+from roadmend.cli.driver_options import POLICY_NAME
 from roadmend.cli.language_options import LanguageChoice, language_options, show_usage
 from roadmend.cli.options import FILE, FOLDER, JSON, PATH, SEED, WORKERS, options_of
 from roadmend.cli.output import counting, show_rows, wide_console
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import write_texts
 from roadmend.language.exchange import add_usages
-from roadmend.policies.registry import POLICIES
 from roadmend.reports.crash_tests import (
     REPRODUCTION_TITLES,
     TEST_TITLES,
@@ -24,7 +24,7 @@ from roadmend.reports.crash_tests import (
     report_of_reproductions,
     report_of_tests,
 )
-from roadmend.safe.backends import BACKENDS, BackendOptions
+from roadmend.safe.backends import BackendOptions, open_extractor
 from roadmend.safe.cases import CrashCase, gather_cases
 from roadmend.safe.crash_test_summary import summarise_reproductions, summarise_tests
 from roadmend.safe.driving import CrashTestJob, CrashTestResult, Task
@@ -41,7 +41,7 @@ policies_option = click.option(
     multiple=True,
     default=["modular"],
     show_default=True,
-    type=click.Choice(sorted(POLICIES)),
+    type=POLICY_NAME,
     help="May be given more than once.",
 )
 
@@ -119,8 +119,8 @@ def extract(given: ExtractOptions) -> int:
     """
     options = StageOneOptions(not given.no_prompt_generation, not given.no_validation, given.language.attempts)
     paths = find_reports(given.reports)
-    extractor = BACKENDS[given.language.backend](
-        BackendOptions(options, given.language.settings, given.language.recording)
+    extractor = open_extractor(
+        given.language.backend, BackendOptions(options, given.language.settings, given.language.recording)
     )
     # What a model is, and that a sketch is read by a program that may be there or not.
     decided = [

@@ -5,14 +5,15 @@ from pathlib import Path
 
 import click
 
-from roadmend.cli.options import FILE, SEED
-from roadmend.world.families import FAMILIES, sample_scenario
+from roadmend.cli.options import FILE, SEED, NameType
+from roadmend.world.families import FAMILIES, FAMILY_REGISTRY, sample_scenario
 from roadmend.world.scenario_file import dump_scenario, save_scenario, scenario_schema
 
+FAMILY_NAME = NameType(FAMILY_REGISTRY)
 FAMILY = click.option(
     "--family",
     required=True,
-    type=click.Choice([*FAMILIES]),
+    type=FAMILY_NAME,
     help="; ".join(f"{family.name} {family.title}" for family in FAMILIES.values()),
 )
 

@@ -9,7 +9,7 @@ from typing import Annotated
 import click
 
 from roadmend.cli.driver_options import POLICY, REPAIR
-from roadmend.cli.options import FILE, FOLDER, JSON, SEED, WORKERS, options_of
+from roadmend.cli.options import FILE, FOLDER, JSON, SEED, WORKERS, NameType, options_of
 from roadmend.cli.output import counting, show_rows
 from roadmend.cli.scenario import FAMILY
 from roadmend.core.fanout import fan_out
@@ -17,7 +17,7 @@ from roadmend.core.yaml_file import read_fields
 from roadmend.search.campaign import Campaign, CampaignSummary, run_campaign, summarise
 from roadmend.search.evaluation import Subject, evaluate
 from roadmend.search.ledger import Ledger, LedgerEntry
-from roadmend.search.registry import TECHNIQUES, read_technique_parameters
+from roadmend.search.registry import TECHNIQUE_REGISTRY, read_technique_parameters
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,8 @@ class SearchOptions:
 
     family: Annotated[str, FAMILY]
     technique: Annotated[
-        str, click.option("--technique", default="avfuzzer", show_default=True, type=click.Choice([*TECHNIQUES]))
+        str,
+        click.option("--technique", default="avfuzzer", show_default=True, type=NameType(TECHNIQUE_REGISTRY)),
     ]
     policy: Annotated[str, POLICY]
     method: Annotated[str, REPAIR]

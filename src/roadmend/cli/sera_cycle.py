@@ -8,7 +8,7 @@ from typing import Annotated, Any, cast
 
 import click
 
-from roadmend.cli.driver_options import REPAIR
+from roadmend.cli.driver_options import POLICY, REPAIR
 from roadmend.cli.language_options import LanguageChoice, language_options
 from roadmend.cli.options import FILE, JSON, PATH, RESULT_FOLDER, SEED, WORKERS, options_of
 from roadmend.cli.output import counting, show_rows
@@ -29,7 +29,6 @@ from roadmend.measures.driving import DrivingMeasures
 from roadmend.measures.summary import summarise, summary_rows
 from roadmend.networks.checkpoint import find_model
 from roadmend.policies.neural import load_model
-from roadmend.policies.registry import POLICIES
 from roadmend.reports.cycle_page import cycle_chart, cycle_page, measure_rows
 from roadmend.reports.result_files import origin, provenance, write_report
 from roadmend.sera.analysis import BagAnalysis, find_bags, read_incidents
@@ -50,15 +49,7 @@ _NAME = "measures"
 class EvaluateOptions:
     """Who drives, on what, and what is recorded."""
 
-    policy: Annotated[
-        str,
-        click.option(
-            "--policy",
-            default="modular",
-            show_default=True,
-            help=f"One of {', '.join(sorted(POLICIES))}, or the model file of a neural policy.",
-        ),
-    ]
+    policy: Annotated[str, POLICY]
     method: Annotated[str, REPAIR]
     chosen: Annotated[SetChoice, set_options]
     known: Annotated[

@@ -10,7 +10,7 @@ import click
 import yaml
 from rich.progress import TextColumn
 
-from roadmend.cli.driver_options import POLICY, POLICY_CORPUS
+from roadmend.cli.driver_options import POLICY, POLICY_CORPUS, POLICY_NAME
 from roadmend.cli.options import DEVICE, FILE, FOLDER, MODEL_OUT, SEED, WORKERS, options_of, settings_file
 from roadmend.cli.output import counting, stages
 from roadmend.core.errors import InputError
@@ -18,7 +18,6 @@ from roadmend.core.fanout import fan_out
 from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import written_beside
 from roadmend.policies.neural_kinds import KINDS
-from roadmend.policies.registry import POLICIES
 from roadmend.training.adreft.ablations import ABLATIONS, ablated
 from roadmend.training.adreft.adjusting import adjust as adjust_model
 from roadmend.training.adreft.configuration import read_training_configuration
@@ -107,7 +106,7 @@ class AdreftOptions:
         tuple[str, ...],
         click.option(
             "--also",
-            type=click.Choice(sorted(POLICIES)),
+            type=POLICY_NAME,
             multiple=True,
             help="Practise on the trials of this policy too, on the training cases of its own corpus; may be repeated.",
         ),
