@@ -1,4 +1,4 @@
-"""``roadmend bag``: what was recorded, looked into, mended, converted, compared and drawn."""
+"""``roadmend bag``: what was recorded, looked into, mended, converted and compared."""
 
 import json
 import math
@@ -21,7 +21,6 @@ from roadmend.recording.diff import bag_diff as compare
 from roadmend.recording.info import BagInfo, TopicInfo
 from roadmend.recording.info import bag_info as read_info
 from roadmend.recording.recovery import bag_size, recover
-from roadmend.reports.bag_picture import draw_bag
 
 
 @click.command("info")
@@ -214,27 +213,3 @@ def _name(bag: Path) -> str:
     """What a bag is called, by its folder, its metadata.yaml or its .mcap."""
     path = bag.resolve()
     return path.parent.name if path.name == "metadata.yaml" else path.stem
-
-
-@click.command()
-@click.argument("bag", type=PATH)
-@click.option(
-    "--out",
-    default=Path("scene.png"),
-    show_default=True,
-    type=PATH,
-    help="PNG, SVG or PDF; or HTML, a page that shows the values of each tick.",
-)
-@click.option("--at", type=click.FloatRange(0.0), help="Simulation time [s].  [default: the longest intervention]")
-@click.option(
-    "--span", default=70.0, show_default=True, type=click.FloatRange(10.0, 2000.0), help="Width of the scene [m]."
-)
-@FUTURES
-def plot(bag: Path, out: Path, at: float | None, span: float, futures: int) -> None:
-    """Draw the time line of a bag, with the scene at one moment.
-
-    Interventions are drawn in the colour of what they were, with --futures: rescue, nuisance, or unclear. A page lists
-    them as 'bag info' does.
-    """
-    moment = draw_bag(bag, out, at, span, _with_need(bag, futures) if futures else ())
-    click.echo(f"{out}: {moment:.2f} s")

@@ -8,13 +8,14 @@ import click
 from roadmend import __version__
 from roadmend.cli.lazy import LazyGroup, Table
 from roadmend.core.errors import InputError, RoadmendError
+from roadmend.core.extras import extra_missing
 
 _BAG: Table = {
     "info": ("roadmend.cli.bag", "bag_info", "Topics, rates, gaps, outcome, interventions; is it complete?"),
     "recover": ("roadmend.cli.bag", "bag_recover", "What a cut or damaged bag still holds, as a new bag."),
     "diff": ("roadmend.cli.bag", "bag_diff", "Two bags, tick by tick."),
     "convert": ("roadmend.cli.bag", "bag_convert", "From mcap to sqlite3 and back."),
-    "plot": ("roadmend.cli.bag", "plot", "Draw its time line, with the scene at one moment."),
+    "plot": ("roadmend.cli.bag_plot", "plot", "Draw its time line, with the scene at one moment."),
     "shadow": ("roadmend.cli.bag_repair", "shadow", "Ask another repair method what it would have done at every tick."),
     "resimulate": ("roadmend.cli.bag_repair", "resimulate", "Drive a bag's scenario again with another method."),
     "need": ("roadmend.cli.bag_need", "need", "Which interventions of a run were rescues, and which a nuisance."),
@@ -128,6 +129,8 @@ def run_group(group: click.Group, name: str, arguments: Sequence[str]) -> int:
         return _complain(str(error), 2)
     except RoadmendError as error:
         return _complain(str(error), 130 if str(error) == "interrupted" else 1)
+    except ModuleNotFoundError as error:
+        return _complain(str(extra_missing(error)), 2)
     except click.UsageError as error:
         asked = error.ctx.command_path if error.ctx is not None else name
         return _complain(f"{error.format_message()} (see '{asked} --help')", 2)

@@ -20,7 +20,8 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 from roadmend.core.errors import RoadmendError
-from roadmend.nodes.fault import FAULT_FILE, read_fault
+from roadmend.core.extras import extra_missing
+from roadmend.nodes.fault import FAULT_FILE, leave_fault, read_fault
 
 _context = multiprocessing.get_context("forkserver")
 # Imports are most of a node's start. The server does them once; each node, and each restart, is then a fork away.
@@ -109,7 +110,14 @@ def _become_node(module: str, arguments: list[str], environment: dict[str, str],
         os.dup2(file.fileno(), 2)
     os.environ.clear()
     os.environ.update(environment)
-    sys.exit(importlib.import_module(module).main(arguments))
+    try:
+        node = importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        refusal = extra_missing(error)
+        print(f"roadmend: {refusal}", file=sys.stderr)
+        leave_fault(refusal)
+        sys.exit(2)
+    sys.exit(node.main(arguments))
 
 
 def _end_with_launcher() -> None:

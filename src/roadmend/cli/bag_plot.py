@@ -1,0 +1,39 @@
+"""``roadmend bag plot``: the one command on bags that needs what draws."""
+
+from pathlib import Path
+
+import click
+
+from roadmend.cli.options import FUTURES, PATH
+from roadmend.core.spell import Spell
+from roadmend.reports.bag_picture import draw_bag
+
+
+@click.command()
+@click.argument("bag", type=PATH)
+@click.option(
+    "--out",
+    default=Path("scene.png"),
+    show_default=True,
+    type=PATH,
+    help="PNG, SVG or PDF; or HTML, a page that shows the values of each tick.",
+)
+@click.option("--at", type=click.FloatRange(0.0), help="Simulation time [s].  [default: the longest intervention]")
+@click.option(
+    "--span", default=70.0, show_default=True, type=click.FloatRange(10.0, 2000.0), help="Width of the scene [m]."
+)
+@FUTURES
+def plot(bag: Path, out: Path, at: float | None, span: float, futures: int) -> None:
+    """Draw the time line of a bag, with the scene at one moment.
+
+    Interventions are drawn in the colour of what they were, with --futures: rescue, nuisance, or unclear. A page lists
+    them as 'bag info' does.
+    """
+    moment = draw_bag(bag, out, at, span, _with_need(bag, futures) if futures else ())
+    click.echo(f"{out}: {moment:.2f} s")
+
+
+def _with_need(bag: Path, futures: int) -> tuple[Spell, ...]:
+    from roadmend.cli.bag_need import needs_of  # noqa: PLC0415 - SUMO and the policies; most calls drive nothing
+
+    return needs_of(bag, futures)

@@ -1,0 +1,27 @@
+"""Libraries that only some commands need, and the extra of the package that brings each."""
+
+from roadmend.core.errors import InputError
+
+EXTRAS = {  # module -> extra, as pyproject.toml has them
+    "faiss": "sera",
+    "foxglove": "foxglove",
+    "jinja2": "reports",
+    "matplotlib": "reports",
+    "openai": "language",
+    "scenariogeneration": "export",
+    "tensorboard": "training",
+    "torch": "training",
+}
+
+
+def extra_missing(error: ModuleNotFoundError) -> InputError:
+    """What to say where an import failed because an extra is not installed.
+
+    Raises:
+        ModuleNotFoundError: the error itself, where no extra has the module: something is broken then.
+    """
+    module = (error.name or "").partition(".")[0]
+    if module not in EXTRAS:
+        raise error
+    extra = EXTRAS[module]
+    return InputError(module, "needed here and not installed", f"install it with: pip install 'roadmend[{extra}]'")
