@@ -93,6 +93,12 @@ def test_an_installed_package_offers_more(installed):
     assert "did you mean third?" in refusal("thrid")
 
 
+def test_a_name_that_ros_would_not_take_has_a_label_that_it_takes(installed):
+    installed("thing-mall", ["late-brake"])
+    found = THINGS.find("late-brake")
+    assert (found.given, found.label) == ("late-brake", "late_brake")
+
+
 def test_a_name_of_ours_is_never_anybody_elses(installed):
     installed("thing-thief", ["first"])
     assert THINGS.find("first").entry is int

@@ -6,6 +6,7 @@ imported; and where a kind of thing comes as a model file, its path will do.
 
 import importlib
 import logging
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -115,6 +116,7 @@ class Registry(Generic[Entry]):
 
     def _adapted(self, given: str, label: str, thing: Any, module: str, package: str) -> Found[Entry]:
         entry = self.adapt(given, thing)
+        label = re.sub(r"[^A-Za-z0-9_.]", "_", label)  # ROS takes nothing else in the name of a parameter
         if label in self.own:
             raise InputError(f"{self.noun} {given}", f"is called {label!r} as one of ours", "give it another name")
         home = getattr(thing, "__module__", module)  # another than it was named by, where it is imported from there
