@@ -31,7 +31,9 @@ def test_the_extra_all_has_all_of_them():
 
 def test_a_module_of_a_library_is_the_librarys():
     error = ModuleNotFoundError("No module named 'matplotlib.figure'", name="matplotlib.figure")
-    assert str(extra_missing(error)).endswith("pip install 'roadmend[reports]'")
+    assert str(extra_missing(error)).endswith(
+        "pip install 'roadmend[reports]', or in a clone: ./roadmend set-up reports"
+    )
 
 
 def test_what_no_extra_has_stays_what_it_is():
@@ -55,7 +57,6 @@ def test_a_command_that_needs_it_says_so_in_one_line_and_others_run(tmp_path):
     sample = str(Path(__file__).parents[2] / "bags" / "samples" / "collision")
     refused = call("bag", "plot", sample)
     assert refused.returncode == 2
-    assert refused.stderr.splitlines() == [
-        "roadmend: matplotlib: needed here and not installed; install it with: pip install 'roadmend[reports]'"
-    ]
+    (said,) = refused.stderr.splitlines()
+    assert said.startswith("roadmend: matplotlib: needed here and not installed; install it with: pip install")
     assert call("bag", "info", sample).returncode == 0

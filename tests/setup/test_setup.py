@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from importlib.machinery import SourceFileLoader
 from importlib.util import module_from_spec, spec_from_loader
 from pathlib import Path
@@ -88,13 +89,42 @@ def test_every_python_since_3_6_can_read_the_script():
     ast.parse((REPOSITORY / "roadmend").read_text(), feature_version=(3, 6))
 
 
-@pytest.mark.parametrize("name", ["base.txt", "export.txt", "ros.txt", "test.txt", "train.txt"])
-def test_pins_are_complete_and_exact(name):
-    lines = (REPOSITORY / "config" / "requirements" / name).read_text().splitlines()
-    pins = [line for line in lines if not line.startswith("#")]
+PINS = REPOSITORY / "config" / "requirements"
+LISTS = sorted(path.stem for path in PINS.glob("*.txt"))
+
+
+def pins_of(name):
+    lines = (PINS / name).read_text().splitlines()
+    pins = [line.removesuffix(" \\") for line in lines if not line.startswith(("#", " "))]
     assert all(re.fullmatch(r"[\w.-]+==[\w.]+", pin) for pin in pins)
-    names = [re.sub(r"[-_.]+", "-", pin.split("==")[0].lower()) for pin in pins]
+    return [re.sub(r"[-_.]+", "-", pin.split("==")[0].lower()) + "==" + pin.split("==")[1] for pin in pins]
+
+
+@pytest.mark.parametrize("name", LISTS)
+def test_pins_are_locked_to_digests_all_but_torch(name):
+    locked = pins_of(name + ".lock")
+    assert sorted(locked) == sorted(pin for pin in pins_of(name + ".txt") if not pin.startswith("torch=="))
+    blocks = re.split(r"^(?=\S)", (PINS / f"{name}.lock").read_text(), flags=re.MULTILINE)[1:]
+    assert len(blocks) == len(locked)
+    assert all(re.search(r"--hash=sha256:[0-9a-f]{64}\b", block) for block in blocks)
+
+
+def test_no_package_is_pinned_twice():
+    names = [pin.split("==")[0] for name in LISTS for pin in pins_of(name + ".txt")]
     assert len(names) == len(set(names))
+
+
+def test_the_locks_name_no_place_on_the_network():
+    assert not [path.name for path in PINS.iterdir() if re.search(r"https?://|index-url|find-links", path.read_text())]
+
+
+def test_every_list_is_of_a_stage(launcher):
+    assert set(LISTS) == {"base", "ros", "test", "uv", *launcher.EXTRAS}
+
+
+def test_the_extras_are_those_of_the_package(launcher):
+    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["project"]
+    assert {*launcher.EXTRAS, "all"} == set(project["optional-dependencies"])
 
 
 class TestWhichPython:
@@ -144,7 +174,7 @@ class TestWhichRos:
         for jazzy in (False, True):
             context = launcher.Context(str(checkout / ".venv"), jazzy=jazzy)
             launcher.stages(context)[1].action(context)
-        assert installed == [("base.txt", "ros.txt"), ("base.txt",)]
+        assert installed == [("base", "ros"), ("base",)]
 
     def test_with_jazzy_messages_of_a_sourced_workspace_are_taken(self, launcher, context, monkeypatch):
         built = []
@@ -224,7 +254,7 @@ class TestOneLineErrors:
         usage = SimpleNamespace(free=10**8)
         monkeypatch.setattr(shutil, "disk_usage", lambda _: usage)
         with pytest.raises(launcher.SetupError, match=r"^100 MB are free in .*make room"):
-            launcher.install(context, "base.txt")
+            launcher.install(context, "base")
 
     def test_disk_full_meanwhile(self, context):
         error = context.error("OSError: [Errno 28] No space left on device", "pip failed", "try again")
@@ -278,62 +308,125 @@ class TestOneLineErrors:
         assert "Python environment" not in second.stderr
 
 
-class TestTorch:
+class TestExtras:
     @pytest.mark.parametrize(
-        "command",
+        ("command", "needed"),
         [
-            "train",
-            "train adreft --seed 3",
-            "bench adreft --quick",
-            "bench sera",
-            "sera cycle",
-            "sera tune",
-            "set-up train",
+            ("", ""),
+            ("demo", ""),
+            ("run train", ""),
+            ("evaluate x.yaml --repair rss", ""),
+            ("bag info x", ""),
+            ("bag plot x", "reports"),
+            ("run --scenario s.yaml --foxglove", "foxglove"),
+            ("run --foxglove=9000", "foxglove"),
+            ("safe export x", "export language reports"),
+            ("sera analyse x", "language reports sera"),
+            ("train", "training"),
+            ("train adreft --seed 3", "training"),
+            ("sera cycle", "language reports sera training"),
+            ("bench sera", "export foxglove language reports sera training"),
+            ("train --help", ""),
+            ("safe extract -h", ""),
+            ("set-up", ""),
+            ("set-up training sera", "training sera"),
         ],
     )
-    def test_is_installed_for_what_trains_or_measures_against_it(self, launcher, command):
-        assert launcher.needs_torch(command.split())
+    def test_come_with_the_commands_that_need_them(self, launcher, command, needed):
+        assert launcher.extras_needed(command.split()) == tuple(needed.split())
 
-    @pytest.mark.parametrize(
-        "command", ["", "demo", "run train", "bench loop", "sera analyse", "set-up", "train --help", "train x -h"]
-    )
-    def test_and_for_nothing_else(self, launcher, command):
-        assert not launcher.needs_torch(command.split())
+    def test_one_that_is_not_there_is_named_with_those_that_are(self, launcher):
+        with pytest.raises(launcher.SetupError, match=r"set-up trainng: there is no such.* choose of .*training, test"):
+            launcher.extras_needed(["set-up", "trainng"])
 
-    def test_the_tests_need_it_too(self, launcher, context):
-        assert launcher.Context(context.venv, testing=True).training
-        assert not context.training
+    def test_the_tests_need_all(self, launcher, context):
+        assert launcher.Context(context.venv, testing=True).extras == [*launcher.EXTRAS]
+        assert context.extras == []
 
-    def test_is_asked_for_with_its_dependencies_and_by_its_exact_release(self, launcher, context, monkeypatch):
+
+class TestInstaller:
+    @pytest.fixture
+    def commands(self, launcher, context, monkeypatch):
+        """What would have been run; pip's settings are asked for by running it, and it has some."""
+        result = []
+
+        def run(command, settings=None, cwd=None):
+            result.append((command, settings))
+            return "global.index-url='http://here/simple'\nglobal.timeout='9'\n:env:.find-links='/a\\n/b'\n"
+
+        monkeypatch.setattr(context, "run", run)
+        monkeypatch.delenv("UV_DEFAULT_INDEX", raising=False)
+        monkeypatch.delenv("UV_FIND_LINKS", raising=False)
+        return result
+
+    def test_uv_of_the_user_is_taken_and_told_what_pip_is_told(self, launcher, context, commands, monkeypatch):
+        monkeypatch.setattr(shutil, "which", lambda name: "/usr/bin/" + name)
+        launcher.install(context, "base", "ros")
+        command, settings = commands[-1]
+        assert command[:5] == ["/usr/bin/uv", "pip", "install", "--python", context.python]
+        assert "--require-hashes" in command
+        assert [Path(part).name for part in command if part.endswith(".lock")] == ["base.lock", "ros.lock"]
+        assert settings == {
+            "UV_DEFAULT_INDEX": "http://here/simple",
+            "UV_FIND_LINKS": "/a /b",
+            "UV_INDEX_STRATEGY": "unsafe-best-match",
+        }
+
+    def test_what_the_user_told_uv_wins(self, launcher, context, commands, monkeypatch):
+        monkeypatch.setenv("UV_DEFAULT_INDEX", "http://there/simple")
+        monkeypatch.setenv("UV_INDEX_STRATEGY", "first-index")
+        assert launcher.uv_settings(context) == {"UV_FIND_LINKS": "/a /b"}
+
+    def test_where_there_is_none_pip_fetches_one_once_and_it_goes_again(self, launcher, context, commands, monkeypatch):
+        monkeypatch.setattr(shutil, "which", lambda _: None)
+        launcher.install(context, "base")
+        launcher.install(context, "test")
+        fetched = [command for command, _ in commands if any(part.endswith("uv.lock") for part in command)]
+        assert len(fetched) == 1
+        assert "--require-hashes" in fetched[0]
+        assert fetched[0][fetched[0].index("--target") + 1] == context.tools
+        assert commands[-1][0][0] == f"{context.tools}/bin/uv"
+
+    def test_pip_does_it_where_no_uv_can_be_had_or_uv_fails(self, launcher, context, monkeypatch):
         commands = []
-        monkeypatch.setattr(context, "run", commands.append)
-        launcher.install_torch(context)
-        pip = commands[0]
-        assert "--no-deps" not in pip
-        assert not any(part.startswith("torch") for part in pip)
-        lists = [Path(pip[place + 1]).name for place, part in enumerate(pip) if part in {"-r", "-c"}]
-        assert lists == ["train.txt", "base.txt"]
-        pins = (Path(pip[pip.index("-r") + 1])).read_text().splitlines()
-        assert [pin for pin in pins if pin.startswith("torch")] == ["torch==2.13.0"]
-        assert "import torch" in commands[1][-1]
 
-    def test_pins_agree_with_those_that_it_is_installed_beside(self):
-        folder = REPOSITORY / "config" / "requirements"
-        names = [
-            line.split("==")[0].lower()
-            for name in ("base.txt", "export.txt", "ros.txt", "test.txt", "train.txt")
-            for line in (folder / name).read_text().splitlines()
-            if "==" in line
+        def run(command, settings=None, cwd=None):
+            commands.append(command)
+            if any("uv" in Path(part).name for part in command):
+                raise RuntimeError("no uv for this machine")
+            return ""
+
+        monkeypatch.setattr(context, "run", run)
+        for found in (None, "/usr/bin/uv"):
+            context.uv = context.tools = ""
+            monkeypatch.setattr(shutil, "which", lambda _, found=found: found)
+            launcher.install(context, "base")
+            assert commands[-1][:4] == [context.python, "-m", "pip", "install"]
+            assert "--require-hashes" in commands[-1]
+
+    def test_torch_comes_from_pip_with_its_dependencies_and_by_its_exact_release(
+        self, launcher, context, commands, monkeypatch
+    ):
+        monkeypatch.setattr(shutil, "which", lambda name: "/usr/bin/" + name)
+        launcher.install_training(context)
+        (pip,) = [command for command, _ in commands if "torch==2.13.0" in command]
+        assert pip[:4] == [context.python, "-m", "pip", "install"]
+        assert "--no-deps" not in pip
+        assert [Path(pip[place + 1]).name for place, part in enumerate(pip) if part == "-c"] == [
+            "training.txt",
+            "base.txt",
         ]
-        assert len(names) == len(set(names))
+        assert "import torch" in commands[-1][0][-1]
 
     def test_a_failure_names_the_smaller_build(self, launcher, context, monkeypatch):
+        monkeypatch.setattr(launcher, "install", lambda *_: None)
+
         def fail(_):
             raise RuntimeError("OSError: [Errno 28] No space left on device")
 
         monkeypatch.setattr(context, "run", fail)
         with pytest.raises(launcher.SetupError, match=r"the disk is full; make room.*a CPU build of the torch"):
-            launcher.install_torch(context)
+            launcher.install_training(context)
 
 
 class TestStamps:
@@ -359,12 +452,12 @@ class TestStamps:
         assert self.open_stages(launcher, context) == ["ROS messages", "first start"]
 
     def test_a_new_pin_reinstalls_the_packages(self, ready, launcher, context):
-        with (ready / "config" / "requirements" / "base.txt").open("a") as file:
+        with (ready / "config" / "requirements" / "base.lock").open("a") as file:
             file.write("six==1.17.0\n")
         assert self.open_stages(launcher, context) == ["packages", "first start", "numerical kernels"]
 
     def test_new_ros_wheels_rebuild_the_messages_too(self, ready, launcher, context):
-        with (ready / "config" / "requirements" / "ros.txt").open("a") as file:
+        with (ready / "config" / "requirements" / "ros.lock").open("a") as file:
             file.write("six==1.17.0\n")
         assert self.open_stages(launcher, context) == ["packages", "ROS messages", "first start"]
 
@@ -376,20 +469,20 @@ class TestStamps:
     def test_testing_adds_its_own_stages(self, ready, launcher, context, monkeypatch):
         monkeypatch.setattr(launcher, "node_found", lambda: True)
         context = launcher.Context(context.venv, testing=True)
-        added = ["torch, for training", "writer of OpenSCENARIO", "test tools"]
+        added = [title.split(" (")[0] for title, _ in launcher.EXTRAS.values()] + ["test tools"]
         assert self.open_stages(launcher, context) == [*added, "JavaScript readers"]
         monkeypatch.setattr(launcher, "node_found", lambda: False)
         assert self.open_stages(launcher, context) == added
 
     def test_training_adds_torch_alone(self, ready, launcher, context):
-        context = launcher.Context(context.venv, training=True)
+        context = launcher.Context(context.venv, extras=("training",))
         assert self.open_stages(launcher, context) == ["torch, for training"]
 
     def test_another_torch_is_installed_where_it_is_needed_and_nowhere_else(self, ready, launcher, context):
-        training = launcher.Context(context.venv, training=True)
+        training = launcher.Context(context.venv, extras=("training",))
         launcher.stages(training)[-1].mark()
         assert self.open_stages(launcher, training) == []
-        with (ready / "config" / "requirements" / "train.txt").open("a") as file:
+        with (ready / "config" / "requirements" / "training.txt").open("a") as file:
             file.write("six==1.17.0\n")
         assert self.open_stages(launcher, training) == ["torch, for training"]
         assert self.open_stages(launcher, context) == []

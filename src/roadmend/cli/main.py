@@ -66,7 +66,7 @@ def train() -> None:
     """Train a driving policy, a repair model or a rival's model.
 
     The first call sets torch up: its build for CUDA, of several gigabytes, unless a CPU build of the release in
-    config/requirements/train.txt has been put into .venv with pip before. CUDA is used where it is there.
+    config/requirements/training.txt has been put into .venv with pip before. CUDA is used where it is there.
     """
 
 

@@ -24,4 +24,5 @@ def extra_missing(error: ModuleNotFoundError) -> InputError:
     if module not in EXTRAS:
         raise error
     extra = EXTRAS[module]
-    return InputError(module, "needed here and not installed", f"install it with: pip install 'roadmend[{extra}]'")
+    mend = f"install it with: pip install 'roadmend[{extra}]', or in a clone: ./roadmend set-up {extra}"
+    return InputError(module, "needed here and not installed", mend)
