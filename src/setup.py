@@ -47,6 +47,7 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/" + NAME]),
         ("share/" + NAME, ["package.xml"]),
+        (f"share/{NAME}/launch", sorted(os.path.relpath(path, HERE) for path in (HERE / "launch").glob("*.launch.py"))),
         *configuration(),
         *definitions(),
     ],

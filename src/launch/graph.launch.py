@@ -1,0 +1,91 @@
+"""The whole graph: ``ros2 launch roadmend graph.launch.py scenario:=s.yaml repair:=adreft``.
+
+Every node of a run, under a namespace and with remappings if they are given. The run ends when the simulator does.
+``roadmend run`` does the same without launch, and beyond it restarts a node that dies and ends one that hangs.
+"""
+
+from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction, RegisterEventHandler
+from launch.event_handlers import OnProcessExit
+from launch.events import Shutdown
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node, SetRemap
+
+from launch import LaunchContext, LaunchDescription
+
+NO = ("false", "0", "no")
+
+# name -> default and meaning; those of `roadmend run` have its names
+ARGUMENTS = {
+    "scenario": ("", "scenario file to drive"),
+    "policy": ("modular", "driving policy; external: none is started here, one of your own publishes its commands"),
+    "repair": ("rss", "repair method"),
+    "clock": ("lockstep", "lockstep or realtime"),
+    "rate": ("1.0", "real time: simulated seconds per wall second"),
+    "seed": ("0", "of the repair method"),
+    "out": ("bags", "folder for the bag"),
+    "name": ("recording", "name of the bag"),
+    "record": ("true", "whether a bag is recorded"),
+    "viz": ("true", "whether markers and frames are published"),
+    "foxglove": ("", "port of the live server for Foxglove; none if empty"),
+    "sim": ("true", "whether the simulator of roadmend drives; false: ego, objects and clock come from your own nodes"),
+    "namespace": ("", "of all nodes"),
+    "remap": ("", "topics under other names, as FROM:=TO, with blanks between"),
+    "params_file": ("", "YAML file with parameters of the nodes, after those of the launch file"),
+    "log_level": ("info", "of all nodes"),
+}
+
+
+def nodes(context: LaunchContext) -> list:
+    """Make the nodes from the arguments as they are now."""
+    given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    simulated = given["sim"].lower() not in NO
+    if simulated and not given["scenario"]:
+        raise RuntimeError("scenario: missing; give one, as scenario:=s.yaml, or sim:=false for a graph of your own")
+    parameters = {
+        "recorder": {"output": given["out"], "name": given["name"]},
+        "viz": {},
+        "foxglove": {"port": int(given["foxglove"] or 0)},
+        "policy": {"policy": given["policy"]},
+        "repair": {"method": given["repair"], "clock": given["clock"], "seed": int(given["seed"])},
+    }
+    wanted = {
+        "recorder": given["record"].lower() not in NO,
+        "viz": given["viz"].lower() not in NO,
+        "foxglove": bool(given["foxglove"]),
+        "policy": given["policy"] != "external",
+        "repair": True,
+    }
+    started = [node(name, parameters[name], given) for name in parameters if wanted[name]]
+    if simulated:
+        waited_for = [f"{name}_node" for name in parameters if wanted[name]]
+        own = {"scenario": given["scenario"], "clock": given["clock"], "rate": float(given["rate"])}
+        simulator = node("sim", own | {"wait_for": waited_for}, given)
+        over = OnProcessExit(target_action=simulator, on_exit=[EmitEvent(event=Shutdown(reason="the drive is over"))])
+        started += [simulator, RegisterEventHandler(over)]
+    pairs = [pair.split(":=") for pair in given["remap"].split()]
+    if any(len(pair) != 2 for pair in pairs):
+        raise RuntimeError(f"remap: {given['remap']!r} is no list of FROM:=TO; correct it")
+    return [*(SetRemap(src=source, dst=target) for source, target in pairs), *started]
+
+
+def node(name: str, parameters: dict, given: dict[str, str]) -> Node:
+    """One node of the package; a file of parameters stands behind ours, and so wins."""
+    files = [given["params_file"]] if given["params_file"] else []
+    return Node(
+        package="roadmend",
+        executable=f"{name}_node",
+        name=f"{name}_node",
+        namespace=given["namespace"],
+        parameters=[parameters, *files],
+        ros_arguments=["--log-level", given["log_level"]],
+        output="screen",
+    )
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Declare the arguments, then start the nodes."""
+    declared = [
+        DeclareLaunchArgument(name, default_value=default, description=meaning)
+        for name, (default, meaning) in ARGUMENTS.items()
+    ]
+    return LaunchDescription([*declared, OpaqueFunction(function=nodes)])

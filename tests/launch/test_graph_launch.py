@@ -1,0 +1,175 @@
+"""src/launch/graph.launch.py against a stand-in of launch, which has no wheel: what it declares and what it starts.
+
+The stand-in takes the arguments that launch and launch_ros of Jazzy take, and no others.
+"""
+
+import runpy
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+import yaml
+
+from roadmend.cli.run import run as run_command
+from roadmend.nodes.launcher import NODES
+
+REPOSITORY = Path(__file__).parents[2]
+FILE = REPOSITORY / "src" / "launch" / "graph.launch.py"
+
+
+@dataclass
+class LaunchDescription:
+    entities: list
+
+
+@dataclass
+class DeclareLaunchArgument:
+    name: str
+    default_value: str
+    description: str
+
+
+@dataclass
+class OpaqueFunction:
+    function: object
+
+
+@dataclass
+class LaunchConfiguration:
+    name: str
+
+    def perform(self, context):
+        return context[self.name]
+
+
+@dataclass
+class Node:
+    package: str
+    executable: str
+    name: str
+    namespace: str
+    parameters: list
+    ros_arguments: list
+    output: str
+
+
+@dataclass
+class SetRemap:
+    src: str
+    dst: str
+
+
+@dataclass
+class OnProcessExit:
+    target_action: Node
+    on_exit: list
+
+
+@dataclass
+class RegisterEventHandler:
+    event_handler: OnProcessExit
+
+
+@dataclass
+class Shutdown:
+    reason: str
+
+
+@dataclass
+class EmitEvent:
+    event: Shutdown = field(default=None)
+
+
+STAND_IN = {
+    "launch": {"LaunchContext": dict, "LaunchDescription": LaunchDescription},
+    "launch.actions": {
+        "DeclareLaunchArgument": DeclareLaunchArgument,
+        "EmitEvent": EmitEvent,
+        "OpaqueFunction": OpaqueFunction,
+        "RegisterEventHandler": RegisterEventHandler,
+    },
+    "launch.event_handlers": {"OnProcessExit": OnProcessExit},
+    "launch.events": {"Shutdown": Shutdown},
+    "launch.substitutions": {"LaunchConfiguration": LaunchConfiguration},
+    "launch_ros": {},
+    "launch_ros.actions": {"Node": Node, "SetRemap": SetRemap},
+}
+
+
+@pytest.fixture
+def description(monkeypatch):
+    for name, content in STAND_IN.items():
+        module = ModuleType(name)
+        vars(module).update(content)
+        monkeypatch.setitem(sys.modules, name, module)
+    return runpy.run_path(str(FILE))["generate_launch_description"]()
+
+
+@pytest.fixture
+def start(description):
+    def entities(**given):
+        arguments = [each for each in description.entities if isinstance(each, DeclareLaunchArgument)]
+        context = {each.name: each.default_value for each in arguments}
+        assert set(given) <= set(context)
+        (function,) = [each.function for each in description.entities if isinstance(each, OpaqueFunction)]
+        return function({**context, **given})
+
+    return entities
+
+
+def nodes_of(entities):
+    return {each.executable: each for each in entities if isinstance(each, Node)}
+
+
+def test_everything_is_started_and_the_simulator_waits_for_it(start):
+    nodes = nodes_of(start(scenario="s.yaml", foxglove="8765"))
+    assert set(nodes) == {f"{entry.node}_node" for entry in NODES} | {"sim_node"}
+    assert nodes["sim_node"].parameters[0]["wait_for"] == [name for name in nodes if name != "sim_node"]
+
+
+def test_what_is_not_wanted_is_not_started(start):
+    nodes = nodes_of(start(scenario="s.yaml", record="false", viz="false", policy="external"))
+    assert set(nodes) == {"repair_node", "sim_node"}
+    assert set(nodes_of(start(sim="false", record="false", viz="false", policy="external"))) == {"repair_node"}
+
+
+def test_the_drive_ends_the_run(start):
+    (handler,) = [each.event_handler for each in start(scenario="s.yaml") if isinstance(each, RegisterEventHandler)]
+    assert handler.target_action.executable == "sim_node"
+    assert isinstance(handler.on_exit[0].event, Shutdown)
+
+
+def test_nodes_are_remapped_named_and_configured(start):
+    entities = start(scenario="s.yaml", remap="/ego:=/car /objects:=/others", namespace="one", params_file="p.yaml")
+    remaps = [(each.src, each.dst) for each in entities if isinstance(each, SetRemap)]
+    assert remaps == [("/ego", "/car"), ("/objects", "/others")]
+    for node in nodes_of(entities).values():
+        assert node.namespace == "one"
+        assert node.parameters[-1] == "p.yaml"  # behind ours: what it says wins
+
+
+@pytest.mark.parametrize(("given", "message"), [({}, "scenario: missing"), ({"sim": "no", "remap": "x"}, "'x' is no")])
+def test_bad_arguments_are_one_line(start, given, message):
+    with pytest.raises(RuntimeError, match=message):
+        start(**given)
+
+
+def test_there_is_an_argument_for_what_the_command_line_has(description):
+    declared = {each.name for each in description.entities if isinstance(each, DeclareLaunchArgument)}
+    options = {option.lstrip("-") for each in run_command.params for option in each.opts if option.startswith("--")}
+    of_a_configuration = {"sumocfg", "ego-route", "time-limit", "warm-up"}  # `roadmend run` makes a scenario of it
+    assert options - declared - of_a_configuration - {"json"} == set()
+
+
+def test_every_parameter_is_one_that_its_node_has(start):
+    sections = yaml.safe_load((REPOSITORY / "config" / "graph.yaml").read_text(encoding="utf-8"))
+    for node in nodes_of(start(scenario="s.yaml", foxglove="8765")).values():
+        known = set(sections[f"/**/{node.executable}"]["ros__parameters"]) | {"scenario"}
+        assert set(node.parameters[0]) <= known
+
+
+def test_every_node_that_is_started_is_a_program_of_the_package(start):
+    text = (REPOSITORY / "src" / "setup.py").read_text(encoding="utf-8")
+    assert all(f'"{name} = roadmend.nodes.' in text for name in nodes_of(start(scenario="s.yaml", foxglove="1")))
