@@ -121,7 +121,7 @@ def test_the_table_names_both(recorded, tmp_path, capsys):
         (["--repair", "rss", "--set", "rho=["], "--set rho=[: is no NAME=VALUE"),
         (["--repair", "rss", "--model", "m.safetensors"], "rss.model: is unknown; known are: rho"),
         (["--repair", "adreft", "--model", "m.safetensors"], "m.safetensors: no such model file"),
-        (["--repair", "prayer"], "'prayer' is not one of"),
+        (["--repair", "prayer"], "there is no 'prayer'; choose one of"),
     ],
 )
 def test_a_bad_choice_is_one_line_and_leaves_nothing(recorded, tmp_path, capsys, arguments, line):

@@ -174,7 +174,7 @@ def test_the_table(tmp_path, capsys):
         ([REPORTS, "--backend", "replay"], "has no recording"),
         ([REPORTS, "--backend", "replay", "--recording", "missing"], "missing"),
         ([REPORTS, "--backend", "openai", "--settings", "missing.yaml"], "missing.yaml"),
-        ([REPORTS, "--backend", "magic"], "'magic' is not one of"),
+        ([REPORTS, "--backend", "magic"], "there is no 'magic'; choose one of"),
         ([REPORTS, "--attempts", "0"], "attempts"),
     ],
 )
