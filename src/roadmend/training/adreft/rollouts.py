@@ -99,9 +99,7 @@ class _Notes:
 
     def result(self, name: str, outcome: str, attributes: int) -> CaseRollouts:
         """All of it."""
-        moment, choice, collided, lost = (
-            (np.array(column) for column in zip(*self.tried, strict=True)) if (self.tried) else (np.empty(0),) * 4
-        )
+        moment, choice, collided, lost = np.array(self.tried, dtype=np.float64).reshape(-1, 4).T
         return CaseRollouts(
             name,
             outcome,
@@ -124,11 +122,10 @@ def _collides(future: Future) -> bool:
 
 def _lost(waited: Future, acted: Future) -> float:
     """Seconds by which the second is behind the first; negative where it is ahead."""
+    if waited.final is not None and acted.final is not None:  # both have arrived
+        return acted.duration - waited.duration
     speed = max(_SLOWEST, waited.driven / max(waited.duration, INTERVAL))
-    # At the goal before the horizon: what lies between the ends is time already.
-    ahead = acted.duration - waited.duration if waited.final is not None and acted.final is not None else 0.0
-    behind = 0.0 if waited.final is not None and acted.final is not None else (waited.driven - acted.driven) / speed
-    return ahead + behind
+    return (waited.driven - acted.driven) / speed
 
 
 def rollouts_of_case(case: EpisodeCase, recipe: Recipe, plan: RolloutPlan, guide: Path) -> CaseRollouts:
