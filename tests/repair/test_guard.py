@@ -214,6 +214,36 @@ def test_a_method_that_cannot_be_reset_is_a_fault_until_it_can():
     assert step(repairer, time=1.05).status == RepairStatus.PASS
 
 
+def test_the_first_fault_of_a_method_is_kept_whatever_comes_later():
+    method = Scripted()
+    repairer = guarded(method)
+    step(repairer)
+    assert repairer.first_fault == ""
+    method.answer = Proposal(0.9, 0.5, -1.5)
+    spoilt = step(repairer, time=0.05)
+    first = repairer.first_fault
+    assert first.startswith(f"{method.name}: ")
+    assert first in spoilt.reason
+    method.answer = fail
+    assert " failed: " in step(repairer, time=0.1).reason
+    assert repairer.first_fault == first
+    repairer.reset(straight_route())
+    assert repairer.first_fault == first
+
+    failing = guarded(Scripted(fail))
+    reason = step(failing).reason
+    assert failing.first_fault.startswith(f"{method.name} failed: ")
+    assert failing.first_fault in reason
+
+    method = Scripted()
+    stuck = guarded(method)
+    method.reset = lambda route: fail()
+    stuck.reset(straight_route())
+    assert stuck.first_fault == ""  # nobody has asked it yet
+    step(stuck)
+    assert "could not be reset" in stuck.first_fault
+
+
 def test_when_even_rss_fails_the_vehicle_stops():
     repairer = guarded(Scripted(fail))
     repairer._rule = Scripted(fail)
@@ -232,6 +262,9 @@ def test_an_overrun_of_the_budget_is_a_fault_and_off_by_default(monkeypatch):
     assert late.status == RepairStatus.MODEL_FAULT
     assert late.final_action == 0.2
     assert "took 20.0 ms of 10.0 ms" in late.reason
+    slow = guarded(Scripted(Proposal(0.9, 0.5, -1.0)), budget=0.01)
+    step(slow)
+    assert slow.first_fault == ""  # it has answered
     begun = next(clock)
     assert step(guarded()).status == RepairStatus.PASS
     assert next(clock) == pytest.approx(begun + 0.02)  # nobody looked
