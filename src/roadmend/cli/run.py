@@ -246,10 +246,12 @@ def _explain(results: list[RunResult]) -> None:
     console = wide_console()
     good = (result for result in results if result.episode.interventions and result.episode.reached_goal)
     shown = next(good, results[-1])
-    console.print(f"\nA picture of the moment: [bold]./roadmend bag plot {shown.bag}[/]", highlight=False)
-    console.print(
-        "Or open the bag's .mcap in Foxglove, with the layout config/foxglove/roadmend.json.", highlight=False
-    )
+    home = config_folder().parent
+    is_clone = (home / "roadmend").is_file()  # else a wheel has put the command on the PATH, and its data elsewhere
+    layout = (Path("config") if is_clone else config_folder()) / "foxglove" / "roadmend.json"
+    command = "./roadmend" if is_clone else "roadmend"
+    console.print(f"\nA picture of the moment: [bold]{command} bag plot {shown.bag}[/]", highlight=False)
+    console.print(f"Or open the bag's .mcap in Foxglove, with the layout {layout}.", highlight=False)
 
 
 @dataclass(frozen=True)
