@@ -474,6 +474,15 @@ class TestStamps:
         monkeypatch.setattr(launcher, "node_found", lambda: False)
         assert self.open_stages(launcher, context) == added
 
+    def test_every_stage_installs_its_own_list(self, launcher, context, monkeypatch):
+        installed = []
+        monkeypatch.setattr(launcher, "install", lambda _, *names: installed.append(names))
+        for stage in launcher.stages(launcher.Context(context.venv, testing=True)):
+            if stage.action.__name__ == "<lambda>":  # the others do more than that
+                stage.action(context)
+        extras = [(name,) for name in launcher.EXTRAS if name != "training"]
+        assert installed == [("base", "ros"), *extras, ("test",)]
+
     def test_training_adds_torch_alone(self, ready, launcher, context):
         context = launcher.Context(context.venv, extras=("training",))
         assert self.open_stages(launcher, context) == ["torch, for training"]
