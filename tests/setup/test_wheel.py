@@ -35,7 +35,10 @@ def wheel(tmp_path_factory):
     folder = tmp_path_factory.mktemp("wheel")
     options = ["--no-build-isolation", "--no-deps", "--no-index", "--wheel-dir", str(folder)]
     command = [sys.executable, "-m", "pip", "wheel", *options, str(REPOSITORY)]
-    result = subprocess.run(command, env=plain_environment(), capture_output=True, text=True, check=False)
+    # The compiler runs alone and yields to everybody: tests beside it drive the graph, whose nodes answer in time.
+    command = ["nice", "-n", "19", *command]
+    environ = plain_environment() | {"CMAKE_BUILD_PARALLEL_LEVEL": "1"}
+    result = subprocess.run(command, env=environ, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stdout[-3000:] + result.stderr[-3000:]
     (built,) = folder.iterdir()
     return built
