@@ -105,8 +105,14 @@ def test_the_graph_of_the_example_drives_as_this_process_does_and_the_bag_says_w
 @pytest.mark.parametrize(
     ("who", "said"),
     [
-        (["--policy", "their_policies:Late"], "policy their_policies:Late failed in step at 1.05 s: ZeroDivisionError"),
-        (["--repair", "their_repairs:Late"], "their_repairs:Late failed: ForeignError(\"KeyError: 'lost' ("),
+        (
+            ["--policy", "their_policies:Late"],
+            "policy their_policies:Late: failed in step at 1.05 s: ZeroDivisionError",
+        ),
+        (
+            ["--repair", "their_repairs:Late"],
+            "their_repairs:Late failed: ForeignError(\"propose at 1.05 s: KeyError: 'lost' (",
+        ),
     ],
 )
 def test_the_graph_ends_with_what_failed(roadmend, who, said):

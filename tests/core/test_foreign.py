@@ -130,7 +130,7 @@ def test_what_it_refuses_itself_is_passed_on():
 def test_whatever_it_raises_is_blamed_on_it_in_one_line():
     with pytest.raises(ForeignError) as caught, blamed_on("walker x:Y", "walk"):
         raise ValueError("two\nlines")
-    assert str(caught.value).startswith("walker x:Y failed in walk: ValueError: two lines (")
+    assert str(caught.value).startswith("walker x:Y: failed in walk: ValueError: two lines (")
     with pytest.raises(InputError), blamed_on("walker x:Y", "walk"):
         raise InputError("a", "b", "c")
 

@@ -47,7 +47,7 @@ def test_what_it_fails_in_is_said_in_one_line(own):
     model = open_model(given)
     with pytest.raises(RefusalError):
         ask(model, "refused")
-    with pytest.raises(ForeignError, match=f"backend {given} failed in ask for broken: KeyError: 'lost'"):
+    with pytest.raises(ForeignError, match=f"backend {given}: failed in ask for broken: KeyError: 'lost'"):
         ask(model, "broken")
     with pytest.raises(AnswerError, match="answered with str, not a roadmend"):
         ask(model, "empty")

@@ -28,7 +28,7 @@ def test_one_that_fails_on_the_way_is_said_with_time_and_place(own, tmp_path):
         drive(f"{name}:Late")
     place = tmp_path / "theirs" / f"{name}.py"
     assert str(caught.value) == (
-        f"policy {name}:Late failed in step at 1.05 s: ZeroDivisionError: division by zero ({place} line 15); "
+        f"policy {name}:Late: failed in step at 1.05 s: ZeroDivisionError: division by zero ({place} line 15); "
         "mend the class"
     )
 

@@ -43,7 +43,7 @@ def test_where_it_fails_the_guards_rule_decides_and_says_why(own):
 
 
 def test_one_that_never_answers_is_refused(own):
-    with pytest.raises(InputError, match=r"cannot answer a plain scene: propose answered with float, not a roadmend"):
+    with pytest.raises(InputError, match=r"cannot answer a plain scene: answered with float; answer with a roadmend"):
         make_repairer(f"{own(METHOD)}:Never")
 
 

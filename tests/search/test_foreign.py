@@ -57,9 +57,9 @@ def test_a_technique_draws_by_the_seed(own):
 
 def test_a_technique_that_fails_is_said_in_one_line(own):
     name = own(TECHNIQUE)
-    with pytest.raises(ForeignError, match=f"technique {name}:Empty proposed no points"):
+    with pytest.raises(ForeignError, match=f"technique {name}:Empty: proposed no points"):
         make_technique(f"{name}:Empty", SPACE, 1).propose()
-    with pytest.raises(ForeignError, match=f"technique {name}:Fails failed in propose: AttributeError: .*line 23"):
+    with pytest.raises(ForeignError, match=f"technique {name}:Fails: failed in propose: AttributeError: .*line 23"):
         make_technique(f"{name}:Fails", SPACE, 1).propose()
     technique = make_technique(f"{name}:Draws", SPACE, 1)
     with pytest.raises(ForeignError, match="failed in learn: AssertionError"):

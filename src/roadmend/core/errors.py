@@ -5,13 +5,11 @@ class RoadmendError(Exception):
     """Base of every error that roadmend raises on purpose."""
 
 
-class InputError(RoadmendError):
-    """A file, field or argument given by the user is unusable.
-
-    The command line prints the message as one line and exits with code 2.
+class PlacedError(RoadmendError):
+    """An error that has a place and a remedy; the message is one line of all three.
 
     Args:
-        where: the file, field or argument at fault.
+        where: the file, field, argument or code at fault.
         what: what is wrong with it.
         mend: what the user can do about it.
     """
@@ -22,14 +20,18 @@ class InputError(RoadmendError):
         self.what = what
         self.mend = mend
 
-    def __reduce__(self) -> tuple[type["InputError"], tuple[str, str, str]]:
+    def __reduce__(self) -> tuple[type["PlacedError"], tuple[str, str, str]]:
         """So that it comes out of a worker process as it went in; without, the worker's pool breaks instead."""
         return type(self), (self.where, self.what, self.mend)
+
+
+class InputError(PlacedError):
+    """A file, field or argument given by the user is unusable; the command line exits with code 2."""
 
 
 class SimulationError(RoadmendError):
     """SUMO failed while an episode was running."""
 
 
-class ForeignError(RoadmendError):
+class ForeignError(PlacedError):
     """Code from outside, such as a policy of the user's own, failed while it was at work."""

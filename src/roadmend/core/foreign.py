@@ -3,7 +3,7 @@
 import inspect
 import sys
 import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +11,7 @@ from typing import Any, Self, get_args, get_type_hints
 
 from roadmend.core.errors import ForeignError, InputError, RoadmendError
 from roadmend.core.parameters import NoParameters, Parameters
+from roadmend.core.plain_moment import PlainMoment, plain_moment
 
 _SEEN = set[type]()  # classes of which a first instance was tried out
 _PACKAGE = Path(__file__).parents[1]
@@ -79,12 +80,12 @@ class ForeignClass:
 
 
 @contextmanager
-def blamed_on(where: str, doing: str) -> Iterator[None]:
+def blamed_on(where: str, doing: str = "") -> Iterator[None]:
     """While code from outside runs: what it raises becomes one line.
 
     Args:
         where: noun and name, for people.
-        doing: what it was asked for.
+        doing: what it was asked for, where that is not said yet.
 
     Raises:
         ForeignError: something that is no error of ours was raised.
@@ -94,7 +95,24 @@ def blamed_on(where: str, doing: str) -> Iterator[None]:
     except RoadmendError:
         raise
     except Exception as error:
-        raise ForeignError(f"{where} failed in {doing}: {trouble_of(error)}; mend the class") from error
+        what = f"failed in {doing}: {trouble_of(error)}" if doing else trouble_of(error)
+        raise ForeignError(where, what, "mend the class") from error
+
+
+def check_answers(where: str, ask: Callable[[PlainMoment], object]) -> None:
+    """Ask an instance that nothing is driven with about a plain moment, so that one without an answer is never started.
+
+    Args:
+        where: noun and name, for people.
+        ask: does that; raises ForeignError where there is none.
+
+    Raises:
+        InputError: it has no answer.
+    """
+    try:
+        ask(plain_moment())
+    except ForeignError as error:
+        raise InputError(where, f"cannot answer a plain scene: {error.what}", error.mend) from None
 
 
 def trouble_of(error: BaseException) -> str:

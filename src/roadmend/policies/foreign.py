@@ -3,10 +3,10 @@
 from typing import Any
 
 from roadmend.core.command import Command, Decision, Trajectory
-from roadmend.core.errors import ForeignError, InputError
+from roadmend.core.errors import ForeignError
 from roadmend.core.foreign import blamed_on
 from roadmend.core.interfaces import Policy
-from roadmend.core.plain_moment import plain_moment
+from roadmend.core.plain_moment import PlainMoment
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 
@@ -52,24 +52,10 @@ class ForeignPolicy:
         return decision
 
     def _no_decision(self, time: float, wanted: str, answer: Any) -> ForeignError:
-        return ForeignError(
-            f"{self._where}: its step at {time:.2f} s answered with {type(answer).__name__}; answer with {wanted}"
-        )
+        what = f"its step at {time:.2f} s answered with {type(answer).__name__}"
+        return ForeignError(self._where, what, f"answer with {wanted}")
 
-
-def check_answers(policy: ForeignPolicy) -> None:
-    """Ask a policy about a plain moment, so that one that cannot drive at all is refused before anything is started.
-
-    Args:
-        policy: an instance that nothing is driven with.
-
-    Raises:
-        InputError: it has no answer.
-    """
-    moment = plain_moment()
-    try:
-        policy.reset(moment.route)
-        policy.step(moment.scene)
-    except ForeignError as error:
-        what, _, mend = str(error).removeprefix(f"policy {policy.name}").lstrip(": ").rpartition("; ")
-        raise InputError(f"policy {policy.name}", f"cannot answer a plain scene: {what}", mend) from None
+    def answer(self, moment: PlainMoment) -> None:
+        """Answer it, for ``core.foreign.check_answers``."""
+        self.reset(moment.route)
+        self.step(moment.scene)

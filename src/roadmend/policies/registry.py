@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from roadmend.core.errors import InputError
-from roadmend.core.foreign import ForeignClass
+from roadmend.core.foreign import ForeignClass, check_answers
 from roadmend.core.interfaces import Policy
 from roadmend.core.parameters import Parameters, with_defaults
 from roadmend.core.registry import Registry
 from roadmend.core.settings import check_parameters
 from roadmend.networks.checkpoint import SUFFIX, find_model, model_kind
-from roadmend.policies.foreign import ForeignPolicy, check_answers
+from roadmend.policies.foreign import ForeignPolicy
 from roadmend.policies.modular import ModularPolicy
 from roadmend.policies.neural import NeuralParameters, NeuralPolicy
 from roadmend.policies.neural_kinds import KINDS
@@ -43,7 +43,7 @@ def _of_class(given: str, thing: Any) -> PolicyEntry:
 
     def make(parameters: Parameters) -> ForeignPolicy:
         if found.is_new():
-            check_answers(ForeignPolicy(given, found.make(parameters=parameters)))
+            check_answers(f"policy {given}", ForeignPolicy(given, found.make(parameters=parameters)).answer)
         return ForeignPolicy(given, found.make(parameters=parameters))
 
     return PolicyEntry(found.parameters, make)

@@ -3,9 +3,9 @@
 from typing import Any
 
 from roadmend.core.command import Decision
-from roadmend.core.errors import ForeignError, InputError
-from roadmend.core.foreign import trouble_of
-from roadmend.core.plain_moment import plain_moment
+from roadmend.core.errors import ForeignError
+from roadmend.core.foreign import blamed_on
+from roadmend.core.plain_moment import PlainMoment
 from roadmend.core.repair import Proposal
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
@@ -30,10 +30,8 @@ class ForeignMethod:
         Raises:
             ForeignError: it fails.
         """
-        try:
+        with blamed_on("reset"):
             self.method.reset(route)
-        except Exception as error:
-            raise ForeignError(trouble_of(error)) from error
 
     def propose(self, scene: Scene, decision: Decision) -> Proposal:
         """Judge one tick.
@@ -41,28 +39,15 @@ class ForeignMethod:
         Raises:
             ForeignError: it fails, or answers with something else than a proposal.
         """
-        try:
+        where = f"propose at {scene.time:.2f} s"  # the guard says of whom
+        with blamed_on(where):
             proposal: Any = self.method.propose(scene, decision)
-        except Exception as error:
-            raise ForeignError(trouble_of(error)) from error
         if not isinstance(proposal, Proposal):
-            raise ForeignError(f"propose answered with {type(proposal).__name__}, not a roadmend.core.repair.Proposal")
+            what = f"answered with {type(proposal).__name__}"
+            raise ForeignError(where, what, "answer with a roadmend.core.repair.Proposal")
         return proposal
 
-
-def check_answers(method: ForeignMethod) -> None:
-    """Ask a method about a plain moment: what fails there would be decided by the guard's rule, and shown as its own.
-
-    Args:
-        method: an instance that nothing is driven with.
-
-    Raises:
-        InputError: it has no answer.
-    """
-    moment = plain_moment()
-    try:
-        method.reset(moment.route)
-        method.propose(moment.scene, moment.decision)
-    except ForeignError as error:
-        what = f"cannot answer a plain scene: {error}"
-        raise InputError(f"repair method {method.name}", what, "mend the class") from None
+    def answer(self, moment: PlainMoment) -> None:
+        """Answer it, for ``core.foreign.check_answers``."""
+        self.reset(moment.route)
+        self.propose(moment.scene, moment.decision)

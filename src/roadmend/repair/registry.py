@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from roadmend.core.errors import InputError
-from roadmend.core.foreign import ForeignClass
+from roadmend.core.foreign import ForeignClass, check_answers
 from roadmend.core.parameters import NoParameters, Parameters, with_defaults
 from roadmend.core.registry import Registry
 from roadmend.core.settings import check_parameters
 from roadmend.networks.checkpoint import SUFFIX, find_model, model_kind
 from roadmend.repair.adreft.method import AdreftRepair
-from roadmend.repair.foreign import ForeignMethod, check_answers
+from roadmend.repair.foreign import ForeignMethod
 from roadmend.repair.gated import GatedRepair
 from roadmend.repair.governor import GovernorRepair
 from roadmend.repair.guard import GuardedRepairer
@@ -63,7 +63,9 @@ def _of_class(given: str, thing: Any) -> MethodEntry:
 
     def make(parameters: Parameters, seed: int) -> RepairMethod:
         if found.is_new():
-            check_answers(ForeignMethod(given, found.make(parameters=parameters, seed=seed)))
+            check_answers(
+                f"repair method {given}", ForeignMethod(given, found.make(parameters=parameters, seed=seed)).answer
+            )
         return ForeignMethod(given, found.make(parameters=parameters, seed=seed))
 
     return MethodEntry(found.parameters, make)

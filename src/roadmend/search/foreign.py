@@ -26,7 +26,7 @@ class ForeignTechnique:
         with blamed_on(self._where, "propose"):
             batch: Any = self.technique.propose()
         if not isinstance(batch, list) or not batch or not all(isinstance(point, dict) for point in batch):
-            raise ForeignError(f"{self._where} proposed no points; answer with a list of them that is never empty")
+            raise ForeignError(self._where, "proposed no points", "answer with a list of them that is never empty")
         return batch
 
     def learn(self, trials: Sequence[Trial]) -> None:

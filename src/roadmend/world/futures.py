@@ -40,7 +40,12 @@ class Future:
     @property
     def violates(self) -> bool:
         """Whether the ego collides by its own fault."""
-        return self.final is not None and self.final.kind is EventKind.COLLISION and self.final.at_fault
+        return self.collides and self.final is not None and self.final.at_fault
+
+    @property
+    def collides(self) -> bool:
+        """Whether the ego collides, whosever fault it is."""
+        return self.final is not None and self.final.kind is EventKind.COLLISION
 
 
 def futures(

@@ -1,6 +1,6 @@
 """Rounds of practice on futures, the threshold that leaves harmless drives alone, and how reliable the monitor is."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -27,14 +27,11 @@ from roadmend.training.adreft.random_case import random_cases
 from roadmend.training.adreft.recalibration import fit_logits, fold, sigmoids
 from roadmend.training.adreft.reliability import reliability
 from roadmend.training.adreft.scoring import monitor_scores, said_logits
-from roadmend.training.adreft.stage import PRACTICE_STATE, StageRun, TrainingSubject, spread
+from roadmend.training.adreft.stage import PRACTICE_STATE, Report, StageRun, Tensors, TrainingSubject, spread
 from roadmend.training.adreft.token_rows import TokenRows
 from roadmend.training.closed_loop import EpisodeCase
 
 GUIDE = "futures-guide-{}.safetensors"  # the model that drives along in a round
-
-Tensors = dict[str, NDArray[Any]]
-Report = Callable[[str, int, int, str], None]
 
 
 class FuturesPractice:

@@ -24,7 +24,6 @@ from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
 from roadmend.core.interfaces import Repairer
 from roadmend.core.journal import Key, entry_key, file_of
-from roadmend.core.outcome import EventKind
 from roadmend.measures.need import HORIZON, LATER
 from roadmend.policies.registry import make_policy
 from roadmend.repair.adreft.registry import make_tokenizer
@@ -42,7 +41,7 @@ from roadmend.world.simulation import Simulation
 _TICK = 1e-6  # [s] slack against rounding
 
 
-class _Notes:
+class _MomentNotes:
     """Takes down the moments of a case, drive after drive."""
 
     def __init__(self, plan: MomentPlan) -> None:
@@ -65,8 +64,8 @@ class _Notes:
             pulsed = self._futures(moment, HoldingRepairer((Hold(now, now + self._plan.pulse, choice),)))
             pairs = list(zip(alone, pulsed, violates, strict=True))
             self.tried.append((len(self.time), choice))
-            self.averted.append([not _collides(after) for _, after, violated in pairs if violated])
-            self.caused.append([_collides(after) for before, after, _ in pairs if not _collides(before)])
+            self.averted.append([not after.collides for _, after, violated in pairs if violated])
+            self.caused.append([after.collides for before, after, _ in pairs if not before.collides])
         self.time.append(now)
         self.span.append(span)
         self.action.append(asked)
@@ -95,10 +94,6 @@ class _Notes:
             np.array([len(each) for each in self.averted], dtype=np.int32),
             np.array([len(each) for each in self.caused], dtype=np.int32),
         )
-
-
-def _collides(future: Future) -> bool:
-    return future.final is not None and future.final.kind is EventKind.COLLISION
 
 
 def _shares(found: Sequence[Sequence[bool]]) -> NDArray[np.float32]:
@@ -131,7 +126,7 @@ def moments_of_case(case: EpisodeCase, recipe: Recipe, plan: MomentPlan, guide: 
         for number in range(1, plan.pulsed + 1):
             drive = f"{case.name}:pulsed-{number}"
             repairers[f"pulsed-{number}"] = HoldingRepairer(plan.pulses(drive, own.duration))
-    notes = _Notes(plan)
+    notes = _MomentNotes(plan)
     for manner, repairer in repairers.items():
         drive = f"{case.name}:{manner}"
         ticks = plan.ticks(drive, own.duration, violates=violates, alone=manner == "alone")

@@ -1,12 +1,10 @@
 """ADReFT from a corpus to a model file: frames, supervised stage, threshold, ReFT, and a look at validation."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
-
-from numpy.typing import NDArray
 
 from roadmend import __version__
 from roadmend.core.errors import InputError
@@ -30,7 +28,7 @@ from roadmend.training.adreft.reinforcement import ReinforcementStage, RoundFigu
 from roadmend.training.adreft.rollouts_stage import TuningFigures
 from roadmend.training.adreft.rollouts_tuning import RolloutsTuning
 from roadmend.training.adreft.scoring import monitor_scores
-from roadmend.training.adreft.stage import PRACTICE_STATE, StageRun, TrainingSubject
+from roadmend.training.adreft.stage import PRACTICE_STATE, Report, StageRun, Tensors, TrainingSubject
 from roadmend.training.adreft.supervised import EpochFigures, SupervisedStage
 from roadmend.training.adreft.trial_plan import TrialPlan
 from roadmend.training.adreft.trial_set import TrialSet
@@ -42,7 +40,6 @@ GUIDE = "guide-{}.safetensors"  # the model that drives along in a round
 REINFORCEMENT_STATE = "reinforcement.safetensors"
 
 Only = Literal["supervised", "reinforcement"] | None
-Report = Callable[[str, int, int, str], None]  # what is done, how much of it, of how much, and a word on how it goes
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +58,7 @@ class _Supervised:
     """The networks before ReFT."""
 
     model: ModelConfiguration
-    tensors: dict[str, NDArray[Any]]
+    tensors: Tensors
     figures: EpochFigures | None
     data_digest: str
     ancestry: list[str]
@@ -273,7 +270,7 @@ class Pipeline:
             threshold = calibrate(scores[judged], critical, self._configuration.supervised.recall)
         return threshold, monitor_quality(scores[judged], critical, threshold)
 
-    def _reinforce(self, before: _Supervised, threshold: float) -> tuple[dict[str, NDArray[Any]], list[RoundFigures]]:
+    def _reinforce(self, before: _Supervised, threshold: float) -> tuple[Tensors, list[RoundFigures]]:
         section, subject = self._configuration.reinforcement, self._subject
         run = StageRun(self._seed, self._device, self._work / REINFORCEMENT_STATE, self._work / "tensorboard")
         stage = ReinforcementStage(before.model, before.tensors, threshold, section, subject, run, mapper=self._mapper)
@@ -288,7 +285,7 @@ class Pipeline:
         tensors = stage.run(report)
         return tensors, stage.history
 
-    def _roll_out(self, tensors: dict[str, NDArray[Any]]) -> tuple[dict[str, NDArray[Any]], float, list[TuningFigures]]:
+    def _roll_out(self, tensors: Tensors) -> tuple[Tensors, float, list[TuningFigures]]:
         """ReFT by rollouts: the networks, the threshold above which the monitor asks the adapter, and the rounds."""
         assert self._futures is not None
         section = self._configuration.rollouts

@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 
 from roadmend.core.fanout import Mapper
 from roadmend.core.journal import Key, entry_key, file_of
-from roadmend.core.outcome import EventKind
 from roadmend.core.tick import INTERVAL
 from roadmend.measures.need import HORIZON, LATER
 from roadmend.policies.registry import make_policy
@@ -63,7 +62,7 @@ class RolloutPlan:
         return sorted(numbers.sample(harder, min(self.actions, len(harder))))
 
 
-class _Notes:
+class _RolloutNotes:
     """Takes down the moments of a drive."""
 
     def __init__(self, plan: RolloutPlan, pulse: float) -> None:
@@ -84,13 +83,15 @@ class _Notes:
         waited = look(None)
         for choice in choices:
             acted = look(choice)
-            later = [_lost(*pair) for pair in zip(waited, acted, strict=True) if not any(map(_collides, pair))]
-            share = float(np.mean([_collides(future) for future in acted]))
+            later = [
+                _lost(*pair) for pair in zip(waited, acted, strict=True) if not any(future.collides for future in pair)
+            ]
+            share = float(np.mean([future.collides for future in acted]))
             self.tried.append((len(self.time), choice, share, float(np.mean(later)) if later else 0.0))
         self.time.append(now)
         self.score.append(score)
         self.action.append(asked)
-        self.collided.append(float(np.mean([_collides(future) for future in waited])))
+        self.collided.append(float(np.mean([future.collides for future in waited])))
         self.tokens.append(tokens.astype(np.float16))
 
     def _futures(self, moment: Moment, guide: GuardedRepairer, until: float, choice: int | None) -> list[Future]:
@@ -114,10 +115,6 @@ class _Notes:
             collided.astype(np.float32),
             lost.astype(np.float32),
         )
-
-
-def _collides(future: Future) -> bool:
-    return future.final is not None and future.final.kind is EventKind.COLLISION
 
 
 def _lost(waited: Future, acted: Future) -> float:
@@ -144,7 +141,7 @@ def rollouts_of_case(case: EpisodeCase, recipe: Recipe, plan: RolloutPlan, guide
     model = AdreftModel.load(guide)
     judge, repairer = AdreftModel.load(guide), GuardedRepairer(AdreftRepair(model=model))
     policy, tokenizer = make_policy(recipe.policy), model.tokenizer()
-    notes = _Notes(plan, model.configuration.interval * INTERVAL)
+    notes = _RolloutNotes(plan, model.configuration.interval * INTERVAL)
     numbers, last = plan.numbers(case.name), -_APART
     with Simulation(case.scenario()) as simulation:
         for part in (policy, tokenizer, repairer):

@@ -1,10 +1,7 @@
 """Rounds of reinforcement fine-tuning by rollouts: the model drives, and its adapter learns from what came of it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
-
-from numpy.typing import NDArray
 
 from roadmend.core.fanout import Mapper
 from roadmend.repair.adreft.configuration import ModelConfiguration
@@ -15,13 +12,10 @@ from roadmend.training.adreft.random_case import random_cases
 from roadmend.training.adreft.rollouts import RolloutPlan, gather_rollouts
 from roadmend.training.adreft.rollouts_configuration import RolloutsSection
 from roadmend.training.adreft.rollouts_stage import RolloutsStage, TuningFigures
-from roadmend.training.adreft.stage import TrainingSubject, spread
+from roadmend.training.adreft.stage import Report, Tensors, TrainingSubject, spread
 from roadmend.training.closed_loop import EpisodeCase
 
 GUIDE = "rollouts-guide-{}.safetensors"  # the model that drives in a round
-
-Tensors = dict[str, NDArray[Any]]
-Report = Callable[[str, int, int, str], None]
 
 
 class RolloutsTuning:

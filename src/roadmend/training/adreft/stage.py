@@ -1,11 +1,17 @@
 """What a stage of ADReFT's training is given: whom it trains for, and how it runs."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+from numpy.typing import NDArray
 
 from roadmend.training.adreft.network import digest_of_cases
 from roadmend.training.closed_loop import EpisodeCase
+
+Tensors = dict[str, NDArray[Any]]  # of networks, by name
+Report = Callable[[str, int, int, str], None]  # what is done, how much of it, of how much, and a word on how it goes
 
 PRACTICE_STATE = "practice-{}.safetensors"  # file of the state of a round
 

@@ -46,7 +46,7 @@ def _of_object(given: str, thing: Any) -> Family:
         with blamed_on(where, "build"):
             scenario: Any = thing.build(parameters, name, seed)
         if not isinstance(scenario, Scenario):
-            raise ForeignError(f"{where}: build answered with {type(scenario).__name__}; answer with a Scenario")
+            raise ForeignError(where, f"build answered with {type(scenario).__name__}", "answer with a Scenario")
         return scenario
 
     return Family(given, thing.title, thing.space, build)
