@@ -8,9 +8,10 @@ from harness import grid, price_curve
 from harness.bench_ordinary import ordinary
 from harness.contenders import read_plan
 from harness.options import PLANS
-from harness.price_curve import at_time_lost, curve_settings, points_of
+from harness.price_curve import add_leads, at_time_lost, curve_settings, points_of
 from roadmend.cli.main import run_group
 from roadmend.core.resources import config_folder
+from tests.measures.results import result
 
 
 def figures_of(settings, lost, fixed):
@@ -18,6 +19,7 @@ def figures_of(settings, lost, fixed):
     cases, drives = {}, {}
     for setting, time_lost, fix in zip(settings, lost, fixed, strict=True):
         repair = {"fix": fix, "deg": 0.0, "delta_e": fix, "dose": 1.0, "intervals": {"delta_e": [0.0, 100.0]}}
+        repair |= {"violations": 10, "successes": 10}
         cases[setting.title] = {"repair": repair}
         drives[setting.title] = {"ordinary": {"time_lost": time_lost, "untouched": 90.0, "new_collisions": 0}}
     return {settings[0].policy: cases}, {settings[0].policy: drives}
@@ -70,6 +72,21 @@ def test_what_is_shown_has_the_model_of_the_policy_as_what_was_chosen():
 
     at_time_lost(curves, settings, None, drive)
     assert [setting.parameters["model"].endswith("adreft-neural.safetensors") for setting in asked] == [True]
+
+
+def test_the_lead_of_adreft_is_paired_by_case_at_the_same_price():
+    own = [result(str(number), True, "GOAL") for number in range(4)] + [result("4", False, "GOAL")]
+    other = [result(str(number), True, "COLLISION") for number in range(3)] + [result("3", True, "GOAL")]
+    other += [result("4", False, "COLLISION")]
+    found = {
+        "adreft": {"1": None, "2": {"setting": "adreft | 0"}},
+        "rule": {"1": {"setting": "rule | 0"}, "2": {"setting": "rule | 0"}},
+    }
+    add_leads(found, {"adreft | 0": own, "rule | 0": other})
+    assert found["adreft"]["2"]["lead"]["delta_e"] == 0.0
+    assert found["rule"]["1"]["lead"] is None
+    assert found["rule"]["2"]["lead"]["delta_e"] == 175.0  # 3 of 4 more are fixed, 1 of 1 fewer spoilt
+    assert found["rule"]["2"]["lead"]["interval"][0] > 0.0
 
 
 @pytest.mark.slow

@@ -21,27 +21,43 @@ def evaluate(driven: Sequence[Driven]) -> dict[str, dict[str, dict[str, Any]]]:
     A scenario in which the policy alone collides is a violation, one in which it reaches its goal a success: these are
     the cases of the measures, and all scenarios their results.
     """
-    results: dict[str, dict[str, list[EpisodeResult]]] = {}
-    for each in driven:
-        if each.result is not None:
-            results.setdefault(each.trial.policy, {}).setdefault(each.trial.told_as, []).append(each.result)
     return {
         policy: {method: _figures(found, methods[ALONE]) for method, found in methods.items()}
-        for policy, methods in results.items()
+        for policy, methods in _results(driven).items()
         if ALONE in methods
     }
 
 
-def _figures(results: Sequence[EpisodeResult], alone: Sequence[EpisodeResult]) -> dict[str, Any]:
+def cases_of(driven: Sequence[Driven]) -> dict[str, dict[str, list[CaseResult]]]:
+    """The violations and successes of every policy under every method, in the order in which they were driven."""
+    return {
+        policy: {method: _cases(found, methods[ALONE]) for method, found in methods.items()}
+        for policy, methods in _results(driven).items()
+        if ALONE in methods
+    }
+
+
+def _results(driven: Sequence[Driven]) -> dict[str, dict[str, list[EpisodeResult]]]:
+    results: dict[str, dict[str, list[EpisodeResult]]] = {}
+    for each in driven:
+        if each.result is not None:
+            results.setdefault(each.trial.policy, {}).setdefault(each.trial.told_as, []).append(each.result)
+    return results
+
+
+def _cases(results: Sequence[EpisodeResult], alone: Sequence[EpisodeResult]) -> list[CaseResult]:
     violations = {before.scenario: before.collided for before in alone if before.collided or before.reached_goal}
-    cases = [
+    return [
         CaseResult(result.scenario, "", violations[result.scenario], result)
         for result in results
         if result.scenario in violations
     ]
+
+
+def _figures(results: Sequence[EpisodeResult], alone: Sequence[EpisodeResult]) -> dict[str, Any]:
     bare = {before.scenario: before for before in alone}
     pairs = [(bare[result.scenario], result) for result in results if result.scenario in bare]
-    episodes = MethodEpisodes(results, cases, pairs)
+    episodes = MethodEpisodes(results, _cases(results, alone), pairs)
     return {name: measure.figure(episodes) for name, measure in MEASURES.items()}
 
 

@@ -14,7 +14,7 @@ from harness.contenders import BenchmarkPlan, read_plan, resolve
 from harness.grid import TABLE_SEED, Figures, Setting, alone, drive_all, random_drives
 from harness.options import CACHED_WORK, COLUMNS, PLANS
 from harness.ordinary_tables import ordinary_tables
-from harness.price_curve import Ground, at_time_lost, curve_settings, points_of
+from harness.price_curve import Ground, add_leads, at_time_lost, curve_settings, points_of
 from roadmend.cli.options import JSON, WORKERS, options_of
 from roadmend.cli.output import show_rows
 from roadmend.core.fanout import fan_out
@@ -189,7 +189,12 @@ def _curves(
 
     settings = curve_settings(plan, config_folder(), policy, given.methods)
     curves = points_of(settings, drive(Ground.choosing(policy, given.curve_count, given.curve_cases), settings))
-    return curves, at_time_lost(curves, settings, Ground.showing(policy, given.count, given.table_cases), drive)
+    shown = Ground.showing(policy, given.count, given.table_cases)
+    found = at_time_lost(curves, settings, shown, drive)
+    titles = {point["setting"] for prices in found.values() for point in prices.values() if point is not None}
+    chosen = [setting for setting in settings if setting.title in titles]
+    add_leads(found, shown.case_results(chosen, work, given.workers, progress))
+    return curves, found
 
 
 def _command(given: OrdinaryOptions) -> str:

@@ -11,7 +11,7 @@ from harness.contenders import Contender
 from roadmend.core.errors import RoadmendError
 from roadmend.core.journal import Journal
 from roadmend.measures.driver import driver_key
-from roadmend.measures.evaluation import ALONE, EvaluationTrial, run_trials
+from roadmend.measures.evaluation import ALONE, Driven, EvaluationTrial, run_trials
 from roadmend.measures.evaluation_figures import evaluate
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario import Scenario
@@ -55,7 +55,20 @@ def random_drives(count: int, first: int) -> list[Scenario]:
 
 
 def drive_all(trials: Sequence[EvaluationTrial], work: Path, workers: int, progress: Progress, what: str) -> Figures:
-    """Figures by policy and setting (``measures.registry``); "none" must be among the settings of every policy.
+    """Figures by policy and setting (``measures.registry``), as ``drive_trials`` has them.
+
+    Raises:
+        InputError: the folder cannot be written.
+        RoadmendError: an episode could not be driven.
+        SimulationError: a worker process died.
+    """
+    return evaluate(drive_trials(trials, work, workers, progress, what))
+
+
+def drive_trials(
+    trials: Sequence[EvaluationTrial], work: Path, workers: int, progress: Progress, what: str
+) -> list[Driven]:
+    """Every trial's result; "none" must be among the settings of every policy if figures are to be made of them.
 
     Args:
         trials: to drive, those that the folder holds excepted.
@@ -75,7 +88,7 @@ def drive_all(trials: Sequence[EvaluationTrial], work: Path, workers: int, progr
     faults = [each.fault for each in driven if each.fault]
     if faults:
         raise RoadmendError(f"{len(faults)} episodes could not be driven; the first: {faults[0]}")
-    return evaluate(driven)
+    return driven
 
 
 def alone(policy: str) -> Setting:

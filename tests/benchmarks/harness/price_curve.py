@@ -9,8 +9,11 @@ from typing import Any, Self
 from rich.progress import Progress
 
 from harness.contenders import BenchmarkPlan, resolve
-from harness.grid import CHOICE_SEED, TABLE_SEED, Figures, Setting, alone, drive_all, random_drives
+from harness.grid import CHOICE_SEED, TABLE_SEED, Figures, Setting, alone, drive_all, drive_trials, random_drives
 from harness.policy_benchmarks import select
+from roadmend.measures.case_result import CaseResult
+from roadmend.measures.evaluation_figures import cases_of
+from roadmend.measures.repair import advantage
 from roadmend.world.corpus import corpus_of
 from roadmend.world.families import FAMILIES
 from roadmend.world.scenario import Scenario
@@ -67,6 +70,20 @@ class Ground:
             for kind, scenarios in (("cases", self.cases), ("drives", self.drives))
         ]
         return found[0], found[1]
+
+    def case_results(
+        self, settings: Sequence[Setting], work: Path, workers: int, progress: Progress
+    ) -> dict[str, list[CaseResult]]:
+        """By each setting's title, what it comes to in the cases; what ``drive`` drove is not driven again.
+
+        Raises:
+            InputError: the folder cannot be written.
+            RoadmendError: an episode could not be driven.
+            SimulationError: a worker process died.
+        """
+        everybody = [alone(self.policy), *settings]
+        trials = [trial for setting in everybody for trial in setting.trials(self.cases)]
+        return cases_of(drive_trials(trials, work, workers, progress, f"{self.policy}: pairs"))[self.policy]
 
 
 def _cases(policy: str, split: str, most: int | None) -> tuple[Scenario, ...]:
@@ -138,6 +155,27 @@ def at_time_lost(
     return found
 
 
+def add_leads(
+    found: Mapping[str, Mapping[str, dict[str, Any] | None]], results: Mapping[str, Sequence[CaseResult]]
+) -> None:
+    """Write into every chosen point, as "lead", by how much ADReFT's at the same price fixes more, paired by case.
+
+    Args:
+        found: by ``at_time_lost``.
+        results: of the cases, by the setting's title.
+    """
+    for prices in found.values():
+        for price, point in prices.items():
+            own = found.get("adreft", {}).get(price)
+            if point is not None:
+                point["lead"] = None if own is None else _lead(results[own["setting"]], results[point["setting"]])
+
+
+def _lead(own: Sequence[CaseResult], other: Sequence[CaseResult]) -> dict[str, Any]:
+    more = advantage(own, other)
+    return {"delta_e": more["delta_e"], "interval": more["intervals"]["delta_e"]}
+
+
 def _point(setting: Setting, figures: tuple[Figures, Figures]) -> dict[str, Any]:
     cases, drives = (found[setting.policy][setting.title] for found in figures)
     repair, ordinary = cases["repair"], drives["ordinary"]
@@ -145,6 +183,8 @@ def _point(setting: Setting, figures: tuple[Figures, Figures]) -> dict[str, Any]
         "setting": setting.title,
         "method": setting.method,
         "parameters": {name: value for name, value in setting.parameters.items() if name != "model"},
+        "violations": repair["violations"],
+        "successes": repair["successes"],
         "fix": repair["fix"],
         "deg": repair["deg"],
         "delta_e": repair["delta_e"],
