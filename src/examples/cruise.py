@@ -1,8 +1,8 @@
 """A driving policy of one's own, as a class: it keeps a pace, and a gap to whoever is ahead in its lane.
 
-    ./roadmend run --scenario config/scenarios/demo-exit.yaml --policy cruise:Cruise
+From the folder src/examples:
 
-from the folder that this file is in, or with that folder on PYTHONPATH.
+    ../../roadmend run --scenario ../../config/scenarios/demo-exit.yaml --policy cruise:Cruise
 """
 
 import cmath
@@ -11,7 +11,7 @@ from roadmend import Command, Decision, Route, Scene, Trajectory
 
 
 class Cruise:
-    """Wants 12 m/s, and less behind others; it plans no trajectory."""
+    """Wants 12 m/s, and less behind others; changes lanes as soon as the route wants it; plans no trajectory."""
 
     name = "cruise"
 
@@ -20,9 +20,8 @@ class Cruise:
 
     def step(self, scene: Scene) -> Decision:
         """Decide for one tick, of 0.05 s."""
-        ego, others = scene.ego, scene.objects
         # Where the others' centres are, as seen from the ego: ahead + 1j * to the left [m]
-        place = (others.x - ego.x + 1j * (others.y - ego.y)) * cmath.rect(1.0, -ego.yaw)
+        place = (scene.objects.x - scene.ego.x + 1j * (scene.objects.y - scene.ego.y)) * cmath.rect(1.0, -scene.ego.yaw)
         gap = place.real[(place.real > 0.0) & (abs(place.imag) < 2.0)].min(initial=100.0)
-        push = 0.5 * (min(12.0, max(0.0, gap - 8.0) / 1.5) - ego.speed)
-        return Decision(Command.from_action(min(max(push, -1.0), 1.0), change_lane=True), Trajectory.empty())
+        action = 0.5 * (min(12.0, max(0.0, gap - 8.0) / 1.5) - scene.ego.speed)  # throttle - brake
+        return Decision(Command.from_action(min(max(action, -1.0), 1.0), change_lane=True), Trajectory.empty())

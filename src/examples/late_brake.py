@@ -1,8 +1,8 @@
 """A repair method of one's own, with a parameter: it brakes where the ego would soon be where somebody ahead is.
 
-    ./roadmend run --scenario config/scenarios/demo-exit.yaml --repair late_brake:LateBrake
+From the folder src/examples:
 
-from the folder that this file is in, or with that folder on PYTHONPATH.
+    ../../roadmend run --scenario ../../config/scenarios/demo-exit.yaml --repair late_brake:LateBrake
 """
 
 import cmath
@@ -30,10 +30,9 @@ class LateBrake:
         """Nothing is remembered from one tick to the next."""
 
     def propose(self, scene: Scene, decision: Decision) -> Proposal:
-        """Judge one tick; of the answer and the decision the guard drives the one that brakes more."""
-        del decision
-        ego, others = scene.ego, scene.objects
-        place = (others.x - ego.x + 1j * (others.y - ego.y)) * cmath.rect(1.0, -ego.yaw)  # ahead + 1j * left [m]
+        """Judge one tick; of the answer and the policy's decision the guard drives the one that brakes more."""
+        # Where the others' centres are, as seen from the ego: ahead + 1j * to the left [m]
+        place = (scene.objects.x - scene.ego.x + 1j * (scene.objects.y - scene.ego.y)) * cmath.rect(1.0, -scene.ego.yaw)
         lane = (place.real > 0.0) & (abs(place.imag) < 2.0)
-        score = float(((ego.speed - others.speed)[lane] / place.real[lane]).max(initial=0.0))
+        score = float(((scene.ego.speed - scene.objects.speed)[lane] / place.real[lane]).max(initial=0.0))
         return Proposal(score, self._threshold, action=-0.8, reason=f"{score:.2f}/s to a contact ahead")

@@ -1,23 +1,16 @@
 """Evaluation from Python: by name, of classes and of objects; kept, saved and told."""
 
-import importlib
 import json
 
 import pytest
 
 from roadmend import InputError, evaluate, sample_scenario
 from roadmend.measures.evaluation import run_trials, trials_of
-from tests.core.own_code import METHOD, POLICY
 
 
 @pytest.fixture(scope="module")
 def scenarios():
     return [sample_scenario("S3", number).model_copy(update={"time_limit": 4.0}) for number in (3, 4)]
-
-
-@pytest.fixture
-def theirs(own):
-    return importlib.import_module(own(POLICY)), importlib.import_module(own(METHOD))
 
 
 class Nothing(dict):

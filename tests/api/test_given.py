@@ -1,19 +1,11 @@
 """What a user gives for a policy or a repair method: names, classes and objects get the same checks."""
 
-import importlib
-
 import pytest
 
 from roadmend.api.given import name_of, policy_of, repairer_of, title_of
 from roadmend.core.command import Decision
 from roadmend.core.errors import ForeignError, InputError
 from roadmend.core.plain_moment import plain_moment
-from tests.core.own_code import METHOD, POLICY
-
-
-@pytest.fixture
-def theirs(own):
-    return importlib.import_module(own(POLICY)), importlib.import_module(own(METHOD))
 
 
 def test_names_classes_and_objects_decide_alike(theirs):

@@ -43,7 +43,8 @@ CHILD = """
 import sys
 before = {*sys.modules}
 import roadmend
-assert not [name for name in {*sys.modules} - before if not name.startswith("roadmend")], {*sys.modules} - before
+new = {name.partition(".")[0] for name in {*sys.modules} - before} - sys.stdlib_module_names
+assert new == {"roadmend"}, new
 from roadmend import Command, Decision, Parameters, Policy, Proposal, Scene, Trajectory
 heavy = {"libsumo", "sumolib", "mcap", "rosbags", "rclpy", "matplotlib", "pandas", "torch", "gymnasium", "scipy"}
 assert not heavy & {*sys.modules}, heavy & {*sys.modules}

@@ -1,6 +1,5 @@
 """One episode from Python: who drives, what is watched, what is recorded, and what is said when it fails."""
 
-import importlib
 import json
 
 import pytest
@@ -13,7 +12,6 @@ from roadmend.recording.ticks import BagTicks
 from roadmend.repair.registry import make_repairer
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario_file import save_scenario
-from tests.core.own_code import METHOD, POLICY
 
 
 @pytest.fixture(scope="module")
@@ -38,8 +36,8 @@ def test_the_seed_and_the_parameters_count(scenario):
     assert digest(seed=1, repair_parameters={"probability": 0.0}) == run(scenario, "modular", "none").digest
 
 
-def test_a_bag_says_who_drove_and_holds_the_run(scenario, own, tmp_path):
-    policies, repairs = importlib.import_module(own(POLICY)), importlib.import_module(own(METHOD))
+def test_a_bag_says_who_drove_and_holds_the_run(scenario, theirs, tmp_path):
+    policies, repairs = theirs
     result = run(scenario, policies.Careful, repairs.Near, repair_parameters={"distance": 12.0}, bag=tmp_path / "bag")
     assert result.digest == run(scenario, policies.Careful(), repairs.Near(repairs.Settings(distance=12.0))).digest
     reader = BagReader(tmp_path / "bag")
@@ -54,16 +52,16 @@ def test_a_bag_says_who_drove_and_holds_the_run(scenario, own, tmp_path):
     assert recorded_result(BagTicks(reader), plan).digest == result.digest
 
 
-def test_of_an_object_the_bag_tells_no_defaults(scenario, own, tmp_path):
-    repairs = importlib.import_module(own(METHOD))
+def test_of_an_object_the_bag_tells_no_defaults(scenario, theirs, tmp_path):
+    _, repairs = theirs
     run(scenario, "modular", repairs.Near(repairs.Settings(distance=12.0)), bag=tmp_path / "bag")
     told = BagReader(tmp_path / "bag").metadata["roadmend"]
     assert "method_defaults" not in told
     assert "policy_defaults" in told
 
 
-def test_what_fails_on_the_way_is_one_line_and_leaves_no_bag(scenario, own, tmp_path):
-    policies, repairs = importlib.import_module(own(POLICY)), importlib.import_module(own(METHOD))
+def test_what_fails_on_the_way_is_one_line_and_leaves_no_bag(scenario, theirs, tmp_path):
+    policies, repairs = theirs
     with pytest.raises(RoadmendError, match=r"^policy .*Late: failed in step at 1.05 s: ZeroDivisionError"):
         run(scenario, policies.Late, bag=tmp_path / "bag")
     assert not (tmp_path / "bag").exists()

@@ -68,7 +68,7 @@ def test_any_number_of_others_fits(count):
 
 
 def test_zones_and_lane_changes():
-    route, stage = MOMENT.route, MOMENT.route.stages[0]
+    (stage,) = MOMENT.route.stages
     side = type(stage)(stage.x, stage.y + 3.2, stage.speed_limit)
     zones = (
         Zone(0, 60.0, 70.0, RightOfWay.SIGNAL, 0),

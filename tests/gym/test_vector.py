@@ -35,7 +35,7 @@ def test_each_worker_drives_what_one_alone_drives_with_its_seed():
             observation, reward, *_ = env.step(push[place])
             assert np.array_equal(observation["ego"], shown[number + 1][place])
             assert reward == rewards[number][place]
-        env.close()
+        env.close()  # SUMO is the next one's
 
 
 @pytest.mark.slow

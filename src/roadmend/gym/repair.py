@@ -4,6 +4,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.utils import RecordConstructorArgs
 
 from roadmend.api.given import RepairLike, Settings, repairer_of
 from roadmend.core.command import Decision, Trajectory
@@ -16,7 +17,7 @@ from roadmend.gym.observer import command_of
 _NO_PLAN = Trajectory.empty()
 
 
-class RepairWrapper(gymnasium.Wrapper[Observation, np.ndarray, Observation, np.ndarray]):
+class RepairWrapper(gymnasium.Wrapper[Observation, np.ndarray, Observation, np.ndarray], RecordConstructorArgs):
     """Between the learner and ``roadmend/Drive-v0``: the repaired command is driven, behind the guard, as in the graph.
 
     A learner plans no trajectory, so that the method assumes that the present motion goes on. ``info`` gets ``repair``:
@@ -44,7 +45,9 @@ class RepairWrapper(gymnasium.Wrapper[Observation, np.ndarray, Observation, np.n
         Raises:
             InputError: it is another environment, or an argument is unusable.
         """
-        super().__init__(env)
+        # So that Gymnasium can make the same one anew from its spec.
+        RecordConstructorArgs.__init__(self, repair=repair, parameters=parameters, seed=seed, price=price)
+        gymnasium.Wrapper.__init__(self, env)
         if not isinstance(env.unwrapped, DriveEnv):
             raise InputError("RepairWrapper", f"cannot repair in {env.unwrapped}", "wrap roadmend/Drive-v0")
         if not price <= 0.0:
