@@ -43,7 +43,7 @@ setup(
     name=NAME,
     version=VERSION,
     packages=find_packages(include=[NAME, NAME + ".*"]),
-    package_data={"": ["py.typed", "*.json", "*.md", "*.txt", "*.yaml", "templates/*.html"]},
+    package_data={"": ["py.typed", "*.pyi", "*.json", "*.md", "*.txt", "*.yaml", "templates/*.html"]},
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/" + NAME]),
         ("share/" + NAME, ["package.xml"]),
@@ -58,6 +58,7 @@ setup(
     description="Repairs a driving policy while it drives, and learns from what went wrong.",
     license="Apache-2.0",
     entry_points={
+        "gymnasium.envs": ["roadmend = roadmend.gym:register"],
         "console_scripts": [
             "roadmend = roadmend.cli.main:main",
             "sim_node = roadmend.nodes.sim:main",

@@ -11,7 +11,11 @@ import pytest
 from roadmend.core.extras import EXTRAS, extra_missing
 
 PROJECT = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-DISTRIBUTIONS = {"faiss": "faiss-cpu", "foxglove": "foxglove-sdk"}  # that are not called like their module
+DISTRIBUTIONS = {
+    "faiss": "faiss-cpu",
+    "foxglove": "foxglove-sdk",
+    "stable_baselines3": "stable-baselines3",
+}  # that are not called like their module
 
 
 @pytest.mark.parametrize(("module", "extra"), EXTRAS.items())

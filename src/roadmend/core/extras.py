@@ -5,10 +5,13 @@ from roadmend.core.errors import InputError
 EXTRAS = {  # module -> extra, as pyproject.toml has them
     "faiss": "sera",
     "foxglove": "foxglove",
+    "gymnasium": "gym",
     "jinja2": "reports",
     "matplotlib": "reports",
     "openai": "language",
+    "pandas": "pandas",
     "scenariogeneration": "export",
+    "stable_baselines3": "rl",
     "tensorboard": "training",
     "torch": "training",
 }

@@ -42,9 +42,7 @@ class ForeignClass:
         """
         if not isinstance(thing, type):
             raise InputError(where, f"is no class but {_indefinite(type(thing).__name__)}", f"see {_home(protocol)}")
-        for name, method in vars(protocol).items():
-            if not name.startswith("_") and callable(method):
-                _check_method(where, thing, name, method, protocol)
+        _check_methods(where, thing, protocol)
         known = _constructor(where, thing)
         for name, argument in known.items():
             if argument.default is argument.empty and name not in offers:
@@ -73,10 +71,23 @@ class ForeignClass:
             raise
         except Exception as error:  # noqa: BLE001 - whatever it is, it is said in one line
             raise InputError(self.where, f"cannot be made: {trouble_of(error)}", "mend the class") from None
-        for name in self.protocol.__annotations__:
-            if not isinstance(getattr(made, name, None), str):
-                raise InputError(self.where, f"has no attribute {name!r} that is a text", f"see {_home(self.protocol)}")
+        _check_attributes(self.where, made, self.protocol)
         return made
+
+
+def check_object(where: str, thing: Any, protocol: type) -> None:
+    """Look at an object that somebody has made, as ``ForeignClass`` does at a class and at what it makes of it.
+
+    Args:
+        where: noun and name, for people.
+        thing: the object.
+        protocol: what it should have.
+
+    Raises:
+        InputError: it lacks a method or an attribute.
+    """
+    _check_methods(where, type(thing), protocol)
+    _check_attributes(where, thing, protocol)
 
 
 @contextmanager
@@ -126,6 +137,18 @@ def _is_theirs(file: str) -> bool:
     path = Path(file)
     libraries = (_PACKAGE, Path(sys.base_prefix), Path(sys.prefix))
     return path.is_absolute() and not any(path.is_relative_to(folder) for folder in libraries)
+
+
+def _check_methods(where: str, thing: type, protocol: type) -> None:
+    for name, method in vars(protocol).items():
+        if not name.startswith("_") and callable(method):
+            _check_method(where, thing, name, method, protocol)
+
+
+def _check_attributes(where: str, made: Any, protocol: type) -> None:
+    for name in protocol.__annotations__:
+        if not isinstance(getattr(made, name, None), str):
+            raise InputError(where, f"has no attribute {name!r} that is a text", f"see {_home(protocol)}")
 
 
 def _check_method(where: str, thing: type, name: str, method: Any, protocol: type) -> None:

@@ -3,15 +3,18 @@
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import RoadmendError, SimulationError
 from roadmend.core.fanout import fan_out
+from roadmend.core.interfaces import Policy
 from roadmend.core.journal import Journal, Key, entry_key
 from roadmend.measures.driver import driver_key
 from roadmend.measures.need import run_with_need
 from roadmend.policies.registry import make_policy
+from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.registry import make_repairer
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Scenario
@@ -105,10 +108,23 @@ def run_trials(
 
 def drive_trial(trial: EvaluationTrial) -> Driven:
     """Drive one episode in this process; whatever goes wrong is a result here."""
+    repairer = partial(make_repairer, trial.method, trial.parameters, seed_of(trial.scenario))
+    return drive_with(trial, partial(make_policy, trial.policy), repairer)
+
+
+def drive_with(
+    trial: EvaluationTrial, make_driver: Callable[[], Policy], make_guarded: Callable[[], GuardedRepairer]
+) -> Driven:
+    """As ``drive_trial``, with a policy and a repair method that are made otherwise than by their names.
+
+    Args:
+        trial: to drive.
+        make_driver: makes the policy.
+        make_guarded: makes the method behind its guard.
+    """
     scenario = trial.scenario
     try:
-        repairer = make_repairer(trial.method, trial.parameters, _seed_of(scenario))
-        policy = make_policy(trial.policy)
+        policy, repairer = make_driver(), make_guarded()
         if trial.futures:
             result = run_with_need(scenario, policy, repairer, trial.futures)
         else:
@@ -123,6 +139,6 @@ def drive_trial(trial: EvaluationTrial) -> Driven:
     return Driven(trial, result)
 
 
-def _seed_of(scenario: Scenario) -> int:
+def seed_of(scenario: Scenario) -> int:
     """Seed for methods that draw numbers: the same for a scenario in every run, another for every scenario."""
     return int.from_bytes(hashlib.sha256(f"roadmend/evaluate/{scenario.name}".encode()).digest()[:4], "big") >> 1

@@ -69,8 +69,13 @@ class Simulation:
 
         Raises:
             InputError: the scenario names something that does not exist.
-            SimulationError: SUMO refuses to start.
+            SimulationError: SUMO refuses to start, or another one is open.
         """
+        if libsumo.isLoaded():  # it would be taken away from who drives in it, without a word
+            raise SimulationError(
+                "another episode is under way in this process, and SUMO holds one a process; "
+                "end that one first, or drive in a process of its own"
+            )
         self.scenario = scenario
         self._is_users = isinstance(scenario.network, SumoConfiguration)
         self.network: RoadNetwork = read_network(network_file(scenario.network))

@@ -1,0 +1,35 @@
+from roadmend.api.bag import BagTables as BagTables
+from roadmend.api.bag import read_bag as read_bag
+from roadmend.api.evaluation import Evaluation as Evaluation
+from roadmend.api.evaluation import evaluate as evaluate
+from roadmend.api.run import run as run
+from roadmend.api.scenarios import load_scenario as load_scenario
+from roadmend.api.scenarios import load_scenarios as load_scenarios
+from roadmend.core.command import Command as Command
+from roadmend.core.command import Decision as Decision
+from roadmend.core.command import Trajectory as Trajectory
+from roadmend.core.episode_result import EpisodeResult as EpisodeResult
+from roadmend.core.errors import ForeignError as ForeignError
+from roadmend.core.errors import InputError as InputError
+from roadmend.core.errors import RoadmendError as RoadmendError
+from roadmend.core.errors import SimulationError as SimulationError
+from roadmend.core.interfaces import Policy as Policy
+from roadmend.core.outcome import Event as Event
+from roadmend.core.outcome import EventKind as EventKind
+from roadmend.core.parameters import Parameters as Parameters
+from roadmend.core.repair import Proposal as Proposal
+from roadmend.core.repair import Repair as Repair
+from roadmend.core.repair import RepairStatus as RepairStatus
+from roadmend.core.repair import RepairTrigger as RepairTrigger
+from roadmend.core.route import Route as Route
+from roadmend.core.scene import EgoState as EgoState
+from roadmend.core.scene import ObjectKind as ObjectKind
+from roadmend.core.scene import ObjectList as ObjectList
+from roadmend.core.scene import Scene as Scene
+from roadmend.core.scene import Signal as Signal
+from roadmend.core.tick import Tick as Tick
+from roadmend.repair.method import RepairMethod as RepairMethod
+from roadmend.world.families import sample_scenario as sample_scenario
+from roadmend.world.scenario import Scenario as Scenario
+
+__version__: str

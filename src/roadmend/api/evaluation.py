@@ -1,0 +1,187 @@
+"""Policies times repair methods times scenarios, measured; of one's own or by name."""
+
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from functools import partial
+from itertools import product
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from roadmend.api.given import PolicyLike, RepairLike, name_of, policy_of, repairer_of, title_of
+from roadmend.api.scenarios import ScenarioLike, scenarios_of
+from roadmend.core.errors import InputError
+from roadmend.core.extras import extra_missing
+from roadmend.core.journal import Journal, Key
+from roadmend.core.markdown import table_text
+from roadmend.measures.driver import driver_key
+from roadmend.measures.evaluation import TRIVIAL, Driven, EvaluationTrial, drive_with, run_trials, seed_of
+from roadmend.measures.evaluation_figures import evaluate as figures_of
+from roadmend.measures.evaluation_figures import evaluation_rows, meanings
+from roadmend.reports.result_files import provenance, write_report
+from roadmend.world.scenario import Scenario
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Progress = Callable[[int, int], None]  # of how many are done, of how many
+Given = TypeVar("Given")
+
+_FORMAT = "roadmend-evaluation-work/1"
+_TITLE = "Policies with and without repair"
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluation:
+    """What came of it. Printed, it is the table of ``roadmend evaluate`` in Markdown.
+
+    Attributes:
+        figures: every measure, as plain values, by policy and repair method.
+        driven: the episodes, each with what it came to or why there is nothing.
+    """
+
+    figures: dict[str, dict[str, dict[str, Any]]]
+    driven: tuple[Driven, ...]
+
+    @property
+    def rows(self) -> list[list[str]]:
+        """The table as texts, its heading first."""
+        return evaluation_rows(self.figures)
+
+    @property
+    def faults(self) -> list[str]:
+        """Why episodes could not be driven, one line each."""
+        return [each.fault for each in self.driven if each.fault]
+
+    def __str__(self) -> str:
+        return "\n".join([table_text(self.rows), *self.faults])
+
+    @property
+    def episodes(self) -> "pd.DataFrame":
+        """One row an episode: policy, method, scenario, outcome and figures; times [s], distances [m].
+
+        Raises:
+            InputError: pandas is not installed.
+        """
+        try:
+            import pandas as pd  # noqa: PLC0415 - only who asks for such a table needs it
+        except ModuleNotFoundError as error:
+            raise extra_missing(error) from None
+        return pd.DataFrame(self._plain())
+
+    def save(self, folder: str | PathLike[str]) -> Path:
+        """Write evaluation.json, evaluation.md and evaluation.html; returns the path of the page.
+
+        Raises:
+            InputError: the folder cannot be written, or what draws pages is not installed.
+        """
+        try:
+            from roadmend.reports.evaluation_page import write_page  # noqa: PLC0415 - needs the extra
+        except ModuleNotFoundError as error:
+            raise extra_missing(error) from None
+        made = provenance(f"python {Path(sys.argv[0]).name or '-'}")
+        plain = self._plain()
+        content = {"provenance": made, "policies": self.figures, "faults": self.faults, "episodes": plain}
+        write_report(Path(folder), "evaluation", _TITLE, content, self.rows)
+        return write_page(Path(folder), _TITLE, self.rows, meanings().split("; "), plain, self.faults, made)
+
+    def _plain(self) -> list[dict[str, Any]]:
+        return [
+            {**each.result.figures(), "policy": each.trial.policy, "method": each.trial.method}
+            for each in self.driven
+            if each.result is not None
+        ]
+
+
+def evaluate(
+    scenarios: ScenarioLike | Sequence[ScenarioLike],
+    policies: PolicyLike | Sequence[PolicyLike] = "modular",
+    repairs: RepairLike | Sequence[RepairLike] = "adreft",
+    *,
+    workers: int = 1,
+    futures: int = 0,
+    folder: str | PathLike[str] | None = None,
+    progress: Progress | None = None,
+) -> Evaluation:
+    """Drive every policy with every repair method in every scenario, and tell what they are worth.
+
+    Every policy is driven alone and with random repair too: what it collides in alone can be fixed, what it completes
+    can be degraded. An episode that fails is a line of ``faults``, and the others go on. Classes that stand in a file
+    are made anew for each episode, in worker processes where there are several: a script that asks for workers must
+    stand under ``if __name__ == "__main__":``. Objects, and classes of a notebook, are driven in this process one
+    after the other, and their episodes are not kept.
+
+    Args:
+        scenarios: or paths of their files.
+        policies: names, classes or objects.
+        repairs: names, classes or objects.
+        workers: processes; what comes out does not depend on their number.
+        futures: by which it is told whether each intervention was needed; 0 leaves it untold.
+        folder: in which finished episodes are kept, so that they are not driven again; none keeps nothing.
+        progress: hears how many of how many episodes are done.
+
+    Raises:
+        InputError: an argument is unusable.
+        SimulationError: a worker process died.
+    """
+    chosen = scenarios_of(scenarios)
+    drivers: list[PolicyLike] = _several(policies, "policies")
+    methods: list[RepairLike] = [*TRIVIAL, *_several(repairs, "repairs")]
+    pairs = [*product(drivers, methods)]
+    named = {place: _key(*pair) for place, pair in enumerate(pairs)}
+    for driver, method in pairs:  # refused before anything is driven
+        policy_of(driver)
+        repairer_of(method)
+    trials = [
+        [EvaluationTrial(each, _name(driver), _name(method), named[place] or Key(""), futures) for each in chosen]
+        for place, (driver, method) in enumerate(pairs)
+    ]
+    kept = [trial for place, several in enumerate(trials) if named[place] is not None for trial in several]
+    total, tell = len(pairs) * len(chosen), progress or (lambda _done, _all: None)
+    with ExitStack() as stack:
+        keep = folder if folder is not None else stack.enter_context(tempfile.TemporaryDirectory())
+        journal = stack.enter_context(Journal(Path(keep) / "results.jsonl", _FORMAT, owns_folder=True))
+        answers = iter(run_trials(kept, journal, workers, lambda done: tell(done, total)))
+    driven: list[Driven] = []
+    here = len(kept)
+    for number, (driver, method) in enumerate(pairs):
+        for trial in trials[number]:
+            if named[number] is not None:
+                driven.append(next(answers))
+            else:
+                driven.append(_drive_here(trial, driver, method))
+                here += 1
+                tell(here, total)
+    return Evaluation(figures_of(driven), tuple(driven))
+
+
+def _several(given: Given | Sequence[Given], where: str) -> list[Given]:
+    """One, or several in a row, without those that are driven anyway.
+
+    Raises:
+        InputError: two are called alike, so that no table could tell them apart.
+    """
+    found: list[Given] = [*given] if isinstance(given, Sequence) and not isinstance(given, str) else [given]
+    titles = [title_of(each) for each in found]
+    twice = next((title for title in titles if titles.count(title) > 1), None)
+    if twice is not None:
+        raise InputError(where, f"two are called {twice!r}", "give each a class of its own, or evaluate them apart")
+    return [each for each, title in zip(found, titles, strict=True) if title not in TRIVIAL]
+
+
+def _name(given: object) -> str:
+    return name_of(given) or title_of(given)
+
+
+def _key(driver: PolicyLike, method: RepairLike) -> Key | None:
+    """Of kept episodes; None where one of the two is found in this process alone."""
+    names = name_of(driver), name_of(method)
+    return driver_key(*names) if all(names) else None
+
+
+def _drive_here(trial: EvaluationTrial, driver: PolicyLike, method: RepairLike) -> Driven:
+    scenario: Scenario = trial.scenario
+    return drive_with(trial, partial(policy_of, driver), partial(repairer_of, method, None, seed_of(scenario)))

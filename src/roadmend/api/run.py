@@ -1,0 +1,97 @@
+"""One episode in this process, with whoever drives and repairs; recorded where that is wanted."""
+
+import json
+from functools import partial
+from os import PathLike
+from pathlib import Path
+
+from roadmend.api.given import PolicyLike, RepairLike, Settings, name_of, policy_of, repairer_of, title_of
+from roadmend.api.scenarios import ScenarioLike, scenario_of
+from roadmend.core.command import Decision
+from roadmend.core.episode_result import EpisodeResult
+from roadmend.core.errors import RoadmendError
+from roadmend.core.repair import Repair
+from roadmend.core.tick import Tick
+from roadmend.nodes.provenance import provenance
+from roadmend.recording.episode_recorder import EpisodeRecorder, account_of
+from roadmend.recording.new_bag import new_bag
+from roadmend.recording.recorded_run import RECORD
+from roadmend.world.network import network_file
+from roadmend.world.road_network import lanes_of, read_network
+from roadmend.world.runner import Watcher, run_episode
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_file import dump_scenario
+
+
+def run(
+    scenario: ScenarioLike,
+    policy: PolicyLike = "modular",
+    repair: RepairLike = "rss",
+    *,
+    policy_parameters: Settings | None = None,
+    repair_parameters: Settings | None = None,
+    seed: int = 0,
+    watch: Watcher | None = None,
+    bag: str | PathLike[str] | None = None,
+) -> EpisodeResult:
+    """Drive a scenario to its end; the same arguments give the same trajectory, bit for bit, as the graph does.
+
+    Args:
+        scenario: what to drive, or the path of its file.
+        policy: who drives: a name, a class, or an object.
+        repair: the repair method: a name, a class, or an object; "none" leaves the policy alone.
+        policy_parameters: what differs from the policy's defaults.
+        repair_parameters: what differs from the method's defaults.
+        seed: for methods that draw numbers.
+        watch: called at every tick before the vehicle moves, with the tick, the policy's decision and the repair.
+        bag: a folder to record the episode into, which must not be there yet.
+
+    Raises:
+        InputError: an argument is unusable.
+        ForeignError: a policy from outside failed on the way.
+        RoadmendError: the repair method failed on the way, so that the guard had to answer for it.
+        RecordingError: the bag cannot be written.
+        SimulationError: SUMO failed.
+    """
+    chosen = scenario_of(scenario)
+    driver = policy_of(policy, policy_parameters)
+    repairer = repairer_of(repair, repair_parameters, seed)
+    if bag is None:
+        result = run_episode(chosen, driver, repairer, watch)
+    else:
+        account = _account(chosen, policy, repair, seed, policy_parameters, repair_parameters)
+        with new_bag(Path(bag)) as writer:
+            lanes = lanes_of(read_network(network_file(chosen.network)))
+            recorder = EpisodeRecorder(writer, lambda _time: account["method"], lanes)
+            text = dump_scenario(chosen).encode()
+            writer.add_attachment(account["scenario_file"], "application/yaml", text)
+            answered = recorder.answered if watch is None else partial(_both, recorder.answered, watch)
+            result = run_episode(chosen, driver, repairer, answered, recorder.ended, recorder.opened)
+            writer.add_metadata(RECORD, account | account_of(result, writer.count))
+    if repairer.first_fault:
+        raise RoadmendError(repairer.first_fault)
+    return result
+
+
+def _both(record: Watcher, watch: Watcher, tick: Tick, decision: Decision, repair: Repair) -> None:
+    record(tick, decision, repair)
+    watch(tick, decision, repair)
+
+
+def _account(
+    scenario: Scenario,
+    policy: PolicyLike,
+    repair: RepairLike,
+    seed: int,
+    policy_parameters: Settings | None,
+    repair_parameters: Settings | None,
+) -> dict[str, str]:
+    """What the bag says of who drives and repairs, as the graph's bags do."""
+    file = Path(f"{scenario.name}.yaml")
+    known = provenance(file, title_of(policy), title_of(repair), "lockstep", seed, ())
+    for role, given, parameters in (("policy", policy, policy_parameters), ("method", repair, repair_parameters)):
+        if parameters:
+            known[f"{role}_parameters"] = json.dumps(dict(parameters))
+        if not name_of(given):  # what its class would be made with by default says nothing of an object
+            known.pop(f"{role}_defaults", None)
+    return known
