@@ -11,6 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from roadmend.cli.command import Command
+from roadmend.cli.driver_options import DROVE
 from roadmend.cli.options import FUTURES, JSON, PATH
 from roadmend.cli.output import bag_progress, message_progress, wide_console
 from roadmend.cli.spell_table import account_figures, show_spells
@@ -24,7 +25,7 @@ from roadmend.recording.info import bag_info as read_info
 from roadmend.recording.recovery import bag_size, recover
 
 
-@click.command("info", cls=Command, examples=['roadmend bag info bags/my-run', 'roadmend bag info bags/my-run --json'])
+@click.command("info", cls=Command, examples=["roadmend bag info bags/my-run", "roadmend bag info bags/my-run --json"])
 @click.argument("bag", type=PATH)
 @FUTURES
 @DROVE
@@ -107,7 +108,7 @@ def _topic_table(topics: list[TopicInfo]) -> Table:
     return table
 
 
-@click.command("recover", cls=Command, examples=['roadmend bag recover bags/cut-run --out bags/mended'])
+@click.command("recover", cls=Command, examples=["roadmend bag recover bags/cut-run --out bags/mended"])
 @click.argument("bag", type=PATH)
 @click.option("--out", type=PATH, help="Folder of the new bag.  [default: NAME-recovered]")
 @JSON
@@ -193,7 +194,9 @@ def _difference_table(topics: list[TopicDiff]) -> Table:
     return table
 
 
-@click.command("convert", cls=Command, examples=['roadmend bag convert bags/my-run --to sqlite3 --out bags/my-run-sqlite3'])
+@click.command(
+    "convert", cls=Command, examples=["roadmend bag convert bags/my-run --to sqlite3 --out bags/my-run-sqlite3"]
+)
 @click.argument("bag", type=PATH)
 @click.option("--to", "storage", type=click.Choice([MCAP, SQLITE3]), help="Storage.  [default: the other one]")
 @click.option("--out", type=PATH, help="Folder of the new bag.  [default: NAME-STORAGE]")

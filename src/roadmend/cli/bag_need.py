@@ -29,7 +29,7 @@ from roadmend.repair.registry import make_repairer
     examples=["roadmend bag need bags/my-run", "roadmend bag need bags/my-run --futures 100 --json"],
     epilog=f"need: share of futures of the intervention's first tick, the policy left alone, that end within {HORIZON:g} s "
     f"in a collision by the ego's fault. From {RESCUE:g} on it is a rescue, below {NEEDLESS:g} a nuisance. worth: what the "
-    "method itself judged, in prices of a collision."
+    "method itself judged, in prices of a collision.",
 )
 @click.argument("bag", type=PATH)
 @click.option(

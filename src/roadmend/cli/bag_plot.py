@@ -12,7 +12,13 @@ from roadmend.core.spell import Spell
 from roadmend.reports.bag_picture import draw_bag
 
 
-@click.command(cls=Command, examples=['roadmend bag plot bags/my-run --out scene.png --at 12.5', 'roadmend bag plot bags/my-run --out my-run.html --futures 20'])
+@click.command(
+    cls=Command,
+    examples=[
+        "roadmend bag plot bags/my-run --out scene.png --at 12.5",
+        "roadmend bag plot bags/my-run --out my-run.html --futures 20",
+    ],
+)
 @click.argument("bag", type=PATH)
 @click.option(
     "--out",

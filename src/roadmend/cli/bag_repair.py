@@ -100,7 +100,9 @@ _FIGURES = ("method", "outcome", "text", "duration", "min_distance", "interventi
 SHADOW_RECORD = "roadmend_shadow"  # metadata record
 
 
-@click.command(cls=Command, examples=['roadmend bag shadow bags/my-run --repair rss --set rho=0.4 --out bags/my-run-rss'])
+@click.command(
+    cls=Command, examples=["roadmend bag shadow bags/my-run --repair rss --set rho=0.4 --out bags/my-run-rss"]
+)
 @click.argument("bag", type=PATH)
 @options_of(RepairOptions)
 @click.option("--out", required=True, type=PATH, help="Folder of the new bag.")
@@ -171,7 +173,10 @@ def _show_shadow(summary: ShadowSummary, choice: RepairChoice, out: Path) -> Non
     wide_console().print(table)
 
 
-@click.command(cls=Command, examples=['roadmend bag resimulate bags/my-run --repair adreft --from-time 10 --out bags/my-run-adreft'])
+@click.command(
+    cls=Command,
+    examples=["roadmend bag resimulate bags/my-run --repair adreft --from-time 10 --out bags/my-run-adreft"],
+)
 @click.argument("bag", type=PATH)
 @options_of(RepairOptions)
 @click.option(

@@ -52,7 +52,7 @@ def _load(policy: str, file: Path | None) -> Corpus:
     return loaded
 
 
-@click.group(cls=Group, examples=['roadmend corpus show --policy modular'])
+@click.group(cls=Group, examples=["roadmend corpus show --policy modular"])
 def corpus() -> None:
     """Gather, verify and show the scenarios that a policy is repaired, trained and measured on."""
 
@@ -120,7 +120,9 @@ class CorpusBuildOptions:
     as_json: Annotated[bool, JSON]
 
 
-@corpus.command(cls=Command, examples=['roadmend corpus build --policy modular --searches searches --out modular.jsonl'], resumes='')
+@corpus.command(
+    cls=Command, examples=["roadmend corpus build --policy modular --searches searches --out modular.jsonl"], resumes=""
+)
 @options_of(CorpusBuildOptions)
 def build(given: CorpusBuildOptions) -> int:
     """Gather a corpus; exit code 1 if there were not enough cases to be found.
@@ -187,7 +189,7 @@ def _reporter(bar: Bar) -> Report:
     return report
 
 
-@corpus.command(cls=Command, examples=['roadmend corpus verify --policy modular --cases 20'])
+@corpus.command(cls=Command, examples=["roadmend corpus verify --policy modular --cases 20"])
 @_file_option
 @click.option(
     "--cases", "count", type=click.IntRange(1), help="Run only so many, spread over the corpus; all if not given."
@@ -224,7 +226,7 @@ def verify(policy: str, file: Path | None, count: int | None, workers: int, *, a
     return 1 if differing else 0
 
 
-@corpus.command(cls=Command, examples=['roadmend corpus renew --policy modular --out renewed.jsonl'], resumes='')
+@corpus.command(cls=Command, examples=["roadmend corpus renew --policy modular --out renewed.jsonl"], resumes="")
 @_file_option
 @click.option("--out", type=FILE, required=True, help="File for the corpus as it is now.")
 @click.option(
@@ -268,8 +270,8 @@ def renew(
     for journal in journals:
         journal.unlink()
     if as_json:
-        told = {"file": str(out), "moved": found.moved, "left_out": found.lost, **_content(again)}
-        click.echo(json.dumps(told, indent=2))
+        content = {"file": str(out), "moved": found.moved, "left_out": found.lost, **_content(again)}
+        click.echo(json.dumps(content, indent=2))
         return
     click.echo(
         f"{out}: {len(again.cases)} cases, {found.moved} of them with another trajectory, {found.lost} left out; "
@@ -277,7 +279,7 @@ def renew(
     )
 
 
-@corpus.command(cls=Command, examples=['roadmend corpus show --policy modular'])
+@corpus.command(cls=Command, examples=["roadmend corpus show --policy modular"])
 @_file_option
 @JSON
 def show(policy: str, file: Path | None, *, as_json: bool) -> None:

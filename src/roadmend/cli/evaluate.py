@@ -50,7 +50,9 @@ _FORMAT = "roadmend-evaluation-work/1"
 )
 @click.option("--corpus", type=FILE, help="The cases of a corpus instead of SCENARIOS.")
 @click.option("--split", type=click.Choice(SPLITS), help="Of the corpus.  [default: test]")
-@click.option("--family", "families", multiple=True, type=FAMILY_NAME, help="Random scenarios instead. May be repeated.")
+@click.option(
+    "--family", "families", multiple=True, type=FAMILY_NAME, help="Random scenarios instead. May be repeated."
+)
 @sumocfg(
     "Drives in the traffic of a SUMO configuration instead, of all below a folder, or on a network alone, which gets "
     "traffic. May be repeated.",

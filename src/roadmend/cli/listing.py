@@ -30,7 +30,11 @@ _REGISTRIES: Mapping[str, Registry[Any]] = {
 _MODELS = "models"
 
 
-@click.command("list", cls=Command, examples=['roadmend list policies', 'roadmend list methods adreft rss', 'roadmend list models --json'])
+@click.command(
+    "list",
+    cls=Command,
+    examples=["roadmend list policies", "roadmend list methods adreft rss", "roadmend list models --json"],
+)
 @click.argument("kind", metavar="KIND", type=click.Choice([*_REGISTRIES, _MODELS]))
 @click.argument("names", nargs=-1)
 @JSON

@@ -70,7 +70,7 @@ class ProgressLines(Progress):
         self._begin = self._said_at = time.monotonic()
         self._said: dict[TaskID, float] = {}
 
-    def update(self, task_id: TaskID, **changes: Any) -> None:  # type: ignore[override] # more than is named here
+    def update(self, task_id: TaskID, **changes: Any) -> None:
         """As the bars', and perhaps a line."""
         super().update(task_id, **changes)
         self._say(task_id)

@@ -17,8 +17,8 @@ from rich.table import Table
 from roadmend.cli.command import Command, called_as
 from roadmend.cli.driver_options import METHOD_NAME, POLICY
 from roadmend.cli.options import JSON, PATH, options_of
-from roadmend.cli.sumo_options import TIME_LIMIT, WARM_UP, WARM_UP_OPTION, egos, sumocfg, time_limit
 from roadmend.cli.output import OUTCOME_STYLES, Waiting, wide_console
+from roadmend.cli.sumo_options import TIME_LIMIT, WARM_UP, WARM_UP_OPTION, egos, sumocfg, time_limit
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.resources import config_folder
 from roadmend.nodes.launcher import GraphOptions, InterruptedRunError, RunResult, run_graph
@@ -109,7 +109,15 @@ class RunOptions:
     ros_arguments: Annotated[tuple[str, ...], ROS_ARGUMENTS]
 
 
-@click.command(context_settings={"ignore_unknown_options": True}, cls=Command, examples=['roadmend run --scenario config/scenarios/demo-exit.yaml --policy modular --repair adreft', 'roadmend run --sumocfg my/town.sumocfg --repair adreft', 'roadmend run --sumocfg my/town.net.xml.gz --no-record --json'])
+@click.command(
+    context_settings={"ignore_unknown_options": True},
+    cls=Command,
+    examples=[
+        "roadmend run --scenario config/scenarios/demo-exit.yaml --policy modular --repair adreft",
+        "roadmend run --sumocfg my/town.sumocfg --repair adreft",
+        "roadmend run --sumocfg my/town.net.xml.gz --no-record --json",
+    ],
+)
 @options_of(RunOptions)
 def run(given: RunOptions) -> int:
     """Run one episode in the graph: SUMO, policy, repair and recorder as separate processes.
@@ -117,9 +125,9 @@ def run(given: RunOptions) -> int:
     Everything after --ros-args goes to every node. In a SUMO configuration one episode for every ego; those that cannot
     be driven are named, and the exit code is then 1, or 2 if none could be driven.
     """
+    extra = _ros_arguments(given.ros_arguments)  # first: an option that is misspelled is among them
     if (given.scenario is None) == (given.sumocfg is None):
         raise click.UsageError("give either --scenario or --sumocfg")
-    extra = _ros_arguments(given.ros_arguments)
     chosen = _scenarios(given)
     results: list[RunResult] = []
     faults: list[InputError] = []
@@ -182,7 +190,9 @@ def _scenarios(given: RunOptions) -> list[Scenario]:
         return drawn_scenarios([path], seeds, warm_up, TIME_LIMIT if given.time_limit is None else given.time_limit)
     route = given.ego_route.split()
     found = [scenario_of_configuration(path, route, warm_up, given.time_limit, seed) for seed in seeds]
-    return found if len(found) == 1 else [each.model_copy(update={"name": f"{each.name}-{each.seed}"}) for each in found]
+    return (
+        found if len(found) == 1 else [each.model_copy(update={"name": f"{each.name}-{each.seed}"}) for each in found]
+    )
 
 
 def _placed(error: InputError, given: RunOptions) -> InputError:
@@ -256,7 +266,7 @@ def show_results(results: Sequence[RunResult], console: Console) -> None:
 _METHODS = ("none", "adreft")
 
 
-@click.command(cls=Command, examples=['roadmend demo'])
+@click.command(cls=Command, examples=["roadmend demo"])
 @click.option("--out", default=Path("bags"), show_default=True, type=PATH, help="Folder for the bags.")
 @JSON
 def demo(out: Path, *, as_json: bool) -> None:
@@ -353,7 +363,14 @@ class ReplayOptions:
     ros_arguments: Annotated[tuple[str, ...], ROS_ARGUMENTS]
 
 
-@click.command(context_settings={"ignore_unknown_options": True}, cls=Command, examples=['roadmend replay bags/my-run --rate 2 --loop', 'roadmend replay bags/my-run --topic /ego --topic /objects'])
+@click.command(
+    context_settings={"ignore_unknown_options": True},
+    cls=Command,
+    examples=[
+        "roadmend replay bags/my-run --rate 2 --loop",
+        "roadmend replay bags/my-run --topic /ego --topic /objects",
+    ],
+)
 @options_of(ReplayOptions)
 def replay(given: ReplayOptions) -> int:
     """Publish what a bag holds, with the QoS it was recorded with, and the clock.

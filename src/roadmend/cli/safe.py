@@ -36,6 +36,7 @@ from roadmend.safe.sketch_text import is_sketch_read
 from roadmend.safe.stage_one import StageOneOptions
 from roadmend.world.scenario_file import load_scenario
 
+
 @dataclass(frozen=True)
 class SafeOptions:
     """What crashes, and where what is made of them goes."""
@@ -99,7 +100,7 @@ class ExtractOptions:
     as_json: Annotated[bool, JSON]
 
 
-@click.command(cls=Command, examples=['roadmend safe extract reports --out read'], resumes='')
+@click.command(cls=Command, examples=["roadmend safe extract reports --out read"], resumes="")
 @options_of(ExtractOptions)
 def extract(given: ExtractOptions) -> int:
     """Read a crash report, or a folder of them; exit code 1 if one of them gave no scenario.
@@ -159,7 +160,7 @@ def _show_extracted(done: Sequence[Extracted], out: Path) -> None:
     click.echo(f"{len(done) - failed} of {len(done)} read ({known} by an earlier call), in {out}")
 
 
-@click.command(cls=Command, examples=['roadmend safe build reports --samples 3 --out built'], resumes='')
+@click.command(cls=Command, examples=["roadmend safe build reports --samples 3 --out built"], resumes="")
 @options_of(SafeOptions)
 @click.option("--samples", default=2, show_default=True, type=click.IntRange(1, 1000), help="Scenarios of each role.")
 def build(given: SafeOptions, samples: int) -> int:
@@ -194,7 +195,12 @@ def build(given: SafeOptions, samples: int) -> int:
     return 0 if len(built) == len(cases) else 1
 
 
-@click.command(name="test", cls=Command, examples=['roadmend safe test reports --policy modular --policy neural --out tested'], resumes='')
+@click.command(
+    name="test",
+    cls=Command,
+    examples=["roadmend safe test reports --policy modular --policy neural --out tested"],
+    resumes="",
+)
 @options_of(SafeOptions)
 @POLICIES
 @click.option("--samples", default=2, show_default=True, type=click.IntRange(1, 1000), help="Scenarios of each role.")
@@ -222,7 +228,9 @@ def safe_test(given: SafeOptions, policies: tuple[str, ...], samples: int, *, pi
     return 0 if all(found.built == found.reports for found in tallies.values()) else 1
 
 
-@click.command(cls=Command, examples=['roadmend safe reproduce reports --policy modular --budget 100 --out reproduced'], resumes='')
+@click.command(
+    cls=Command, examples=["roadmend safe reproduce reports --policy modular --budget 100 --out reproduced"], resumes=""
+)
 @options_of(SafeOptions)
 @POLICIES
 @click.option("--budget", default=36, show_default=True, type=click.IntRange(1, 100_000), help="Episodes of each role.")
@@ -258,7 +266,7 @@ def reproduce(given: SafeOptions, policies: tuple[str, ...], budget: int, *, pic
     return 0
 
 
-@click.command(cls=Command, examples=['roadmend safe export built/crash-v1-1.yaml --out exported'])
+@click.command(cls=Command, examples=["roadmend safe export built/crash-v1-1.yaml --out exported"])
 @click.argument("scenario", type=FILE)
 @click.option("--out", required=True, type=FOLDER, help="Folder for the files.")
 @JSON

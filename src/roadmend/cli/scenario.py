@@ -19,7 +19,7 @@ FAMILY = click.option(
 )
 
 
-@click.command(cls=Command, examples=['roadmend sample --family S3 --seed 7 --out crossing.yaml'])
+@click.command(cls=Command, examples=["roadmend sample --family S3 --seed 7 --out crossing.yaml"])
 @FAMILY
 @SEED
 @click.option("--out", type=FILE, help="File to write; standard output if not given.")
@@ -40,7 +40,7 @@ def sample(family: str, seed: int, out: Path | None, *, as_json: bool) -> None:
         click.echo(f"{out}: {scenario.name}, {len(scenario.actors)} actors, {scenario.environment.weather}")
 
 
-@click.command(cls=Command, examples=['roadmend schema > scenario.schema.json'])
+@click.command(cls=Command, examples=["roadmend schema > scenario.schema.json"])
 def schema() -> None:
     """Print the JSON schema of a scenario file."""
     click.echo(json.dumps(scenario_schema(), indent=2))

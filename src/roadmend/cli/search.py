@@ -62,7 +62,11 @@ class SearchOptions:
     as_json: Annotated[bool, JSON]
 
 
-@click.command(cls=Command, examples=['roadmend search --family S3 --policy modular --repair rss --budget 500 --out found'], resumes='')
+@click.command(
+    cls=Command,
+    examples=["roadmend search --family S3 --policy modular --repair rss --budget 500 --out found"],
+    resumes="",
+)
 @options_of(SearchOptions)
 def search(given: SearchOptions) -> int:
     """Find scenarios in which a policy under repair collides by its own fault; exit code 1 if one could not be run.

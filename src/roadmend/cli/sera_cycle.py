@@ -78,7 +78,9 @@ class EvaluateOptions:
     as_json: Annotated[bool, JSON]
 
 
-@click.command(cls=Command, examples=['roadmend sera evaluate --policy neural --scenarios 20 --out evaluated'], resumes='')
+@click.command(
+    cls=Command, examples=["roadmend sera evaluate --policy neural --scenarios 20 --out evaluated"], resumes=""
+)
 @options_of(EvaluateOptions)
 def evaluate(given: EvaluateOptions) -> int:
     """Drive a policy through an evaluation set in this process: four measures, and bags for 'sera analyse'.
@@ -214,7 +216,7 @@ class CycleSettings:
     as_json: Annotated[bool, JSON]
 
 
-@click.command(cls=Command, examples=['roadmend sera cycle --policy neural --generations 2 --out cycle'], resumes='')
+@click.command(cls=Command, examples=["roadmend sera cycle --policy neural --generations 2 --out cycle"], resumes="")
 @options_of(CycleSettings)
 def cycle(given: CycleSettings) -> int:
     """Drive, analyse the failures, recommend scenarios, tune, and drive again, for several generations.

@@ -70,7 +70,10 @@ class TuneOptions:
     as_json: Annotated[bool, JSON]
 
 
-@click.command(cls=Command, examples=['roadmend sera tune --policy neural --bank my.bank --selection selection.json --out tuned.safetensors'])
+@click.command(
+    cls=Command,
+    examples=["roadmend sera tune --policy neural --bank my.bank --selection selection.json --out tuned.safetensors"],
+)
 @options_of(TuneOptions)
 def tune(given: TuneOptions) -> None:
     """Fine-tune a neural policy on a selection, guarded against forgetting; writes a new model file.

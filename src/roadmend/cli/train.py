@@ -61,7 +61,9 @@ class PolicyOptions:
     as_json: Annotated[bool, JSON]
 
 
-@click.command(cls=Command, examples=['roadmend train policy --out my-policy.safetensors --workers 4'], resumes='--resume')
+@click.command(
+    cls=Command, examples=["roadmend train policy --out my-policy.safetensors --workers 4"], resumes="--resume"
+)
 @options_of(PolicyOptions)
 def policy(given: PolicyOptions) -> None:
     """Train a neural policy: behaviour cloning of the expert, then rounds of DAgger.
@@ -167,7 +169,11 @@ class AdreftOptions:
     as_json: Annotated[bool, JSON]
 
 
-@click.command(cls=Command, examples=['roadmend train adreft --policy modular --out my-repair.safetensors --set practice.dose=0.1'], resumes='--resume')
+@click.command(
+    cls=Command,
+    examples=["roadmend train adreft --policy modular --out my-repair.safetensors --set practice.dose=0.1"],
+    resumes="--resume",
+)
 @options_of(AdreftOptions)
 def adreft(given: AdreftOptions) -> None:
     """Train ADReFT for one policy, by the stages that the configuration has.
@@ -216,7 +222,9 @@ def adreft(given: AdreftOptions) -> None:
         _say(given.out, trained, seconds)
 
 
-@click.command(cls=Command, examples=['roadmend train adjust my-repair.safetensors --threshold 0.6 --out adjusted.safetensors'])
+@click.command(
+    cls=Command, examples=["roadmend train adjust my-repair.safetensors --threshold 0.6 --out adjusted.safetensors"]
+)
 @click.argument("model", type=FILE)
 @click.option("--threshold", type=click.FloatRange(0.0, 1.0), help="Above which it steps in.  [default: as it is]")
 @click.option(

@@ -25,7 +25,9 @@ from roadmend.world.corpus import corpus_of
 _RIVALS = tuple(rival.name for rival in rivals_of(""))
 
 
-@click.command("self-oracle", cls=Command, examples=['roadmend train self-oracle --policy modular --out self_oracle.safetensors'])
+@click.command(
+    "self-oracle", cls=Command, examples=["roadmend train self-oracle --policy modular --out self_oracle.safetensors"]
+)
 @POLICY
 @POLICY_CORPUS
 @MODEL_OUT
@@ -73,13 +75,13 @@ def self_oracle(
     )
 
 
-@click.command(cls=Command, examples=['roadmend train rivals --policy modular --out rivals.yaml --only rss'], resumes='')
+@click.command(
+    cls=Command, examples=["roadmend train rivals --policy modular --out rivals.yaml --only rss"], resumes=""
+)
 @POLICY
 @POLICY_CORPUS
 @click.option("--out", required=True, type=FILE, help="YAML file to write.")
-@click.option(
-    "--only", multiple=True, type=click.Choice(_RIVALS), help="Only these rivals; may be repeated."
-)
+@click.option("--only", multiple=True, type=click.Choice(_RIVALS), help="Only these rivals; may be repeated.")
 @click.option(
     "--cases",
     "number",

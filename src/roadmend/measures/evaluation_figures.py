@@ -68,7 +68,11 @@ def network_rows(figures: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> list
     for policy, methods in figures.items():
         for method, found in methods.items():
             outcomes = found["outcomes"]
-            counts = (found["episodes"], outcomes.get(EventKind.GOAL.name, 0), outcomes.get(EventKind.COLLISION.name, 0))
+            counts = (
+                found["episodes"],
+                outcomes.get(EventKind.GOAL.name, 0),
+                outcomes.get(EventKind.COLLISION.name, 0),
+            )
             cells = [cell for column in NETWORK for cell in _cells(column, found["network"])]
             rows.append([policy, method, *map(str, counts), *cells])
     return rows
