@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
@@ -143,6 +144,7 @@ def detectors_everywhere(maker):
         '<detExit lane="A1A2_0" pos="90"/></e3Detector>'
         '<edgeData id="edges" file="edges.xml" period="10"/>'
     )
+    (maker.folder / "out").mkdir()
     outputs = '<output><tripinfo-output value="trips.xml"/><queue-output value="queues.xml"/></output>'
     detectors = maker.write("all.add.xml", f"<additional>{add}</additional>")
     return maker.configuration(maker.trips("--period", 2), additional=detectors, options=outputs)
@@ -217,3 +219,116 @@ def test_a_careful_policy_comes_to_its_goal(make, seed, maker):
     before = sorted(maker.folder.rglob("*"))
     assert drive(path, seed).outcome is EventKind.GOAL
     assert sorted(maker.folder.rglob("*")) == before  # nothing is left beside what belongs to somebody else
+
+
+@large
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "seed"),
+    [("DRT", 2), ("DRT2", 1), ("DRT_demo", 1), ("A10KW", 1), ("fkk_in", 1), ("fokr_bs_demo", 2), ("cross_demo", 2)],
+)
+def test_larger_games_are_driven_too(name, seed, maker):
+    assert drive(GAMES / f"{name}.sumocfg", seed).outcome is EventKind.GOAL
+
+
+def test_where_no_car_has_a_route_of_use_the_ego_gets_one_of_its_own(maker):
+    maker.netgenerate("--grid", "--grid.number", 4, "--grid.length", 150)
+    bus = '<routes><vType id="bus" vClass="bus"/><flow id="b" type="bus" from="A0A1" to="A2A3" period="20" end="600"/>'
+    result = drive(maker.configuration(maker.write("buses.rou.xml", f"{bus}</routes>")))
+    assert result.outcome is EventKind.GOAL
+    assert result.distance > 100.0
+
+
+def test_who_waits_at_a_light_that_never_changes_is_not_said_to_have_arrived(maker):
+    """The phases of this game last 10 000 s, and a player ends them."""
+    result = drive(GAMES / "square.sumocfg", time_limit=30.0)
+    assert result.outcome is EventKind.TIMEOUT
+    assert result.distance < 100.0
+
+
+def people_alone(_maker):
+    return GAMES / "hiking" / "hiking.sumocfg"
+
+
+def rails(_maker):
+    return GAMES / "rail.sumocfg"
+
+
+def rails_alone(_maker):
+    return GAMES / "rail" / "net.net.xml"
+
+
+def roads_for_others(_maker):
+    return GAMES / "racing" / "racing.sumocfg"  # for the class "vip" alone
+
+
+def routes_that_are_not_there(maker):
+    maker.netgenerate("--grid", "--grid.number", 3)
+    return maker.configuration("none.rou.xml")
+
+
+def a_vehicle_named_ego(maker):
+    maker.netgenerate("--grid", "--grid.number", 3)
+    text = '<routes><trip id="ego" depart="55" from="A0A1" to="C1C2"/></routes>'
+    return maker.configuration(maker.write("own.rou.xml", text))
+
+
+def a_trip_that_leads_nowhere(maker):
+    maker.netgenerate("--grid", "--grid.number", 3)
+    text = '<routes><trip id="lost" depart="0" from="A0A1" to="nowhere"/></routes>'
+    return maker.configuration(maker.write("own.rou.xml", text))
+
+
+def an_option_that_sumo_does_not_know(maker):
+    maker.netgenerate("--grid", "--grid.number", 3)
+    return maker.configuration(maker.trips("--period", 9), options='<processing><hurry value="true"/></processing>')
+
+
+def one_road_alone(maker):
+    maker.write("o.nod.xml", '<nodes><node id="a" x="0" y="0"/><node id="b" x="90" y="0"/></nodes>')
+    maker.write("o.edg.xml", '<edges><edge id="ab" from="a" to="b"/></edges>')
+    maker.tool("netconvert", "-n", "o.nod.xml", "-e", "o.edg.xml", "-o", "town.net.xml")
+    return maker.folder / "town.net.xml"
+
+
+def two_places_apart(maker):
+    nodes = {"a": (0, 0), "b": (60, 0), "c": (30, 50), "d": (3000, 0), "e": (3060, 0), "f": (3030, 50)}
+    lines = "".join(f'<node id="{name}" x="{x}" y="{y}"/>' for name, (x, y) in nodes.items())
+    maker.write("o.nod.xml", f"<nodes>{lines}</nodes>")
+    lines = "".join(f'<edge id="{way}" from="{way[0]}" to="{way[1]}"/>' for way in ("ab", "bc", "ca", "de", "ef", "fd"))
+    maker.write("o.edg.xml", f"<edges>{lines}</edges>")
+    maker.tool("netconvert", "-n", "o.nod.xml", "-e", "o.edg.xml", "-o", "town.net.xml")
+    return maker.folder / "town.net.xml"
+
+
+def half_a_network(maker):
+    maker.netgenerate("--grid", "--grid.number", 3)
+    path = maker.folder / "town.net.xml"
+    path.write_text(path.read_text()[:5000])
+    return path
+
+
+@pytest.mark.parametrize(
+    ("make", "reason"),
+    [
+        (people_alone, "nobody is on the road until 180 s"),
+        (rails, "no lane for cars"),
+        (rails_alone, "no lane for cars"),
+        (roads_for_others, "no lane for cars"),
+        (routes_that_are_not_there, "route-files none.rou.xml does not exist"),
+        (a_vehicle_named_ego, "has a vehicle 'ego' of its own"),
+        (a_trip_that_leads_nowhere, "nowhere"),
+        (an_option_that_sumo_does_not_know, "hurry"),
+        (one_road_alone, "gets no traffic"),
+        (two_places_apart, "no way for cars between two of its roads"),
+        (half_a_network, "broken XML"),
+    ],
+    ids=lambda value: getattr(value, "__name__", None),
+)
+def test_what_no_ego_can_drive_on_is_refused_in_a_line_with_the_reason(make, reason, maker, capfd):
+    path = make(maker)
+    with pytest.raises(InputError, match=reason) as caught:
+        drive(path)
+    assert str(path.parent) in str(caught.value)  # the configuration, or its network
+    assert "\n" not in str(caught.value)
+    assert capfd.readouterr().err == ""

@@ -128,7 +128,10 @@ def run(given: RunOptions) -> int:
     extra = _ros_arguments(given.ros_arguments)  # first: an option that is misspelled is among them
     if (given.scenario is None) == (given.sumocfg is None):
         raise click.UsageError("give either --scenario or --sumocfg")
-    chosen = _scenarios(given)
+    try:
+        chosen = _scenarios(given)
+    except InputError as error:
+        raise _placed(error, given) from None
     results: list[RunResult] = []
     faults: list[InputError] = []
     with tempfile.TemporaryDirectory(prefix="roadmend-") as folder:

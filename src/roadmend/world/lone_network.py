@@ -69,7 +69,7 @@ def _routes(network: RoadNetwork, path: Path, key: str) -> str:
             raise InputError(str(path), f"gets no traffic ({error})", mend) from None
     if ET.fromstring(routes).find("vehicle") is None:
         mend = "give it roads that lead somewhere, or a .sumocfg with traffic of your own"
-        raise InputError(str(path), "has no two roads with a way for cars between them", mend)
+        raise InputError(str(path), "has no way for cars between two of its roads", mend)
     return routes
 
 
