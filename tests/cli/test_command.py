@@ -63,11 +63,25 @@ def test_the_sentence_of_an_error_decides_nothing(group):
     assert run_group(group, "roadmend", ["says-so"]) == 1
 
 
-def test_the_command_is_called_as_the_user_has_called_it(group, monkeypatch, capsys):
+def test_the_command_is_called_as_the_user_has_called_it(monkeypatch, capsys):
     monkeypatch.setenv("ROADMEND_CALLED_AS", "../my clone/roadmend")
     assert called_as() == "'../my clone/roadmend'"
-    run_group(group, "roadmend", ["goes-on"])
-    assert capsys.readouterr().err.strip().endswith("go on with: '../my clone/roadmend' goes-on")
+    assert main(["completion", "--help"]) == 0
+    page = capsys.readouterr().out
+    assert page.startswith("Usage: '../my clone/roadmend' completion ")
+    assert "  '../my clone/roadmend' completion fish > ~/.config/fish/completions/roadmend.fish\n" in page
+    assert main(["evalute"]) == 2
+    assert "(see ''../my clone/roadmend' --help')" in capsys.readouterr().err
+
+
+def test_a_name_on_the_path_is_called_by_its_name(monkeypatch, tmp_path):
+    (tmp_path / "roadmend").write_text("#!/bin/sh\n")
+    (tmp_path / "roadmend").chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setenv("ROADMEND_CALLED_AS", str(tmp_path / "roadmend"))
+    assert called_as() == "roadmend"
+    monkeypatch.setenv("ROADMEND_CALLED_AS", "./roadmend")
+    assert called_as() == "./roadmend"
 
 
 @pytest.mark.parametrize("words", [[], ["bag"], ["train"], ["safe"], ["sera"], ["corpus"]])

@@ -1,7 +1,9 @@
 """Commands and groups whose help has examples, and which say after an interrupt how to go on."""
 
 import os
+import re
 import shlex
+import shutil
 from collections.abc import Sequence
 from typing import Any
 
@@ -41,7 +43,7 @@ class Command(click.Command):
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """The examples, and what the command says besides."""
-        _write_examples(self.examples, formatter)
+        _write_examples(self.examples, ctx, formatter)
         super().format_epilog(ctx, formatter)
 
 
@@ -58,21 +60,25 @@ class Group(click.Group):
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """The examples, and what the group says besides."""
-        _write_examples(self.examples, formatter)
+        _write_examples(self.examples, ctx, formatter)
         super().format_epilog(ctx, formatter)
 
 
-def _write_examples(examples: Sequence[str], formatter: click.HelpFormatter) -> None:
+def _write_examples(examples: Sequence[str], ctx: click.Context, formatter: click.HelpFormatter) -> None:
     """Write a section of a help, one line an example however long, so that it can be copied."""
+    called = ctx.find_root().info_name or "roadmend"
     if examples:
         with formatter.section("Examples"):
             for example in examples:
-                formatter.write(f"{'':>{formatter.current_indent}}{example}\n")
+                line = re.sub(r"\broadmend (?=\w)", lambda _: f"{called} ", example)
+                formatter.write(f"{'':>{formatter.current_indent}}{line}\n")
 
 
 def called_as() -> str:
-    """How people call the command line, from where they are: the script of a clone, or what pip has put on the PATH."""
-    return shlex.quote(os.environ.get(_CALLED_AS) or "roadmend")
+    """How people call the command line, from where they are: the script of a clone, or by its name on the PATH."""
+    word = os.environ.get(_CALLED_AS) or "roadmend"
+    name = os.path.basename(word)  # noqa: PTH119 - a word of a shell: pathlib would take its "./" away
+    return name if shutil.which(name) == word else shlex.quote(word)
 
 
 def is_clone() -> bool:

@@ -8,6 +8,7 @@ import click
 
 from roadmend import __version__
 from roadmend.cli.command import called_as, is_clone
+from roadmend.cli.completion import VARIABLE
 from roadmend.cli.lazy import LazyGroup, Table
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.extras import extra_missing
@@ -139,7 +140,7 @@ def cli() -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line, with what it was called with unless arguments are given; the exit code is the process's."""
-    return run_group(cli, "roadmend", sys.argv[1:] if arguments is None else arguments)
+    return run_group(cli, called_as(), sys.argv[1:] if arguments is None else arguments)
 
 
 def run_group(group: click.Group, name: str, arguments: Sequence[str]) -> int:
@@ -154,7 +155,7 @@ def run_group(group: click.Group, name: str, arguments: Sequence[str]) -> int:
         0, 1 for a failure, 2 for bad input, 130 after an interrupt.
     """
     try:
-        code = group.main([*arguments], prog_name=name, standalone_mode=False)
+        code = group.main([*arguments], prog_name=name, complete_var=VARIABLE, standalone_mode=False)
     except InputError as error:
         return _complain(str(error), 2)
     except InterruptedWorkError as error:
@@ -181,8 +182,7 @@ def _way_on(resumes: str | None, name: str, arguments: Sequence[str]) -> str:
     if resumes is None:
         return ""
     more = [word for word in resumes.split() if word not in arguments]
-    command = name.replace("roadmend", called_as(), 1)
-    return f"; what is finished is kept, go on with: {command} {shlex.join([*arguments, *more])}"
+    return f"; what is finished is kept, go on with: {name} {shlex.join([*arguments, *more])}"
 
 
 def _complain(text: str, code: int) -> int:
