@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from roadmend.core.command import Command
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
 from roadmend.policies.registry import make_policy
@@ -20,6 +21,7 @@ from roadmend.repair.registry import make_repairer
 from roadmend.world.network import find_binary
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario_file import drawn_scenarios
+from roadmend.world.simulation import Simulation
 
 SUMO = find_binary("sumo").parent.parent
 GAMES = SUMO / "tools" / "game"
@@ -219,6 +221,19 @@ def test_a_careful_policy_comes_to_its_goal(make, seed, maker):
     before = sorted(maker.folder.rglob("*"))
     assert drive(path, seed).outcome is EventKind.GOAL
     assert sorted(maker.folder.rglob("*")) == before  # nothing is left beside what belongs to somebody else
+
+
+def test_an_ego_that_stands_is_not_taken_away_as_traffic_of_the_configuration_would_be(maker):
+    path = motorway_with_ramps(maker)
+    teleports = '<processing><time-to-teleport.highways value="2"/><time-to-teleport value="2"/></processing>'
+    path.write_text(path.read_text().replace("</configuration>", f"{teleports}</configuration>"))
+    (scenario,) = drawn_scenarios([path], [1], 30.0, 60.0)
+    with Simulation(scenario) as simulation:
+        tick = simulation.first()
+        while tick.final is None and tick.scene.time < 20.0:
+            tick = simulation.step(Command(0.0, 1.0))
+        assert tick.scene.ego.speed == 0.0
+        assert tick.final is None or tick.final.kind is EventKind.COLLISION  # somebody may run into it
 
 
 @large

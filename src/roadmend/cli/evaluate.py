@@ -119,7 +119,7 @@ def evaluate(
     write_report(out, "evaluation", "Policies with and without repair", content, rows, network)
     if as_json:
         click.echo(json.dumps(content, indent=2))
-    else:
+    elif content["episodes"]:
         show_rows(rows)
         if network:
             click.echo("\nOver the network:")
