@@ -120,32 +120,51 @@ def test_a_folder_is_no_scenario(tmp_path, complaint):
 
 def test_a_sumo_configuration_that_is_not_there(tmp_path, complaint):
     line = complaint("run", "--sumocfg", tmp_path / "none.sumocfg", "--out", tmp_path / "bags")
-    assert line == f"roadmend: {tmp_path / 'none.sumocfg'}: no such file; give the path of a SUMO .sumocfg file"
+    assert (
+        line
+        == f"roadmend: {tmp_path / 'none.sumocfg'}: no such file; give the path of a SUMO .sumocfg file, or of a folder"
+    )
     assert entries(tmp_path) == []
 
 
+@pytest.fixture
+def town(tmp_path):
+    """A configuration whose files are there; nobody looks into them before a node starts."""
+
+    def write(folder):
+        folder.mkdir(exist_ok=True)
+        (folder / "town.net.xml").write_text("<net/>")
+        (folder / "town.sumocfg").write_text('<configuration><net-file value="town.net.xml"/></configuration>')
+        return folder / "town.sumocfg"
+
+    return write
+
+
 @pytest.mark.parametrize(
-    ("arguments", "field"),
+    ("arguments", "words"),
     [
-        (["--warm-up", "1e9"], "warm_up"),
-        (["--time-limit", "1e9"], "time_limit"),
-        (["--time-limit", "nan"], "time_limit"),
+        (["--warm-up", "1e9"], "--warm-up"),
+        (["--time-limit", "1e9"], "--time-limit"),
+        (["--time-limit", "nan"], "time_limit: input should be a finite number"),
+        (["--egos", "0"], "--egos"),
     ],
 )
-def test_figures_for_a_sumo_configuration_have_bounds(tmp_path, complaint, arguments, field):
-    (tmp_path / "town.sumocfg").write_text("<configuration/>")
-    line = complaint("run", "--sumocfg", tmp_path / "town.sumocfg", *arguments)
-    assert field in line
-    assert "less than" in line or "finite" in line
+def test_figures_for_a_sumo_configuration_have_bounds(tmp_path, town, complaint, arguments, words):
+    line = complaint("run", "--sumocfg", town(tmp_path / "town"), *arguments)
+    assert words in line
+    assert "not in the range" in line or "finite" in line
 
 
-def test_the_name_of_a_folder_in_any_script_makes_a_scenario_name(tmp_path, complaint):
-    folder = tmp_path / "Zürich Süd"
-    folder.mkdir()
-    (folder / "town.sumocfg").write_text("<configuration/>")
+@pytest.mark.parametrize("option", ["--egos", "--ego-route", "--warm-up", "--time-limit"])
+def test_what_is_of_a_sumo_configuration_is_refused_for_a_scenario(scenario, complaint, option):
+    assert f"{option}: is of a SUMO configuration" in complaint("run", "--scenario", scenario, option, "3")
+
+
+def test_the_name_of_a_folder_in_any_script_makes_a_scenario_name(tmp_path, town, complaint):
+    path = town(tmp_path / "Zürich Süd")
     (tmp_path / "bags" / "mine").mkdir(parents=True)
     arguments = ("--out", tmp_path / "bags", "--name", "mine")
-    assert "exists already" in complaint("run", "--sumocfg", folder / "town.sumocfg", *arguments)  # so it got that far
+    assert "exists already" in complaint("run", "--sumocfg", path, *arguments)  # so it got that far
 
 
 def test_both_or_neither_of_scenario_and_sumo_configuration(scenario, complaint):

@@ -33,7 +33,7 @@ def build(folder, name, *more):
         "--plan",
         str(folder / "plan.yaml"),
     ]
-    return ["corpus", "build", "--families", "S4", "--workers", "1", *arguments, *more]
+    return ["corpus", "build", "--family", "S4", "--workers", "1", *arguments, *more]
 
 
 def verify(file, *more):
@@ -44,7 +44,7 @@ def test_what_was_built_is_real_and_repeats(folder, capsys):
     corpus = load_corpus(folder / "first.jsonl")
     assert [case.outcome for case in corpus.cases] == ["GOAL"] * 3
     assert all(case.duration > 1.0 and case.text.startswith("route completed") for case in corpus.cases)
-    assert corpus.command == "roadmend corpus build --policy modular --families S4"
+    assert corpus.command == "roadmend corpus build --policy modular --family S4"
     assert main(build(folder, "second.jsonl")) == 0
     assert corpus.digest in capsys.readouterr().out
     assert (folder / "second.jsonl").read_bytes() == (folder / "first.jsonl").read_bytes()

@@ -6,8 +6,9 @@ import pytest
 
 from roadmend.cli import run
 from roadmend.cli.main import main
+from roadmend.core.errors import InputError
 from roadmend.world.families import sample_scenario
-from roadmend.world.scenario_file import save_scenario
+from roadmend.world.scenario_file import load_scenario, save_scenario
 
 
 @pytest.fixture
@@ -61,3 +62,58 @@ def test_a_bag_that_is_not_complete_is_an_error_after_the_result(tmp_path, monke
     assert main(["run", "--scenario", str(path)]) == 1
     assert len(shown) == 1
     assert capsys.readouterr().err == "roadmend: bag_0.mcap: disk full\n"
+
+
+@pytest.fixture
+def egos(tmp_path, monkeypatch, capsys):
+    """Runs with a SUMO configuration whose egos of some seeds cannot be driven; returns code, runs and complaints."""
+    (tmp_path / "town.net.xml").write_text("<net/>")
+    path = tmp_path / "town.sumocfg"
+    path.write_text('<configuration><net-file value="town.net.xml"/></configuration>')
+
+    def of(*arguments, refused=()):
+        started = []
+
+        def start(options):
+            scenario = load_scenario(options.scenario)
+            if scenario.seed in refused:
+                raise InputError("ego.route", "is of no use", "choose another seed")
+            started.append((options, scenario))
+            return SimpleNamespace(policy_error="", method_error="", recording_error="")
+
+        monkeypatch.setattr(run, "run_with_status", start)
+        monkeypatch.setattr(run, "show_results", lambda *_: None)
+        code = main(["run", "--sumocfg", str(path), *map(str, arguments)])
+        return code, started, capsys.readouterr().err.splitlines()
+
+    return of
+
+
+def test_an_ego_without_a_route_gets_start_and_route_by_the_seed(egos):
+    code, [(options, scenario)], _ = egos("--seed", 4)
+    assert code == 0
+    assert (options.seed, scenario.seed, scenario.network.draw, scenario.time_limit) == (4, 4, True, 120.0)
+    assert scenario.ego.route == []
+
+
+def test_several_egos_drive_one_after_the_other(egos):
+    code, started, _ = egos("--egos", 3, "--seed", 4, "--name", "mine", "--time-limit", 60)
+    assert code == 0
+    assert [scenario.seed for _, scenario in started] == [4, 5, 6]
+    assert [options.name for options, _ in started] == ["mine-0", "mine-1", "mine-2"]
+    assert {scenario.time_limit for _, scenario in started} == {60.0}
+
+
+@pytest.mark.parametrize(("refused", "expected"), [((), 0), ((0,), 1), ((0, 1), 2)])
+def test_the_exit_code_tells_whether_anything_was_driven(egos, refused, expected, tmp_path):
+    code, started, said = egos("--egos", 2, refused=refused)
+    assert code == expected
+    assert len(started) == 2 - len(refused)
+    assert said == [f"roadmend: {tmp_path / 'town.sumocfg'}: ego.route: is of no use; choose another seed"] * len(
+        refused
+    )
+
+
+def test_one_ego_that_cannot_be_driven_is_bad_input(egos):
+    code, started, said = egos(refused=(0,))
+    assert (code, started, len(said)) == (2, [], 1)

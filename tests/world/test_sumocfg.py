@@ -11,6 +11,7 @@ from roadmend.core.outcome import EventKind
 from roadmend.world.network import network_file
 from roadmend.world.scenario import Arm, Ego, IntersectionNetwork, Scenario, SumoConfiguration
 from roadmend.world.simulation import Simulation
+from roadmend.world.user_configuration import private_copy
 
 CONFIGURATION = """<configuration>
     <input>
@@ -171,3 +172,13 @@ def test_where_there_is_never_room_the_ego_stays_out_and_says_so(town):
     (town.parent / "demand.rou.xml").write_text(f"<routes>{jam}</routes>")
     with pytest.raises(InputError, match="no room for the ego on south_in within 120 s; begin on another edge"):
         Simulation(scenario_on(town, "south_in", "north_out"))
+
+
+def test_options_that_would_take_the_ego_away_are_left_out(town, tmp_path):
+    options = '<processing><time-to-teleport.highways value="5"/><ignore-route-errors value="true"/></processing>'
+    town.write_text(town.read_text().replace("</configuration>", f"{options}</configuration>"))
+    (tmp_path / "copy").mkdir()
+    private_copy(town, tmp_path / "copy")
+    copy = (tmp_path / "copy" / "user.sumocfg").read_text()
+    assert "time-to-teleport" not in copy
+    assert "ignore-route-errors" in copy

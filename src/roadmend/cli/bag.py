@@ -10,6 +10,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from roadmend.cli.command import Command
+from roadmend.cli.driver_options import DROVE
 from roadmend.cli.options import FUTURES, JSON, PATH
 from roadmend.cli.output import bag_progress, message_progress, wide_console
 from roadmend.cli.spell_table import account_figures, show_spells
@@ -23,11 +25,12 @@ from roadmend.recording.info import bag_info as read_info
 from roadmend.recording.recovery import bag_size, recover
 
 
-@click.command("info")
+@click.command("info", cls=Command, examples=["roadmend bag info bags/my-run", "roadmend bag info bags/my-run --json"])
 @click.argument("bag", type=PATH)
 @FUTURES
+@DROVE
 @JSON
-def bag_info(bag: Path, futures: int, *, as_json: bool) -> None:
+def bag_info(bag: Path, futures: int, policy: str, *, as_json: bool) -> None:
     """Show a bag's topics, types, rates and gaps, its outcome and interventions, and whether it is complete.
 
     Reads all of the bag, so that what it says of damages holds. A gap is a silence of more than 2.5 times the usual
@@ -38,7 +41,7 @@ def bag_info(bag: Path, futures: int, *, as_json: bool) -> None:
     with bag_progress("reading", bag_size(bag)) as advance:
         info = read_info(bag, advance)
     if futures:
-        info = replace(info, spells=with_needs(info.spells, _with_need(bag, futures)))
+        info = replace(info, spells=with_needs(info.spells, _with_need(bag, futures, policy)))
     if as_json:
         spells = [account_figures(account) for account in info.spells]
         click.echo(json.dumps(info.as_dict() | {"spells": spells}, indent=2))
@@ -46,10 +49,10 @@ def bag_info(bag: Path, futures: int, *, as_json: bool) -> None:
         _show_info(info, wide_console())
 
 
-def _with_need(bag: Path, futures: int) -> tuple[Spell, ...]:
+def _with_need(bag: Path, futures: int, policy: str) -> tuple[Spell, ...]:
     from roadmend.cli.bag_need import needs_of  # noqa: PLC0415 - SUMO and the policies; most calls drive nothing
 
-    return needs_of(bag, futures)
+    return needs_of(bag, futures, policy)
 
 
 def _show_info(info: BagInfo, console: Console) -> None:
@@ -105,10 +108,10 @@ def _topic_table(topics: list[TopicInfo]) -> Table:
     return table
 
 
-@click.command("recover")
+@click.command("recover", cls=Command, examples=["roadmend bag recover bags/cut-run --out bags/mended"])
 @click.argument("bag", type=PATH)
 @click.option("--out", type=PATH, help="Folder of the new bag.  [default: NAME-recovered]")
-@click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
+@JSON
 def bag_recover(bag: Path, out: Path | None, *, as_json: bool) -> None:
     """Bring back every whole message of a bag that was cut or damaged, and say what is missing.
 
@@ -131,7 +134,7 @@ def bag_recover(bag: Path, out: Path | None, *, as_json: bool) -> None:
 _FIELDS_SHOWN = 3
 
 
-@click.command("diff")
+@click.command("diff", cls=Command, examples=["roadmend bag diff bags/one bags/other --topics '^/(ego|policy)'"])
 @click.argument("first", type=PATH)
 @click.argument("second", type=PATH)
 @click.option("--topics", default="", help="Regular expression found in each topic to compare.")
@@ -191,11 +194,14 @@ def _difference_table(topics: list[TopicDiff]) -> Table:
     return table
 
 
-@click.command("convert")
+@click.command(
+    "convert", cls=Command, examples=["roadmend bag convert bags/my-run --to sqlite3 --out bags/my-run-sqlite3"]
+)
 @click.argument("bag", type=PATH)
 @click.option("--to", "storage", type=click.Choice([MCAP, SQLITE3]), help="Storage.  [default: the other one]")
 @click.option("--out", type=PATH, help="Folder of the new bag.  [default: NAME-STORAGE]")
-def bag_convert(bag: Path, storage: str | None, out: Path | None) -> None:
+@JSON
+def bag_convert(bag: Path, storage: str | None, out: Path | None, *, as_json: bool) -> None:
     """Turn a bag of mcap into one of sqlite3, or the other way round.
 
     Topics, types, definitions, quality of service, times and bytes stay as they are. BAG itself is not touched.
@@ -204,6 +210,9 @@ def bag_convert(bag: Path, storage: str | None, out: Path | None) -> None:
     place = out or Path(f"{_name(bag)}-{target}")
     with message_progress("converting") as advance:
         conversion = convert(bag, place, target, advance)
+    if as_json:
+        click.echo(json.dumps(asdict(conversion), indent=2))
+        return
     click.echo(f"{conversion.bag}: {conversion.messages} messages in {conversion.storage}")
     for line in conversion.left_out:
         click.echo(f"left out: {line}")

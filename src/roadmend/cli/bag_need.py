@@ -4,11 +4,11 @@ import json
 from pathlib import Path
 
 import click
-from rich.console import Console
 
+from roadmend.cli.command import Command
 from roadmend.cli.driver_options import DROVE
 from roadmend.cli.options import FUTURES_MAX, JSON, PATH
-from roadmend.cli.output import bag_progress, wide_console
+from roadmend.cli.output import Waiting, bag_progress, wide_console
 from roadmend.cli.spell_table import account_figures, show_spells
 from roadmend.core.spell import Spell
 from roadmend.core.spell_account import with_needs
@@ -25,9 +25,11 @@ from roadmend.repair.registry import make_repairer
 
 
 @click.command(
+    cls=Command,
+    examples=["roadmend bag need bags/my-run", "roadmend bag need bags/my-run --futures 100 --json"],
     epilog=f"need: share of futures of the intervention's first tick, the policy left alone, that end within {HORIZON:g} s "
     f"in a collision by the ego's fault. From {RESCUE:g} on it is a rescue, below {NEEDLESS:g} a nuisance. worth: what the "
-    "method itself judged, in prices of a collision."
+    "method itself judged, in prices of a collision.",
 )
 @click.argument("bag", type=PATH)
 @click.option(
@@ -64,5 +66,5 @@ def needs_of(bag: Path, futures: int, policy: str = "") -> tuple[Spell, ...]:
     plan, ticks = read_plan(reader, policy), BagTicks(reader)
     then = recorded_result(ticks, plan)
     played = Switchover(ticks, make_repairer("none"), then.duration + 1.0)
-    with Console(stderr=True).status(f"{plan.scenario.name}: {futures} futures of {len(then.spells)} interventions"):
+    with Waiting(f"{plan.scenario.name}: {futures} futures of {len(then.spells)} interventions"):
         return run_with_need(plan.scenario, make_policy(plan.policy), played, futures).spells

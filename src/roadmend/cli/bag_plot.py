@@ -1,15 +1,24 @@
 """``roadmend bag plot``: the one command on bags that needs what draws."""
 
+import json
 from pathlib import Path
 
 import click
 
-from roadmend.cli.options import FUTURES, PATH
+from roadmend.cli.command import Command
+from roadmend.cli.driver_options import DROVE
+from roadmend.cli.options import FUTURES, JSON, PATH
 from roadmend.core.spell import Spell
 from roadmend.reports.bag_picture import draw_bag
 
 
-@click.command()
+@click.command(
+    cls=Command,
+    examples=[
+        "roadmend bag plot bags/my-run --out scene.png --at 12.5",
+        "roadmend bag plot bags/my-run --out my-run.html --futures 20",
+    ],
+)
 @click.argument("bag", type=PATH)
 @click.option(
     "--out",
@@ -23,17 +32,19 @@ from roadmend.reports.bag_picture import draw_bag
     "--span", default=70.0, show_default=True, type=click.FloatRange(10.0, 2000.0), help="Width of the scene [m]."
 )
 @FUTURES
-def plot(bag: Path, out: Path, at: float | None, span: float, futures: int) -> None:
+@DROVE
+@JSON
+def plot(bag: Path, out: Path, at: float | None, span: float, futures: int, policy: str, *, as_json: bool) -> None:
     """Draw the time line of a bag, with the scene at one moment.
 
     Interventions are drawn in the colour of what they were, with --futures: rescue, nuisance, or unclear. A page lists
     them as 'bag info' does.
     """
-    moment = draw_bag(bag, out, at, span, _with_need(bag, futures) if futures else ())
-    click.echo(f"{out}: {moment:.2f} s")
+    moment = draw_bag(bag, out, at, span, _with_need(bag, futures, policy) if futures else ())
+    click.echo(json.dumps({"file": str(out), "time": moment}) if as_json else f"{out}: {moment:.2f} s")
 
 
-def _with_need(bag: Path, futures: int) -> tuple[Spell, ...]:
+def _with_need(bag: Path, futures: int, policy: str) -> tuple[Spell, ...]:
     from roadmend.cli.bag_need import needs_of  # noqa: PLC0415 - SUMO and the policies; most calls drive nothing
 
-    return needs_of(bag, futures)
+    return needs_of(bag, futures, policy)

@@ -7,13 +7,13 @@ from typing import Annotated, Any
 
 import click
 import yaml
-from rich.console import Console
 from rich.table import Table
 
 from roadmend import __version__
+from roadmend.cli.command import Command
 from roadmend.cli.driver_options import DROVE, METHOD_NAME, REPAIR_SEED
 from roadmend.cli.options import JSON, PATH, options_of
-from roadmend.cli.output import OUTCOME_STYLES, wide_console
+from roadmend.cli.output import OUTCOME_STYLES, Waiting, wide_console
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import InputError
 from roadmend.core.repair import Repair
@@ -100,7 +100,9 @@ _FIGURES = ("method", "outcome", "text", "duration", "min_distance", "interventi
 SHADOW_RECORD = "roadmend_shadow"  # metadata record
 
 
-@click.command()
+@click.command(
+    cls=Command, examples=["roadmend bag shadow bags/my-run --repair rss --set rho=0.4 --out bags/my-run-rss"]
+)
 @click.argument("bag", type=PATH)
 @options_of(RepairOptions)
 @click.option("--out", required=True, type=PATH, help="Folder of the new bag.")
@@ -132,14 +134,13 @@ def shadow_bag(bag: Path, choice: RepairChoice, out: Path) -> ShadowSummary:
     if any(name.startswith(f"{namespace}/") for name in reader.topics):
         raise InputError(str(bag), "has a shadow already", "take the bag that it was made of")
     repairer = choice.make()
-    status = Console(stderr=True).status(f"{bag.name} · {choice.method}")
-    with new_bag(out) as writer, status:
+    with new_bag(out) as writer, Waiting(f"{bag.name} · {choice.method}") as waiting:
         copy, episode = BagCopy(reader, writer), EpisodeWriter(writer, namespace)
 
         def write(tick: BagTick, repair: Repair) -> None:
             copy.until(tick.stamp)
             episode.repair(tick.stamp * 1e-9, repair, choice.method)
-            status.update(f"{bag.name} · {choice.method}: {tick.stamp * 1e-9:.0f} s")
+            waiting.update(f"{tick.stamp * 1e-9:.0f} s")
 
         summary = run_shadow(ticks, repairer, write)
         copy.until(float("inf"))
@@ -172,7 +173,10 @@ def _show_shadow(summary: ShadowSummary, choice: RepairChoice, out: Path) -> Non
     wide_console().print(table)
 
 
-@click.command()
+@click.command(
+    cls=Command,
+    examples=["roadmend bag resimulate bags/my-run --repair adreft --from-time 10 --out bags/my-run-adreft"],
+)
 @click.argument("bag", type=PATH)
 @options_of(RepairOptions)
 @click.option(
@@ -216,7 +220,7 @@ def resimulate_bag(
     if not from_time <= then.duration:
         raise InputError("--from-time", f"{from_time:g} s is after the end", f"give 0 to {then.duration:g} s")
     switchover = Switchover(ticks, choice.make(), from_time)
-    with new_bag(out) as writer, Console(stderr=True).status(f"{plan.scenario.name} · {choice.method}"):
+    with new_bag(out) as writer, Waiting(f"{plan.scenario.name} · {choice.method}"):
         for attachment in reader.attachments.values():
             writer.add_attachment(attachment.name, attachment.media_type, attachment.data)
         methods = {False: plan.method, True: choice.method}

@@ -11,6 +11,7 @@ import click
 from rich.progress import Progress as Bar
 from rich.table import Table
 
+from roadmend.cli.command import Command, Group
 from roadmend.cli.driver_options import POLICY
 from roadmend.cli.options import FILE, FOLDER, JSON, WORKERS, options_of
 from roadmend.cli.output import counting, wide_console
@@ -51,7 +52,7 @@ def _load(policy: str, file: Path | None) -> Corpus:
     return loaded
 
 
-@click.group()
+@click.group(cls=Group, examples=["roadmend corpus show --policy modular"])
 def corpus() -> None:
     """Gather, verify and show the scenarios that a policy is repaired, trained and measured on."""
 
@@ -62,7 +63,18 @@ class CorpusBuildOptions:
 
     policy: Annotated[str, POLICY]
     families: Annotated[
-        str, click.option("--families", default=",".join(FAMILIES), show_default=True, help="Separated by commas.")
+        tuple[str, ...],
+        click.option(
+            "--family",
+            "families",
+            multiple=True,
+            metavar=f"[{'|'.join(FAMILIES)}]",
+            help="May be repeated.  [default: all]",
+        ),
+    ]
+    listed: Annotated[
+        str | None,
+        click.option("--families", "listed", hidden=True, help="By commas: how corpora until now say they were made."),
     ]
     searches: Annotated[
         Path,
@@ -105,9 +117,12 @@ class CorpusBuildOptions:
         ),
     ]
     workers: Annotated[int, WORKERS]
+    as_json: Annotated[bool, JSON]
 
 
-@corpus.command()
+@corpus.command(
+    cls=Command, examples=["roadmend corpus build --policy modular --searches searches --out modular.jsonl"], resumes=""
+)
 @options_of(CorpusBuildOptions)
 def build(given: CorpusBuildOptions) -> int:
     """Gather a corpus; exit code 1 if there were not enough cases to be found.
@@ -115,7 +130,8 @@ def build(given: CorpusBuildOptions) -> int:
     The same plan gives the same file, whatever the number of workers and however often it is interrupted. Every case
     is run twice: in the search that found it, and again in a fresh simulation before it is taken.
     """
-    chosen = [name.strip() for name in given.families.split(",")]
+    listed = [name.strip() for name in given.listed.split(",")] if given.listed else []
+    chosen = [*dict.fromkeys([*given.families, *listed])] or [*FAMILIES]
     for name in chosen:
         FAMILY_REGISTRY.find_installed(name)  # for a corpus is read with those alone
     if given.fresh_seed is not None and (given.plan_file is not None or given.allow_partial):
@@ -129,7 +145,7 @@ def build(given: CorpusBuildOptions) -> int:
             )
         else:
             command = f"roadmend corpus build --policy {given.policy}"
-            command += f" --families {','.join(chosen)}" if chosen != [*FAMILIES] else ""
+            command += "".join(f" --family {name}" for name in chosen) if chosen != [*FAMILIES] else ""
             command += " --allow-partial" if given.allow_partial else ""
             gathered = gather(
                 plan,
@@ -141,13 +157,17 @@ def build(given: CorpusBuildOptions) -> int:
                 command=command,
                 is_partial=given.allow_partial,
             )
-    return _finish(gathered, given.out, allow_partial=given.allow_partial)
+    return _finish(gathered, given.out, allow_partial=given.allow_partial, as_json=given.as_json)
 
 
-def _finish(gathered: Gathered, out: Path, *, allow_partial: bool) -> int:
+def _finish(gathered: Gathered, out: Path, *, allow_partial: bool, as_json: bool) -> int:
     save_corpus(gathered.corpus, out)
-    _show(gathered.corpus)
-    click.echo(f"{out}: {len(gathered.corpus.cases)} cases, SHA-256 {gathered.corpus.digest}")
+    if as_json:
+        told = {"file": str(out), **_content(gathered.corpus), "shortages": [*map(str, gathered.shortages)]}
+        click.echo(json.dumps(told, indent=2))
+    else:
+        _show(gathered.corpus)
+        click.echo(f"{out}: {len(gathered.corpus.cases)} cases, SHA-256 {gathered.corpus.digest}")
     for shortage in gathered.shortages:
         click.echo(f"roadmend: {shortage}", err=True)
     return 1 if gathered.shortages and not allow_partial else 0
@@ -169,7 +189,7 @@ def _reporter(bar: Bar) -> Report:
     return report
 
 
-@corpus.command()
+@corpus.command(cls=Command, examples=["roadmend corpus verify --policy modular --cases 20"])
 @_file_option
 @click.option(
     "--cases", "count", type=click.IntRange(1), help="Run only so many, spread over the corpus; all if not given."
@@ -206,7 +226,7 @@ def verify(policy: str, file: Path | None, count: int | None, workers: int, *, a
     return 1 if differing else 0
 
 
-@corpus.command()
+@corpus.command(cls=Command, examples=["roadmend corpus renew --policy modular --out renewed.jsonl"], resumes="")
 @_file_option
 @click.option("--out", type=FILE, required=True, help="File for the corpus as it is now.")
 @click.option(
@@ -218,7 +238,10 @@ def verify(policy: str, file: Path | None, count: int | None, workers: int, *, a
 )
 @click.option("--with", "other", type=FILE, help="Corpus whose splits take the place of those of the same name.")
 @WORKERS
-def renew(policy: str, file: Path | None, out: Path, futures: int, other: Path | None, workers: int) -> None:
+@JSON
+def renew(
+    policy: str, file: Path | None, out: Path, futures: int, other: Path | None, workers: int, *, as_json: bool
+) -> None:
     """Drive all cases again and write the corpus with what they come to now, without those that come to something else.
 
     For a simulator or a policy that has changed a little, where a new search would find much the same.
@@ -246,13 +269,17 @@ def renew(policy: str, file: Path | None, out: Path, futures: int, other: Path |
     save_corpus(again, out)
     for journal in journals:
         journal.unlink()
+    if as_json:
+        content = {"file": str(out), "moved": found.moved, "left_out": found.lost, **_content(again)}
+        click.echo(json.dumps(content, indent=2))
+        return
     click.echo(
         f"{out}: {len(again.cases)} cases, {found.moved} of them with another trajectory, {found.lost} left out; "
         f"SHA-256 {again.digest}"
     )
 
 
-@corpus.command()
+@corpus.command(cls=Command, examples=["roadmend corpus show --policy modular"])
 @_file_option
 @JSON
 def show(policy: str, file: Path | None, *, as_json: bool) -> None:
@@ -262,7 +289,11 @@ def show(policy: str, file: Path | None, *, as_json: bool) -> None:
         _show(loaded)
         click.echo(f"{len(loaded.cases)} cases of the policy {loaded.policy}, SHA-256 {loaded.digest}")
         return
-    content = {
+    click.echo(json.dumps(_content(loaded), indent=2))
+
+
+def _content(loaded: Corpus) -> dict[str, Any]:
+    return {
         "policy": loaded.policy,
         "model": loaded.model,
         "digest": loaded.digest,
@@ -272,7 +303,6 @@ def show(policy: str, file: Path | None, *, as_json: bool) -> None:
         "cases": len(loaded.cases),
         "families": {family: {split: _count(loaded.select(family, split)) for split in SPLITS} for family in FAMILIES},
     }
-    click.echo(json.dumps(content, indent=2))
 
 
 def _count(cases: list[Case]) -> dict[str, Any]:

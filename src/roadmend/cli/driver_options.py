@@ -9,6 +9,15 @@ from roadmend.repair.registry import METHOD_REGISTRY
 POLICY_NAME = NameType(POLICY_REGISTRY)
 METHOD_NAME = NameType(METHOD_REGISTRY)
 POLICY = click.option("--policy", default="modular", show_default=True, type=POLICY_NAME)
+POLICIES = click.option(
+    "--policy",
+    "policies",
+    multiple=True,
+    default=["modular"],
+    show_default=True,
+    type=POLICY_NAME,
+    help="May be repeated.",
+)
 POLICY_CORPUS = click.option(
     "--corpus", "corpus_file", type=FILE, help="The policy's corpus; config/corpora/POLICY.jsonl if not given."
 )

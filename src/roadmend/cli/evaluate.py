@@ -7,15 +7,17 @@ from typing import Any
 
 import click
 
-from roadmend.cli.driver_options import METHOD_NAME, POLICY_NAME
+from roadmend.cli.command import Command
+from roadmend.cli.driver_options import METHOD_NAME, POLICIES
 from roadmend.cli.options import FILE, JSON, PATH, RESULT_FOLDER, WORKERS
 from roadmend.cli.output import counting, show_rows
 from roadmend.cli.scenario import FAMILY_NAME
+from roadmend.cli.sumo_options import DRIVES, TIME_LIMIT, WARM_UP, WARM_UP_OPTION, egos, sumocfg, time_limit
 from roadmend.core.errors import InputError
 from roadmend.core.journal import Journal
 from roadmend.measures.evaluation import run_trials, trials_of
 from roadmend.measures.evaluation_figures import evaluate as figures_of
-from roadmend.measures.evaluation_figures import evaluation_rows, meanings
+from roadmend.measures.evaluation_figures import evaluation_rows, meanings, network_rows
 from roadmend.reports.result_files import provenance, write_report
 from roadmend.world.corpus import SPLITS, load_corpus
 from roadmend.world.families import FAMILIES, sample_scenario
@@ -23,22 +25,20 @@ from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import drawn_scenarios, load_scenarios
 
 _FORMAT = "roadmend-evaluation-work/1"
-_DRIVES = 3  # on each SUMO configuration
-_TIME_LIMIT = 120.0  # [s] of each
-_WARM_UP = 300.0  # [s] of traffic before
 
 
-@click.command(epilog=f"The table: {meanings()}.")
-@click.argument("scenarios", nargs=-1, type=PATH)
-@click.option(
-    "--policy",
-    "policies",
-    multiple=True,
-    default=["modular"],
-    show_default=True,
-    type=POLICY_NAME,
-    help="May be repeated.",
+@click.command(
+    cls=Command,
+    examples=[
+        "roadmend evaluate my-scenarios --policy modular --policy neural --repair adreft --out measured",
+        "roadmend evaluate --family S3 --count 50 --repair rss --repair adreft --out measured",
+        "roadmend evaluate --sumocfg my/town.sumocfg --egos 10 --repair adreft --out measured",
+    ],
+    resumes="",
+    epilog=f"The table: {meanings()}.",
 )
+@click.argument("scenarios", nargs=-1, type=PATH)
+@POLICIES
 @click.option(
     "--repair",
     "methods",
@@ -50,28 +50,23 @@ _WARM_UP = 300.0  # [s] of traffic before
 )
 @click.option("--corpus", type=FILE, help="The cases of a corpus instead of SCENARIOS.")
 @click.option("--split", type=click.Choice(SPLITS), help="Of the corpus.  [default: test]")
-@click.option("--family", "families", multiple=True, type=FAMILY_NAME, help="Random scenarios instead. Repeatable.")
 @click.option(
-    "--sumocfg",
-    "configurations",
-    multiple=True,
-    type=PATH,
-    help="Drives in the traffic of a SUMO configuration instead, or of all below a folder. Repeatable.",
+    "--family", "families", multiple=True, type=FAMILY_NAME, help="Random scenarios instead. May be repeated."
 )
+@sumocfg(
+    "Drives in the traffic of a SUMO configuration instead, of all below a folder, or on a network alone, which gets "
+    "traffic. May be repeated.",
+    multiple=True,
+)
+@egos(str(DRIVES))
 @click.option(
     "--count",
     type=click.IntRange(1, 100_000),
-    help="Random scenarios of each family, or drives on each SUMO configuration.  [default: 20; 3 drives]",
+    help="Random scenarios of each family.  [default: 20]; with --sumocfg the same as --egos.",
 )
 @click.option("--seed", type=click.IntRange(0, 2**30), help="Of the first of them.  [default: 0]")
-@click.option(
-    "--time-limit", type=click.FloatRange(0.1, 86_400.0), help="With --sumocfg: seconds to drive.  [default: 120]"
-)
-@click.option(
-    "--warm-up",
-    type=click.FloatRange(0.0, 86_400.0),
-    help="With --sumocfg: seconds of traffic before the ego enters.  [default: 300]",
-)
+@time_limit(f"With --sumocfg: seconds to drive; routes are drawn to fit.  [default: {TIME_LIMIT:g}]")
+@WARM_UP_OPTION
 @click.option(
     "--futures",
     default=0,
@@ -99,7 +94,7 @@ def evaluate(
 
     Every policy is driven alone, with random repair and with every method. What it collides in alone can be fixed, what
     it completes can be degraded. Finished episodes are kept in the folder and not driven again. The exit code is 1 if
-    an episode could not be driven.
+    some episodes could not be driven, and 2 if none could.
     """
     asked = _Asked(**chosen)  # type: ignore[arg-type] # as the options have it
     trials = trials_of(_scenarios(asked), policies, methods, futures)
@@ -120,13 +115,19 @@ def evaluate(
         if each.result is not None
     ]
     rows = evaluation_rows(figures)
-    write_report(out, "evaluation", "Policies with and without repair", content, rows)
+    network = network_rows(figures) if asked.sumocfg else []
+    write_report(out, "evaluation", "Policies with and without repair", content, rows, network)
     if as_json:
         click.echo(json.dumps(content, indent=2))
-    else:
+    elif content["episodes"]:
         show_rows(rows)
+        if network:
+            click.echo("\nOver the network:")
+            show_rows(network)
     for fault in faults:
         click.echo(fault, err=True)
+    if not content["episodes"]:
+        return 2
     return 1 if faults else 0
 
 
@@ -138,7 +139,8 @@ class _Asked:
     corpus: Path | None
     split: str | None
     families: tuple[str, ...]
-    configurations: tuple[Path, ...]
+    sumocfg: tuple[Path, ...]
+    egos: int | None
     count: int | None
     seed: int | None
     time_limit: float | None  # [s]
@@ -147,26 +149,28 @@ class _Asked:
 
 def _scenarios(asked: _Asked) -> list[Scenario]:
     """The scenarios that the options stand for."""
-    is_drawn = bool(asked.families or asked.configurations) or asked.count is not None or asked.seed is not None
+    is_drawn = bool(asked.families or asked.sumocfg)
+    is_drawn = is_drawn or any(each is not None for each in (asked.count, asked.egos, asked.seed))
     if bool(asked.scenarios) + (asked.corpus is not None) + is_drawn > 1:
         raise click.UsageError("give SCENARIOS, or --corpus, or --family or --sumocfg with --count and --seed")
-    if asked.families and asked.configurations:
+    if asked.families and asked.sumocfg:
         raise click.UsageError("give --family or --sumocfg")
     if asked.split is not None and asked.corpus is None:
         raise InputError("--split", "is of a corpus, and there is none", "name one with --corpus")
-    for option, given in (("--time-limit", asked.time_limit), ("--warm-up", asked.warm_up)):
-        if given is not None and not asked.configurations:
+    if asked.egos is not None and asked.count is not None:
+        raise click.UsageError("give --egos or --count")
+    of_configurations = (("--egos", asked.egos), ("--time-limit", asked.time_limit), ("--warm-up", asked.warm_up))
+    for option, given in of_configurations:
+        if given is not None and not asked.sumocfg:
             raise InputError(option, "is of SUMO configurations, and there is none", "name one with --sumocfg")
     if asked.corpus is not None:
         return [case.scenario() for case in load_corpus(asked.corpus).select(split=asked.split or "test")]
     if asked.scenarios:
         return load_scenarios(asked.scenarios)
     first = asked.seed or 0
-    if asked.configurations:
-        drives = range(first, first + (_DRIVES if asked.count is None else asked.count))
-        limit = _TIME_LIMIT if asked.time_limit is None else asked.time_limit
-        return drawn_scenarios(
-            asked.configurations, drives, _WARM_UP if asked.warm_up is None else asked.warm_up, limit
-        )
+    if asked.sumocfg:
+        drives = range(first, first + (asked.egos or asked.count or DRIVES))
+        limit = TIME_LIMIT if asked.time_limit is None else asked.time_limit
+        return drawn_scenarios(asked.sumocfg, drives, WARM_UP if asked.warm_up is None else asked.warm_up, limit)
     drawn = range(first, first + (20 if asked.count is None else asked.count))
     return [sample_scenario(family, number) for family in asked.families or FAMILIES for number in drawn]

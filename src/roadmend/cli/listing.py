@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from roadmend.cli.command import Command
 from roadmend.cli.options import JSON
 from roadmend.cli.output import show_rows
 from roadmend.core.errors import InputError
@@ -29,7 +30,11 @@ _REGISTRIES: Mapping[str, Registry[Any]] = {
 _MODELS = "models"
 
 
-@click.command("list")
+@click.command(
+    "list",
+    cls=Command,
+    examples=["roadmend list policies", "roadmend list methods adreft rss", "roadmend list models --json"],
+)
 @click.argument("kind", metavar="KIND", type=click.Choice([*_REGISTRIES, _MODELS]))
 @click.argument("names", nargs=-1)
 @JSON

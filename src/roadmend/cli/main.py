@@ -1,14 +1,18 @@
 """The command ``roadmend``."""
 
+import shlex
 import sys
 from collections.abc import Sequence
 
 import click
 
 from roadmend import __version__
+from roadmend.cli.command import called_as, is_clone
+from roadmend.cli.completion import VARIABLE
 from roadmend.cli.lazy import LazyGroup, Table
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.extras import extra_missing
+from roadmend.core.interrupt import InterruptedWorkError
 
 _BAG: Table = {
     "info": ("roadmend.cli.bag", "bag_info", "Topics, rates, gaps, outcome, interventions; is it complete?"),
@@ -48,7 +52,11 @@ _TRAIN: Table = {
 }
 
 
-@click.group(cls=LazyGroup, table=_BAG)
+@click.group(
+    cls=LazyGroup,
+    table=_BAG,
+    examples=["roadmend bag info bags/my-run", "roadmend bag plot bags/my-run --out my-run.html"],
+)
 def bag() -> None:
     """Look into bags, mend them, compare them.
 
@@ -56,12 +64,23 @@ def bag() -> None:
     """
 
 
-@click.group(cls=LazyGroup, table=_SAFE)
+@click.group(
+    cls=LazyGroup,
+    table=_SAFE,
+    examples=["roadmend safe extract reports --out read", "roadmend safe test reports --policy modular --out tested"],
+)
 def safe() -> None:
     """Turn crash reports into scenarios, and test a policy with them."""
 
 
-@click.group(cls=LazyGroup, table=_TRAIN)
+@click.group(
+    cls=LazyGroup,
+    table=_TRAIN,
+    examples=[
+        "roadmend train policy --out my-policy.safetensors",
+        "roadmend train adreft --policy modular --out my-repair.safetensors",
+    ],
+)
 def train() -> None:
     """Train a driving policy, a repair model or a rival's model.
 
@@ -70,7 +89,11 @@ def train() -> None:
     """
 
 
-@click.group(cls=LazyGroup, table=_SERA)
+@click.group(
+    cls=LazyGroup,
+    table=_SERA,
+    examples=["roadmend sera analyse bags --out patterns.json", "roadmend sera cycle --generations 2 --out cycle"],
+)
 def sera() -> None:
     """Learn from the failures that were recorded."""
 
@@ -90,15 +113,23 @@ _COMMANDS: Table = {
     "sera": ("roadmend.cli.main", "sera", "Learn from the failures that were recorded."),
     "bag": ("roadmend.cli.main", "bag", "Look into bags, mend them, compare them."),
     "replay": ("roadmend.cli.run", "replay", "Play a bag: publish what it holds, as it was recorded."),
+    "completion": ("roadmend.cli.completion", "completion", "Print what makes a shell complete commands and options."),
 }
+_OF_CLONE = [  # commands of the script at the root, which a wheel does not have
+    ("bench", "Make this repository's own figures again, in ratios."),
+    ("test", "Check the project itself: import rules, lint, types, tests."),
+    ("set-up", "Install what the commands need, or all of an extra, and do nothing else."),
+]
 
 
 @click.group(
     cls=LazyGroup,
     table=_COMMANDS,
-    also=[
-        ("bench", "Make this repository's own figures again, in ratios."),
-        ("test", "Check the project itself: import rules, lint, types, tests."),
+    also=_OF_CLONE if is_clone() else [],
+    examples=[
+        "roadmend demo",
+        "roadmend run --sumocfg my/town.sumocfg --repair adreft",
+        "roadmend evaluate --family S3 --count 20 --repair adreft --repair rss --out measured",
     ],
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
 )
@@ -109,7 +140,7 @@ def cli() -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line, with what it was called with unless arguments are given; the exit code is the process's."""
-    return run_group(cli, "roadmend", sys.argv[1:] if arguments is None else arguments)
+    return run_group(cli, called_as(), sys.argv[1:] if arguments is None else arguments)
 
 
 def run_group(group: click.Group, name: str, arguments: Sequence[str]) -> int:
@@ -124,13 +155,18 @@ def run_group(group: click.Group, name: str, arguments: Sequence[str]) -> int:
         0, 1 for a failure, 2 for bad input, 130 after an interrupt.
     """
     try:
-        code = group.main([*arguments], prog_name=name, standalone_mode=False)
+        code = group.main([*arguments], prog_name=name, complete_var=VARIABLE, standalone_mode=False)
     except InputError as error:
         return _complain(str(error), 2)
+    except InterruptedWorkError as error:
+        return _complain(str(error) + _way_on(error.resumes, name, arguments), 130)
     except RoadmendError as error:
-        return _complain(str(error), 130 if str(error) == "interrupted" else 1)
+        return _complain(str(error), 1)
     except ModuleNotFoundError as error:
         return _complain(str(extra_missing(error)), 2)
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message())
+        return 0
     except click.UsageError as error:
         asked = error.ctx.command_path if error.ctx is not None else name
         return _complain(f"{error.format_message()} (see '{asked} --help')", 2)
@@ -139,6 +175,14 @@ def run_group(group: click.Group, name: str, arguments: Sequence[str]) -> int:
     except (click.Abort, KeyboardInterrupt):
         return _complain("interrupted", 130)
     return int(code or 0)
+
+
+def _way_on(resumes: str | None, name: str, arguments: Sequence[str]) -> str:
+    """How to go on with what an interrupted command has finished; nothing where it keeps nothing."""
+    if resumes is None:
+        return ""
+    more = [word for word in resumes.split() if word not in arguments]
+    return f"; what is finished is kept, go on with: {name} {shlex.join([*arguments, *more])}"
 
 
 def _complain(text: str, code: int) -> int:

@@ -2,7 +2,10 @@
 
 import contextlib
 import sys
+import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
+from typing import Any, Self
 
 from rich.console import Console
 from rich.markup import escape
@@ -12,6 +15,7 @@ from rich.progress import (
     MofNCompleteColumn,
     Progress,
     ProgressColumn,
+    TaskID,
     TextColumn,
     TimeElapsedColumn,
     TimeRemainingColumn,
@@ -34,6 +38,9 @@ def show_rows(rows: Sequence[Sequence[str]]) -> None:
     wide_console().print(table)
 
 
+_SILENCE = 30.0  # [s] after which work that goes on says so where there is no terminal
+_SHARE, _PAUSE = 0.1, 5.0  # or sooner: after so much of it, but not before so many seconds
+
 Report = Callable[[str, int, int | None], None]  # what is being done, how much of it is done, how much there is
 
 
@@ -45,7 +52,96 @@ def counting(*more: ProgressColumn, is_transient: bool = False) -> Progress:
         is_transient: whether they are gone at the end.
     """
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    return Progress(*columns, *more, console=Console(stderr=True), transient=is_transient)
+    return _progress(*columns, *more, is_transient=is_transient)
+
+
+def _progress(*columns: ProgressColumn, is_transient: bool) -> Progress:
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        return ProgressLines(*columns, console=console, disable=True)
+    return Progress(*columns, console=console, transient=is_transient)
+
+
+class ProgressLines(Progress):
+    """Progress where there is no terminal, in a log say: a line now and then about what has moved, and one at its end."""
+
+    def __init__(self, *columns: ProgressColumn, console: Console, disable: bool) -> None:
+        super().__init__(*columns, console=console, disable=disable)
+        self._begin = self._said_at = time.monotonic()
+        self._said: dict[TaskID, float] = {}
+
+    def update(self, task_id: TaskID, **changes: Any) -> None:
+        """As the bars', and perhaps a line."""
+        super().update(task_id, **changes)
+        self._say(task_id)
+
+    def advance(self, task_id: TaskID, advance: float = 1) -> None:
+        """As the bars', and perhaps a line."""
+        super().advance(task_id, advance)
+        self._say(task_id)
+
+    def _say(self, task_id: TaskID) -> None:
+        task = self._tasks[task_id]
+        now, before = time.monotonic(), self._said.get(task_id, 0.0)
+        if task.completed <= before:
+            return
+        silence = now - self._said_at
+        share = (task.completed - before) / task.total if task.total else 0.0
+        is_done = task.total is not None and task.completed >= task.total
+        if not (is_done or silence >= _SILENCE or (share >= _SHARE and silence >= _PAUSE)):
+            return
+        self._said[task_id], self._said_at = task.completed, now
+        of = "" if task.total is None else f" of {task.total:,.0f}"
+        left = "" if is_done or task.time_remaining is None else f", about {task.time_remaining:.0f} s left"
+        self.console.print(
+            f"{task.description}: {task.completed:,.0f}{of} after {now - self._begin:.0f} s{left}",
+            markup=False,
+            highlight=False,
+            soft_wrap=True,
+        )
+
+
+class Waiting:
+    """Work that cannot be counted: a status on a terminal, a line now and then where there is none.
+
+    Args:
+        title: of the work.
+    """
+
+    def __init__(self, title: str) -> None:
+        self._console = Console(stderr=True)
+        self._title = self._text = title
+        self._status = self._console.status(escape(title)) if self._console.is_terminal else None
+        self._over = threading.Event()
+
+    def __enter__(self) -> Self:
+        if self._status is not None:
+            self._status.start()
+        else:
+            threading.Thread(target=self._tell, daemon=True).start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._over.set()
+        if self._status is not None:
+            self._status.stop()
+
+    def update(self, text: str) -> None:
+        """How far it is now."""
+        self._text = f"{self._title}: {text}"
+        if self._status is not None:
+            self._status.update(escape(self._text))
+
+    def say(self, text: str) -> None:
+        """Say what stays on the screen."""
+        self._print(f"{self._title}: {text}")
+
+    def _tell(self) -> None:
+        while not self._over.wait(_SILENCE):
+            self._print(self._text)
+
+    def _print(self, text: str) -> None:
+        self._console.print(text, markup=False, highlight=False, soft_wrap=True)
 
 
 @contextlib.contextmanager
@@ -79,7 +175,7 @@ def bag_progress(title: str, size: int) -> Iterator[Callable[[int], None]]:
         What to call with the number of bytes passed since the last call.
     """
     columns = (TextColumn("{task.description}"), BarColumn(), DownloadColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+    with _progress(*columns, is_transient=True) as progress:
         task = progress.add_task(title, total=size)
         yield lambda count: progress.advance(task, count)
 
@@ -92,6 +188,6 @@ def message_progress(title: str) -> Iterator[Callable[[int], None]]:
         What to call with the number of messages passed since the last call.
     """
     columns = (TextColumn("{task.description}"), TextColumn("{task.completed:.0f} messages"), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+    with _progress(*columns, is_transient=True) as progress:
         task = progress.add_task(title, total=None)
         yield lambda count: progress.advance(task, count)

@@ -14,13 +14,16 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from roadmend.cli.driver_options import METHOD_NAME, POLICY, REPAIR_SEED
-from roadmend.cli.options import PATH, options_of
-from roadmend.cli.output import OUTCOME_STYLES, wide_console
+from roadmend.cli.command import Command, called_as
+from roadmend.cli.driver_options import METHOD_NAME, POLICY
+from roadmend.cli.options import JSON, PATH, options_of
+from roadmend.cli.output import OUTCOME_STYLES, Waiting, wide_console
+from roadmend.cli.sumo_options import TIME_LIMIT, WARM_UP, WARM_UP_OPTION, egos, sumocfg, time_limit
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.resources import config_folder
 from roadmend.nodes.launcher import GraphOptions, InterruptedRunError, RunResult, run_graph
-from roadmend.world.scenario_file import load_scenario, save_scenario, scenario_of_configuration
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_file import drawn_scenarios, load_scenario, save_scenario, scenario_of_configuration
 
 _SCENARIO_FIELDS = ("ego.", "actors[", "network.")
 
@@ -37,33 +40,22 @@ class RunOptions:
     ]
     sumocfg: Annotated[
         Path | None,
-        click.option("--sumocfg", type=PATH, help="A SUMO configuration of your own; an ego joins its traffic."),
+        sumocfg("A SUMO configuration of your own, or a network alone, which gets traffic; an ego joins that traffic."),
     ]
     ego_route: Annotated[
         str | None,
         click.option(
             "--ego-route",
-            help="With --sumocfg: edges of the ego's route, separated by spaces; one of the traffic's if not given.",
+            help="With --sumocfg: edges of the ego's route, separated by spaces.  [default: drawn by the seed]",
         ),
     ]
-    warm_up: Annotated[
-        float,
-        click.option(
-            "--warm-up",
-            default=600.0,
-            show_default=True,
-            type=click.FloatRange(0.0),
-            help="With --sumocfg: seconds of traffic before the ego enters.",
-        ),
-    ]
+    egos: Annotated[int | None, egos("1")]
+    warm_up: Annotated[float | None, WARM_UP_OPTION]
     time_limit: Annotated[
-        float,
-        click.option(
-            "--time-limit",
-            default=60.0,
-            show_default=True,
-            type=click.FloatRange(0.1),
-            help="With --sumocfg: seconds to drive.",
+        float | None,
+        time_limit(
+            f"With --sumocfg: seconds to drive.  [default: {TIME_LIMIT:g}, to which routes are drawn; with --ego-route as "
+            "long as that takes]"
         ),
     ]
     policy: Annotated[str, POLICY]
@@ -81,7 +73,16 @@ class RunOptions:
             help="Real time: simulated seconds per second.",
         ),
     ]
-    seed: Annotated[int, REPAIR_SEED]
+    seed: Annotated[
+        int,
+        click.option(
+            "--seed",
+            default=0,
+            show_default=True,
+            type=click.IntRange(0, 2**30),
+            help="Of repair methods that draw numbers; with --sumocfg also of the first ego's traffic, start and route.",
+        ),
+    ]
     out: Annotated[
         Path, click.option("--out", default=Path("bags"), show_default=True, type=PATH, help="Folder for the bag.")
     ]
@@ -104,78 +105,131 @@ class RunOptions:
             help="Show the graph in Foxglove, live at ws://127.0.0.1:PORT; best with --clock realtime.  [PORT: 8765]",
         ),
     ]
-    as_json: Annotated[bool, click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")]
+    as_json: Annotated[bool, JSON]
     ros_arguments: Annotated[tuple[str, ...], ROS_ARGUMENTS]
 
 
-@click.command(context_settings={"ignore_unknown_options": True})
+@click.command(
+    context_settings={"ignore_unknown_options": True},
+    cls=Command,
+    examples=[
+        "roadmend run --scenario config/scenarios/demo-exit.yaml --policy modular --repair adreft",
+        "roadmend run --sumocfg my/town.sumocfg --repair adreft",
+        "roadmend run --sumocfg my/town.net.xml.gz --no-record --json",
+    ],
+)
 @options_of(RunOptions)
-def run(given: RunOptions) -> None:
+def run(given: RunOptions) -> int:
     """Run one episode in the graph: SUMO, policy, repair and recorder as separate processes.
 
-    Everything after --ros-args goes to every node.
+    Everything after --ros-args goes to every node. In a SUMO configuration one episode for every ego; those that cannot
+    be driven are named, and the exit code is then 1, or 2 if none could be driven.
     """
+    extra = _ros_arguments(given.ros_arguments)  # first: an option that is misspelled is among them
     if (given.scenario is None) == (given.sumocfg is None):
         raise click.UsageError("give either --scenario or --sumocfg")
-    extra = _ros_arguments(given.ros_arguments)
+    try:
+        chosen = _scenarios(given)
+    except InputError as error:
+        raise _placed(error, given) from None
+    results: list[RunResult] = []
+    faults: list[InputError] = []
     with tempfile.TemporaryDirectory(prefix="roadmend-") as folder:
-        if given.scenario is not None:
-            chosen = load_scenario(given.scenario)
-            stem = given.scenario.stem
-        else:
-            route = given.ego_route.split() if given.ego_route else []
-            chosen = scenario_of_configuration(Path(str(given.sumocfg)), route, given.warm_up, given.time_limit)
-            stem = chosen.name
-        path = Path(folder) / f"{stem}.yaml"
-        save_scenario(chosen, path)  # paths made absolute
-        options = GraphOptions(
-            path,
-            given.policy,
-            given.method,
-            given.clock,
-            given.rate,
-            given.seed,
-            given.out,
-            given.name,
-            given.record,
-            given.viz,
-            given.foxglove,
-            extra,
-        )
-        try:
-            result = run_with_status(options)
-        except InputError as error:
-            if error.where.startswith(_SCENARIO_FIELDS):  # the nodes know a copy of the file
-                where = f"{given.scenario or given.sumocfg}: {error.where}"
-                raise InputError(where, error.what, error.mend) from None
-            raise
-        except InterruptedRunError as error:
-            if error.result is not None:
-                _show([error.result], as_json=given.as_json)
-            raise
-    _show([result], as_json=given.as_json)
-    for trouble in (result.policy_error, result.method_error, result.recording_error):
-        if trouble:
-            raise RoadmendError(trouble)
+        for number, scenario in enumerate(chosen):
+            stem = given.scenario.stem if given.scenario is not None else scenario.name
+            path = Path(folder) / f"{stem}.yaml"
+            save_scenario(scenario, path)  # paths made absolute
+            options = GraphOptions(
+                path,
+                given.policy,
+                given.method,
+                given.clock,
+                given.rate,
+                given.seed + number,
+                given.out,
+                f"{given.name}-{number}" if given.name and len(chosen) > 1 else given.name,
+                given.record,
+                given.viz,
+                given.foxglove,
+                extra,
+            )
+            try:
+                results.append(run_with_status(options))
+            except InputError as error:
+                fault = _placed(error, given)
+                if len(chosen) == 1:
+                    raise fault from None
+                faults.append(fault)
+            except InterruptedRunError as error:
+                results += [error.result] if error.result is not None else []
+                if results:
+                    _show(results, as_json=given.as_json)
+                raise
+    if results or given.as_json:
+        _show(results, as_json=given.as_json)
+    for each in faults:
+        click.echo(f"roadmend: {each}", err=True)
+    for result in results:
+        for trouble in (result.policy_error, result.method_error, result.recording_error):
+            if trouble:
+                raise RoadmendError(trouble)
+    if not results:
+        return 2
+    return 1 if faults else 0
+
+
+def _scenarios(given: RunOptions) -> list[Scenario]:
+    """What shall be driven."""
+    if given.scenario is not None:
+        for option, value in (("--egos", given.egos), ("--ego-route", given.ego_route), ("--warm-up", given.warm_up)):
+            if value is not None:
+                raise InputError(option, "is of a SUMO configuration, and there is none", "name one with --sumocfg")
+        if given.time_limit is not None:
+            raise InputError("--time-limit", "is of a SUMO configuration", "set time_limit in the scenario file")
+        return [load_scenario(given.scenario)]
+    path, warm_up = Path(str(given.sumocfg)), WARM_UP if given.warm_up is None else given.warm_up
+    seeds = range(given.seed, given.seed + (given.egos or 1))
+    if not given.ego_route:
+        return drawn_scenarios([path], seeds, warm_up, TIME_LIMIT if given.time_limit is None else given.time_limit)
+    route = given.ego_route.split()
+    found = [scenario_of_configuration(path, route, warm_up, given.time_limit, seed) for seed in seeds]
+    return (
+        found if len(found) == 1 else [each.model_copy(update={"name": f"{each.name}-{each.seed}"}) for each in found]
+    )
+
+
+def _placed(error: InputError, given: RunOptions) -> InputError:
+    """The error with the file that the user knows, where it names a field of the nodes' copy."""
+    if error.where.startswith(_SCENARIO_FIELDS):
+        return InputError(f"{given.scenario or given.sumocfg}: {error.where}", error.what, error.mend)
+    return error
 
 
 def _ros_arguments(given: tuple[str, ...]) -> tuple[str, ...]:
-    """What stands behind --ros-args."""
+    """What stands behind --ros-args.
+
+    Raises:
+        click.UsageError: something else stands there; with the nearest options where it looks like one.
+    """
     if given and given[0] != "--ros-args":
-        raise click.UsageError(f"unexpected argument {given[0]!r}")
+        context = click.get_current_context()
+        options = [name for option in context.command.get_params(context) for name in option.opts]
+        if given[0].startswith("-"):
+            raise click.NoSuchOption(given[0].partition("=")[0], possibilities=options, ctx=context)
+        raise click.UsageError(f"unexpected argument {given[0]!r}", ctx=context)
     return given[1:]
 
 
 def run_with_status(options: GraphOptions, label: str = "") -> RunResult:
     """Run the graph with a status line while it lasts."""
-    console = Console(stderr=True)
     label = label or f"{options.scenario.stem} · {options.policy} · {options.method}"
-    with console.status(f"{label}: starting the graph") as status:
+    with Waiting(label) as waiting:
+        waiting.update("starting the graph")
 
         def report(text: str, elapsed: float) -> None:
             if text != "running":
-                console.print(f"{label}: {text}")
-            status.update(f"{label}: {elapsed:.0f} s")
+                waiting.say(text)
+            waiting.update(f"{elapsed:.0f} s")
 
         return run_graph(options, report)
 
@@ -215,9 +269,9 @@ def show_results(results: Sequence[RunResult], console: Console) -> None:
 _METHODS = ("none", "adreft")
 
 
-@click.command()
+@click.command(cls=Command, examples=["roadmend demo"])
 @click.option("--out", default=Path("bags"), show_default=True, type=PATH, help="Folder for the bags.")
-@click.option("--json", "as_json", is_flag=True, help="Print the results as JSON.")
+@JSON
 def demo(out: Path, *, as_json: bool) -> None:
     """Drive scenarios with the bare policy and with repair, as real node processes, and compare.
 
@@ -246,11 +300,9 @@ def _explain(results: list[RunResult]) -> None:
     console = wide_console()
     good = (result for result in results if result.episode.interventions and result.episode.reached_goal)
     shown = next(good, results[-1])
-    home = config_folder().parent
-    is_clone = (home / "roadmend").is_file()  # else a wheel has put the command on the PATH, and its data elsewhere
-    layout = (Path("config") if is_clone else config_folder()) / "foxglove" / "roadmend.json"
-    command = "./roadmend" if is_clone else "roadmend"
-    console.print(f"\nA picture of the moment: [bold]{command} bag plot {shown.bag}[/]", highlight=False)
+    layout = config_folder() / "foxglove" / "roadmend.json"
+    layout = layout.relative_to(Path.cwd()) if layout.is_relative_to(Path.cwd()) else layout
+    console.print(f"\nA picture of the moment: [bold]{called_as()} bag plot {shown.bag}[/]", highlight=False)
     console.print(f"Or open the bag's .mcap in Foxglove, with the layout {layout}.", highlight=False)
 
 
@@ -314,7 +366,14 @@ class ReplayOptions:
     ros_arguments: Annotated[tuple[str, ...], ROS_ARGUMENTS]
 
 
-@click.command(context_settings={"ignore_unknown_options": True})
+@click.command(
+    context_settings={"ignore_unknown_options": True},
+    cls=Command,
+    examples=[
+        "roadmend replay bags/my-run --rate 2 --loop",
+        "roadmend replay bags/my-run --topic /ego --topic /objects",
+    ],
+)
 @options_of(ReplayOptions)
 def replay(given: ReplayOptions) -> int:
     """Publish what a bag holds, with the QoS it was recorded with, and the clock.

@@ -10,7 +10,8 @@ import click
 from rich.markup import escape
 from rich.table import Table
 
-from roadmend.cli.driver_options import POLICY_NAME
+from roadmend.cli.command import Command
+from roadmend.cli.driver_options import POLICIES
 from roadmend.cli.language_options import LanguageChoice, language_options, show_usage
 from roadmend.cli.options import FILE, FOLDER, JSON, PATH, SEED, WORKERS, options_of
 from roadmend.cli.output import counting, show_rows, wide_console
@@ -34,16 +35,6 @@ from roadmend.safe.report import find_reports
 from roadmend.safe.sketch_text import is_sketch_read
 from roadmend.safe.stage_one import StageOneOptions
 from roadmend.world.scenario_file import load_scenario
-
-policies_option = click.option(
-    "--policy",
-    "policies",
-    multiple=True,
-    default=["modular"],
-    show_default=True,
-    type=POLICY_NAME,
-    help="May be given more than once.",
-)
 
 
 @dataclass(frozen=True)
@@ -109,7 +100,7 @@ class ExtractOptions:
     as_json: Annotated[bool, JSON]
 
 
-@click.command()
+@click.command(cls=Command, examples=["roadmend safe extract reports --out read"], resumes="")
 @options_of(ExtractOptions)
 def extract(given: ExtractOptions) -> int:
     """Read a crash report, or a folder of them; exit code 1 if one of them gave no scenario.
@@ -169,7 +160,7 @@ def _show_extracted(done: Sequence[Extracted], out: Path) -> None:
     click.echo(f"{len(done) - failed} of {len(done)} read ({known} by an earlier call), in {out}")
 
 
-@click.command()
+@click.command(cls=Command, examples=["roadmend safe build reports --samples 3 --out built"], resumes="")
 @options_of(SafeOptions)
 @click.option("--samples", default=2, show_default=True, type=click.IntRange(1, 1000), help="Scenarios of each role.")
 def build(given: SafeOptions, samples: int) -> int:
@@ -204,9 +195,14 @@ def build(given: SafeOptions, samples: int) -> int:
     return 0 if len(built) == len(cases) else 1
 
 
-@click.command(name="test")
+@click.command(
+    name="test",
+    cls=Command,
+    examples=["roadmend safe test reports --policy modular --policy neural --out tested"],
+    resumes="",
+)
 @options_of(SafeOptions)
-@policies_option
+@POLICIES
 @click.option("--samples", default=2, show_default=True, type=click.IntRange(1, 1000), help="Scenarios of each role.")
 @click.option("--pictures/--no-pictures", default=True, show_default=True, help="Draw every scenario.")
 def safe_test(given: SafeOptions, policies: tuple[str, ...], samples: int, *, pictures: bool) -> int:
@@ -232,9 +228,11 @@ def safe_test(given: SafeOptions, policies: tuple[str, ...], samples: int, *, pi
     return 0 if all(found.built == found.reports for found in tallies.values()) else 1
 
 
-@click.command()
+@click.command(
+    cls=Command, examples=["roadmend safe reproduce reports --policy modular --budget 100 --out reproduced"], resumes=""
+)
 @options_of(SafeOptions)
-@policies_option
+@POLICIES
 @click.option("--budget", default=36, show_default=True, type=click.IntRange(1, 100_000), help="Episodes of each role.")
 @click.option("--pictures/--no-pictures", default=True, show_default=True, help="Draw every crash.")
 def reproduce(given: SafeOptions, policies: tuple[str, ...], budget: int, *, pictures: bool) -> int:
@@ -268,7 +266,7 @@ def reproduce(given: SafeOptions, policies: tuple[str, ...], budget: int, *, pic
     return 0
 
 
-@click.command()
+@click.command(cls=Command, examples=["roadmend safe export built/crash-v1-1.yaml --out exported"])
 @click.argument("scenario", type=FILE)
 @click.option("--out", required=True, type=FOLDER, help="Folder for the files.")
 @JSON

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import click
 
-from roadmend.cli.options import FILE, SEED, NameType
+from roadmend.cli.command import Command
+from roadmend.cli.options import FILE, JSON, SEED, NameType
 from roadmend.world.families import FAMILIES, FAMILY_REGISTRY, sample_scenario
 from roadmend.world.scenario_file import dump_scenario, save_scenario, scenario_schema
 
@@ -18,21 +19,28 @@ FAMILY = click.option(
 )
 
 
-@click.command()
+@click.command(cls=Command, examples=["roadmend sample --family S3 --seed 7 --out crossing.yaml"])
 @FAMILY
 @SEED
 @click.option("--out", type=FILE, help="File to write; standard output if not given.")
-def sample(family: str, seed: int, out: Path | None) -> None:
-    """Draw a scenario of a family."""
+@JSON
+def sample(family: str, seed: int, out: Path | None, *, as_json: bool) -> None:
+    """Draw a scenario of a family.
+
+    A scenario file is YAML, of which the JSON that --json prints is a kind: 'roadmend run' takes either.
+    """
     scenario = sample_scenario(family, seed)
-    if out is None:
+    if out is not None:
+        save_scenario(scenario, out)
+    if as_json:
+        click.echo(json.dumps(scenario.model_dump(mode="json", exclude_none=True), indent=2))
+    elif out is None:
         click.echo(dump_scenario(scenario), nl=False)
-        return
-    save_scenario(scenario, out)
-    click.echo(f"{out}: {scenario.name}, {len(scenario.actors)} actors, {scenario.environment.weather}")
+    else:
+        click.echo(f"{out}: {scenario.name}, {len(scenario.actors)} actors, {scenario.environment.weather}")
 
 
-@click.command()
+@click.command(cls=Command, examples=["roadmend schema > scenario.schema.json"])
 def schema() -> None:
     """Print the JSON schema of a scenario file."""
     click.echo(json.dumps(scenario_schema(), indent=2))

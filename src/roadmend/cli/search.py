@@ -8,6 +8,7 @@ from typing import Annotated
 
 import click
 
+from roadmend.cli.command import Command
 from roadmend.cli.driver_options import POLICY, REPAIR
 from roadmend.cli.options import FILE, FOLDER, JSON, SEED, WORKERS, NameType, options_of
 from roadmend.cli.output import counting, show_rows
@@ -61,7 +62,11 @@ class SearchOptions:
     as_json: Annotated[bool, JSON]
 
 
-@click.command()
+@click.command(
+    cls=Command,
+    examples=["roadmend search --family S3 --policy modular --repair rss --budget 500 --out found"],
+    resumes="",
+)
 @options_of(SearchOptions)
 def search(given: SearchOptions) -> int:
     """Find scenarios in which a policy under repair collides by its own fault; exit code 1 if one could not be run.

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import click
 from rich.table import Table
 
+from roadmend.cli.command import Command
 from roadmend.cli.language_options import LanguageChoice, language_options, show_usage
 from roadmend.cli.options import FILE, JSON, PATH, WORKERS, options_of
 from roadmend.cli.output import counting, show_rows, wide_console
@@ -50,7 +51,7 @@ class AnalyseOptions:
     as_json: Annotated[bool, JSON]
 
 
-@click.command("analyse")
+@click.command("analyse", cls=Command, examples=["roadmend sera analyse bags --out patterns.json"])
 @options_of(AnalyseOptions)
 def analyse_bags(given: AnalyseOptions) -> int:
     """Find the failures and interventions in BAGS, and the patterns in them.
@@ -131,7 +132,13 @@ class RecommendOptions:
     as_json: Annotated[bool, JSON]
 
 
-@click.command()
+@click.command(
+    cls=Command,
+    examples=[
+        "roadmend sera recommend --bank my.bank --pattern patterns.json -k 8 --out selection.json",
+        "roadmend sera recommend --bank my.bank --pattern 'a cyclist crosses at night'",
+    ],
+)
 @options_of(RecommendOptions)
 def recommend(given: RecommendOptions) -> None:
     """Select the best scenarios for each failure pattern, and swap what the selection as a whole is better without."""

@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import click
 from rich.table import Table
 
+from roadmend.cli.command import Command, Group
 from roadmend.cli.options import FILE, JSON, options_of
 from roadmend.cli.output import stages, wide_console
 from roadmend.cli.sera_options import BANK, EMBEDDER, PATTERN, filter_options, filters_of
@@ -31,7 +32,10 @@ _EMBEDDER = click.option("--embedder", help=f"One of {FORMS}.  [default: that of
 _COUNTED = ("family", "road", "weather", "light")
 
 
-@click.group()
+@click.group(
+    cls=Group,
+    examples=["roadmend sera bank build --sample 200 --out my.bank", "roadmend sera bank show --bank my.bank"],
+)
 def bank() -> None:
     """Build, show, search, export and import a scenario bank."""
 
@@ -85,7 +89,7 @@ class BankBuildOptions:
     as_json: Annotated[bool, JSON]
 
 
-@bank.command()
+@bank.command(cls=Command, examples=["roadmend sera bank build --sample 200 --out my.bank"])
 @options_of(BankBuildOptions)
 def build(given: BankBuildOptions) -> None:
     """Build a bank from families, corpora and scenario files; it replaces OUT when it is whole."""
@@ -109,7 +113,9 @@ def build(given: BankBuildOptions) -> None:
     _build(given.out, entries, given.embedder or DEFAULT, total, as_json=given.as_json)
 
 
-@bank.command(name="import")
+@bank.command(
+    name="import", cls=Command, examples=["roadmend sera bank import theirs.jsonl --bank my.bank --out both.bank"]
+)
 @click.argument("exports", nargs=-1, required=True, type=FILE)
 @click.option("--bank", "bank_file", type=FILE, help="Bank to add to.")
 @_EMBEDDER
@@ -155,7 +161,7 @@ def build_progress(total: int | None) -> Iterator[Report]:
         yield lambda stage, done: report(stage, done, total)
 
 
-@bank.command()
+@bank.command(cls=Command, examples=["roadmend sera bank show --bank my.bank"])
 @BANK
 @JSON
 def show(bank_file: Path, *, as_json: bool) -> None:
@@ -195,17 +201,22 @@ def _count(entries: Iterator[BankEntry]) -> dict[str, Counter[str]]:
     return counts
 
 
-@bank.command()
+@bank.command(cls=Command, examples=["roadmend sera bank export --bank my.bank --out my.jsonl"])
 @BANK
 @click.option("--out", required=True, type=FILE, help="JSON lines to write.")
-def export(bank_file: Path, out: Path) -> None:
+@JSON
+def export(bank_file: Path, out: Path, *, as_json: bool) -> None:
     """Write a bank as JSON lines."""
     with Bank(bank_file) as opened:
         export_bank(opened, out)
-        click.echo(f"{out}: {len(opened)} scenarios")
+        count = len(opened)
+    click.echo(json.dumps({"file": str(out), "scenarios": count}) if as_json else f"{out}: {count} scenarios")
 
 
-@bank.command()
+@bank.command(
+    cls=Command,
+    examples=["roadmend sera bank search --bank my.bank --pattern 'rear-end collision in fog' --weather foggy"],
+)
 @BANK
 @EMBEDDER
 @PATTERN

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import click
 
+from roadmend.cli.command import Command
 from roadmend.cli.options import FILE, JSON, MODEL_OUT, SEED, WORKERS, options_of
 from roadmend.cli.output import show_rows, stages
 from roadmend.cli.sera_options import BANK, NEURAL_POLICY, FewShotChoice, few_shot_options
@@ -69,7 +70,10 @@ class TuneOptions:
     as_json: Annotated[bool, JSON]
 
 
-@click.command()
+@click.command(
+    cls=Command,
+    examples=["roadmend sera tune --policy neural --bank my.bank --selection selection.json --out tuned.safetensors"],
+)
 @options_of(TuneOptions)
 def tune(given: TuneOptions) -> None:
     """Fine-tune a neural policy on a selection, guarded against forgetting; writes a new model file.

@@ -1,8 +1,9 @@
 """``roadmend train policy`` and ``roadmend train adreft``: the networks that ship with the project, or your own."""
 
+import json
 import shutil
 import time
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,8 +11,9 @@ import click
 import yaml
 from rich.progress import TextColumn
 
+from roadmend.cli.command import Command
 from roadmend.cli.driver_options import POLICY, POLICY_CORPUS, POLICY_NAME
-from roadmend.cli.options import DEVICE, FILE, FOLDER, MODEL_OUT, SEED, WORKERS, options_of, settings_file
+from roadmend.cli.options import DEVICE, FILE, FOLDER, JSON, MODEL_OUT, SEED, WORKERS, options_of, settings_file
 from roadmend.cli.output import counting, stages
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
@@ -56,9 +58,12 @@ class PolicyOptions:
     resume: Annotated[
         bool, click.option("--resume", is_flag=True, help="Go on with an interrupted training of the same settings.")
     ]
+    as_json: Annotated[bool, JSON]
 
 
-@click.command()
+@click.command(
+    cls=Command, examples=["roadmend train policy --out my-policy.safetensors --workers 4"], resumes="--resume"
+)
 @options_of(PolicyOptions)
 def policy(given: PolicyOptions) -> None:
     """Train a neural policy: behaviour cloning of the expert, then rounds of DAgger.
@@ -89,7 +94,10 @@ def policy(given: PolicyOptions) -> None:
         last = training.run()
     with written_beside(given.out) as beside:
         shutil.copyfile(last, beside)
-    click.echo(f"{given.out}: trained in {len(chosen)} round{'s' if len(chosen) > 1 else ''}")
+    if given.as_json:
+        click.echo(json.dumps({"model": str(given.out), "rounds": len(chosen)}))
+    else:
+        click.echo(f"{given.out}: trained in {len(chosen)} round{'s' if len(chosen) > 1 else ''}")
 
 
 @dataclass(frozen=True)
@@ -158,9 +166,14 @@ class AdreftOptions:
             help="Go on with an interrupted training of the same settings, or begin it anew; frames are kept either way.",
         ),
     ]
+    as_json: Annotated[bool, JSON]
 
 
-@click.command()
+@click.command(
+    cls=Command,
+    examples=["roadmend train adreft --policy modular --out my-repair.safetensors --set practice.dose=0.1"],
+    resumes="--resume",
+)
 @options_of(AdreftOptions)
 def adreft(given: AdreftOptions) -> None:
     """Train ADReFT for one policy, by the stages that the configuration has.
@@ -200,10 +213,18 @@ def adreft(given: AdreftOptions) -> None:
             configuration, subject, seed=given.seed, device=chosen, mapper=mapper, work=work, report=report
         )
         trained = pipeline.run(given.out, only, given.start)
-    _say(given.out, trained, time.perf_counter() - begin)
+    seconds = time.perf_counter() - begin
+    if given.as_json:
+        figures = {"summary": asdict(trained.summary), "monitor": asdict(trained.monitor)}
+        told = {"model": str(given.out), "seconds": seconds, "threshold": trained.threshold, **figures}
+        click.echo(json.dumps(told, indent=2))
+    else:
+        _say(given.out, trained, seconds)
 
 
-@click.command()
+@click.command(
+    cls=Command, examples=["roadmend train adjust my-repair.safetensors --threshold 0.6 --out adjusted.safetensors"]
+)
 @click.argument("model", type=FILE)
 @click.option("--threshold", type=click.FloatRange(0.0, 1.0), help="Above which it steps in.  [default: as it is]")
 @click.option(
@@ -214,14 +235,15 @@ def adreft(given: AdreftOptions) -> None:
     help="Rule of deciding in the place of the model's: hold, clear, interval, longest, ...; may be repeated.",
 )
 @MODEL_OUT
-def adjust(model: Path, threshold: float | None, settings: tuple[str, ...], out: Path) -> None:
+@JSON
+def adjust(model: Path, threshold: float | None, settings: tuple[str, ...], out: Path, *, as_json: bool) -> None:
     """Write MODEL, one of ADReFT, with another threshold or other rules of deciding; its networks stay as they are."""
     changes = {name.removeprefix("model."): value for name, value in (_setting(f"model.{each}") for each in settings)}
     command = f"./roadmend train adjust {model.name}"
     command += f" --threshold {threshold:g}" if threshold is not None else ""
     command += "".join(f" --set {each}" for each in settings)
     digest = adjust_model(model, out, threshold, changes, command)
-    click.echo(f"{out}: SHA-256 {digest}")
+    click.echo(json.dumps({"model": str(out), "sha256": digest}) if as_json else f"{out}: SHA-256 {digest}")
 
 
 def _setting(text: str) -> tuple[str, Any]:

@@ -1,5 +1,6 @@
 """``roadmend train self-oracle`` and ``roadmend train rivals``: what ADReFT is held against, at its best."""
 
+import json
 from pathlib import Path
 
 import click
@@ -7,8 +8,9 @@ from rich.console import Console
 from rich.table import Table
 
 from roadmend import __version__
+from roadmend.cli.command import Command
 from roadmend.cli.driver_options import POLICY, POLICY_CORPUS
-from roadmend.cli.options import FILE, MODEL_OUT, SEED, WORKERS
+from roadmend.cli.options import FILE, JSON, MODEL_OUT, SEED, WORKERS
 from roadmend.cli.output import counting, stages_of
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal
@@ -23,14 +25,19 @@ from roadmend.world.corpus import corpus_of
 _RIVALS = tuple(rival.name for rival in rivals_of(""))
 
 
-@click.command("self-oracle")
+@click.command(
+    "self-oracle", cls=Command, examples=["roadmend train self-oracle --policy modular --out self_oracle.safetensors"]
+)
 @POLICY
 @POLICY_CORPUS
 @MODEL_OUT
 @SEED
 @click.option("--epochs", default=100, show_default=True, type=click.IntRange(1, 10_000))
 @WORKERS
-def self_oracle(policy: str, corpus_file: Path | None, out: Path, seed: int, epochs: int, workers: int) -> None:
+@JSON
+def self_oracle(
+    policy: str, corpus_file: Path | None, out: Path, seed: int, epochs: int, workers: int, *, as_json: bool
+) -> None:
     """Train the autoencoder of ModelRepair on the successes of the training split.
 
     The same settings give the same file, whatever the number of workers.
@@ -59,19 +66,22 @@ def self_oracle(policy: str, corpus_file: Path | None, out: Path, seed: int, epo
     origin = {"policy": policy, "policy_model": corpus.model, "roadmend": __version__, "command": command}
     save_checkpoint(out, result.tensors, result.header(settings, corpus.digest, **origin))
     metrics = result.metrics
+    if as_json:
+        click.echo(json.dumps({"model": str(out), **metrics}, indent=2))
+        return
     click.echo(
         f"{out}: {metrics['training_frames']:.0f} frames, error on held-out frames {metrics['held_out_loss']:.3f}, "
         f"{100.0 * metrics['held_out_alarms_at_0.05']:.1f} % of them alarm at a rate of 5 %"
     )
 
 
-@click.command()
+@click.command(
+    cls=Command, examples=["roadmend train rivals --policy modular --out rivals.yaml --only rss"], resumes=""
+)
 @POLICY
 @POLICY_CORPUS
 @click.option("--out", required=True, type=FILE, help="YAML file to write.")
-@click.option(
-    "--only", multiple=True, type=click.Choice(_RIVALS), help="Only these rivals; may be given more than once."
-)
+@click.option("--only", multiple=True, type=click.Choice(_RIVALS), help="Only these rivals; may be repeated.")
 @click.option(
     "--cases",
     "number",
@@ -82,6 +92,7 @@ def self_oracle(policy: str, corpus_file: Path | None, out: Path, seed: int, epo
     "--model", "model_file", type=FILE, help="SelfOracle model; the one that ships for the policy if not given."
 )
 @WORKERS
+@JSON
 def rivals(
     policy: str,
     corpus_file: Path | None,
@@ -90,6 +101,8 @@ def rivals(
     number: int | None,
     model_file: Path | None,
     workers: int,
+    *,
+    as_json: bool,
 ) -> None:
     """Find every rival's best setting on the validation split.
 
@@ -133,7 +146,7 @@ def rivals(
                 found[rival.name]["parameters"]["model"] = policy  # a setting holds wherever the model lies
             write_tuned(out, header, found)
             _show(tuned, progress.console)
-    click.echo(f"{out}: {', '.join(found)}")
+    click.echo(json.dumps({"file": str(out), "rivals": found}, indent=2) if as_json else f"{out}: {', '.join(found)}")
 
 
 def _code(policy: str, rival: Rival) -> str:

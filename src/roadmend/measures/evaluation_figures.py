@@ -7,9 +7,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from roadmend.core.episode_result import EpisodeResult
+from roadmend.core.outcome import EventKind
 from roadmend.measures.case_result import CaseResult
 from roadmend.measures.evaluation import ALONE, Driven
-from roadmend.measures.registry import MEASURES, Column, MethodEpisodes
+from roadmend.measures.registry import MEASURES, NETWORK, Column, MethodEpisodes
 
 _DASH = "\N{EN DASH}"
 _INTERVAL = "95 %"
@@ -74,6 +75,22 @@ def evaluation_rows(figures: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> l
             for name, measure in MEASURES.items():
                 for column in measure.columns:
                     rows[-1] += _cells(column, found[name])
+    return rows
+
+
+def network_rows(figures: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> list[list[str]]:
+    """What comes of driving over a network, as a table, the heading first; shares have counts here, not percent."""
+    rows = [["policy", "repair", "egos", "goal", "collisions", *map(heading, NETWORK)]]
+    for policy, methods in figures.items():
+        for method, found in methods.items():
+            outcomes = found["outcomes"]
+            counts = (
+                found["episodes"],
+                outcomes.get(EventKind.GOAL.name, 0),
+                outcomes.get(EventKind.COLLISION.name, 0),
+            )
+            cells = [cell for column in NETWORK for cell in _cells(column, found["network"])]
+            rows.append([policy, method, *map(str, counts), *cells])
     return rows
 
 

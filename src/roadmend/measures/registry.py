@@ -62,6 +62,35 @@ def _interval_of_delta_e(repair: dict[str, Any]) -> list[float] | None:
     return interval
 
 
+def _network(episodes: MethodEpisodes) -> dict[str, float | None]:
+    """What driving over a network costs, by the way driven; None where no drive tells."""
+    kilometres = sum(result.distance for result in episodes.results) / 1000.0
+    spells = sum(len(result.spells) for result in episodes.results)
+    # Time that is lost can be told of the same way only: where both come to the goal.
+    both = [(bare, own) for bare, own in episodes.pairs if bare.reached_goal and own.reached_goal]
+    way = sum(own.distance for _, own in both) / 1000.0
+    lost = sum(own.duration - bare.duration for bare, own in both)
+    return {
+        "kilometres": kilometres,
+        "interventions_per_km": spells / kilometres if kilometres else None,
+        "time_lost_per_km": lost / way if way else None,
+    }
+
+
+# Of all drives of an evaluation, for a table about a network; no part of MEASURES' own table, which is wide enough.
+NETWORK = (
+    Column("driven", "km", "", "by all egos", itemgetter("kilometres"), digits=2),
+    Column("interventions", "1/km", "lower", "of the repair method", itemgetter("interventions_per_km"), digits=2),
+    Column(
+        "time lost",
+        "s/km",
+        "lower",
+        "where the policy comes to the goal alone and with repair",
+        itemgetter("time_lost_per_km"),
+        digits=2,
+    ),
+)
+
 MEASURES: dict[str, Measure] = {
     "episodes": Measure(lambda episodes: len(episodes.results), (Column("episodes", "", "", "driven", digits=0),)),
     "outcomes": Measure(_outcomes),
@@ -70,6 +99,7 @@ MEASURES: dict[str, Measure] = {
         (Column("goal", "%", "higher", "episodes that end there", itemgetter("share"), itemgetter("interval")),),
     ),
     "collision": Measure(_collision, (Column("collision", "%", "lower", "episodes that end in one"),)),
+    "network": Measure(_network),
     "repair": Measure(
         lambda episodes: summarise(episodes.cases),
         (

@@ -16,6 +16,7 @@ from typing import Any, NoReturn
 from roadmend.core.claim import check_name, claim_folder, claim_numbered
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import InputError, RoadmendError
+from roadmend.core.interrupt import InterruptedWorkError
 from roadmend.core.spell import Spell
 from roadmend.nodes.children import Child, stop
 from roadmend.nodes.domain import own_domain
@@ -125,11 +126,11 @@ class RunResult:
         return figures | {name: value for name, value in vars(self).items() if name != "episode"}
 
 
-class InterruptedRunError(RoadmendError):
+class InterruptedRunError(InterruptedWorkError):
     """The user stopped the run; the bag is complete up to that point."""
 
     def __init__(self, result: RunResult | None) -> None:
-        super().__init__("interrupted")
+        super().__init__()
         self.result = result
 
 

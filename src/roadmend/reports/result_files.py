@@ -28,14 +28,28 @@ def provenance(command: str) -> dict[str, Any]:
 
 
 def write_report(
-    folder: Path, name: str, title: str, content: Mapping[str, Any], rows: Sequence[Sequence[str]]
+    folder: Path,
+    name: str,
+    title: str,
+    content: Mapping[str, Any],
+    rows: Sequence[Sequence[str]],
+    more: Sequence[Sequence[str]] = (),
 ) -> None:
-    """Write NAME.json and NAME.md; the first row is the heading.
+    """Write NAME.json and NAME.md.
+
+    Args:
+        folder: to write into.
+        name: of the files, without an ending.
+        title: of the page.
+        content: of the JSON, with its ``provenance``.
+        rows: of the table, the heading first.
+        more: of a second table; none where it is empty.
 
     Raises:
         InputError: the folder cannot be written.
     """
-    text = f"# {title}\n\n{table_text(rows)}\n\n{origin(content['provenance'])}\n"
+    tables = "\n\n".join(table_text(table) for table in (rows, more) if table)
+    text = f"# {title}\n\n{tables}\n\n{origin(content['provenance'])}\n"
     write_texts(folder, {f"{name}.json": json.dumps(content, indent=2) + "\n", f"{name}.md": text})
 
 

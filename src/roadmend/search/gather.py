@@ -319,5 +319,5 @@ def gather_fresh(
         SimulationError: a worker process died.
     """
     command = f"roadmend corpus build --policy {policy} --fresh-seed {seed} --cases {cases}"
-    command += f" --families {','.join(families)}" if [*families] != [*FAMILIES] else ""
+    command += "".join(f" --family {name}" for name in families) if [*families] != [*FAMILIES] else ""
     return gather(fresh_plan(seed, cases), policy, families, folder / f"fresh-{seed}", workers, report, command=command)

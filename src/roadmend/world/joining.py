@@ -51,7 +51,10 @@ def _with_drawn_start(scenario: Scenario, network: RoadNetwork, configuration: S
     time = libsumo.simulation.getTime()
     if is_empty:
         raise InputError(configuration.path, f"nobody is on the road until {time:g} s", "choose another --warm-up")
-    what = f"no car has a route of use to the ego, with room to join it, until {time:g} s"
+    start = draw_start(network, scenario, anywhere=True)
+    if start is not None:
+        return scenario.model_copy(update={"ego": scenario.ego.model_copy(update=start._asdict())})
+    what = f"no road offers a route to the ego, with room to join the traffic, until {time:g} s"
     raise InputError(configuration.path, what, "choose another --warm-up")
 
 

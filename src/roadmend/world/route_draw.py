@@ -16,10 +16,12 @@ from roadmend.world.route_builder import build_route, easiest_lane, turns_around
 from roadmend.world.scenario import Scenario
 
 SHORTEST, LONGEST = 300.0, 900.0  # [m] of a drive
+LEAST = 100.0  # [m] that it takes to call it one, if it can be had
 _CLASSES = frozenset({"passenger", "private", "taxi", "evehicle", "hov", "vip", "custom1", "custom2"})
 _ROOM = 25.0  # [m] of an edge at least, from the start on
 _LATEST_GOAL = 12.0  # [m] before the end of the last edge
 _TRIES = 400  # starts that are looked at in one moment
+_WAYS = 40  # routes that SUMO's router is asked for where the traffic has none of use
 _AT_LIGHTS = 30.0  # [s] that a traffic light takes
 _SHARE_OF_TIME = 0.65  # of the time limit that a drive should take in light traffic
 
@@ -57,16 +59,19 @@ class _Other(NamedTuple):
     position: float  # [m] of the front
 
 
-def draw_start(network: RoadNetwork, scenario: Scenario) -> Start | None:
+def draw_start(network: RoadNetwork, scenario: Scenario, *, anywhere: bool = False) -> Start | None:
     """Where and how the ego begins, drawn from what this moment of the traffic offers; None: it offers nothing.
 
     Args:
         network: that the traffic is on.
         scenario: whose seed draws, and whose time limit and ego count.
+        anywhere: take a shorter drive than ``LEAST`` too, and routes that nobody drives, for want of better ones.
     """
     numbers = random.Random(f"roadmend/route/{scenario.seed}")
     wanted = Limits(numbers.uniform(SHORTEST, LONGEST), _SHARE_OF_TIME * scenario.time_limit)
     routes = _routes(network)
+    if anywhere:
+        routes += _ways(network, numbers)
     others = _others()
     starts = [(route, place) for route in routes for place in range(len(route))]
     numbers.shuffle(starts)
@@ -76,7 +81,8 @@ def draw_start(network: RoadNetwork, scenario: Scenario) -> Start | None:
         if start is not None and _is_drivable(network, scenario, start):
             if length >= SHORTEST:
                 return start
-            found.append((length, start))
+            if anywhere or length >= LEAST:
+                found.append((length, start))
     # Nowhere is there as much to drive: the longest stretch there is.
     return max(found)[1] if found else None
 
@@ -99,6 +105,14 @@ def _routes(network: RoadNetwork) -> list[tuple[str, ...]]:
         for route in {tuple(libsumo.vehicle.getRoute(name)) for name in names}
         if all(name in network.edges and network.edges[name].car_lanes for name in route)
     )
+
+
+def _ways(network: RoadNetwork, numbers: random.Random) -> list[tuple[str, ...]]:
+    """The shortest ways between roads for cars that are drawn from all of them, the same for the same numbers."""
+    roads = sorted(road.id for road in network.roads if road.car_lanes)
+    pairs = [(numbers.choice(roads), numbers.choice(roads)) for _ in range(_WAYS)]
+    ways = [tuple(libsumo.simulation.findRoute(*pair, "DEFAULT_VEHTYPE").edges) for pair in pairs]
+    return sorted({way for way in ways if way and all(network.edges[name].car_lanes for name in way)})
 
 
 def _others() -> list[_Other]:

@@ -11,7 +11,9 @@ from roadmend.core.errors import InputError
 from roadmend.core.settings import check_settings
 from roadmend.core.whole_file import write_text
 from roadmend.core.yaml_file import read_yaml
+from roadmend.world.lone_network import with_traffic
 from roadmend.world.scenario import NetworkFile, Scenario, SumoConfiguration
+from roadmend.world.time_limit import time_for_route
 from roadmend.world.user_configuration import configurations_in, content_of, network_of
 
 _SENSING_RANGE = 150.0  # [m] as in the scenario families on a clear day
@@ -62,35 +64,43 @@ def parse_scenario(content: Mapping[str, Any], where: str) -> Scenario:
     return check_settings(content, Scenario, where, "see 'roadmend schema' for what is allowed")
 
 
-def scenario_of_configuration(path: Path, ego_route: Sequence[str], warm_up: float, time_limit: float) -> Scenario:
-    """A scenario in the traffic of a SUMO configuration.
+def scenario_of_configuration(
+    path: Path, ego_route: Sequence[str], warm_up: float, time_limit: float | None = None, seed: int = 0
+) -> Scenario:
+    """A scenario in the traffic of a SUMO configuration, on a route that the user names.
 
     Args:
-        path: of the .sumocfg file.
-        ego_route: edges; none: a route of the traffic's.
+        path: of the .sumocfg file, or of a lone network.
+        ego_route: edges; none: the longest route of the traffic's.
         warm_up: [s] of traffic before the ego enters.
-        time_limit: [s] to drive.
+        time_limit: [s] to drive; None: as the route asks for.
+        seed: of the traffic.
 
     Raises:
-        InputError: there is no such file, or a value is out of range.
+        InputError: there is no such file, it has no such route, or a value is out of range.
     """
     if not path.is_file():
         raise InputError(str(path), "no such file", "give the path of a SUMO .sumocfg file")
+    path = with_traffic(path)
     name = re.sub(r"[^A-Za-z0-9_.-]", "_", path.parent.resolve().name)
     content = {
         "name": name or "sumocfg",
-        "time_limit": time_limit,
+        "seed": seed,
+        "time_limit": Scenario.model_fields["time_limit"].default if time_limit is None else time_limit,
         "network": {"kind": "sumocfg", "path": str(path.resolve()), "warm_up": warm_up},
         "ego": {"route": [*ego_route], "speed": 0.0},
     }
-    return parse_scenario(content, str(path))
+    scenario = parse_scenario(content, str(path))
+    if time_limit is not None or not ego_route:
+        return scenario
+    return scenario.model_copy(update={"time_limit": time_for_route(scenario)})
 
 
 def drawn_scenarios(paths: Sequence[Path], seeds: Iterable[int], warm_up: float, time_limit: float) -> list[Scenario]:
     """Drives in the traffic of SUMO configurations: with each seed other traffic, another start and another route.
 
     Args:
-        paths: of .sumocfg files, and of folders in which all below are taken.
+        paths: of .sumocfg files, of lone networks, and of folders in which all configurations below are taken.
         seeds: of the drives on each.
         warm_up: [s] of traffic before the ego enters.
         time_limit: [s] to drive.
@@ -100,7 +110,7 @@ def drawn_scenarios(paths: Sequence[Path], seeds: Iterable[int], warm_up: float,
     """
     found: dict[str, Path] = {}
     scenarios = []
-    for given, path in configurations_in(paths):
+    for given, path in configurations_in([with_traffic(each) for each in paths]):
         name = re.sub(r"[^A-Za-z0-9_.-]", "_", given)
         if name in found:
             what = f"is called {name!r}, as {found[name]} is"

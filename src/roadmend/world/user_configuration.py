@@ -59,6 +59,8 @@ _OTHERS = frozenset(
 )
 _WRITING_PREFIXES = ("output", "save-state.", "fcd-output.", "pedestrian.jupedsim.")
 _WRITING_SUFFIXES = ("-output", ".output", "ssm.file", "toc.file")
+# These take away who stands for long on a fast road or in a wrong lane: the ego too, which is ours to move.
+_TELEPORTING = "time-to-teleport."
 
 _DEPTH = 64  # no folder lies deeper; to climb beyond the root is harmless
 
@@ -178,4 +180,4 @@ def _is_dropped(element: ET.Element, *, at_root: bool) -> bool:
     name = element.tag.lower()
     if at_root and name in _DROPPED:
         return True
-    return name in _OTHERS or name.startswith(_WRITING_PREFIXES) or name.endswith(_WRITING_SUFFIXES)
+    return name in _OTHERS or name.startswith((*_WRITING_PREFIXES, _TELEPORTING)) or name.endswith(_WRITING_SUFFIXES)
