@@ -9,6 +9,13 @@ from roadmend.repair.registry import METHOD_REGISTRY
 POLICY_NAME = NameType(POLICY_REGISTRY)
 METHOD_NAME = NameType(METHOD_REGISTRY)
 POLICY = click.option("--policy", default="modular", show_default=True, type=POLICY_NAME)
+RUN_POLICY = click.option(
+    "--policy",
+    default="modular",
+    show_default=True,
+    type=NameType(POLICY_REGISTRY, also=("external",)),
+    help="external: a node of your own publishes the commands; it is waited for.",
+)
 POLICY_CORPUS = click.option(
     "--corpus", "corpus_file", type=FILE, help="The policy's corpus; config/corpora/POLICY.jsonl if not given."
 )

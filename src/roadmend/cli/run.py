@@ -14,7 +14,7 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from roadmend.cli.driver_options import METHOD_NAME, POLICY, REPAIR_SEED
+from roadmend.cli.driver_options import METHOD_NAME, REPAIR_SEED, RUN_POLICY
 from roadmend.cli.options import PATH, options_of
 from roadmend.cli.output import OUTCOME_STYLES, wide_console
 from roadmend.core.errors import InputError, RoadmendError
@@ -66,7 +66,7 @@ class RunOptions:
             help="With --sumocfg: seconds to drive.",
         ),
     ]
-    policy: Annotated[str, POLICY]
+    policy: Annotated[str, RUN_POLICY]
     method: Annotated[str, click.option("--repair", "method", default="rss", show_default=True, type=METHOD_NAME)]
     clock: Annotated[
         str, click.option("--clock", default="lockstep", show_default=True, type=click.Choice(["lockstep", "realtime"]))
@@ -79,6 +79,15 @@ class RunOptions:
             show_default=True,
             type=click.FloatRange(0.01, 100.0),
             help="Real time: simulated seconds per second.",
+        ),
+    ]
+    tuned: Annotated[
+        bool,
+        click.option(
+            "--tuned/--no-tuned",
+            default=True,
+            show_default=True,
+            help="Take the model and the settings of the repair method that were made for the policy; else its defaults.",
         ),
     ]
     seed: Annotated[int, REPAIR_SEED]
@@ -140,6 +149,7 @@ def run(given: RunOptions) -> None:
             given.record,
             given.viz,
             given.foxglove,
+            given.tuned,
             extra,
         )
         try:
@@ -174,7 +184,7 @@ def run_with_status(options: GraphOptions, label: str = "") -> RunResult:
 
         def report(text: str, elapsed: float) -> None:
             if text != "running":
-                console.print(f"{label}: {text}")
+                console.print(f"{label}: {text}", soft_wrap=True, highlight=False, markup=False)
             status.update(f"{label}: {elapsed:.0f} s")
 
         return run_graph(options, report)
@@ -191,7 +201,7 @@ def _show(results: list[RunResult], *, as_json: bool) -> None:
 def show_results(results: Sequence[RunResult], console: Console) -> None:
     """Print one row a run."""
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for title in ("scenario", "method", "outcome"):
+    for title in ("scenario", "policy", "method", "outcome"):
         table.add_column(title, no_wrap=True)
     for title in ("min\ndistance", "inter-\nventions", "intensity", "real-time\nfactor"):
         table.add_column(title, justify="right", no_wrap=True)
@@ -201,6 +211,7 @@ def show_results(results: Sequence[RunResult], console: Console) -> None:
         distance = "-" if episode.min_distance is None else f"{episode.min_distance:.2f} m"
         table.add_row(
             episode.scenario,
+            episode.policy,
             episode.method,
             f"[{OUTCOME_STYLES.get(episode.outcome.name, 'white')}]{episode.outcome.name}[/]",
             distance,
@@ -228,7 +239,9 @@ def demo(out: Path, *, as_json: bool) -> None:
     repaired = False
     for scenario in sorted((config_folder() / "scenarios").glob("demo-*.yaml")):
         pair = [
-            run_with_status(GraphOptions(scenario, method=method, bags=out, name=f"{scenario.stem}-{method}-{stamp}"))
+            run_with_status(
+                GraphOptions(scenario, method=method, bags=out, name=f"{scenario.stem}-{method}-{stamp}", tuned=True)
+            )
             for method in _METHODS
         ]
         results += pair

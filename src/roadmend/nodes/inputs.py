@@ -1,0 +1,60 @@
+"""A topic that somebody else is to publish: what is asked of them, and what is wrong with those who do."""
+
+from dataclasses import dataclass
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSCompatibility, QoSProfile, ReliabilityPolicy, qos_check_compatible
+
+from roadmend.nodes import qos
+from roadmend.nodes.discovery import node_of
+from roadmend.recording import topics
+from roadmend.recording.qos import INFINITE_NS
+
+_NS = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """What is listened to."""
+
+    topic: str
+    type_name: str  # as "roadmend_msgs/msg/Command"
+    request: QoSProfile
+
+    def describe(self, node: Node) -> str:
+        """For people: type, topic under the name that it has for ``node``, and quality of service."""
+        return f"{self.type_name} on {node.resolve_topic_name(self.topic)} ({_words(self.request)})"
+
+    def publishers(self, node: Node) -> list[str]:
+        """Full names of the nodes that publish it, one for each publisher, whether they can be heard or not."""
+        return sorted(filter(None, map(node_of, node.get_publishers_info_by_topic(self.topic))))
+
+    def faults(self, node: Node) -> list[str]:
+        """Why a publisher that is there is not heard; one line for people each, empty if there is none."""
+        said = []
+        for info in node.get_publishers_info_by_topic(self.topic):
+            name = node_of(info)
+            if not name:
+                continue
+            if info.topic_type != self.type_name:
+                said.append(f"{name} publishes {info.topic_type}; publish {self.type_name}")
+                continue
+            verdict, reason = qos_check_compatible(info.qos_profile, self.request)
+            if verdict == QoSCompatibility.ERROR:
+                why = reason.replace("ERROR: ", "").strip().rstrip(";").replace(";", ", ")
+                said.append(f"{name} offers an incompatible QoS ({why}); offer {_words(self.request)}")
+        return said
+
+
+COMMAND = Input(topics.POLICY_COMMAND, topics.TYPES[topics.POLICY_COMMAND], qos.COMMAND)
+TRAJECTORY = Input(topics.POLICY_TRAJECTORY, topics.TYPES[topics.POLICY_TRAJECTORY], qos.STREAM)
+REPAIRED = Input(topics.REPAIR_COMMAND, topics.TYPES[topics.REPAIR_COMMAND], qos.COMMAND)
+
+
+def _words(profile: QoSProfile) -> str:
+    said = ["reliable" if profile.reliability == ReliabilityPolicy.RELIABLE else "best effort", f"depth {profile.depth}"]
+    if profile.durability == DurabilityPolicy.TRANSIENT_LOCAL:
+        said.append("transient local")
+    if 0 < profile.deadline.nanoseconds < INFINITE_NS:
+        said.append(f"deadline {profile.deadline.nanoseconds * _NS:g} s or less")
+    return ", ".join(said)
