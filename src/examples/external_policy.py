@@ -1,8 +1,10 @@
 """A driving policy as a ROS node of one's own; it needs the messages of roadmend and nothing else of it.
 
-    ROS_DOMAIN_ID=42 ./roadmend run --scenario config/scenarios/demo-exit.yaml --policy external --repair adreft
-    ROS_DOMAIN_ID=42 .venv/bin/python src/examples/external_policy.py
+ROS_DOMAIN_ID=42 ./roadmend run --scenario config/scenarios/demo-exit.yaml --policy external --repair adreft
+ROS_DOMAIN_ID=42 .venv/bin/python src/examples/external_policy.py
 """
+
+import contextlib
 
 import rclpy
 from nav_msgs.msg import Odometry
@@ -33,7 +35,5 @@ class EvenPace(Node):
 
 if __name__ == "__main__":
     rclpy.init()
-    try:
+    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
         rclpy.spin(EvenPace())
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass

@@ -39,7 +39,9 @@ class Announcement:
     def parameters(self) -> dict[str, Any]:
         """By name; a value that is no JSON is the text that it is."""
         return {
-            key.removeprefix(PARAMETER): _plain(value) for key, value in self.values.items() if key.startswith(PARAMETER)
+            key.removeprefix(PARAMETER): _plain(value)
+            for key, value in self.values.items()
+            if key.startswith(PARAMETER)
         }
 
     def as_dict(self) -> dict[str, Any]:
@@ -70,7 +72,8 @@ def account(announced: Mapping[str, Announcement], drivers: Iterable[str], repai
         known |= _part(key, announced, [*dict.fromkeys(names)])
     for name, role in (("clock", "sim"), ("seed", "repair")):
         said = [one.parameters[name] for one in announced.values() if one.role == role and name in one.parameters]
-        known |= {name: str(value) for value in said[:1]}
+        if said:
+            known[name] = str(said[0])
     return known | {"configuration": json.dumps({name: asdict(one) for name, one in sorted(announced.items())})}
 
 

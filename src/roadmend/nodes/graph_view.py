@@ -58,6 +58,15 @@ class GraphView:
         domain = f"ROS_DOMAIN_ID={self._node.context.get_domain_id()}"
         return [f"a policy: {COMMAND.describe(self._node)}, {domain}; {'; '.join(self._watch.missing)}"]
 
+    @property
+    def does_without_trajectory(self) -> bool:
+        """Whether nobody publishes the policy's plans and nobody need."""
+        return self.is_external and not self._watch.missing and not self._watch.has_trajectory
+
+    def is_settled(self, now: float) -> bool:
+        """Whether, at wall time ``now`` [s], all of a policy in a node of its own has been seen."""
+        return self._watch.is_settled(now)
+
     def original_name(self, name: str) -> str:
         """The name that a node of ours has when nobody renames it."""
         for one in self._announcements.by_node.values():
@@ -87,7 +96,7 @@ class GraphView:
         """As plain values: ``account`` (see ``announcement.account``), ``announced`` by node, ``warnings``, ``notes``."""
         account = self._announcements.account
         notes = [one.values["fitting"] for one in self._announcements.by_node.values() if "fitting" in one.values]
-        if self.is_external and not self._watch.missing and not self._watch.has_trajectory:
+        if self.does_without_trajectory:
             notes.append(NO_TRAJECTORY)
         return {
             "account": account,

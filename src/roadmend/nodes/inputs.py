@@ -52,7 +52,10 @@ REPAIRED = Input(topics.REPAIR_COMMAND, topics.TYPES[topics.REPAIR_COMMAND], qos
 
 
 def _words(profile: QoSProfile) -> str:
-    said = ["reliable" if profile.reliability == ReliabilityPolicy.RELIABLE else "best effort", f"depth {profile.depth}"]
+    said = [
+        "reliable" if profile.reliability == ReliabilityPolicy.RELIABLE else "best effort",
+        f"depth {profile.depth}",
+    ]
     if profile.durability == DurabilityPolicy.TRANSIENT_LOCAL:
         said.append("transient local")
     if 0 < profile.deadline.nanoseconds < INFINITE_NS:

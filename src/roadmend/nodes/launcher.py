@@ -22,7 +22,7 @@ from roadmend.nodes.children import Child, stop
 from roadmend.nodes.domain import own_domain
 from roadmend.nodes.fault import read_fault
 from roadmend.nodes.provenance import provenance
-from roadmend.nodes.ros_arguments import SHARED, check_addressees, refuse_ignored, shared_parameters
+from roadmend.nodes.ros_arguments import SHARED, check_addressees, check_taken, shared_parameters
 from roadmend.policies.registry import POLICY_REGISTRY
 from roadmend.repair.registry import METHOD_REGISTRY
 
@@ -280,7 +280,8 @@ class _GraphRun:
                 self._said.add(line)
                 self._report(line, time.monotonic() - self._begun)
         started = {child.name for child in (*self._nodes, self._sim)}
-        refuse_ignored([*map(_announcement, view["announced"].values())], len(started))
+        announced = [*map(_announcement, view["announced"].values())]
+        check_taken(self._options.ros_arguments, announced, len(started))
 
     def _look_after(self, children: Sequence[Child]) -> None:
         for child in children:

@@ -126,7 +126,12 @@ def declare_parameters(
 
 
 def declare_own(
-    node: Node, prefix: str, model: type[Parameters], defaults: Mapping[str, Any] | None = None, *, is_fixed: bool = True
+    node: Node,
+    prefix: str,
+    model: type[Parameters],
+    defaults: Mapping[str, Any] | None = None,
+    *,
+    is_fixed: bool = True,
 ) -> list[str]:
     """Declare the plain fields of a parameter model under a prefix, as in "rss.rho", and return the fields' names.
 

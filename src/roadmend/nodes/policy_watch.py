@@ -29,7 +29,9 @@ class PolicyWatch:
     missing: list[str] = field(default_factory=list)  # what must be mended before an episode can begin, for people
     warnings: list[str] = field(default_factory=list)  # all that were ever seen, for people
     has_trajectory: bool = False
-    _since: dict[str, float] = field(default_factory=dict)  # wall time [s] at which a thing was seen first, while it lasts
+    _since: dict[str, float] = field(
+        default_factory=dict
+    )  # wall time [s] at which a thing was seen first, while it lasts
 
     def look(self, now: float) -> bool:
         """Look, at wall time ``now`` [s]; whether something has changed."""
@@ -53,11 +55,16 @@ class PolicyWatch:
             self._since.pop(COMMAND.topic, None)
             return ["nobody publishes it yet"]
         if faults:
+            self._since.pop(COMMAND.topic, None)
             return faults
         if len(publishers) > 1:
             return [_crowd(publishers)]
-        seen = self._since.setdefault(COMMAND.topic, now)
-        return [] if now - seen >= SETTLE_S else [f"{publishers[0]} has joined"]
+        self._since.setdefault(COMMAND.topic, now)
+        return []
+
+    def is_settled(self, now: float) -> bool:
+        """Whether a policy that can be heard has been there for long enough to have told of all its topics."""
+        return self.policy != ANYBODY or now - self._since.get(COMMAND.topic, now) >= SETTLE_S
 
     def _crowds(self, wanted: Input, owner: str) -> list[str]:
         """The publishers that there are besides the one who may."""

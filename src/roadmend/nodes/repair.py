@@ -413,7 +413,9 @@ class RepairNode(LifecycleNode):
         there = set() if waiting is None else waiting[1].keys()
         lacking = [part for part in (_PARTS if self._has_plans else _LEAST_PARTS) if part not in there]
         faults = [*COMMAND.faults(self), *TRAJECTORY.faults(self)]
-        return "; ".join([f"waiting for the first complete tick, for want of {', '.join(lacking) or 'a route'}", *faults])
+        return "; ".join(
+            [f"waiting for the first complete tick, for want of {', '.join(lacking) or 'a route'}", *faults]
+        )
 
     def close(self) -> None:
         """Write the tally if a file was named."""

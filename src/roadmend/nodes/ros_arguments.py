@@ -1,6 +1,7 @@
 """ROS arguments that a whole graph is given, without ROS: to whom they are addressed, and whether anybody has them."""
 
 import json
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from itertools import pairwise
@@ -24,7 +25,7 @@ def shared_parameters(given: Sequence[str]) -> set[str]:
     Raises:
         InputError: a file of parameters cannot be read.
     """
-    return {name for node, name in _addressed(given) if node in ("", "**") and name}
+    return {name for node, name in _addressed(given) if node in ("", "/**") and name}
 
 
 def check_addressees(given: Sequence[str]) -> None:
@@ -41,26 +42,34 @@ def check_addressees(given: Sequence[str]) -> None:
                 raise InputError("--ros-args", f"{word} gives all nodes one name", f"write policy_node:__node:={name}")
             renamed.append(name)
     known = [*(f"{node}_node" for node in NODES), *renamed]
-    for node, _ in _addressed(given):
+    for node in (pattern.rpartition("/")[2] for pattern, _ in _addressed(given)):
         if node and "*" not in node and node not in known:
             near = get_close_matches(node, known, n=1)
             what = f"there is no node {node!r}" + (f", did you mean {near[0]}?" if near else "")
             raise InputError("--ros-args", what, f"choose one of {', '.join(known)}")
 
 
-def refuse_ignored(announced: Collection[Announcement], started: int) -> None:
-    """Look whether somebody has what all were given.
+def check_taken(given: Sequence[str], announced: Collection[Announcement], started: int) -> None:
+    """Look whether what was given has reached somebody who has it.
 
     Args:
+        given: the arguments.
         announced: by the nodes of the graph.
         started: how many there are; before all have been heard of, nothing is refused.
 
     Raises:
-        InputError: no node has a parameter of this name.
+        InputError: no node has a parameter of this name, or the node that it is for has another namespace.
     """
     ours = [one for one in announced if one.is_ours]
     if len(ours) < started:
         return
+    for pattern, name in _addressed(given):
+        meant = [one.node for one in ours if one.node.rpartition("/")[2] == pattern.rpartition("/")[2]]
+        if name and meant and not any(_matches(pattern, node) for node in meant):
+            what = f"{name} is for {pattern}, but the node is {meant[0]}"
+            raise InputError(
+                "--ros-args", what, f"write {meant[0]}:{name}:=..., or /**/{pattern.rpartition('/')[2]} in a file"
+            )
     nobody = set.intersection(*(set(json.loads(one.values.get(IGNORED, "[]"))) for one in ours))
     if nobody:
         raise unknown_parameter(min(nobody), "any node", sorted({name for one in ours for name in one.parameters}))
@@ -70,15 +79,17 @@ def unknown_parameter(name: str, owner: str, known: Collection[str]) -> InputErr
     """The refusal of a parameter that is not there, with the nearest name that is."""
     near = get_close_matches(name, known, n=1) or [each for each in known if each.rpartition(".")[2] == name][:1]
     what = f"there is none of this name in {owner}" + (f", did you mean {near[0]}?" if near else "")
-    return InputError(f"parameter {name}", what, "correct or remove it; names are in config/graph.yaml and config/repair")
+    return InputError(
+        f"parameter {name}", what, "correct or remove it; names are in config/graph.yaml and config/repair"
+    )
 
 
 def _addressed(given: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """Name of the node and of its parameter or remapped topic; the node is empty where none is named."""
+    """Pattern of the node's name and name of its parameter, empty for a remap; the pattern is empty where none is named."""
     for option, word in pairwise(given):
         if option in (*_PARAMETER, *_REMAP):
             node, _, name = word.partition(":=")[0].rpartition(":")
-            yield node.rpartition("/")[2], name if option in _PARAMETER else ""
+            yield node, name if option in _PARAMETER else ""
         elif option == _FILE:
             mend = "give a YAML file of ROS parameters, such as config/graph.yaml"
             yield from _sections(read_fields(Path(word), mend), "")
@@ -90,7 +101,13 @@ def _sections(content: Mapping[str, Any], node: str) -> Iterator[tuple[str, str]
             yield node, ""
             yield from ((node, name) for name in _flat(value, ""))
         elif isinstance(value, dict):
-            yield from _sections(value, str(key).rpartition("/")[2])
+            yield from _sections(value, f"{node.rstrip('/')}/{str(key).lstrip('/')}")
+
+
+def _matches(pattern: str, node: str) -> bool:
+    """As rcl does: * is one part of a name and ** any number of them."""
+    parts = [{"*": "[^/]+", "**": ".*"}.get(part, re.escape(part)) for part in pattern.strip("/").split("/")]
+    return re.fullmatch("/" + "/".join(parts).replace(".*/", "(.*/)?"), node) is not None
 
 
 def _flat(content: object, prefix: str) -> Iterator[str]:

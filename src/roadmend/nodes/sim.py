@@ -41,6 +41,7 @@ BEGUN_SUFFIX = ".begun"  # of the empty file that lies beside the summary once t
 LINGER_S = 0.3  # time for the last messages to leave [s]
 IMPATIENT_S = 0.05  # lockstep: time a command is waited for while the repair node is known to be silent [s]
 WATCHDOG_COMMAND = Command(0.0, 0.5)  # half brake: a controlled stop of 4 m/s2 on a dry road
+_ANSWER = "an answer to the first tick"
 MAX_AGE_TICKS = 3  # real time: oldest tick whose command is still obeyed
 
 # Who must listen to what before an episode begins, so that nothing of it is lost; of others it is enough that they are.
@@ -98,7 +99,8 @@ class SimNode(Node):
         self._view = GraphView(self, settings.policy_node, self._summary_path)
         self._tick: Tick | None = None
         self._tick_at = 0.0  # wall time [s] at which the current tick was published
-        self._made_at = self._first_at = time.monotonic()  # wall times [s]; the latter that of the first tick
+        self._lacking: list[str] = []  # what keeps the drive from beginning, a policy of somebody else's aside
+        self._lacking_since = 0.0  # wall time [s]
         self._begun_at = 0.0  # wall time [s] of the first answer
         self._watchdog = False
         self._watchdog_ticks = 0
@@ -133,6 +135,8 @@ class SimNode(Node):
         missing: dict[str, str] = {}
         for topic, listeners in _LISTENERS.items():
             wanted = [name for name in listeners if name in self._wait_for]
+            if topic == topics.POLICY_TRAJECTORY and self._view.does_without_trajectory:
+                wanted = [name for name in wanted if name != "recorder_node"]  # it subscribes to what is published
             infos = self.get_subscriptions_info_by_topic(topic)
             there = {self._view.original_name(info.node_name) for info in infos}
             for name in wanted:
@@ -149,18 +153,21 @@ class SimNode(Node):
     def _begin(self) -> None:
         if self._summary_path:
             Path(self._summary_path).with_suffix(BEGUN_SUFFIX).touch()
-        self._first_at = time.monotonic()
         self._tick = self._simulation.first()
         self._publish(self._tick)
 
     def _missing_long(self, now: float) -> list[str]:
         """What has kept the drive from beginning for so long that somebody should be told."""
-        patience = IMPATIENCE_S if self._view.is_external else PATIENCE_S
-        if self._begun_at or self._ended_at or now - self._made_at < patience:
+        if self._begun_at or self._ended_at:
             return []
-        if self._tick is None:
-            return [name for name in self._missing() if name not in self._view.missing]
-        return [f"an answer to the first tick: {self._view.repair_health}"] if now - self._first_at > patience else []
+        lacking = (
+            [name for name in self._missing() if name not in self._view.missing] if self._tick is None else [_ANSWER]
+        )
+        if lacking != self._lacking:
+            self._lacking, self._lacking_since = lacking, now
+        if now - self._lacking_since < (IMPATIENCE_S if self._view.is_external else PATIENCE_S):
+            return []
+        return lacking if self._tick is None else [f"{_ANSWER}: {self._view.repair_health}"]
 
     # -- time ---------------------------------------------------------------------------------------------------------
 
@@ -172,7 +179,7 @@ class SimNode(Node):
                 self.finished = True
             return
         if self._tick is None:
-            if not self._missing():
+            if not self._missing() and self._view.is_settled(now):
                 self._begin()
             return
         if not self._lockstep:
