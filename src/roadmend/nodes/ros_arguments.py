@@ -67,9 +67,8 @@ def check_taken(given: Sequence[str], announced: Collection[Announcement], start
         meant = [one.node for one in ours if one.node.rpartition("/")[2] == pattern.rpartition("/")[2]]
         if name and meant and not any(_matches(pattern, node) for node in meant):
             what = f"{name} is for {pattern}, but the node is {meant[0]}"
-            raise InputError(
-                "--ros-args", what, f"write {meant[0]}:{name}:=..., or /**/{pattern.rpartition('/')[2]} in a file"
-            )
+            mend = f"set it in a --params-file, in a section {meant[0]}, or for all nodes, without the name of one"
+            raise InputError("--ros-args", what, mend)
     nobody = set.intersection(*(set(json.loads(one.values.get(IGNORED, "[]"))) for one in ours))
     if nobody:
         raise unknown_parameter(min(nobody), "any node", sorted({name for one in ours for name in one.parameters}))
