@@ -14,7 +14,7 @@ from rclpy.qos import QoSProfile
 from roadmend import __version__
 from roadmend.nodes import qos
 from roadmend.nodes.announcement import PARAMETER, Announcement, account
-from roadmend.nodes.discovery import node_of
+from roadmend.nodes.inputs import COMMAND, REPAIRED, Input
 from roadmend.nodes.ros_arguments import IGNORED, SHARED, unknown_parameter
 from roadmend.recording import topics
 
@@ -124,16 +124,21 @@ class Announcements:
         self.by_node: dict[str, Announcement] = {}
         self._node = node
         self._changed = changed
-        self._senders: dict[str, list[str]] = {topics.POLICY_COMMAND: [], topics.REPAIR_COMMAND: []}
+        self._senders: dict[Input, list[str]] = {COMMAND: [], REPAIRED: []}
         node.create_subscription(DiagnosticArray, topics.CONFIGURATION, self._on_message, _LISTEN)
 
-    def look(self) -> None:
-        """Note who sends commands; to be called regularly, since those who have gone are not seen any more."""
-        for topic, senders in self._senders.items():
-            for name in map(node_of, self._node.get_publishers_info_by_topic(topic)):
-                if name and name not in senders:
-                    senders.append(name)
-                    self._changed()
+    def look(self, *, is_driving: bool) -> None:
+        """Note who sends commands; to be called regularly, since those who have gone are not seen any more.
+
+        Args:
+            is_driving: whether their commands are driven on; who has gone before that has no part in the run.
+        """
+        for wanted, senders in self._senders.items():
+            there = [*dict.fromkeys(wanted.heard(self._node))]
+            now = [*dict.fromkeys([*senders, *there])] if is_driving else there
+            if now != senders:
+                senders[:] = now
+                self._changed()
 
     @property
     def account(self) -> dict[str, str]:

@@ -16,28 +16,31 @@ from rclpy.node import Node
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import write_text
 from roadmend.nodes import qos
+from roadmend.nodes.announcement import EXTERNAL
 from roadmend.nodes.configuration import Announcements
 from roadmend.nodes.inputs import COMMAND
-from roadmend.nodes.policy_watch import ANYBODY, NO_TRAJECTORY, PERIOD_S, PolicyWatch
+from roadmend.nodes.policy_watch import NO_TRAJECTORY, PERIOD_S, PolicyWatch
 from roadmend.recording import topics
 
 SUFFIX = ".graph"  # of the file
+UNWATCHED = "unwatched"
 
 
 class GraphView:
     """Kept by sim_node, which looks regularly."""
 
-    def __init__(self, node: Node, policy: str, summary: str) -> None:
+    def __init__(self, node: Node, driver: str, summary: str) -> None:
         """Begin to listen.
 
         Args:
             node: the simulator.
-            policy: who may send the policy's commands, see PolicyWatch.
+            driver: who sends the policy's commands: unwatched, own or external.
             summary: path of the simulator's summary; without one nothing is written.
         """
         self.repair_health = "repair_node says nothing"
         self._node = node
-        self._watch = PolicyWatch(node, policy)
+        self._watch = PolicyWatch(node, is_external=driver == EXTERNAL)
+        self._is_watching = driver != UNWATCHED
         self._announcements = Announcements(node, self._on_heard)
         self._file = Path(summary).with_suffix(SUFFIX) if summary else None
         self._is_due = True
@@ -48,7 +51,7 @@ class GraphView:
     @property
     def is_external(self) -> bool:
         """Whether the policy is a node of somebody else's."""
-        return self._watch.policy == ANYBODY
+        return self._watch.is_external
 
     @property
     def missing(self) -> list[str]:
@@ -56,7 +59,7 @@ class GraphView:
         if not self._watch.missing:
             return []
         domain = f"ROS_DOMAIN_ID={self._node.context.get_domain_id()}"
-        return [f"a policy: {COMMAND.describe(self._node)}, {domain}; {'; '.join(self._watch.missing)}"]
+        return [f"a policy: {COMMAND.describe(self._node)} in {domain}; missing: {'; '.join(self._watch.missing)}"]
 
     @property
     def does_without_trajectory(self) -> bool:
@@ -74,18 +77,19 @@ class GraphView:
                 return f"{one.role}_node"
         return name
 
-    def look(self, now: float, waiting: Sequence[str]) -> None:
+    def look(self, now: float, waiting: Sequence[str], *, is_driving: bool) -> None:
         """Look around if it is time to.
 
         Args:
             now: wall time [s].
             waiting: what else keeps the drive from beginning, for people.
+            is_driving: whether it has begun.
         """
         if now - self._looked_at < PERIOD_S:
             return
         self._looked_at = now
-        self._announcements.look()
-        changed = self._watch.look(now)
+        self._announcements.look(is_driving=is_driving)
+        changed = self._is_watching and self._watch.look(now)
         waiting = [*waiting, *self.missing]
         if self._file is not None and (changed or self._is_due or waiting != self._waiting):
             self._waiting, self._is_due = waiting, False

@@ -1,6 +1,7 @@
 """A topic that somebody else is to publish: what is asked of them, and what is wrong with those who do."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSCompatibility, QoSProfile, ReliabilityPolicy, qos_check_compatible
@@ -13,7 +14,7 @@ from roadmend.recording.qos import INFINITE_NS
 _NS = 1e-9
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Input:
     """What is listened to."""
 
@@ -29,21 +30,24 @@ class Input:
         """Full names of the nodes that publish it, one for each publisher, whether they can be heard or not."""
         return sorted(filter(None, map(node_of, node.get_publishers_info_by_topic(self.topic))))
 
+    def heard(self, node: Node) -> list[str]:
+        """As ``publishers``, but only those whose messages arrive."""
+        infos = node.get_publishers_info_by_topic(self.topic)
+        return sorted(node_of(info) for info in infos if node_of(info) and not self._fault(info))
+
     def faults(self, node: Node) -> list[str]:
         """Why a publisher that is there is not heard; one line for people each, empty if there is none."""
-        said = []
-        for info in node.get_publishers_info_by_topic(self.topic):
-            name = node_of(info)
-            if not name:
-                continue
-            if info.topic_type != self.type_name:
-                said.append(f"{name} publishes {info.topic_type}; publish {self.type_name}")
-                continue
-            verdict, reason = qos_check_compatible(info.qos_profile, self.request)
-            if verdict == QoSCompatibility.ERROR:
-                why = reason.replace("ERROR: ", "").strip().rstrip(";").replace(";", ", ")
-                said.append(f"{name} offers an incompatible QoS ({why}); offer {_words(self.request)}")
-        return said
+        infos = node.get_publishers_info_by_topic(self.topic)
+        return [f"{node_of(info)} {fault}" for info in infos if node_of(info) and (fault := self._fault(info))]
+
+    def _fault(self, info: Any) -> str:
+        if info.topic_type != self.type_name:
+            return f"publishes {info.topic_type}; publish {self.type_name}"
+        verdict, reason = qos_check_compatible(info.qos_profile, self.request)
+        if verdict != QoSCompatibility.ERROR:
+            return ""
+        why = reason.replace("ERROR: ", "").strip().rstrip(";").replace(";", ", ")
+        return f"offers an incompatible QoS ({why}); offer {_words(self.request)}"
 
 
 COMMAND = Input(topics.POLICY_COMMAND, topics.TYPES[topics.POLICY_COMMAND], qos.COMMAND)

@@ -216,7 +216,7 @@ class _GraphRun:
             clock=options.clock,
             rate=float(options.rate),
             summary=str(folder / "sim.json"),
-            policy_node="any" if options.is_external else "policy_node",
+            driver="external" if options.is_external else "own",
             wait_for=[f"{entry.node}_node" for entry in entries],
         )
         place = _Place(bag, folder)

@@ -8,7 +8,6 @@ from roadmend.nodes.inputs import COMMAND, REPAIRED, TRAJECTORY, Input
 
 PERIOD_S = 0.2  # [s] of wall time between two looks at the graph
 SETTLE_S = 1.0  # [s] in which DDS tells the rest of a node that it has begun to tell of
-ANYBODY = "any"
 NO_TRAJECTORY = "no planned trajectory: the repair assumes the ego's present motion along the route"
 
 
@@ -18,29 +17,22 @@ class PolicyWatch:
 
     Attributes:
         node: who looks.
-        policy: name of the only node that may send the policy's commands; ANYBODY: one node, whoever it is; empty: it
-            is not looked at.
-        repair: the same for the repaired commands.
+        is_external: whether the policy is a node of somebody else's, which an episode has to wait for.
     """
 
     node: Node
-    policy: str
-    repair: str = "repair_node"
+    is_external: bool
     missing: list[str] = field(default_factory=list)  # what must be mended before an episode can begin, for people
     warnings: list[str] = field(default_factory=list)  # all that were ever seen, for people
     has_trajectory: bool = False
-    _since: dict[str, float] = field(
-        default_factory=dict
-    )  # wall time [s] at which a thing was seen first, while it lasts
+    _since: dict[str, float] = field(default_factory=dict)  # wall time [s] at which a thing that lasts was seen first
 
     def look(self, now: float) -> bool:
         """Look, at wall time ``now`` [s]; whether something has changed."""
-        if not self.policy:
-            return False
         before = (self.missing, len(self.warnings), self.has_trajectory)
         self.missing = self._missing(now)
         self.has_trajectory = bool(TRAJECTORY.publishers(self.node)) and not TRAJECTORY.faults(self.node)
-        present = [*self._crowds(COMMAND, self.policy), *self._crowds(REPAIRED, self.repair)]
+        present = [*self._crowds(COMMAND, is_counted=self.is_external), *self._crowds(REPAIRED, is_counted=False)]
         present += [f"{TRAJECTORY.topic}: {fault}" for fault in TRAJECTORY.faults(self.node)]
         for warning in self._settled(present, now):
             if warning not in self.warnings:
@@ -48,7 +40,7 @@ class PolicyWatch:
         return before != (self.missing, len(self.warnings), self.has_trajectory)
 
     def _missing(self, now: float) -> list[str]:
-        if self.policy != ANYBODY:
+        if not self.is_external:
             return []
         publishers, faults = COMMAND.publishers(self.node), COMMAND.faults(self.node)
         if not publishers:
@@ -64,17 +56,19 @@ class PolicyWatch:
 
     def is_settled(self, now: float) -> bool:
         """Whether a policy that can be heard has been there for long enough to have told of all its topics."""
-        return self.policy != ANYBODY or now - self._since.get(COMMAND.topic, now) >= SETTLE_S
+        return not self.is_external or now - self._since.get(COMMAND.topic, now) >= SETTLE_S
 
-    def _crowds(self, wanted: Input, owner: str) -> list[str]:
-        """The publishers that there are besides the one who may."""
+    def _crowds(self, wanted: Input, *, is_counted: bool) -> list[str]:
+        """Several publishers where there should be one; those of one name are told apart only if ``is_counted``."""
         publishers = wanted.publishers(self.node)
-        if owner != ANYBODY:  # one that was killed is seen for a while beside the one that took its place
+        if not is_counted:  # a node of ours that was killed is seen for a while beside the one that took its place
             publishers = [*dict.fromkeys(publishers)]
         return [f"{wanted.topic}: {_crowd(publishers)}"] if len(publishers) > 1 else []
 
     def _settled(self, present: list[str], now: float) -> list[str]:
-        """Of what is seen, what has been for a while: a node that leaves is seen a little longer than it is there."""
+        """Of what is seen, what has been for a while: a node of somebody else's that leaves is seen a little longer."""
+        if not self.is_external:
+            return present
         for name in [name for name in self._since if name not in present and name != COMMAND.topic]:
             del self._since[name]
         return [name for name in present if now - self._since.setdefault(name, now) >= SETTLE_S]

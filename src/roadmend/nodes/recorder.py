@@ -143,7 +143,7 @@ class RecorderNode(Node):
 
     def _note_who_runs(self) -> None:
         """What was announced goes into the bag at once: a recorder that is killed leaves what was known until then."""
-        self._announcements.look()
+        self._announcements.look(is_driving=self._timekeeper.now_ns > 0)
         known = self._announcements.account | self._scenario()
         if known == self._known:
             return

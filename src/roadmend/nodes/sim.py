@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 import sys
 import time
 from collections.abc import Sequence
@@ -71,10 +72,10 @@ class SimParameters(Parameters):
     wait_for: tuple[str, ...] = Field(
         ("policy_node", "repair_node"), description="nodes that must have joined before the episode begins"
     )
-    policy_node: str = Field(
-        "",
-        description="name of the node whose commands the policy's are; any: one node of somebody else's, which is waited "
-        "for; not looked at if empty",
+    driver: Literal["unwatched", "own", "external"] = Field(
+        "unwatched",
+        description="who sends the policy's commands: own: policy_node, and others are named; external: a node of "
+        "somebody else's, which is waited for and what is wrong with it named",
     )
     summary: str = Field("", description="file for the summary of the episode; none if empty")
 
@@ -96,7 +97,7 @@ class SimNode(Node):
         self._configuration = Configuration(self, "sim", self._running)
         self._simulation = Simulation(load_scenario(self._scenario_file))
         self._builder = ResultBuilder(self._simulation.scenario.name)
-        self._view = GraphView(self, settings.policy_node, self._summary_path)
+        self._view = GraphView(self, settings.driver, self._summary_path)
         self._tick: Tick | None = None
         self._tick_at = 0.0  # wall time [s] at which the current tick was published
         self._lacking: list[str] = []  # what keeps the drive from beginning, a policy of somebody else's aside
@@ -173,7 +174,7 @@ class SimNode(Node):
 
     def _watch(self) -> None:
         now = time.monotonic()
-        self._view.look(now, self._missing_long(now))
+        self._view.look(now, self._missing_long(now), is_driving=self._begun_at > 0.0)
         if self._ended_at:
             if now - self._ended_at > LINGER_S:
                 self.finished = True
@@ -274,6 +275,7 @@ class SimNode(Node):
 
     def _end(self) -> None:
         self._ended_at = time.monotonic()
+        self._view.look(math.inf, [], is_driving=True)  # whoever came late is in the summary
         result = self._builder.result()
         self._write_summary(result)
         self.get_logger().info(f"{result.outcome.name} after {result.duration:.2f} s: {result.text}")
