@@ -129,6 +129,7 @@ class RecorderNode(Node):
         self._drain_limit = settings.drain_limit
         self._recorded: dict[str, _Recorded] = {}
         self._skipped: dict[str, str] = {}  # topic and why
+        self._refused: dict[str, list[str]] = {}  # the types for which it is skipped; with others it is tried again
         self._outcome: ScenarioEvent | None = None
         self._events_topic = self.resolve_topic_name(topics.EVENTS)
         self._to_diagnostics = self.create_publisher(DiagnosticArray, topics.DIAGNOSTICS, qos.DIAGNOSTIC)
@@ -194,7 +195,7 @@ class RecorderNode(Node):
             if recorded is not None:
                 if self.count_publishers(name) > recorded.publishers:
                     self._subscribe(name, recorded)
-            elif name not in self._skipped and self._is_wanted(name) and self.count_publishers(name):
+            elif self._refused.get(name) != types and self._is_wanted(name) and self.count_publishers(name):
                 self._begin(name, types)
 
     def _is_wanted(self, name: str) -> bool:
@@ -204,7 +205,7 @@ class RecorderNode(Node):
         try:
             definition, message_type = look_up(name, types)
         except InputError as error:
-            self._skipped[name] = str(error)
+            self._skipped[name], self._refused[name] = str(error), types
             self.get_logger().error(f"not recorded: {error}")
             return
         callback = self._callback(name, self._timekeeper.rule_for(definition))
@@ -212,6 +213,7 @@ class RecorderNode(Node):
         recorded = _Recorded(definition, message_type, self._watching(callback) if watched else callback)
         self._subscribe(name, recorded)
         self._recorded[name] = recorded
+        self._skipped.pop(name, None)
 
     def _callback(self, name: str, time_of: Callable[[bytes], int]) -> Callback:
         """The hot path: what happens with each message."""
