@@ -188,7 +188,7 @@ def test_a_method_that_cannot_be_made_is_a_refusal_to_configure(bench, monkeypat
         raise InputError("model.safetensors", "no such file", "train one")
 
     there = bench(autostart=False)
-    monkeypatch.setattr(module, "make_repairer", broken)
+    monkeypatch.setattr(module, "make_method", broken)
     assert there.node.trigger_configure() == TransitionCallbackReturn.FAILURE
     assert state_of(there.node) == "unconfigured"
     assert "refuses to configure: model.safetensors: no such file; train one" in capfd.readouterr().err
@@ -217,7 +217,7 @@ def test_a_model_that_is_damaged_is_a_refusal_to_configure(bench, tmp_path, capf
 
 
 def test_a_refusal_under_autostart_ends_the_node_with_the_code_for_bad_input(bench, monkeypatch):
-    monkeypatch.setattr(module, "make_repairer", lambda *_: (_ for _ in ()).throw(InputError("a", "b", "c")))
+    monkeypatch.setattr(module, "make_method", lambda *_: (_ for _ in ()).throw(InputError("a", "b", "c")))
     node = bench().node
     assert (node.finished, node.exit_code, state_of(node)) == (True, 2, "unconfigured")
 

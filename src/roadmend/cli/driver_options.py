@@ -18,6 +18,13 @@ POLICIES = click.option(
     type=POLICY_NAME,
     help="May be repeated.",
 )
+RUN_POLICY = click.option(
+    "--policy",
+    default="modular",
+    show_default=True,
+    type=NameType(POLICY_REGISTRY, also=("external",)),
+    help="external: a node of your own publishes the commands; it is waited for.",
+)
 POLICY_CORPUS = click.option(
     "--corpus", "corpus_file", type=FILE, help="The policy's corpus; config/corpora/POLICY.jsonl if not given."
 )

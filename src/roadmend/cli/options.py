@@ -1,7 +1,7 @@
 """Options that many commands have, and commands that take their options as one object."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import fields
 from functools import wraps
 from pathlib import Path
@@ -19,19 +19,21 @@ Settings = TypeVar("Settings")
 class NameType(click.ParamType[str]):
     """Names something of a registry in any of its ways; what names nothing is refused here, in the registry's words."""
 
-    def __init__(self, registry: Registry[Any]) -> None:
+    def __init__(self, registry: Registry[Any], also: Sequence[str] = ()) -> None:
+        """Take the names of a registry, and a few that the command itself knows."""
         self.registry = registry
+        self.also = also
         self.name = registry.noun
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str:
         """For the help."""
         del param, ctx  # by these names click gives them
-        return f"[{'|'.join([*self.registry.names, 'MODULE:CLASS', *(['FILE'] if self.registry.models else [])])}]"
+        return f"[{'|'.join([*self.registry.names, *self.also, 'MODULE:CLASS', *(['FILE'] if self.registry.models else [])])}]"
 
     def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> str:
         """The name as it was given."""
         try:
-            if value:  # the empty text is the default of an option that may be left out
+            if value and value not in self.also:  # the empty text is the default of an option that may be left out
                 self.registry.find(value)
         except InputError as error:
             told = f"{error.what}; {error.mend}" if error.where == self.registry.noun else str(error)
@@ -40,7 +42,7 @@ class NameType(click.ParamType[str]):
 
     def shell_complete(self, _context: click.Context, _option: click.Parameter, begun: str) -> list[CompletionItem]:
         """The names that begin so."""
-        return [CompletionItem(name) for name in self.registry.names if name.startswith(begun)]
+        return [CompletionItem(name) for name in (*self.registry.names, *self.also) if name.startswith(begun)]
 
 
 PATH = click.Path(path_type=Path)

@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.table import Table
 
 from roadmend.cli.command import Command, called_as
-from roadmend.cli.driver_options import METHOD_NAME, POLICY
+from roadmend.cli.driver_options import METHOD_NAME, RUN_POLICY
 from roadmend.cli.options import JSON, PATH, options_of
 from roadmend.cli.output import OUTCOME_STYLES, Waiting, wide_console
 from roadmend.cli.sumo_options import TIME_LIMIT, WARM_UP, WARM_UP_OPTION, egos, sumocfg, time_limit
@@ -58,7 +58,7 @@ class RunOptions:
             "long as that takes]"
         ),
     ]
-    policy: Annotated[str, POLICY]
+    policy: Annotated[str, RUN_POLICY]
     method: Annotated[str, click.option("--repair", "method", default="rss", show_default=True, type=METHOD_NAME)]
     clock: Annotated[
         str, click.option("--clock", default="lockstep", show_default=True, type=click.Choice(["lockstep", "realtime"]))
@@ -71,6 +71,15 @@ class RunOptions:
             show_default=True,
             type=click.FloatRange(0.01, 100.0),
             help="Real time: simulated seconds per second.",
+        ),
+    ]
+    tuned: Annotated[
+        bool,
+        click.option(
+            "--tuned/--no-tuned",
+            default=True,
+            show_default=True,
+            help="Take the model and the settings of the repair method that were made for the policy; else its defaults.",
         ),
     ]
     seed: Annotated[
@@ -151,6 +160,7 @@ def run(given: RunOptions) -> int:
                 given.record,
                 given.viz,
                 given.foxglove,
+                given.tuned,
                 extra,
             )
             try:
@@ -245,7 +255,7 @@ def _show(results: list[RunResult], *, as_json: bool) -> None:
 def show_results(results: Sequence[RunResult], console: Console) -> None:
     """Print one row a run."""
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for title in ("scenario", "method", "outcome"):
+    for title in ("scenario", "policy", "method", "outcome"):
         table.add_column(title, no_wrap=True)
     for title in ("min\ndistance", "inter-\nventions", "intensity", "real-time\nfactor"):
         table.add_column(title, justify="right", no_wrap=True)
@@ -255,6 +265,7 @@ def show_results(results: Sequence[RunResult], console: Console) -> None:
         distance = "-" if episode.min_distance is None else f"{episode.min_distance:.2f} m"
         table.add_row(
             episode.scenario,
+            episode.policy,
             episode.method,
             f"[{OUTCOME_STYLES.get(episode.outcome.name, 'white')}]{episode.outcome.name}[/]",
             distance,
@@ -282,7 +293,9 @@ def demo(out: Path, *, as_json: bool) -> None:
     repaired = False
     for scenario in sorted((config_folder() / "scenarios").glob("demo-*.yaml")):
         pair = [
-            run_with_status(GraphOptions(scenario, method=method, bags=out, name=f"{scenario.stem}-{method}-{stamp}"))
+            run_with_status(
+                GraphOptions(scenario, method=method, bags=out, name=f"{scenario.stem}-{method}-{stamp}", tuned=True)
+            )
             for method in _METHODS
         ]
         results += pair

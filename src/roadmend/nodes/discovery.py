@@ -1,4 +1,4 @@
-"""Topics that others publish, whatever they are: the class of their messages, and the QoS that matches all offers."""
+"""Topics that others publish: who does, the class of their messages, and the QoS that matches all offers."""
 
 import importlib
 from collections.abc import Sequence
@@ -8,6 +8,8 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 
 from roadmend.core.errors import InputError
 from roadmend.recording.definitions import Definition, find
+
+_UNTOLD = "_NODE_NAME_UNKNOWN"  # rmw's stand-in for the name
 
 
 def look_up(name: str, types: Sequence[str]) -> tuple[Definition, Any]:
@@ -24,6 +26,13 @@ def look_up(name: str, types: Sequence[str]) -> tuple[Definition, Any]:
         return definition, getattr(importlib.import_module(f"{package}.msg"), kind)
     except (ImportError, AttributeError) as error:
         raise InputError(name, f"its type cannot be imported ({error})", f"install the package {package}") from error
+
+
+def node_of(endpoint: Any) -> str:
+    """The full name of the node that a publisher or subscription belongs to; empty while DDS has not told yet."""
+    if endpoint.node_name.startswith(_UNTOLD):
+        return ""
+    return f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
 
 
 def request_for(offers: Sequence[QoSProfile], depth: int | None = None) -> QoSProfile:

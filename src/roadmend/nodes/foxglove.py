@@ -15,6 +15,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
+from roadmend.nodes.configuration import Configuration
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.discovery import look_up, request_for
 from roadmend.nodes.foxglove_parameters import ParameterBridge
@@ -61,6 +62,7 @@ class FoxgloveNode(Node):
     def __init__(self) -> None:
         super().__init__("foxglove_node")
         settings = declare_parameters(self, FoxgloveParameters)
+        self._configuration = Configuration(self, "foxglove")
         self._timekeeper = Timekeeper()
         self._bridged: dict[str, _Bridged] = {}
         self._skipped: dict[str, str] = {}  # topic and why
@@ -88,6 +90,7 @@ class FoxgloveNode(Node):
         self._url = f"ws://{settings.address}:{self._gate.port}"
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DISCOVERY_PERIOD_S, self._discover, clock=wall)
+        self._configuration.announce()
         self.create_timer(TEND_PERIOD_S, self._tend, clock=wall)
         self._diagnostics = DiagnosticsReporter(self, self._health)
         self._discover()

@@ -7,8 +7,8 @@ import shutil
 import signal
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import FrameType
 from typing import Any, NoReturn
@@ -18,10 +18,12 @@ from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.interrupt import InterruptedWorkError
 from roadmend.core.spell import Spell
+from roadmend.nodes.announcement import EXTERNAL, Announcement
 from roadmend.nodes.children import Child, stop
 from roadmend.nodes.domain import own_domain
 from roadmend.nodes.fault import read_fault
 from roadmend.nodes.provenance import provenance
+from roadmend.nodes.ros_arguments import SHARED, check_addressees, check_taken, shared_parameters
 from roadmend.policies.registry import POLICY_REGISTRY
 from roadmend.repair.registry import METHOD_REGISTRY
 
@@ -48,7 +50,13 @@ class GraphOptions:
     record: bool = True
     viz: bool = True
     foxglove: int | None = None  # port of the live server; none if missing
+    tuned: bool = False  # whether the method takes the model and the settings that were made for the policy
     ros_arguments: tuple[str, ...] = ()  # passed on to every node
+
+    @property
+    def is_external(self) -> bool:
+        """Whether the policy is a node of somebody else's, which is waited for and not started."""
+        return self.policy == EXTERNAL
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,9 +69,7 @@ class _Place:
 
 def _recorder_parameters(options: GraphOptions, place: _Place) -> dict[str, Any]:
     assert place.bag is not None
-    told = provenance(
-        options.scenario, options.policy, options.method, options.clock, options.seed, options.ros_arguments
-    )
+    told = provenance(options.scenario, options.ros_arguments)
     metadata = place.folder / "run.json"
     metadata.write_text(json.dumps(told), encoding="utf-8")
     return {
@@ -79,6 +85,8 @@ def _recorder_parameters(options: GraphOptions, place: _Place) -> dict[str, Any]
 def _repair_parameters(options: GraphOptions, place: _Place) -> dict[str, Any]:
     return {
         "method": options.method,
+        "policy": options.policy if options.tuned else "",
+        "trajectory": "optional" if options.is_external else "required",
         "clock": options.clock,
         "seed": options.seed,
         "summary": str(place.folder / "repair.json"),
@@ -101,7 +109,7 @@ NODES = (  # in the order in which they are started
     NodeEntry(
         "foxglove", lambda options, _place: {"port": options.foxglove}, lambda options: options.foxglove is not None
     ),
-    NodeEntry("policy", lambda options, _place: {"policy": options.policy}),
+    NodeEntry("policy", lambda options, _place: {"policy": options.policy}, lambda options: not options.is_external),
     NodeEntry("repair", _repair_parameters),
 )
 
@@ -119,6 +127,8 @@ class RunResult:
     recording_error: str = ""  # why the bag is not complete; empty if it is
     policy_error: str = ""  # how the policy failed first, so that the vehicle braked; empty if it did not
     method_error: str = ""  # how the repair method failed first, so that the guard's rule answered; empty if it did not
+    warnings: tuple[str, ...] = ()  # who else took part, in one line each
+    configuration: dict[str, Any] = field(default_factory=dict)  # by node: what each has announced of itself
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values, for JSON: the episode's figures without its peaks, and what is the run's own."""
@@ -146,6 +156,7 @@ def run_graph(options: GraphOptions, report: Callable[[str, float], None] = lamb
         RoadmendError: a node failed beyond repair.
         InterruptedRunError: SIGINT or SIGTERM arrived.
     """
+    check_addressees(options.ros_arguments)
     with (
         _claimed_bag(options) as bag,
         own_domain() as domain,
@@ -170,7 +181,8 @@ def _claimed_bag(options: GraphOptions) -> Iterator[Path | None]:
         bag = claim_folder(options.bags, options.name)
     else:
         stamp = time.strftime("%Y%m%d-%H%M%S")
-        who = POLICY_REGISTRY.find(options.policy).label, METHOD_REGISTRY.find(options.method).label
+        policy = EXTERNAL if options.is_external else POLICY_REGISTRY.find(options.policy).label
+        who = policy, METHOD_REGISTRY.find(options.method).label
         bag = claim_numbered(options.bags, "-".join([options.scenario.stem, *who, stamp]))
     try:
         yield bag
@@ -194,6 +206,9 @@ class _GraphRun:
         self._report = report
         self._begun = time.monotonic()
         self._gone: set[str] = set()
+        self._said: set[str] = set()  # lines of the simulator's that were passed on
+        shared = shared_parameters(options.ros_arguments)
+        self._environment[SHARED] = json.dumps(sorted(shared))
         entries = [entry for entry in NODES if entry.is_wanted(options)]
         self._sim = self._child(
             "sim",
@@ -202,6 +217,7 @@ class _GraphRun:
             clock=options.clock,
             rate=float(options.rate),
             summary=str(folder / "sim.json"),
+            driver="external" if options.is_external else "own",
             wait_for=[f"{entry.node}_node" for entry in entries],
         )
         place = _Place(bag, folder)
@@ -235,17 +251,38 @@ class _GraphRun:
                     self._stop(interrupted=True)
                     raise InterruptedRunError(self._result() if (self._folder / "sim.json").exists() else None)
                 self._look_after(self._nodes)
+                self._pass_on()
                 self._report("running", time.monotonic() - self._begun)
                 time.sleep(POLL_S)
             self._stop(interrupted=False)
             if self._sim.exit_code:
                 _raise(self._sim)
+            self._pass_on()
             return self._result()
         except InputError:
             stop(everyone, time.monotonic() + STOP_S)
             raise
         finally:
             stop(everyone, time.monotonic() + 0.5)
+
+    def _pass_on(self) -> None:
+        """Say what the simulator sees of the graph: what it waits for, what the method runs with, who disturbs.
+
+        Raises:
+            InputError: a parameter was given to all nodes and none of them has it.
+        """
+        try:
+            view = json.loads((self._folder / "sim.graph").read_text(encoding="utf-8"))
+        except (OSError, json.JSONDecodeError):
+            return
+        waiting = [f"waiting for {line}" for line in view["waiting"]]
+        for line in [*view["notes"], *view["warnings"], *waiting]:
+            if line not in self._said:
+                self._said.add(line)
+                self._report(line, time.monotonic() - self._begun)
+        started = {child.name for child in (*self._nodes, self._sim)}
+        announced = [*map(_announcement, view["announced"].values())]
+        check_taken(self._options.ros_arguments, announced, len(started))
 
     def _look_after(self, children: Sequence[Child]) -> None:
         for child in children:
@@ -285,18 +322,18 @@ class _GraphRun:
         repair: dict[str, Any] = {}
         with contextlib.suppress(OSError, json.JSONDecodeError):
             repair = json.loads((self._folder / "repair.json").read_text(encoding="utf-8"))
-        # The simulator knows neither who drives nor what was replaced.
+        # The simulator knows what was announced, but not what was replaced.
         episode = replace(
             EpisodeResult.parse(sim["result"]),
-            policy=self._options.policy,
-            method=self._options.method,
+            policy=sim["account"]["policy"],
+            method=sim["account"]["method"],
             interventions=repair.get("interventions", 0),
             change=repair.get("change", 0.0),
             spells=tuple(Spell(**spell) for spell in repair.get("spells", ())),
         )
         return RunResult(
             episode,
-            self._options.clock,
+            sim["account"].get("clock", self._options.clock),
             sim["watchdog_ticks"],
             sum(child.restarts for child in self._nodes),
             sim["real_time_factor"],
@@ -304,6 +341,8 @@ class _GraphRun:
             self._recording_error(),
             self._policy_error(),
             repair.get("fault", ""),
+            tuple(sim["warnings"]),
+            {name: _announcement(one).as_dict() for name, one in sim["announced"].items()},
         )
 
     def _recording_error(self) -> str:
@@ -313,8 +352,12 @@ class _GraphRun:
         return str(recorder.fault())
 
     def _policy_error(self) -> str:
-        policy = next(child for child in self._nodes if child.name == "policy_node")
-        return str(read_fault(policy.fault_file) or "")
+        policies = [child for child in self._nodes if child.name == "policy_node"]
+        return str(read_fault(policies[0].fault_file) or "") if policies else ""
+
+
+def _announcement(content: Mapping[str, Any]) -> Announcement:
+    return Announcement(content["node"], content["label"], content["values"])
 
 
 def _raise(child: Child) -> NoReturn:

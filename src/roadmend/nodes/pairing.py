@@ -21,10 +21,14 @@ class TickPairing:
             tick = self._ticks[stamp] = {}
             self._arrival[stamp] = now
         tick[part] = message
-        if len(tick) < len(self._parts):
+        if not self._parts <= tick.keys():
             return None
         self._forget_until(stamp)
         return tick
+
+    def expect(self, *parts: str) -> None:
+        """From now on a tick is complete with these parts; those that wait are judged anew when their next part comes."""
+        self._parts = frozenset(parts)
 
     def waiting(self) -> tuple[int, dict[str, Any], float] | None:
         """The newest incomplete tick: its stamp [ns], its parts, and the wall time [s] of its first part."""

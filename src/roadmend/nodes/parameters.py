@@ -1,6 +1,7 @@
 """Declare ROS parameters with a description, a range and a reason when a value is refused."""
 
 from collections.abc import Mapping, Sequence
+from enum import Enum
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic.fields import FieldInfo
@@ -9,7 +10,7 @@ from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValu
 from rclpy.node import Node
 
 from roadmend.core.errors import InputError
-from roadmend.core.parameters import AnyParameters
+from roadmend.core.parameters import AnyParameters, Parameters, with_defaults
 from roadmend.core.registry import Entry, Found, Registry
 
 
@@ -122,6 +123,35 @@ def declare_parameters(
         for name, info in model.model_fields.items()
     }
     return model.model_validate(values)
+
+
+def declare_own(
+    node: Node,
+    prefix: str,
+    model: type[Parameters],
+    defaults: Mapping[str, Any] | None = None,
+    *,
+    is_fixed: bool = True,
+) -> list[str]:
+    """Declare the plain fields of a parameter model under a prefix, as in "rss.rho", and return the fields' names.
+
+    Args:
+        node: the node that owns them.
+        prefix: what stands before the dot.
+        model: names, defaults, ranges and meanings; a field that holds more than one plain value cannot be set by ROS.
+        defaults: that hold instead of the model's.
+        is_fixed: whether the parameters keep the values they had at the start.
+
+    Raises:
+        InputError: a value is of another type, outside its range or not among the choices.
+    """
+    names = []
+    for name, info in with_defaults(model, **(defaults or {})).model_fields.items():
+        default = info.get_default(call_default_factory=True)
+        if isinstance(default, bool | int | float | str) and not isinstance(default, Enum):
+            declare_field(node, f"{prefix}.{name}", info, is_fixed=is_fixed)
+            names.append(name)
+    return names
 
 
 def declare_field(node: Node, name: str, info: FieldInfo, choices: Sequence[str] = (), *, is_fixed: bool = True) -> Any:

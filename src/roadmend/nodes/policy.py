@@ -15,10 +15,12 @@ from roadmend.core.interfaces import Policy
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.nodes import qos
+from roadmend.nodes.configuration import Configuration, Running
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.fault import leave_fault
 from roadmend.nodes.pairing import TickPairing
-from roadmend.nodes.parameters import declare_name
+from roadmend.nodes.parameters import declare_name, declare_own, find_named
+from roadmend.nodes.provenance import described
 from roadmend.nodes.spinning import run_node
 from roadmend.policies.registry import POLICY_REGISTRY, make_policy
 from roadmend.recording import messages, topics
@@ -30,8 +32,14 @@ class PolicyNode(Node):
 
     def __init__(self) -> None:
         super().__init__("policy_node")
-        name = declare_name(self, "policy", "modular", "driving policy to run", POLICY_REGISTRY)
-        self._policy: Policy = make_policy(name)
+        self._given = declare_name(self, "policy", "modular", "driving policy to run", POLICY_REGISTRY)
+        self._found = find_named("policy", self._given, POLICY_REGISTRY)
+        kind, prefix = self._found.entry.parameters, self._found.label
+        self._settings = {
+            name: self.get_parameter(f"{prefix}.{name}").value for name in declare_own(self, prefix, kind)
+        }
+        self._configuration = Configuration(self, "policy", self._running)
+        self._policy: Policy = make_policy(self._given, self._settings)
         self._route: Route | None = None
         self._pairing = TickPairing(topics.EGO, topics.OBJECTS)
         self._last_stamp = -1
@@ -45,6 +53,10 @@ class PolicyNode(Node):
         for kind, topic in ((Odometry, topics.EGO), (msg.ObjectList, topics.OBJECTS)):
             self.create_subscription(kind, topic, partial(self._on_part, topic), qos.STREAM, raw=True)
         self._diagnostics = DiagnosticsReporter(self, self._health)
+        self._configuration.announce()
+
+    def _running(self) -> Running:
+        return Running(self._given, described(self._found, self._policy, self._settings))
 
     def _on_route(self, data: bytes) -> None:
         self._last_stamp = -1

@@ -1,79 +1,84 @@
-"""What a bag says about the run that made it: versions, configuration and the digests of the models that drove."""
+"""What a run is made of: versions, and class, code and model of what drives or repairs, read off the objects themselves."""
 
 import contextlib
-import hashlib
-import json
-import re
 import sys
-from collections.abc import Sequence
-from importlib.metadata import PackageNotFoundError, version
+from collections.abc import Mapping, Sequence
+from importlib.metadata import PackageNotFoundError, packages_distributions, version
 from pathlib import Path
 from typing import Any
 
 from roadmend import __version__
 from roadmend.core.errors import InputError
-from roadmend.core.registry import Registry
+from roadmend.core.registry import Found
 from roadmend.core.source_digest import source_digest
-from roadmend.networks.checkpoint import find_model
-from roadmend.policies.neural_kinds import KINDS
-from roadmend.policies.registry import POLICY_REGISTRY
-from roadmend.repair.registry import METHOD_REGISTRY
+from roadmend.networks.checkpoint import SUFFIX
+from roadmend.policies.foreign import ForeignPolicy
+from roadmend.repair.foreign import ForeignMethod
 
 _VERSIONED = ("libsumo", "eclipse-sumo", "numpy", "mcap", "rosbags", "ros-jazzy-rclpy")
-_PREFIXES = {"adreft": "adreft-", "model": "self_oracle-"} | dict.fromkeys(
-    KINDS, ""
-)  # of the shipped models of who has one
+_MODEL, _THRESHOLD = ("model", "_model"), ("threshold", "_threshold")  # where methods keep them
 
 
-def provenance(scenario: Path, policy: str, method: str, clock: str, seed: int, given: Sequence[str]) -> dict[str, str]:
-    """Named texts for the bag's metadata.
+def provenance(scenario: Path, given: Sequence[str]) -> dict[str, str]:
+    """Named texts for the bag's metadata: what no node of the graph can tell of itself.
 
     Args:
         scenario: the scenario's file.
-        policy: the policy's name.
-        method: the repair method's name.
-        clock: lockstep or realtime.
-        seed: of the repair method.
-        given: ROS arguments that every node gets; they win over the configuration's defaults.
+        given: ROS arguments that every node gets.
     """
-    known = {"scenario_file": scenario.name, "policy": policy, "method": method, "clock": clock, "seed": str(seed)}
-    known |= {"ros_arguments": " ".join(given), "roadmend": __version__, "python": sys.version.split()[0]}
+    known = {"scenario_file": scenario.name, "ros_arguments": " ".join(given)}
+    known |= {"roadmend": __version__, "python": sys.version.split()[0]}
     for package in _VERSIONED:
         with contextlib.suppress(PackageNotFoundError):
             known[package] = version(package)
-    known |= _told_of("policy", POLICY_REGISTRY, policy, given)
-    known |= _told_of("method", METHOD_REGISTRY, method, given)
     return known
 
 
-def _told_of(role: str, registry: Registry[Any], name: str, given: Sequence[str]) -> dict[str, str]:
-    """Parameters, model and source of who drives or repairs."""
-    try:
-        found = registry.find(name)
-    except InputError:
-        return {}  # the node refuses it anyway
-    values = found.entry.parameters().model_dump()
-    known = {f"{role}_defaults": json.dumps(values)}
-    if found.label in _PREFIXES:
-        model = _override(f"{found.label}.model", given) or str(values["model"])
-        known[f"{role}_model"], known[f"{role}_model_sha256"] = model, _digest(model, _PREFIXES[found.label])
+def described(found: Found[Any], made: object, parameters: Mapping[str, Any]) -> dict[str, str]:
+    """What drives or repairs, as it was made.
+
+    Args:
+        found: what the registry has found.
+        made: the policy or method itself.
+        parameters: what it was made with, by the fields' names.
+
+    Returns:
+        ``class`` and ``package``; where there is one, ``model`` (the name of its file, or what was given) with
+        ``model_sha256``, and ``threshold``; of code from outside also ``origin`` and ``code_sha256``.
+    """
+    inner: object = made
+    if isinstance(made, ForeignPolicy):
+        inner = made.policy
+    elif isinstance(made, ForeignMethod):
+        inner = made.method
+    kind = type(inner)
+    known = {"class": f"{kind.__module__}.{kind.__qualname__}", "package": _package(kind.__module__)}
+    model = next((each for each in (getattr(inner, name, None) for name in _MODEL) if each is not None), None)
+    digest = getattr(model, "digest", None) or getattr(inner, "model_digest", None)
+    if digest:
+        named = parameters.get("model")
+        known |= {"model": _model_name(named)} if named else {}
+        known["model_sha256"] = str(digest)
+    threshold = next((each for each in (getattr(inner, name, None) for name in _THRESHOLD) if each is not None), None)
+    if isinstance(threshold, float | int):
+        known["threshold"] = repr(float(threshold))
     if found.is_foreign:
-        known[f"{role}_origin"] = found.origin
+        known["origin"] = found.origin
         with contextlib.suppress(InputError):  # code without a source has no digest
-            known[f"{role}_code_sha256"] = source_digest(found.modules)
+            known["code_sha256"] = source_digest(found.modules)
     return known
 
 
-def _override(name: str, given: Sequence[str]) -> str:
-    """The value that ROS arguments give to a parameter, on any node; empty if they do not."""
-    pattern = re.compile(rf"(?:[^:=]*:)?{re.escape(name)}:=['\"]?([^'\"]*)['\"]?")
-    found = [match[1] for match in map(pattern.fullmatch, given) if match]
-    return found[-1] if found else ""
+def _package(module: str) -> str:
+    """Name and version of the package that a module comes with; the module's own name where none was installed."""
+    root = module.partition(".")[0]
+    if root == "roadmend":
+        return f"roadmend {__version__}"
+    names = packages_distributions().get(root, [])
+    return f"{names[0]} {version(names[0])}" if names else f"{module}, not installed"
 
 
-def _digest(model: str, prefix: str) -> str:
-    """SHA-256 of a model's file, as load_checkpoint has it; empty where the node will refuse the model anyway."""
-    try:
-        return hashlib.sha256(find_model(model, prefix).read_bytes()).hexdigest()
-    except (InputError, OSError):
-        return ""
+def _model_name(given: object) -> str:
+    """A path as it was given, or the name of a model that ships with roadmend."""
+    text = str(given)
+    return str(Path(text).resolve()) if text.endswith(SUFFIX) else text

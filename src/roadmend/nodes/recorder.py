@@ -1,5 +1,7 @@
 """Records the running graph into a bag: every topic, as the serialized bytes that came over the wire."""
 
+import contextlib
+import hashlib
 import re
 import sys
 import time
@@ -23,6 +25,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
 from roadmend.core.parameters import Parameters
 from roadmend.nodes import qos
+from roadmend.nodes.configuration import Announcements, Configuration
 from roadmend.nodes.discovery import look_up, request_for
 from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.qos import offer_from
@@ -101,11 +104,13 @@ class RecorderNode(Node):
     def __init__(self) -> None:
         super().__init__("recorder_node")
         settings = declare_parameters(self, RecorderParameters, choices={"compression": list(Compression)})
+        self._configuration = Configuration(self, "recorder")
         self._include = _pattern("include", settings.include)
         self._exclude = _pattern("exclude", settings.exclude or "$^")
         self._timekeeper = Timekeeper(simulated=settings.time_source == "simulation")
         self._metadata = metadata_from_file(Path(settings.metadata)) if settings.metadata else {}
         attachments = [Attachment.from_file(Path(path)) for path in settings.attachments if path]
+        self._attached = {hashlib.sha256(each.data).hexdigest(): each.name for each in attachments}
         options = BagOptions(
             Compression(settings.compression),
             settings.chunk_size,
@@ -124,6 +129,7 @@ class RecorderNode(Node):
         self._drain_limit = settings.drain_limit
         self._recorded: dict[str, _Recorded] = {}
         self._skipped: dict[str, str] = {}  # topic and why
+        self._refused: dict[str, list[str]] = {}  # the types for which it is skipped; with others it is tried again
         self._outcome: ScenarioEvent | None = None
         self._events_topic = self.resolve_topic_name(topics.EVENTS)
         self._to_diagnostics = self.create_publisher(DiagnosticArray, topics.DIAGNOSTICS, qos.DIAGNOSTIC)
@@ -131,7 +137,36 @@ class RecorderNode(Node):
         self.create_timer(DISCOVERY_PERIOD_S, self._discover, clock=wall)
         self.create_timer(settings.flush_interval, self._flush, clock=wall)
         self._report_timer = self.create_timer(DIAGNOSTICS_PERIOD_S, self._report, clock=wall)
+        self._configuration.announce()
+        self._known: dict[str, str] = {}  # what the bag says of who runs
+        self._announcements = Announcements(self)
         self._discover()
+
+    def _note_who_runs(self) -> None:
+        """What was announced goes into the bag at once: a recorder that is killed leaves what was known until then."""
+        self._announcements.look(is_driving=self._timekeeper.now_ns > 0)
+        known = self._announcements.account | self._scenario()
+        if known == self._known:
+            return
+        gone = dict.fromkeys(self._known.keys() - known.keys(), "")  # records of a bag add up
+        self._known = known
+        self._metadata |= gone | known
+        self._writer.add_metadata(METADATA_RECORD, self._metadata)
+
+    def _scenario(self) -> dict[str, str]:
+        """The attachment with the scenario that the simulator runs; it is attached now if it was not."""
+        sims = [one.values for one in self._announcements.by_node.values() if one.is_ours and one.role == "sim"]
+        digest = sims[0].get("scenario_sha256", "") if len(sims) == 1 else ""
+        if not digest:
+            return {}
+        if digest not in self._attached:
+            self._attached[digest] = ""
+            with contextlib.suppress(InputError):  # it may lie on another machine
+                file = Attachment.from_file(Path(sims[0].get("scenario_file", "")))
+                if hashlib.sha256(file.data).hexdigest() == digest:
+                    self._writer.add_attachment(file.name, file.media_type, file.data)
+                    self._attached[digest] = file.name
+        return {"scenario_file": self._attached[digest], "scenario_sha256": digest}
 
     def close(self) -> None:
         """Take in what is still on its way, then complete the bag. Does nothing the second time.
@@ -145,6 +180,8 @@ class RecorderNode(Node):
             return
         try:
             self._drain()
+            if self._error is None:
+                self._note_who_runs()
             if self._error is not None:
                 raise self._error
             self._writer.add_metadata(METADATA_RECORD, self._metadata | self._account())
@@ -158,7 +195,7 @@ class RecorderNode(Node):
             if recorded is not None:
                 if self.count_publishers(name) > recorded.publishers:
                     self._subscribe(name, recorded)
-            elif name not in self._skipped and self._is_wanted(name) and self.count_publishers(name):
+            elif self._refused.get(name) != types and self._is_wanted(name) and self.count_publishers(name):
                 self._begin(name, types)
 
     def _is_wanted(self, name: str) -> bool:
@@ -168,7 +205,7 @@ class RecorderNode(Node):
         try:
             definition, message_type = look_up(name, types)
         except InputError as error:
-            self._skipped[name] = str(error)
+            self._skipped[name], self._refused[name] = str(error), types
             self.get_logger().error(f"not recorded: {error}")
             return
         callback = self._callback(name, self._timekeeper.rule_for(definition))
@@ -176,6 +213,7 @@ class RecorderNode(Node):
         recorded = _Recorded(definition, message_type, self._watching(callback) if watched else callback)
         self._subscribe(name, recorded)
         self._recorded[name] = recorded
+        self._skipped.pop(name, None)
 
     def _callback(self, name: str, time_of: Callable[[bytes], int]) -> Callback:
         """The hot path: what happens with each message."""
@@ -193,6 +231,7 @@ class RecorderNode(Node):
     def _flush(self) -> None:
         try:
             if self._error is None:
+                self._note_who_runs()
                 self._writer.flush_if_due()
         except RecordingError as error:
             self._fail(error)

@@ -5,7 +5,7 @@ import json
 import sys
 import time
 from collections.abc import Sequence
-from enum import Enum
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
@@ -18,28 +18,37 @@ from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackRet
 from rclpy.parameter import Parameter
 from roadmend_msgs import msg
 
-from roadmend.core.command import Decision
+from roadmend.core.command import Decision, Trajectory
 from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
 from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.core.whole_file import write_text
+from roadmend.measures.fitting import fitting, fitting_account
 from roadmend.nodes import qos
+from roadmend.nodes.configuration import Configuration, Running
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
+from roadmend.nodes.inputs import COMMAND, TRAJECTORY
 from roadmend.nodes.pairing import TickPairing
-from roadmend.nodes.parameters import declare_field, declare_parameters, find_named
+from roadmend.nodes.parameters import declare_own, declare_parameters, find_named
+from roadmend.nodes.policy_watch import NO_TRAJECTORY, PERIOD_S
+from roadmend.nodes.provenance import described
 from roadmend.nodes.repair_tally import RepairTally
 from roadmend.nodes.spinning import run_node
 from roadmend.recording import messages, topics
 from roadmend.recording.codec import encode
 from roadmend.repair.guard import GuardedRepairer
-from roadmend.repair.registry import METHOD_REGISTRY, METHODS, make_repairer
+from roadmend.repair.method import RepairMethod
+from roadmend.repair.parameters import GuardParameters
+from roadmend.repair.registry import METHOD_REGISTRY, METHODS, make_method
 
 WATCH_PERIOD_S = 0.01  # how often ages are looked at [s]
 IMPATIENT_S = 0.02  # lockstep: patience while the policy is known to be silent [s]
 REPEAT_S = 0.05  # real time: period of the stop command while nothing arrives [s]
 _PARTS = ("ego", "objects", "command", "trajectory")
+_LEAST_PARTS = _PARTS[:3]  # of a tick whose policy publishes no plan
+_AHEAD_NS = 1_000_000_000  # [ns] a command is of no tick if its stamp lies so far after the newest odometry
 _COMPLAINTS = frozenset({RepairStatus.STALE_COMMAND, RepairStatus.STALE_OBJECTS, RepairStatus.MODEL_FAULT})
 
 
@@ -47,6 +56,13 @@ class RepairNodeParameters(Parameters):
     """Parameters of the node, read once at start; those of the methods can be changed while it runs."""
 
     method: str = Field("rss", description=f"repair method to run: one of {METHOD_REGISTRY.ways}")
+    policy: str = Field(
+        "", description="policy whose models and tuned settings are this method's defaults; the plain defaults if empty"
+    )
+    trajectory: Literal["required", "optional"] = Field(
+        "required",
+        description="whether a tick waits for the planned trajectory, or does without while nobody publishes any",
+    )
     clock: Literal["lockstep", "realtime"] = Field("lockstep", description="how the simulator keeps time")
     seed: int = Field(0, ge=0, le=2**31 - 1, description="seed of methods that draw numbers")
     input_timeout: float = Field(
@@ -74,11 +90,16 @@ class RepairNode(LifecycleNode):
         self.exit_code = 0
         self.fault: InputError | None = None  # because of which it did not configure
         self.finished = False
-        self._declare_parameters()
         self._repairer: GuardedRepairer | None = None
+        self._made: RepairMethod | None = None  # what the repairer asks
+        self._declare_parameters()
         self._route: Route | None = None
         self._route_fault = ""
         self._pairing = TickPairing(*_PARTS)
+        self._has_plans = True  # whether a tick has a planned trajectory to wait for
+        self._looked_at = 0.0  # wall time [s] at which it was last looked who plans
+        self._newest_ego = -1  # [ns] stamp
+        self._stray_stamp = -1  # [ns] of the policy's last message if it belongs to no tick
         self._tally = RepairTally()
         self._active = False
         self._started = False  # a complete tick has been answered in this episode
@@ -110,25 +131,40 @@ class RepairNode(LifecycleNode):
 
     def _declare_parameters(self) -> None:
         settings = declare_parameters(self, RepairNodeParameters)
-        found = find_named("method", settings.method, METHOD_REGISTRY)
-        self._fields, self._prefix = found.entry.parameters.model_fields, f"{found.label}."
+        self._found = find_named("method", settings.method, METHOD_REGISTRY)
+        self._prefix = f"{self._found.label}."
+        self._policy, self._plans_are_optional = settings.policy, settings.trajectory == "optional"
         self._method, self._seed = settings.method, settings.seed
         self._lockstep = settings.clock == "lockstep"
         self._timeout = settings.input_timeout or (2.0 if self._lockstep else 0.04)
         self._budget = settings.time_budget or (None if self._lockstep else 0.03)
         self._autostart, self._summary = settings.autostart, settings.summary
-        for name, entry in {**METHODS, found.label: found.entry}.items():
-            for field, info in entry.parameters.model_fields.items():
-                default = info.get_default(call_default_factory=True)
-                if isinstance(default, bool | int | float | str) and not isinstance(default, Enum):
-                    declare_field(self, f"{name}.{field}", info, is_fixed=False)
+        fitted = fitting(settings.method, settings.policy) if settings.policy else {}
+        for name, entry in {**METHODS, self._found.label: self._found.entry}.items():
+            is_mine = name == self._found.label
+            fields = declare_own(self, name, entry.parameters, fitted if is_mine else None, is_fixed=False)
+            if is_mine:
+                self._fields = fields
+        self._configuration = Configuration(self, "repair", self._running, self._is_told)
+
+    def _running(self) -> Running:
+        """The method as it is now; nothing but its name where it could not be made."""
+        if self._made is None:
+            return Running(self._method)
+        parameters = self._found.entry.parameters().model_dump() | self._method_parameters()
+        values = described(self._found, self._made, parameters)
+        account = fitting_account(self._method, self._policy, parameters) if self._policy else ""
+        return Running(self._method, values | ({"fitting": account} if account else {}))
+
+    def _is_told(self, parameter: str) -> bool:
+        """Parameters of methods that do not run say nothing."""
+        return parameter.startswith(self._prefix) or parameter.partition(".")[0] not in METHODS
 
     def _method_parameters(self, changed: Sequence[Parameter] = ()) -> dict[str, Any]:
         prefix = self._prefix
         values = {
             name.removeprefix(prefix): self.get_parameter(name).value
             for name in (prefix + field for field in self._fields)
-            if self.has_parameter(name)
         }
         return values | {
             parameter.name.removeprefix(prefix): parameter.value
@@ -137,9 +173,10 @@ class RepairNode(LifecycleNode):
         }
 
     def _make_repairer(self, changed: Sequence[Parameter] = ()) -> GuardedRepairer:
-        guard = {} if self._budget is None else {"budget": self._budget}
-        repairer = make_repairer(self._method, self._method_parameters(changed), self._seed, guard)
+        made = make_method(self._method, self._method_parameters(changed), self._seed)
+        repairer = GuardedRepairer(made, GuardParameters(budget=self._budget))
         repairer.warm_up()  # compiling on the first tick would look like an overrun
+        self._made = made
         return repairer
 
     def _on_parameters(self, changed: list[Parameter]) -> SetParametersResult:
@@ -171,6 +208,7 @@ class RepairNode(LifecycleNode):
             return TransitionCallbackReturn.FAILURE
         if self._route is not None:
             self._repairer.reset(self._route)
+        self._configuration.announce()
         return super().on_configure(state)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -213,6 +251,13 @@ class RepairNode(LifecycleNode):
 
     def _add(self, part: str, data: bytes) -> None:
         stamp, now = messages.stamp_of_bytes(data), time.monotonic()
+        if part == "ego":
+            self._newest_ego = stamp
+        elif part in ("command", "trajectory"):
+            is_stray = 0 <= self._newest_ego < stamp - _AHEAD_NS
+            self._stray_stamp = stamp if is_stray else -1
+            if is_stray:  # paired, it would be waited for as the newest tick
+                return
         if stamp == self._last_stamp and part == "objects" and self._last_repair is not None:
             self._publish(self._last_repair, stamp)  # a repeated tick gets the same answer again
             return
@@ -253,6 +298,8 @@ class RepairNode(LifecycleNode):
             repair = self._repairer.step(scene, decision)
         self._started = True
         self._silent_since = ""
+        if not self._has_plans:
+            repair = replace(repair, reason=f"{NO_TRAJECTORY}; {repair.reason}".removesuffix("; "))
         self._send(stamp, repair)
 
     def _scene(self, stamp: int, tick: dict[str, bytes]) -> Scene | None:
@@ -262,19 +309,27 @@ class RepairNode(LifecycleNode):
         ego = messages.ego_of(messages.EGO.decode(tick["ego"]), self._route.ego_length, self._route.ego_width)
         return Scene(stamp * 1e-9, ego, seen, signals)
 
-    @staticmethod
-    def _decision(tick: dict[str, bytes]) -> Decision | None:
-        if "command" not in tick or "trajectory" not in tick:
+    def _decision(self, tick: dict[str, bytes]) -> Decision | None:
+        if "command" not in tick or (self._has_plans and "trajectory" not in tick):
             return None
-        return Decision(
-            messages.command_of(messages.COMMAND.decode(tick["command"])),
-            messages.trajectory_of(messages.TRAJECTORY.decode(tick["trajectory"])),
-        )
+        plan = Trajectory.empty()
+        if "trajectory" in tick:
+            plan = messages.trajectory_of(messages.TRAJECTORY.decode(tick["trajectory"]))
+        return Decision(messages.command_of(messages.COMMAND.decode(tick["command"])), plan)
+
+    def _look_for_plans(self, now: float) -> None:
+        """A policy that publishes no trajectory is not waited for with one, where it may go without."""
+        if not self._plans_are_optional or now - self._looked_at < PERIOD_S:
+            return
+        self._looked_at = now
+        self._has_plans = bool(TRAJECTORY.publishers(self)) and not TRAJECTORY.faults(self)
+        self._pairing.expect(*(_PARTS if self._has_plans else _LEAST_PARTS))
 
     # -- ages ---------------------------------------------------------------------------------------------------------
 
     def _watch(self) -> None:
         """Look for inputs that are late, and answer without them."""
+        self._look_for_plans(time.monotonic())
         if not self._active or self._repairer is None or (self._lockstep and not self._started):
             return  # in lockstep the simulator repeats the first tick until the policy has joined
         now = time.monotonic()
@@ -289,7 +344,7 @@ class RepairNode(LifecycleNode):
         if now - since < patience:
             return
         self._pairing.give_up(stamp)
-        missing = [part for part in _PARTS if part not in tick]
+        missing = [part for part in (_PARTS if self._has_plans else _LEAST_PARTS) if part not in tick]
         objects_missing = "ego" in missing or "objects" in missing
         status = RepairStatus.STALE_OBJECTS if objects_missing else RepairStatus.STALE_COMMAND
         if not self._started:
@@ -341,7 +396,26 @@ class RepairNode(LifecycleNode):
             return Health(Level.ERROR, last.reason, values)
         if last is not None and last.status in (RepairStatus.INVALID_COMMAND, RepairStatus.INVALID_OBJECTS):
             return Health(Level.WARN, last.reason, values)
-        return Health(Level.OK, "repairing" if self._started else "waiting for the first complete tick", values)
+        crowd = COMMAND.publishers(self)
+        if len(set(crowd)) > 1:
+            return Health(Level.WARN, f"several nodes send the policy's commands: {', '.join(crowd)}", values)
+        return Health(Level.OK, "repairing" if self._started else self._lack(), values)
+
+    def _lack(self) -> str:
+        """What the first tick waits for."""
+        if self._stray_stamp >= 0:
+            stray, tick = self._stray_stamp * 1e-9, self._newest_ego * 1e-9
+            return (
+                f"the policy's messages are stamped {stray:.2f} s and belong to no tick, which is at {tick:.2f} s now; "
+                f"copy header.stamp of the tick's odometry"
+            )
+        waiting = self._pairing.waiting()
+        there = set() if waiting is None else waiting[1].keys()
+        lacking = [part for part in (_PARTS if self._has_plans else _LEAST_PARTS) if part not in there]
+        faults = [*COMMAND.faults(self), *TRAJECTORY.faults(self)]
+        return "; ".join(
+            [f"waiting for the first complete tick, for want of {', '.join(lacking) or 'a route'}", *faults]
+        )
 
     def close(self) -> None:
         """Write the tally if a file was named."""

@@ -11,6 +11,7 @@ from roadmend_msgs import srv
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.language.models import BACKEND_REGISTRY, EMBEDDED
 from roadmend.language.question import ATTEMPTS
+from roadmend.nodes.configuration import Configuration
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.parameters import declare, declare_name
 from roadmend.nodes.pattern_messages import pattern_message_of, patterns_of
@@ -46,6 +47,8 @@ class SeraNode(Node):
         self._count: int = declare(
             self, "count", 8, "scenarios a pattern where the request does not say", low=1, high=_MOST
         )
+        self._configuration = Configuration(self, "sera")
+        self._configuration.announce()
         self._exchanges = Path(exchanges) if exchanges else None
         self._backend = Backend.open(
             backend, Path(settings) if settings else None, Path(recording) if recording else None, attempts

@@ -1,6 +1,8 @@
 """sim_node: runs a scenario in SUMO, publishes what there is to see, drives the ego on the repaired command."""
 
+import hashlib
 import json
+import math
 import sys
 import time
 from collections.abc import Sequence
@@ -21,7 +23,9 @@ from roadmend.core.parameters import Parameters
 from roadmend.core.tick import INTERVAL, INTERVAL_NS, Tick
 from roadmend.core.whole_file import write_text
 from roadmend.nodes import qos
+from roadmend.nodes.configuration import Configuration, Running
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
+from roadmend.nodes.graph_view import GraphView
 from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.spinning import run_node
 from roadmend.recording import messages, topics
@@ -31,11 +35,14 @@ from roadmend.world.scenario_file import load_scenario
 from roadmend.world.simulation import Simulation
 
 WATCH_PERIOD_S = 0.01  # how often the lockstep watchdog looks [s]
+PATIENCE_S = 5.0  # [s] after which it is said what keeps the drive from beginning: nodes of ours may compile meanwhile
+IMPATIENCE_S = 1.5  # [s] the same where a node of somebody else's is waited for
 REPEAT_S = 0.25  # period in which the first tick is repeated until it is answered [s]
 BEGUN_SUFFIX = ".begun"  # of the empty file that lies beside the summary once the episode has begun
 LINGER_S = 0.3  # time for the last messages to leave [s]
 IMPATIENT_S = 0.05  # lockstep: time a command is waited for while the repair node is known to be silent [s]
 WATCHDOG_COMMAND = Command(0.0, 0.5)  # half brake: a controlled stop of 4 m/s2 on a dry road
+_ANSWER = "an answer to the first tick"
 MAX_AGE_TICKS = 3  # real time: oldest tick whose command is still obeyed
 
 # Who must listen to what before an episode begins, so that nothing of it is lost; of others it is enough that they are.
@@ -65,6 +72,11 @@ class SimParameters(Parameters):
     wait_for: tuple[str, ...] = Field(
         ("policy_node", "repair_node"), description="nodes that must have joined before the episode begins"
     )
+    driver: Literal["unwatched", "own", "external"] = Field(
+        "unwatched",
+        description="who sends the policy's commands: own: policy_node, and others are named; external: a node of "
+        "somebody else's, which is waited for and what is wrong with it named",
+    )
     summary: str = Field("", description="file for the summary of the episode; none if empty")
 
 
@@ -81,10 +93,15 @@ class SimNode(Node):
         self._timeout = settings.command_timeout
         self._wait_for = settings.wait_for
         self._summary_path = settings.summary
-        self._simulation = Simulation(load_scenario(Path(settings.scenario)))
+        self._scenario_file = Path(settings.scenario)
+        self._configuration = Configuration(self, "sim", self._running)
+        self._simulation = Simulation(load_scenario(self._scenario_file))
         self._builder = ResultBuilder(self._simulation.scenario.name)
+        self._view = GraphView(self, settings.driver, self._summary_path)
         self._tick: Tick | None = None
         self._tick_at = 0.0  # wall time [s] at which the current tick was published
+        self._lacking: list[str] = []  # what keeps the drive from beginning, a policy of somebody else's aside
+        self._lacking_since = 0.0  # wall time [s]
         self._begun_at = 0.0  # wall time [s] of the first answer
         self._watchdog = False
         self._watchdog_ticks = 0
@@ -104,7 +121,13 @@ class SimNode(Node):
         self._timer = self.create_timer(WATCH_PERIOD_S, self._watch, clock=steady)
         self._real_time = None if self._lockstep else self.create_timer(INTERVAL / self._rate, self._beat, clock=steady)
         self._diagnostics = DiagnosticsReporter(self, self._health)
+        self._configuration.announce()
         self.get_logger().info(f"{self._builder.scenario}: waiting for {', '.join(self._wait_for) or 'nobody'}")
+
+    def _running(self) -> Running:
+        digest = hashlib.sha256(self._scenario_file.read_bytes()).hexdigest()
+        told = {"scenario_file": str(self._scenario_file.resolve()), "scenario_sha256": digest}
+        return Running(self._simulation.scenario.name, told)
 
     # -- start --------------------------------------------------------------------------------------------------------
 
@@ -113,17 +136,20 @@ class SimNode(Node):
         missing: dict[str, str] = {}
         for topic, listeners in _LISTENERS.items():
             wanted = [name for name in listeners if name in self._wait_for]
-            there = {info.node_name for info in self.get_subscriptions_info_by_topic(topic)}
+            if topic == topics.POLICY_TRAJECTORY and self._view.does_without_trajectory:
+                wanted = [name for name in wanted if name != "recorder_node"]  # it subscribes to what is published
+            infos = self.get_subscriptions_info_by_topic(topic)
+            there = {self._view.original_name(info.node_name) for info in infos}
             for name in wanted:
                 if name not in there:
                     missing.setdefault(name, f"{name} ({topic})")
         known = {name for listeners in _LISTENERS.values() for name in listeners}
         if others := [name for name in self._wait_for if name not in known]:
-            there = self.get_node_names()
+            there = set(map(self._view.original_name, self.get_node_names()))
             missing |= {name: name for name in others if name not in there}
         if "repair_node" in self._wait_for and not self.count_publishers(topics.REPAIR_COMMAND):
             missing.setdefault("repair_node", f"repair_node ({topics.REPAIR_COMMAND})")
-        return list(missing.values())
+        return [*missing.values(), *self._view.missing]
 
     def _begin(self) -> None:
         if self._summary_path:
@@ -131,16 +157,30 @@ class SimNode(Node):
         self._tick = self._simulation.first()
         self._publish(self._tick)
 
+    def _missing_long(self, now: float) -> list[str]:
+        """What has kept the drive from beginning for so long that somebody should be told."""
+        if self._begun_at or self._ended_at:
+            return []
+        lacking = (
+            [name for name in self._missing() if name not in self._view.missing] if self._tick is None else [_ANSWER]
+        )
+        if lacking != self._lacking:
+            self._lacking, self._lacking_since = lacking, now
+        if now - self._lacking_since < (IMPATIENCE_S if self._view.is_external else PATIENCE_S):
+            return []
+        return lacking if self._tick is None else [f"{_ANSWER}: {self._view.repair_health}"]
+
     # -- time ---------------------------------------------------------------------------------------------------------
 
     def _watch(self) -> None:
         now = time.monotonic()
+        self._view.look(now, self._missing_long(now), is_driving=self._begun_at > 0.0)
         if self._ended_at:
             if now - self._ended_at > LINGER_S:
                 self.finished = True
             return
         if self._tick is None:
-            if not self._missing():
+            if not self._missing() and self._view.is_settled(now):
                 self._begin()
             return
         if not self._lockstep:
@@ -235,6 +275,7 @@ class SimNode(Node):
 
     def _end(self) -> None:
         self._ended_at = time.monotonic()
+        self._view.look(math.inf, [], is_driving=True)  # whoever came late is in the summary
         result = self._builder.result()
         self._write_summary(result)
         self.get_logger().info(f"{result.outcome.name} after {result.duration:.2f} s: {result.text}")
@@ -250,6 +291,7 @@ class SimNode(Node):
             "result": result.dump(),
             "watchdog_ticks": self._watchdog_ticks,
             "real_time_factor": self._real_time_factor(),
+            **self._view.content(),
         }
         write_text(Path(self._summary_path), json.dumps(content, indent=1))
 

@@ -59,7 +59,11 @@ def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> 
         Exit code for the process: the node's, or 2 for bad input.
     """
     with stop_on_signals() as stop:
-        rclpy.init(args=list(sys.argv if args is None else args), signal_handler_options=SignalHandlerOptions.NO)
+        try:
+            rclpy.init(args=list(sys.argv if args is None else args), signal_handler_options=SignalHandlerOptions.NO)
+        except RuntimeError as error:  # of rcl: arguments that it cannot read, with the place in its own sources
+            what = " ".join(str(error).partition(", at ")[0].split())
+            return _refuse(InputError("ROS arguments", what, "correct them"))
         try:
             return _run(factory, stop)
         except (ParameterException, InvalidParameterTypeException) as error:

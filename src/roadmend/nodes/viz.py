@@ -25,6 +25,7 @@ from roadmend.core.parameters import Parameters
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, ObjectList, Scene
 from roadmend.nodes import qos
+from roadmend.nodes.configuration import Configuration
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.marker_ticks import Cadence, TickMemory
 from roadmend.nodes.parameters import declare_parameters
@@ -75,6 +76,7 @@ class VizNode(Node):
     def __init__(self) -> None:
         super().__init__("viz_node")
         self._settings = declare_parameters(self, VizParameters, is_fixed=False)
+        self._configuration = Configuration(self, "viz")
         self.add_on_set_parameters_callback(_refuse_non_finite)
         self.add_post_set_parameters_callback(self._on_parameters)
         self._memory = TickMemory(tuple(_TICK_TOPICS))
@@ -95,6 +97,7 @@ class VizNode(Node):
         self.create_subscription(msg.ScenarioEvent, topics.EVENTS, self._on_event, qos.EVENT, raw=True)
         nearest_distance(EgoState.from_yaw(0.0, 0.0, 0.0, 0.0, 0.0, *messages.EGO_SIZE), ObjectList.empty())  # compile
         self._diagnostics = DiagnosticsReporter(self, self._health)
+        self._configuration.announce()
 
     def _create_outputs(self) -> None:
         self._outputs = {topic: self.create_publisher(kind, topic, qos.STREAM) for topic, kind in _DRAWINGS.items()}

@@ -20,13 +20,14 @@ PLAN = "plan"
 DISTANCE = "ego/distance"
 TF = "/tf"
 DIAGNOSTICS = "/diagnostics"
+CONFIGURATION = "configuration"
 PARAMETER_EVENTS = "/parameter_events"
 
 COMMAND_DEADLINE_NS = 500_000_000  # longest silence on the command path before DDS reports a missed deadline
 
 STREAM = Qos(depth=50)  # one message a tick: ego, objects, trajectory, repair state, clock
 COMMAND = Qos(depth=1, deadline_ns=COMMAND_DEADLINE_NS)
-LATCHED = Qos(depth=1, durability="transient_local")  # route, map
+LATCHED = Qos(depth=1, durability="transient_local")  # route, map, each node's configuration
 EVENT = Qos(depth=100, durability="transient_local")  # scenario events, complete for late joiners
 DIAGNOSTIC = Qos(depth=10)
 
@@ -38,6 +39,7 @@ OFFERS = {  # that differ from STREAM
     POLICY_COMMAND: COMMAND,
     REPAIR_COMMAND: COMMAND,
     DIAGNOSTICS: DIAGNOSTIC,
+    CONFIGURATION: LATCHED,
 }
 
 TYPES = {  # of what a recorded episode is read from

@@ -4,25 +4,13 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from pydantic import BaseModel
 
 from roadmend.core.settings import check_settings
 from roadmend.core.whole_file import write_text
 from roadmend.core.yaml_file import read_fields
+from roadmend.measures.fitting import TunedMethods
 from roadmend.training.tuning_grid import rivals_of
 from roadmend.world.corpus import Case
-
-
-class TunedMethod(BaseModel):
-    """A method's best parameters; what they came to stands beside them in the file."""
-
-    parameters: dict[str, Any]
-
-
-class TunedMethods(BaseModel):
-    """What 'roadmend train rivals' has found: config/repair/tuned/*.yaml. The file also says how."""
-
-    methods: dict[str, TunedMethod]
 
 
 def first_cases(cases: list[Case], number: int | None) -> list[Case]:
