@@ -117,7 +117,7 @@ def run(given: RunOptions) -> None:
     """
     if (given.scenario is None) == (given.sumocfg is None):
         raise click.UsageError("give either --scenario or --sumocfg")
-    extra = _ros_arguments(given.ros_arguments)
+    extra = ros_arguments(given.ros_arguments)
     with tempfile.TemporaryDirectory(prefix="roadmend-") as folder:
         if given.scenario is not None:
             chosen = load_scenario(given.scenario)
@@ -159,8 +159,12 @@ def run(given: RunOptions) -> None:
             raise RoadmendError(trouble)
 
 
-def _ros_arguments(given: tuple[str, ...]) -> tuple[str, ...]:
-    """What stands behind --ros-args."""
+def ros_arguments(given: tuple[str, ...]) -> tuple[str, ...]:
+    """What stands behind --ros-args.
+
+    Raises:
+        UsageError: there is something else.
+    """
     if given and given[0] != "--ros-args":
         raise click.UsageError(f"unexpected argument {given[0]!r}")
     return given[1:]
@@ -321,7 +325,7 @@ def replay(given: ReplayOptions) -> int:
 
     Remap topics with --ros-args -r OLD:=NEW, put all but the clock into a namespace with -r __ns:=/NAME.
     """
-    extra = _ros_arguments(given.ros_arguments)
+    extra = ros_arguments(given.ros_arguments)
     from roadmend.nodes.replay import main  # noqa: PLC0415 - rclpy is for this command alone
 
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")

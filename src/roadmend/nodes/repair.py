@@ -27,16 +27,19 @@ from roadmend.core.scene import Scene
 from roadmend.core.whole_file import write_text
 from roadmend.nodes import qos
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
+from roadmend.nodes.foreign_inputs import ForeignInputs, ForeignParameters
 from roadmend.nodes.pairing import TickPairing
 from roadmend.nodes.parameters import declare_field, declare_parameters, find_named
 from roadmend.nodes.repair_tally import RepairTally
 from roadmend.nodes.spinning import run_node
 from roadmend.recording import messages, topics
 from roadmend.recording.codec import encode
+from roadmend.recording.foreign_repair import Answer
 from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.registry import METHOD_REGISTRY, METHODS, make_repairer
 
 WATCH_PERIOD_S = 0.01  # how often ages are looked at [s]
+NEWEST_TIMEOUT_S = 0.3  # [s] patience with inputs of another stack: three messages at 10 Hz
 IMPATIENT_S = 0.02  # lockstep: patience while the policy is known to be silent [s]
 REPEAT_S = 0.05  # real time: period of the stop command while nothing arrives [s]
 _PARTS = ("ego", "objects", "command", "trajectory")
@@ -47,13 +50,19 @@ class RepairNodeParameters(Parameters):
     """Parameters of the node, read once at start; those of the methods can be changed while it runs."""
 
     method: str = Field("rss", description=f"repair method to run: one of {METHOD_REGISTRY.ways}")
+    inputs: Literal["paired", "newest"] = Field(
+        "paired",
+        description="paired: the messages of a tick share one stamp, as the simulator's do; newest: they come from "
+        "another stack, at rates and with stamps of their own, and the newest of each counts",
+    )
     clock: Literal["lockstep", "realtime"] = Field("lockstep", description="how the simulator keeps time")
     seed: int = Field(0, ge=0, le=2**31 - 1, description="seed of methods that draw numbers")
     input_timeout: float = Field(
         0.0,
         ge=0.0,
         le=60.0,
-        description="[s] of wall time after which an input counts as late; 0: 2.0 in lockstep, 0.04 in real time",
+        description="[s] of wall time after which an input counts as late; 0: 2.0 in lockstep, 0.04 in real time, 0.3 where "
+        "the newest inputs count",
     )
     time_budget: float = Field(
         0.0,
@@ -89,8 +98,20 @@ class RepairNode(LifecycleNode):
         self._last_arrival = 0.0  # wall time [s] of the last message of a tick to come
         self._last_repair: Repair | None = None
         self._answered_stamp = -1  # [ns] of the last answer, whatever tick it was about
-        self._command_publisher = self.create_lifecycle_publisher(msg.Command, topics.REPAIR_COMMAND, qos.COMMAND)
+        foreign = declare_parameters(self, ForeignParameters)
+        self._foreign = ForeignInputs(self, foreign, self._timeout, self._send_foreign) if self._is_newest else None
+        kind = msg.Command if self._foreign is None else self._foreign.command_kind
+        self._command_publisher = self.create_lifecycle_publisher(kind, topics.REPAIR_COMMAND, qos.COMMAND)
         self._state_publisher = self.create_lifecycle_publisher(msg.RepairState, topics.REPAIR_STATE, qos.STREAM)
+        if self._foreign is None:
+            self._listen()
+        self._diagnostics = DiagnosticsReporter(self, self._health)
+        self.add_on_set_parameters_callback(self._on_parameters)
+        if self._autostart:
+            self._start_by_itself()
+
+    def _listen(self) -> None:
+        """Take in the messages of ticks that share a stamp."""
         self.create_subscription(msg.Route, topics.ROUTE, self._on_route, qos.LATCHED, raw=True)
         for part, kind, topic, profile in (
             ("ego", Odometry, topics.EGO, qos.STREAM),
@@ -101,10 +122,6 @@ class RepairNode(LifecycleNode):
             self.create_subscription(kind, topic, partial(self._add, part), profile, raw=True)
         # Steady time: ages are looked at while simulation time stands still.
         self.create_timer(WATCH_PERIOD_S, self._watch, clock=Clock(clock_type=ClockType.STEADY_TIME))
-        self._diagnostics = DiagnosticsReporter(self, self._health)
-        self.add_on_set_parameters_callback(self._on_parameters)
-        if self._autostart:
-            self._start_by_itself()
 
     # -- configuration ------------------------------------------------------------------------------------------------
 
@@ -113,8 +130,10 @@ class RepairNode(LifecycleNode):
         found = find_named("method", settings.method, METHOD_REGISTRY)
         self._fields, self._prefix = found.entry.parameters.model_fields, f"{found.label}."
         self._method, self._seed = settings.method, settings.seed
-        self._lockstep = settings.clock == "lockstep"
-        self._timeout = settings.input_timeout or (2.0 if self._lockstep else 0.04)
+        self._is_newest = settings.inputs == "newest"
+        self._lockstep = settings.clock == "lockstep" and not self._is_newest
+        patience = NEWEST_TIMEOUT_S if self._is_newest else 0.04
+        self._timeout = settings.input_timeout or (2.0 if self._lockstep else patience)
         self._budget = settings.time_budget or (None if self._lockstep else 0.03)
         self._autostart, self._summary = settings.autostart, settings.summary
         for name, entry in {**METHODS, found.label: found.entry}.items():
@@ -149,10 +168,15 @@ class RepairNode(LifecycleNode):
             repairer = self._make_repairer(changed)
         except InputError as error:
             return SetParametersResult(successful=False, reason=str(error))
+        self._use(repairer)
+        return SetParametersResult(successful=True)
+
+    def _use(self, repairer: GuardedRepairer) -> None:
         if self._route is not None:
             repairer.reset(self._route)
         self._repairer = repairer
-        return SetParametersResult(successful=True)
+        if self._foreign is not None:
+            self._foreign.use(repairer)
 
     def _start_by_itself(self) -> None:
         for transition in (self.trigger_configure, self.trigger_activate):
@@ -164,13 +188,11 @@ class RepairNode(LifecycleNode):
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Make the method; without one the node stays unconfigured and sends nothing, so the simulator brakes."""
         try:
-            self._repairer = self._make_repairer()
+            self._use(self._make_repairer())
         except InputError as error:
             self.get_logger().error(f"refuses to configure: {error}")
             self.fault = error
             return TransitionCallbackReturn.FAILURE
-        if self._route is not None:
-            self._repairer.reset(self._route)
         return super().on_configure(state)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -313,25 +335,38 @@ class RepairNode(LifecycleNode):
 
     # -- output -------------------------------------------------------------------------------------------------------
 
-    def _send(self, stamp: int, repair: Repair) -> None:
+    def _send_foreign(self, answer: Answer) -> None:
+        if self._active:
+            self._started = True
+            self._send(answer.stamp, answer.repair, answer.message)
+
+    def _send(self, stamp: int, repair: Repair, command: Any = None) -> None:
+        """Answer a tick; ``command`` is the message where it is of another form than the repair's own command."""
         self._last_stamp = stamp
         self._last_repair = repair
-        self._publish(repair, stamp)
+        self._publish(repair, stamp, command)
         self._tally.add(stamp * 1e-9, repair)
         if repair.status in _COMPLAINTS:
             self.get_logger().warning(f"{repair.status.name}: {repair.reason}", throttle_duration_sec=1.0)
 
-    def _publish(self, repair: Repair, stamp: int) -> None:
+    def _publish(self, repair: Repair, stamp: int, command: Any = None) -> None:
         self._last_answer = time.monotonic()
         self._answered_stamp = stamp
         header = messages.header_at(stamp)
-        self._command_publisher.publish(encode(messages.command_message_of(repair.command, header)))
+        message = messages.command_message_of(repair.command, header) if command is None else command
+        self._command_publisher.publish(encode(message))
         self._state_publisher.publish(encode(messages.repair_message_of(repair, self._method, header)))
 
     def _health(self) -> Health:
         values = {"method": self._method, "active": self._active, **self._tally.values()}
         if not self._active:
             return Health(Level.WARN, "inactive: sends no commands, the simulator brakes", values)
+        if self._foreign is not None:
+            values["trajectory"] = self._foreign.assumption or "planned"
+            missing = self._foreign.missing()
+            values |= {f"missing {part}": why for part, why in missing.items()}
+            if missing:
+                return Health(Level.ERROR, f"missing {', '.join(missing)}: no unrepaired command passes", values)
         if self._route_fault:
             return Health(Level.ERROR, self._route_fault, values)
         if self._silent_since:
