@@ -9,11 +9,13 @@ for, each at its own rate. The car moves by what it is told on /drive/repaired. 
 and then ``.venv/bin/python src/examples/own_graph.py``. With ``--bare`` the car obeys its own controller instead.
 """
 
+import contextlib
 import sys
 
 import rclpy
 from geometry_msgs.msg import AccelStamped
 from nav_msgs.msg import Odometry
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 from vision_msgs.msg import Detection3D, Detection3DArray
@@ -92,9 +94,10 @@ def main() -> int:
     """Drive until the end; 1 after a collision."""
     rclpy.init()
     stack = Stack(bare="--bare" in sys.argv)
-    while rclpy.ok() and not stack.result:
-        rclpy.spin_once(stack, timeout_sec=0.5)
-    print(stack.result, flush=True)
+    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
+        while not stack.result:
+            rclpy.spin_once(stack, timeout_sec=0.5)
+    print(stack.result or "interrupted", flush=True)
     rclpy.try_shutdown()
     return int(stack.result.startswith("collided") or not stack.result)
 

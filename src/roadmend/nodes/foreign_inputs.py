@@ -179,6 +179,7 @@ class ForeignInputs:
                 continue
             if one.subscription is not None:
                 self._node.destroy_subscription(one.subscription)
+            one.late_since = 0.0  # what comes now is waited for anew before anything is said of it
             one.request = request
             one.subscription = self._node.create_subscription(one.kind, one.topic, one.take, request, raw=True)
         self._tell()
@@ -207,11 +208,7 @@ class ForeignInputs:
         wanted = f"{topic} ({one.type_name}, any QoS)"
         infos = self._node.get_publishers_info_by_topic(one.topic)
         if not infos:
-            others = [
-                name
-                for name, types in self._node.get_topic_names_and_types()
-                if one.type_name in types and name != topic
-            ]
+            others = self._elsewhere(one.type_name, topic)
             seen = f", but {one.type_name} on {', '.join(others)}" if others else ""
             domain = os.environ.get("ROS_DOMAIN_ID") or "0"
             target = others[0] if len(others) == 1 else "/YOUR/TOPIC"
@@ -219,14 +216,34 @@ class ForeignInputs:
                 f"{wanted}: nobody publishes it in ROS_DOMAIN_ID {domain}{seen}; "
                 f"publish it, or remap: --ros-args -r {one.topic}:={target}"
             )
-        publishers = ", ".join(sorted({f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in infos}))
+        publishers = ", ".join(sorted({_name_of(info) for info in infos}))
         types = sorted({info.topic_type for info in infos})
         if one.type_name not in types:
-            known = {foreign_repair.OBJECTS: OBJECT_READERS, foreign_repair.COMMAND: COMMAND_FORMS}.get(part, {})
+            known = {foreign_repair.OBJECTS: [*OBJECT_READERS], foreign_repair.COMMAND: [*COMMAND_FORMS]}.get(part, [])
             fit = next((each for each in types if each in known), "")
             mend = f"-p {part}_type:={fit}" if fit else "publish that type, or remap another topic"
             return f"{wanted}: {publishers} publishes {', '.join(types)} there; {mend}"
         return f"{wanted}: {why or f'{publishers} publishes it, but nothing arrives in time'}"
+
+    def _elsewhere(self, type_name: str, topic: str) -> list[str]:
+        """Topics with messages of a type that others publish."""
+        me = self._node.get_name(), self._node.get_namespace()
+        return [
+            name
+            for name, types in self._node.get_topic_names_and_types()
+            if type_name in types
+            and name != topic
+            and any(
+                (info.node_name, info.node_namespace) != me for info in self._node.get_publishers_info_by_topic(name)
+            )
+        ]
+
+
+def _name_of(publisher: Any) -> str:
+    """The node that publishes; DDS tells of a publisher a moment before it tells whose it is."""
+    if "UNKNOWN" in publisher.node_name:
+        return "somebody"
+    return f"{publisher.node_namespace.rstrip('/')}/{publisher.node_name}"
 
 
 def _find(name: str, value: str, known: dict[str, Any]) -> Any:

@@ -173,7 +173,7 @@ class Detections:
         names = ("id", "kind", "x", "y", "yaw", "speed", "length", "width")
         columns = dict(zip(names, zip(*rows, strict=True), strict=True)) if rows else dict.fromkeys(names, ())
         none: Signals = np.empty(0, dtype=np.uint8)
-        return ObjectList.of(**columns, acceleration=0.0, yaw_rate=0.0), none  # type: ignore[arg-type]
+        return ObjectList.of(**columns, acceleration=0.0, yaw_rate=0.0), none
 
     def _see(self, one: Any, index: int, stamp: int, pose: EgoPose, frame: str) -> tuple[float, ...] | None:
         centre, size = one.bbox.center, one.bbox.size

@@ -74,8 +74,8 @@ class AssumedMotion:
                 yaw = wrap_angle(yaw + ego.yaw_rate * INTERVAL)
                 poses.append((x, y, yaw))
         table = np.array(poses, dtype=np.float64)
-        columns = (np.ascontiguousarray(table[:, index]) for index in range(3))
-        return Trajectory(INTERVAL, *columns, np.full(POINTS, speed), "assumed")
+        x_s, y_s, yaws = (np.ascontiguousarray(table[:, index]) for index in range(3))
+        return Trajectory(INTERVAL, x_s, y_s, yaws, np.full(POINTS, speed), "assumed")
 
     def _is_on_route(self, ego: EgoState) -> bool:
         if self._route is None or self._tracker is None:
