@@ -92,7 +92,11 @@ def shadow_bag(bag: Path, choice: RepairChoice, out: Path) -> ShadowSummary:
         RecordingError: the new bag cannot be written.
     """
     reader = BagReader(bag)
-    ticks = BagTicks(reader)
+    try:
+        ticks = BagTicks(reader)
+    except InputError as error:
+        mend = f"{error.mend}, or name the topics of another stack's bag with --ego, --objects and --command"
+        raise InputError(error.where, error.what, mend) from None
     namespace = f"{ticks.namespace}/shadow"
     if any(name.startswith(f"{namespace}/") for name in reader.topics):
         raise InputError(str(bag), "has a shadow already", "take the bag that it was made of")
