@@ -2,6 +2,9 @@
 
 Every node of a run, under a namespace and with remappings if they are given. The run ends when the simulator does.
 ``roadmend run`` does the same without launch, and beyond it restarts a node that dies and ends one that hangs.
+
+``sim:=false`` starts repair and recorder beside nodes of your own, as ``roadmend repair`` does: their odometry, objects
+and commands come under any name (``remap``), at any rate.
 """
 
 from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction, RegisterEventHandler
@@ -17,7 +20,10 @@ NO = ("false", "0", "no")
 # name -> default and meaning; those of `roadmend run` have its names
 ARGUMENTS = {
     "scenario": ("", "scenario file to drive"),
-    "policy": ("modular", "driving policy; external: none is started here, one of your own publishes its commands"),
+    "policy": (
+        "",
+        "driving policy, modular if empty; external, as with sim:=false if empty: one of your own publishes its commands",
+    ),
     "repair": ("rss", "repair method"),
     "clock": ("lockstep", "lockstep or realtime"),
     "rate": ("1.0", "real time: simulated seconds per wall second"),
@@ -25,9 +31,15 @@ ARGUMENTS = {
     "out": ("bags", "folder for the bag"),
     "name": ("recording", "name of the bag"),
     "record": ("true", "whether a bag is recorded"),
-    "viz": ("true", "whether markers and frames are published"),
+    "viz": ("", "whether markers and frames are published; true if empty, and false with sim:=false"),
     "foxglove": ("", "port of the live server for Foxglove; none if empty"),
-    "sim": ("true", "whether the simulator of roadmend drives; false: ego, objects and clock come from your own nodes"),
+    "sim": (
+        "true",
+        "whether the simulator of roadmend drives; false: ego, objects and commands come from your own nodes",
+    ),
+    "objects_type": ("roadmend_msgs/msg/ObjectList", "with sim:=false, the type of your objects"),
+    "command_type": ("roadmend_msgs/msg/Command", "with sim:=false, the type of your commands"),
+    "sim_time": ("false", "with sim:=false, whether your time comes from /clock"),
     "namespace": ("", "of all nodes"),
     "remap": ("", "topics under other names, as FROM:=TO, with blanks between"),
     "params_file": ("", "YAML file with parameters of the nodes, after those of the launch file"),
@@ -41,18 +53,24 @@ def nodes(context: LaunchContext) -> list:
     simulated = given["sim"].lower() not in NO
     if simulated and not given["scenario"]:
         raise RuntimeError("scenario: missing; give one, as scenario:=s.yaml, or sim:=false for a graph of your own")
+    policy = given["policy"] or ("modular" if simulated else "external")
+    viz = given["viz"] or ("true" if simulated else "false")
+    recorder, repair = {}, {"clock": given["clock"]}
+    if not simulated:
+        recorder = {"time_source": "simulation" if given["sim_time"].lower() not in NO else "system"}
+        repair = {"inputs": "newest", "objects_type": given["objects_type"], "command_type": given["command_type"]}
     parameters = {
-        "recorder": {"output": given["out"], "name": given["name"]},
+        "recorder": {"output": given["out"], "name": given["name"], **recorder},
         "viz": {},
         "foxglove": {"port": int(given["foxglove"] or 0)},
-        "policy": {"policy": given["policy"]},
-        "repair": {"method": given["repair"], "clock": given["clock"], "seed": int(given["seed"])},
+        "policy": {"policy": policy},
+        "repair": {"method": given["repair"], "seed": int(given["seed"]), **repair},
     }
     wanted = {
         "recorder": given["record"].lower() not in NO,
-        "viz": given["viz"].lower() not in NO,
+        "viz": viz.lower() not in NO,
         "foxglove": bool(given["foxglove"]),
-        "policy": given["policy"] != "external",
+        "policy": policy != "external",
         "repair": True,
     }
     started = [node(name, parameters[name], given) for name in parameters if wanted[name]]

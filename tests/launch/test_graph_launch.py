@@ -135,6 +135,18 @@ def test_what_is_not_wanted_is_not_started(start):
     assert set(nodes_of(start(sim="false", record="false", viz="false", policy="external"))) == {"repair_node"}
 
 
+def test_without_the_simulator_repair_and_recorder_stand_alone_and_take_what_comes(start):
+    nodes = nodes_of(start(sim="false"))
+    assert set(nodes) == {"repair_node", "recorder_node"}
+    assert nodes["repair_node"].parameters[0]["inputs"] == "newest"
+    assert nodes["recorder_node"].parameters[0]["time_source"] == "system"
+    types = {"objects_type": "vision_msgs/msg/Detection3DArray", "command_type": "geometry_msgs/msg/AccelStamped"}
+    told = nodes_of(start(sim="false", sim_time="true", **types))
+    assert types.items() <= told["repair_node"].parameters[0].items()
+    assert told["recorder_node"].parameters[0]["time_source"] == "simulation"
+    assert set(nodes_of(start(sim="false", policy="modular", viz="true"))) == {*nodes, "policy_node", "viz_node"}
+
+
 def test_the_drive_ends_the_run(start):
     (handler,) = [each.event_handler for each in start(scenario="s.yaml") if isinstance(each, RegisterEventHandler)]
     assert handler.target_action.executable == "sim_node"
@@ -165,7 +177,8 @@ def test_there_is_an_argument_for_what_the_command_line_has(description):
 
 def test_every_parameter_is_one_that_its_node_has(start):
     sections = yaml.safe_load((REPOSITORY / "config" / "graph.yaml").read_text(encoding="utf-8"))
-    for node in nodes_of(start(scenario="s.yaml", foxglove="8765")).values():
+    both = start(scenario="s.yaml", foxglove="8765"), start(sim="false")
+    for node in [node for entities in both for node in nodes_of(entities).values()]:
         known = set(sections[f"/**/{node.executable}"]["ros__parameters"]) | {"scenario"}
         assert set(node.parameters[0]) <= known
 

@@ -36,8 +36,8 @@ def free_port():
 class Client:
     """A client process; what it has heard can be waited for."""
 
-    def __init__(self, port, origin=None):
-        command = ["node", "foxglove_client.mjs", f"ws://127.0.0.1:{port}", *([origin] if origin else [])]
+    def __init__(self, port, origin="", protocol=""):
+        command = ["node", "foxglove_client.mjs", f"ws://127.0.0.1:{port}", origin, protocol]
         self.process = subprocess.Popen(
             command, cwd=NPM, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1
         )
@@ -78,8 +78,8 @@ def connect():
         pytest.skip("node or tests/npm/node_modules is not there")
     clients = []
 
-    def make(port, origin=None):
-        clients.append(Client(port, origin))
+    def make(port, origin="", protocol=""):
+        clients.append(Client(port, origin, protocol))
         return clients[-1]
 
     yield make
@@ -241,6 +241,29 @@ def test_topics_appear_as_they_are_published_and_time_that_runs_backwards_begins
         assert client.wait("parameters")["parameters"] == []  # there is no node of those it asks
         client.ask(set={"/car/repair_node.rss.rho": 1.0})
         assert "is not there" in client.wait("status")["message"]
+    finally:
+        rclpy.try_shutdown()
+
+
+# The older name is what Lichtblick and the client library of the protocol's own authors offer.
+@pytest.mark.parametrize("protocol", ["foxglove.websocket.v1", "foxglove.sdk.v1"])
+def test_viewers_are_served_by_either_name_of_the_protocol(server, connect, protocol):
+    client = connect(server, protocol=protocol)
+    assert client.wait("serverInfo")["name"] == "roadmend"
+    rclpy.init()
+    try:
+        node = rclpy.create_node("talker")
+        publisher = node.create_publisher(Float64, "/gap", 10)
+        client.wait("channel", lambda heard: heard["topic"] == "/gap")
+        client.ask(subscribe="/gap")
+        heard = []
+        while not heard:
+            publisher.publish(Float64(data=0.25))
+            with contextlib.suppress(queue.Empty):
+                heard += [one for one in (client.heard.get(timeout=0.2),) if one["event"] == "message"]
+        assert heard[0]["value"] == {"data": 0.25}
+        client.ask(get=[])
+        assert client.wait("parameters")["parameters"] == []
     finally:
         rclpy.try_shutdown()
 

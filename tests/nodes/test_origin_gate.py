@@ -8,7 +8,14 @@ import threading
 import pytest
 
 from roadmend.core.errors import InputError
-from roadmend.nodes.origin_gate import HEAD_LIMIT, OriginGate, hidden_address, may_enter
+from roadmend.nodes.origin_gate import (
+    HEAD_LIMIT,
+    OriginGate,
+    hidden_address,
+    may_enter,
+    offers_older_alone,
+    renamed,
+)
 
 ALLOWED = ["https://app.foxglove.dev"]
 
@@ -144,3 +151,52 @@ def test_a_port_in_use_and_a_foreign_address_are_one_line(gate):
         OriginGate("127.0.0.1", gate.port, ("127.0.0.1", 1), ALLOWED)
     with pytest.raises(InputError, match=r"^192.0.2.1:0: cannot be listened on \("):
         OriginGate("192.0.2.1", 0, ("127.0.0.1", 1), ALLOWED)
+
+
+OLDER, NEWER = "foxglove.websocket.v1", "foxglove.sdk.v1"
+
+
+@pytest.mark.parametrize(
+    ("headers", "is_older"),
+    [
+        ([f"Sec-WebSocket-Protocol: {OLDER}"], True),
+        ([f"sec-websocket-protocol:x, {OLDER} , y"], True),
+        ([f"Sec-WebSocket-Protocol: {OLDER}, {NEWER}"], False),
+        ([f"Sec-WebSocket-Protocol: {OLDER}", f"Sec-WebSocket-Protocol: {NEWER}"], False),
+        ([f"Sec-WebSocket-Protocol: {NEWER}"], False),
+        ([f"X-Other: {OLDER}"], False),
+        ([], False),
+    ],
+)
+def test_who_knows_the_older_name_alone(headers, is_older):
+    assert offers_older_alone(handshake(*headers)) is is_older
+
+
+def test_only_the_protocol_is_renamed():
+    head = handshake(f"X-Other: {OLDER}", f"Sec-WebSocket-Protocol: x, {OLDER}", "Host: b")
+    wanted = handshake(f"X-Other: {OLDER}", f"Sec-WebSocket-Protocol: x, {NEWER}", "Host: b")
+    assert renamed(head, OLDER.encode(), NEWER.encode()) == wanted
+
+
+def test_a_viewer_with_the_older_name_is_answered_by_it_and_the_rest_passes_unchanged():
+    heard = []
+
+    def serve(listening):
+        connection, _ = listening.accept()
+        with connection:
+            heard.append(connection.recv(4096))
+            answer = f"HTTP/1.1 101 Switching Protocols\r\nSec-WebSocket-Protocol: {NEWER}\r\n\r\n{NEWER}"
+            connection.sendall(answer.encode())
+
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        thread = threading.Thread(target=serve, args=[listening], daemon=True)
+        thread.start()
+        gate = OriginGate("127.0.0.1", 0, listening.getsockname(), ALLOWED)
+        with connect(gate) as connection:
+            connection.sendall(handshake(f"Sec-WebSocket-Protocol: {OLDER}"))
+            answer = everything(connection)
+        thread.join()
+        gate.close()
+    assert heard == [handshake(f"Sec-WebSocket-Protocol: {NEWER}")]
+    told = f"HTTP/1.1 101 Switching Protocols\r\nSec-WebSocket-Protocol: {OLDER}\r\n\r\n{NEWER}"
+    assert answer == told.encode()

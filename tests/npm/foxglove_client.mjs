@@ -1,6 +1,6 @@
 // A client of a live Foxglove server, made of Foxglove's own libraries. Takes commands on standard input and prints
 // what the server says, one JSON object a line each.
-// Usage: node foxglove_client.mjs URL [ORIGIN]
+// Usage: node foxglove_client.mjs URL [ORIGIN] [PROTOCOL]
 // Commands: {"subscribe": TOPIC}, {"unsubscribe": TOPIC}, {"get": [NAME, ...]}, {"set": {NAME: VALUE, ...}},
 // {"watch": [NAME, ...]}
 
@@ -11,8 +11,8 @@ import { MessageReader } from "@foxglove/rosmsg2-serialization";
 import protocol from "@foxglove/ws-protocol";
 import WebSocket from "ws";
 
-const [url, origin] = process.argv.slice(2);
-const socket = new WebSocket(url, ["foxglove.sdk.v1"], { origin });
+const [url, origin, name] = process.argv.slice(2);
+const socket = new WebSocket(url, [name || "foxglove.sdk.v1"], { origin: origin || undefined });
 const client = new protocol.FoxgloveClient({ ws: socket });
 const channels = new Map(); // by topic
 const subscribed = new Map(); // by subscription

@@ -183,10 +183,10 @@ class TestWhichRos:
         monkeypatch.setattr(launcher, "provided", lambda _, package: package == "tf2_msgs")
         context.jazzy = True
         launcher.build_messages(context)
-        assert built == ["msg"]
+        assert built == ["vision_msgs", "msg"]
         monkeypatch.setattr(launcher, "provided", lambda *_: True)
         launcher.build_messages(context)
-        assert built == ["msg"]
+        assert built == ["vision_msgs", "msg"]
 
 
 class TestEnvironment:

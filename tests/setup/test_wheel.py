@@ -64,7 +64,9 @@ def installed(wheel, tmp_path_factory):
     lent = [(site, path) for path in Path(sysconfig.get_path("purelib")).iterdir()]
     lent += [(folder / "lib", path) for path in Path(sys.prefix, "lib").glob("*.so*")]  # those of ROS
     for place, path in lent:
-        if not path.name.removeprefix("lib").startswith(("roadmend", "tf2_msgs")):  # the wheel brings them
+        if not path.name.removeprefix("lib").startswith(
+            ("roadmend", "tf2_msgs", "vision_msgs")
+        ):  # the wheel brings them
             (place / path.name).symlink_to(path)
     python = str(folder / "bin" / "python")
     pip = [sys.executable, "-m", "pip", "--python", python, "install", "--no-deps", "--no-index", str(wheel)]
@@ -104,7 +106,7 @@ class TestContent:
         assert {name for name in names if ours.fullmatch(name)} == wanted
 
     def test_the_messages_are_built(self, content):
-        for package in ("roadmend_msgs", "tf2_msgs"):
+        for package in ("roadmend_msgs", "tf2_msgs", "vision_msgs"):
             assert SHARE + f"ament_index/resource_index/rosidl_interfaces/{package}" in content
             assert any(name.endswith(f"site-packages/{package}/__init__.py") for name in content)
             assert any(name.endswith(f"/lib/lib{package}__rosidl_typesupport_fastrtps_c.so") for name in content)

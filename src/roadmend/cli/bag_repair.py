@@ -1,7 +1,7 @@
-"""``roadmend bag shadow`` and ``roadmend bag resimulate``: another repair method on a recorded run."""
+"""``roadmend bag resimulate``: another repair method on a recorded run, and how one is named."""
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,17 +16,14 @@ from roadmend.cli.options import JSON, PATH, options_of
 from roadmend.cli.output import OUTCOME_STYLES, Waiting, wide_console
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import InputError
-from roadmend.core.repair import Repair
 from roadmend.policies.registry import make_policy
 from roadmend.recording import topics
 from roadmend.recording.episode_recorder import EpisodeRecorder, account_of
-from roadmend.recording.episode_writer import EpisodeWriter
-from roadmend.recording.new_bag import BagCopy, new_bag
+from roadmend.recording.new_bag import new_bag
 from roadmend.recording.reader import BagReader
 from roadmend.recording.recorded_run import RECORD, read_plan, recorded_result
 from roadmend.recording.resimulation import Switchover
-from roadmend.recording.shadow import ShadowSummary, run_shadow
-from roadmend.recording.ticks import BagTick, BagTicks
+from roadmend.recording.ticks import BagTicks
 from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.registry import make_repairer
 from roadmend.world.road_network import LaneMap
@@ -97,80 +94,6 @@ def read_choice(given: RepairOptions) -> RepairChoice:
 
 
 _FIGURES = ("method", "outcome", "text", "duration", "min_distance", "interventions")  # that are shown of a run
-SHADOW_RECORD = "roadmend_shadow"  # metadata record
-
-
-@click.command(
-    cls=Command, examples=["roadmend bag shadow bags/my-run --repair rss --set rho=0.4 --out bags/my-run-rss"]
-)
-@click.argument("bag", type=PATH)
-@options_of(RepairOptions)
-@click.option("--out", required=True, type=PATH, help="Folder of the new bag.")
-@JSON
-def shadow(bag: Path, given: RepairOptions, out: Path, *, as_json: bool) -> None:
-    """Ask another repair method what it would have done at every tick of a recorded run.
-
-    The new bag holds the recorded topics as they are, and the other method's answers as /shadow/repair/state and
-    /shadow/repair/command.
-    """
-    choice = read_choice(given)
-    summary = shadow_bag(bag, choice, out)
-    if as_json:
-        click.echo(json.dumps({**choice.provenance(), **asdict(summary), "bag": str(out)}, indent=2))
-    else:
-        _show_shadow(summary, choice, out)
-
-
-def shadow_bag(bag: Path, choice: RepairChoice, out: Path) -> ShadowSummary:
-    """Write what a method would have done beside what was done.
-
-    Raises:
-        InputError: the bag, the choice or the place of the new bag is unusable.
-        RecordingError: the new bag cannot be written.
-    """
-    reader = BagReader(bag)
-    ticks = BagTicks(reader)
-    namespace = f"{ticks.namespace}/shadow"
-    if any(name.startswith(f"{namespace}/") for name in reader.topics):
-        raise InputError(str(bag), "has a shadow already", "take the bag that it was made of")
-    repairer = choice.make()
-    with new_bag(out) as writer, Waiting(f"{bag.name} · {choice.method}") as waiting:
-        copy, episode = BagCopy(reader, writer), EpisodeWriter(writer, namespace)
-
-        def write(tick: BagTick, repair: Repair) -> None:
-            copy.until(tick.stamp)
-            episode.repair(tick.stamp * 1e-9, repair, choice.method)
-            waiting.update(f"{tick.stamp * 1e-9:.0f} s")
-
-        summary = run_shadow(ticks, repairer, write)
-        copy.until(float("inf"))
-        writer.add_metadata(SHADOW_RECORD, choice.provenance() | {"summary": json.dumps(asdict(summary))})
-    return summary
-
-
-def _show_shadow(summary: ShadowSummary, choice: RepairChoice, out: Path) -> None:
-    first = summary.first_difference
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for title in (
-        "ticks",
-        "interventions\nthen",
-        f"interventions\nof {choice.method}",
-        "agreement",
-        "first\ndifference",
-        "mean difference\nof acceleration",
-    ):
-        table.add_column(title, justify="right", no_wrap=True)
-    table.add_column("bag", overflow="fold")
-    table.add_row(
-        str(summary.ticks),
-        str(summary.interventions_then),
-        str(summary.interventions_now),
-        f"{100.0 * summary.agreement:.1f} %",
-        "-" if first is None else f"{first:.2f} s",
-        f"{summary.acceleration_difference:.3f} m/s²",
-        str(out),
-    )
-    wide_console().print(table)
 
 
 @click.command(

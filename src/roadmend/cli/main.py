@@ -20,7 +20,7 @@ _BAG: Table = {
     "diff": ("roadmend.cli.bag", "bag_diff", "Two bags, tick by tick."),
     "convert": ("roadmend.cli.bag", "bag_convert", "From mcap to sqlite3 and back."),
     "plot": ("roadmend.cli.bag_plot", "plot", "Draw its time line, with the scene at one moment."),
-    "shadow": ("roadmend.cli.bag_repair", "shadow", "Ask another repair method what it would have done at every tick."),
+    "shadow": ("roadmend.cli.bag_shadow", "shadow", "Ask another repair method what it would have done at every tick."),
     "resimulate": ("roadmend.cli.bag_repair", "resimulate", "Drive a bag's scenario again with another method."),
     "need": ("roadmend.cli.bag_need", "need", "Which interventions of a run were rescues, and which a nuisance."),
 }
@@ -100,6 +100,7 @@ def sera() -> None:
 
 _COMMANDS: Table = {
     "run": ("roadmend.cli.run", "run", "Run one episode in the graph: SUMO, policy, repair and recorder."),
+    "repair": ("roadmend.cli.repair", "repair", "Repair what your own stack drives: no simulator of ours."),
     "demo": ("roadmend.cli.run", "demo", "See a collision repaired: the main job, end to end."),
     "sample": ("roadmend.cli.scenario", "sample", "Draw a scenario of a family."),
     "schema": ("roadmend.cli.scenario", "schema", "Print the JSON schema of a scenario file."),

@@ -134,7 +134,7 @@ def run(given: RunOptions) -> int:
     Everything after --ros-args goes to every node. In a SUMO configuration one episode for every ego; those that cannot
     be driven are named, and the exit code is then 1, or 2 if none could be driven.
     """
-    extra = _ros_arguments(given.ros_arguments)  # first: an option that is misspelled is among them
+    extra = ros_arguments(given.ros_arguments)  # first: an option that is misspelled is among them
     if (given.scenario is None) == (given.sumocfg is None):
         raise click.UsageError("give either --scenario or --sumocfg")
     try:
@@ -215,7 +215,7 @@ def _placed(error: InputError, given: RunOptions) -> InputError:
     return error
 
 
-def _ros_arguments(given: tuple[str, ...]) -> tuple[str, ...]:
+def ros_arguments(given: tuple[str, ...]) -> tuple[str, ...]:
     """What stands behind --ros-args.
 
     Raises:
@@ -393,7 +393,7 @@ def replay(given: ReplayOptions) -> int:
 
     Remap topics with --ros-args -r OLD:=NEW, put all but the clock into a namespace with -r __ns:=/NAME.
     """
-    extra = _ros_arguments(given.ros_arguments)
+    extra = ros_arguments(given.ros_arguments)
     from roadmend.nodes.replay import main  # noqa: PLC0415 - rclpy is for this command alone
 
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")

@@ -3,6 +3,9 @@
 Every page in a browser may open a WebSocket to this machine, and none of the browser's same-origin rules stop it. The
 browser does say which page it is, in the header ``Origin`` of the handshake. The gate reads that and passes on what
 is allowed, byte by byte, to the server behind it.
+
+It also lets in viewers that know the protocol by its older name alone, as Lichtblick and the older Foxglove do: the
+messages are the same, but the server behind answers to the newer name only.
 """
 
 import asyncio
@@ -20,6 +23,8 @@ HEAD_PATIENCE_S = 5.0  # [s] for the request to arrive
 _CHUNK = 65536  # [bytes]
 _WEB = re.compile(rb"(?:https?|wss?)://|null$", re.IGNORECASE)  # a page's origin, or that of a page that hides it
 _ORIGIN = re.compile(rb"\r\norigin[ \t]*:[ \t]*([^\r\n]*?)[ \t]*(?=\r\n)", re.IGNORECASE)
+_OLDER, _NEWER = b"foxglove.websocket.v1", b"foxglove.sdk.v1"  # names of the protocol, in a handshake
+_OFFER = re.compile(rb"(\r\nsec-websocket-protocol[ \t]*:[ \t]*)([^\r\n]*)(?=\r\n)", re.IGNORECASE)
 _REFUSAL = (
     b"HTTP/1.1 403 Forbidden\r\nContent-Type: text/plain\r\nConnection: close\r\n\r\nThis origin is not allowed.\n"
 )
@@ -44,6 +49,17 @@ def may_enter(head: bytes, allowed: Collection[str]) -> bool:
     """
     invited = {origin.encode() for origin in allowed}
     return all(origin in invited or not _WEB.match(origin) for origin in _ORIGIN.findall(head))
+
+
+def offers_older_alone(head: bytes) -> bool:
+    """Whether a handshake asks for the protocol by its older name and not by the newer one."""
+    offers = {name.strip() for _, names in _OFFER.findall(head) for name in names.split(b",")}
+    return _OLDER in offers and _NEWER not in offers
+
+
+def renamed(head: bytes, before: bytes, after: bytes) -> bytes:
+    """A handshake, or the answer to one, in which the protocol has another name; the rest stays as it is."""
+    return _OFFER.sub(lambda found: found[1] + found[2].replace(before, after), head)
 
 
 class OriginGate:
@@ -108,7 +124,11 @@ class OriginGate:
     async def _pass_on(self, head: bytes, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         inner_reader, inner_writer = await asyncio.open_connection(*self._target)
         try:
-            inner_writer.write(head)
+            is_older = offers_older_alone(head)
+            inner_writer.write(renamed(head, _OLDER, _NEWER) if is_older else head)
+            if is_older:
+                answer = await inner_reader.readuntil(b"\r\n\r\n")
+                writer.write(renamed(answer, _NEWER, _OLDER))
             ways = [
                 asyncio.ensure_future(_pump(reader, inner_writer)),
                 asyncio.ensure_future(_pump(inner_reader, writer)),

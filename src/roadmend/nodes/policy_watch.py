@@ -5,10 +5,11 @@ from dataclasses import dataclass, field
 from rclpy.node import Node
 
 from roadmend.nodes.inputs import COMMAND, REPAIRED, TRAJECTORY, Input
+from roadmend.repair.assumed_motion import Assumption
 
 PERIOD_S = 0.2  # [s] of wall time between two looks at the graph
 SETTLE_S = 1.0  # [s] in which DDS tells the rest of a node that it has begun to tell of
-NO_TRAJECTORY = "no planned trajectory: the repair assumes the ego's present motion along the route"
+NO_TRAJECTORY = str(Assumption.ALONG_ROUTE)
 
 
 @dataclass(slots=True)

@@ -29,21 +29,25 @@ from roadmend.measures.fitting import fitting, fitting_account
 from roadmend.nodes import qos
 from roadmend.nodes.configuration import Configuration, Running
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
+from roadmend.nodes.foreign_inputs import ForeignInputs, ForeignParameters
 from roadmend.nodes.inputs import COMMAND, TRAJECTORY
 from roadmend.nodes.pairing import TickPairing
 from roadmend.nodes.parameters import declare_own, declare_parameters, find_named
-from roadmend.nodes.policy_watch import NO_TRAJECTORY, PERIOD_S
+from roadmend.nodes.policy_watch import PERIOD_S
 from roadmend.nodes.provenance import described
 from roadmend.nodes.repair_tally import RepairTally
 from roadmend.nodes.spinning import run_node
 from roadmend.recording import messages, topics
 from roadmend.recording.codec import encode
+from roadmend.recording.foreign_repair import Answer
+from roadmend.repair.assumed_motion import AssumedMotion
 from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.method import RepairMethod
 from roadmend.repair.parameters import GuardParameters
 from roadmend.repair.registry import METHOD_REGISTRY, METHODS, make_method
 
 WATCH_PERIOD_S = 0.01  # how often ages are looked at [s]
+NEWEST_TIMEOUT_S = 0.3  # [s] patience with inputs of another stack: three messages at 10 Hz
 IMPATIENT_S = 0.02  # lockstep: patience while the policy is known to be silent [s]
 REPEAT_S = 0.05  # real time: period of the stop command while nothing arrives [s]
 _PARTS = ("ego", "objects", "command", "trajectory")
@@ -63,13 +67,19 @@ class RepairNodeParameters(Parameters):
         "required",
         description="whether a tick waits for the planned trajectory, or does without while nobody publishes any",
     )
+    inputs: Literal["paired", "newest"] = Field(
+        "paired",
+        description="paired: the messages of a tick share one stamp, as the simulator's do; newest: they come from "
+        "another stack, at rates and with stamps of their own, and the newest of each counts",
+    )
     clock: Literal["lockstep", "realtime"] = Field("lockstep", description="how the simulator keeps time")
     seed: int = Field(0, ge=0, le=2**31 - 1, description="seed of methods that draw numbers")
     input_timeout: float = Field(
         0.0,
         ge=0.0,
         le=60.0,
-        description="[s] of wall time after which an input counts as late; 0: 2.0 in lockstep, 0.04 in real time",
+        description="[s] of wall time after which an input counts as late; 0: 2.0 in lockstep, 0.04 in real time, 0.3 where "
+        "the newest inputs count",
     )
     time_budget: float = Field(
         0.0,
@@ -92,9 +102,10 @@ class RepairNode(LifecycleNode):
         self.finished = False
         self._repairer: GuardedRepairer | None = None
         self._made: RepairMethod | None = None  # what the repairer asks
-        self._declare_parameters()
+        foreign = self._declare_parameters()
         self._route: Route | None = None
         self._route_fault = ""
+        self._motion = AssumedMotion()
         self._pairing = TickPairing(*_PARTS)
         self._has_plans = True  # whether a tick has a planned trajectory to wait for
         self._looked_at = 0.0  # wall time [s] at which it was last looked who plans
@@ -110,8 +121,21 @@ class RepairNode(LifecycleNode):
         self._last_arrival = 0.0  # wall time [s] of the last message of a tick to come
         self._last_repair: Repair | None = None
         self._answered_stamp = -1  # [ns] of the last answer, whatever tick it was about
-        self._command_publisher = self.create_lifecycle_publisher(msg.Command, topics.REPAIR_COMMAND, qos.COMMAND)
+        self._foreign = None
+        if self._is_newest:
+            self._foreign = ForeignInputs(self, foreign, self._timeout, self._send_foreign)
+        kind = msg.Command if self._foreign is None else self._foreign.command_kind
+        self._command_publisher = self.create_lifecycle_publisher(kind, topics.REPAIR_COMMAND, qos.COMMAND)
         self._state_publisher = self.create_lifecycle_publisher(msg.RepairState, topics.REPAIR_STATE, qos.STREAM)
+        if self._foreign is None:
+            self._listen()
+        self._diagnostics = DiagnosticsReporter(self, self._health)
+        self.add_on_set_parameters_callback(self._on_parameters)
+        if self._autostart:
+            self._start_by_itself()
+
+    def _listen(self) -> None:
+        """Take in the messages of ticks that share a stamp."""
         self.create_subscription(msg.Route, topics.ROUTE, self._on_route, qos.LATCHED, raw=True)
         for part, kind, topic, profile in (
             ("ego", Odometry, topics.EGO, qos.STREAM),
@@ -122,21 +146,20 @@ class RepairNode(LifecycleNode):
             self.create_subscription(kind, topic, partial(self._add, part), profile, raw=True)
         # Steady time: ages are looked at while simulation time stands still.
         self.create_timer(WATCH_PERIOD_S, self._watch, clock=Clock(clock_type=ClockType.STEADY_TIME))
-        self._diagnostics = DiagnosticsReporter(self, self._health)
-        self.add_on_set_parameters_callback(self._on_parameters)
-        if self._autostart:
-            self._start_by_itself()
 
     # -- configuration ------------------------------------------------------------------------------------------------
 
-    def _declare_parameters(self) -> None:
+    def _declare_parameters(self) -> ForeignParameters:
         settings = declare_parameters(self, RepairNodeParameters)
+        foreign = declare_parameters(self, ForeignParameters)
         self._found = find_named("method", settings.method, METHOD_REGISTRY)
         self._prefix = f"{self._found.label}."
         self._policy, self._plans_are_optional = settings.policy, settings.trajectory == "optional"
         self._method, self._seed = settings.method, settings.seed
-        self._lockstep = settings.clock == "lockstep"
-        self._timeout = settings.input_timeout or (2.0 if self._lockstep else 0.04)
+        self._is_newest = settings.inputs == "newest"
+        self._lockstep = settings.clock == "lockstep" and not self._is_newest
+        patience = NEWEST_TIMEOUT_S if self._is_newest else 0.04
+        self._timeout = settings.input_timeout or (2.0 if self._lockstep else patience)
         self._budget = settings.time_budget or (None if self._lockstep else 0.03)
         self._autostart, self._summary = settings.autostart, settings.summary
         fitted = fitting(settings.method, settings.policy) if settings.policy else {}
@@ -146,6 +169,7 @@ class RepairNode(LifecycleNode):
             if is_mine:
                 self._fields = fields
         self._configuration = Configuration(self, "repair", self._running, self._is_told)
+        return foreign
 
     def _running(self) -> Running:
         """The method as it is now; nothing but its name where it could not be made."""
@@ -186,10 +210,15 @@ class RepairNode(LifecycleNode):
             repairer = self._make_repairer(changed)
         except InputError as error:
             return SetParametersResult(successful=False, reason=str(error))
+        self._use(repairer)
+        return SetParametersResult(successful=True)
+
+    def _use(self, repairer: GuardedRepairer) -> None:
         if self._route is not None:
             repairer.reset(self._route)
         self._repairer = repairer
-        return SetParametersResult(successful=True)
+        if self._foreign is not None:
+            self._foreign.use(repairer)
 
     def _start_by_itself(self) -> None:
         for transition in (self.trigger_configure, self.trigger_activate):
@@ -201,13 +230,11 @@ class RepairNode(LifecycleNode):
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Make the method; without one the node stays unconfigured and sends nothing, so the simulator brakes."""
         try:
-            self._repairer = self._make_repairer()
+            self._use(self._make_repairer())
         except InputError as error:
             self.get_logger().error(f"refuses to configure: {error}")
             self.fault = error
             return TransitionCallbackReturn.FAILURE
-        if self._route is not None:
-            self._repairer.reset(self._route)
         self._configuration.announce()
         return super().on_configure(state)
 
@@ -246,6 +273,7 @@ class RepairNode(LifecycleNode):
             self._route, self._route_fault = None, str(error)
             self.get_logger().error(f"unusable: {error}")
             return
+        self._motion.reset(self._route)
         if self._repairer is not None:
             self._repairer.reset(self._route)
 
@@ -265,6 +293,7 @@ class RepairNode(LifecycleNode):
             self._last_stamp = -1  # time ran backwards: the guard sees it and resets the method
             self._pairing.clear()
             self._prepared = (-1, None)
+            self._motion.reset(self._route)
         if stamp <= self._last_stamp:
             return
         self._last_arrival = now
@@ -295,12 +324,17 @@ class RepairNode(LifecycleNode):
         else:
             if scene is None or decision is None:
                 return  # no route yet; the simulator repeats the first tick
-            repair = self._repairer.step(scene, decision)
+            repair = self._step(scene, decision, is_planned="trajectory" in tick)
         self._started = True
         self._silent_since = ""
-        if not self._has_plans:
-            repair = replace(repair, reason=f"{NO_TRAJECTORY}; {repair.reason}".removesuffix("; "))
         self._send(stamp, repair)
+
+    def _step(self, scene: Scene, decision: Decision, *, is_planned: bool) -> Repair:
+        assert self._repairer is not None
+        if is_planned:
+            return self._repairer.step(scene, decision)
+        repair = self._repairer.step(scene, self._motion.decide(scene.ego, decision.command))
+        return replace(repair, reason=f"{self._motion.assumption}; {repair.reason}".removesuffix("; "))
 
     def _scene(self, stamp: int, tick: dict[str, bytes]) -> Scene | None:
         if "ego" not in tick or "objects" not in tick or self._route is None:
@@ -368,25 +402,38 @@ class RepairNode(LifecycleNode):
 
     # -- output -------------------------------------------------------------------------------------------------------
 
-    def _send(self, stamp: int, repair: Repair) -> None:
+    def _send_foreign(self, answer: Answer) -> None:
+        if self._active:
+            self._started = True
+            self._send(answer.stamp, answer.repair, answer.message)
+
+    def _send(self, stamp: int, repair: Repair, command: Any = None) -> None:
+        """Answer a tick; ``command`` is the message where it is of another form than the repair's own command."""
         self._last_stamp = stamp
         self._last_repair = repair
-        self._publish(repair, stamp)
+        self._publish(repair, stamp, command)
         self._tally.add(stamp * 1e-9, repair)
         if repair.status in _COMPLAINTS:
             self.get_logger().warning(f"{repair.status.name}: {repair.reason}", throttle_duration_sec=1.0)
 
-    def _publish(self, repair: Repair, stamp: int) -> None:
+    def _publish(self, repair: Repair, stamp: int, command: Any = None) -> None:
         self._last_answer = time.monotonic()
         self._answered_stamp = stamp
         header = messages.header_at(stamp)
-        self._command_publisher.publish(encode(messages.command_message_of(repair.command, header)))
+        message = messages.command_message_of(repair.command, header) if command is None else command
+        self._command_publisher.publish(encode(message))
         self._state_publisher.publish(encode(messages.repair_message_of(repair, self._method, header)))
 
     def _health(self) -> Health:
         values = {"method": self._method, "active": self._active, **self._tally.values()}
         if not self._active:
             return Health(Level.WARN, "inactive: sends no commands, the simulator brakes", values)
+        if self._foreign is not None:
+            values["trajectory"] = self._foreign.assumption or "planned"
+            missing = self._foreign.missing()
+            values |= {f"missing {part}": why for part, why in missing.items()}
+            if missing:
+                return Health(Level.ERROR, f"missing {', '.join(missing)}: no unrepaired command passes", values)
         if self._route_fault:
             return Health(Level.ERROR, self._route_fault, values)
         if self._silent_since:

@@ -29,6 +29,11 @@ class Timekeeper:
         self.wall_stamps = 0  # how many headers were stamped from the wall clock
         self._simulated = simulated
 
+    @property
+    def present_ns(self) -> int:
+        """The time [ns] of what happens now: the clock's latest, or the wall's where the clock does not rule."""
+        return self.now_ns if self._simulated else time.time_ns()
+
     def rule_for(self, definition: Definition) -> Callable[[bytes], int]:
         """The function that gives a message of this type its time [ns] from its serialized bytes."""
         if definition.type_name == CLOCK_TYPE:
@@ -52,4 +57,4 @@ class Timekeeper:
         return stamp
 
     def _of_bare(self, _data: bytes) -> int:
-        return self.now_ns if self._simulated else time.time_ns()
+        return self.present_ns

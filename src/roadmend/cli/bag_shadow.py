@@ -1,0 +1,172 @@
+"""``roadmend bag shadow``: what another repair method would have done, in a bag of ours or of another stack."""
+
+import json
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Annotated, Any
+
+import click
+from rich.table import Table
+
+from roadmend.cli.bag_repair import RepairChoice, RepairOptions, read_choice
+from roadmend.cli.command import Command
+from roadmend.cli.options import JSON, PATH, options_of
+from roadmend.cli.output import Waiting, wide_console
+from roadmend.core.errors import InputError
+from roadmend.core.repair import Repair
+from roadmend.recording.episode_writer import EpisodeWriter
+from roadmend.recording.foreign_commands import COMMAND_FORMS, PEDALS
+from roadmend.recording.foreign_objects import OBJECT_READERS, Vehicle
+from roadmend.recording.foreign_repair import Answer
+from roadmend.recording.foreign_shadow import ForeignTopics, run_foreign_shadow
+from roadmend.recording.messages import EGO_SIZE
+from roadmend.recording.new_bag import BagCopy, new_bag
+from roadmend.recording.reader import BagReader
+from roadmend.recording.shadow import ShadowSummary, run_shadow
+from roadmend.recording.ticks import BagTick, BagTicks
+
+SHADOW_RECORD = "roadmend_shadow"  # metadata record
+
+
+def _topic(option: str, meaning: str) -> Any:
+    return click.option(f"--{option}", default="", metavar="TOPIC", help=f"Of another stack's bag: {meaning}.")
+
+
+def _metres(option: str, default: float, low: float, meaning: str) -> Any:
+    kind = click.FloatRange(low, 60.0)
+    text = f"Of another stack's bag: {meaning} [m]."
+    return click.option(f"--{option}", default=default, show_default=True, type=kind, help=text)
+
+
+@dataclass(frozen=True)
+class ForeignOptions:
+    """Where a bag of another stack has its inputs, and the size of the ego, which it does not tell."""
+
+    ego: Annotated[str, _topic("ego", "odometry of the ego, nav_msgs/Odometry")]
+    objects: Annotated[str, _topic("objects", f"the objects, {' or '.join(OBJECT_READERS)}")]
+    command: Annotated[str, _topic("command", f"what the policy asked for, {' or '.join(COMMAND_FORMS)}")]
+    trajectory: Annotated[str, _topic("trajectory", "planned trajectories, if there are any, roadmend_msgs/Trajectory")]
+    route: Annotated[str, _topic("route", "the route, if there is one, roadmend_msgs/Route")]
+    ego_length: Annotated[float, _metres("ego-length", EGO_SIZE[0], 0.1, "length of the ego")]
+    ego_width: Annotated[float, _metres("ego-width", EGO_SIZE[1], 0.1, "width of the ego")]
+    ego_centre: Annotated[float, _metres("ego-centre", 0.0, -60.0, "its centre ahead of the odometry's frame")]
+
+    @property
+    def topics(self) -> ForeignTopics | None:
+        """The topics; None where none is named, as for a bag of roadmend."""
+        given = ForeignTopics(self.ego, self.objects, self.command, self.trajectory, self.route)
+        return given if any(vars(self)[each.name] for each in fields(given)) else None
+
+
+@click.command(
+    cls=Command,
+    examples=[
+        "roadmend bag shadow bags/my-run --repair rss --set rho=0.4 --out bags/my-run-rss",
+        "roadmend bag shadow theirs --ego /odom --objects /detections --command /drive/accel --repair rss --out shadow",
+    ],
+)
+@click.argument("bag", type=PATH)
+@options_of(RepairOptions)
+@options_of(ForeignOptions, "foreign")
+@click.option("--out", required=True, type=PATH, help="Folder of the new bag.")
+@JSON
+def shadow(bag: Path, given: RepairOptions, foreign: ForeignOptions, out: Path, *, as_json: bool) -> None:
+    """Ask another repair method what it would have done at every tick of a recorded run.
+
+    The new bag holds the recorded topics as they are, and the other method's answers as /shadow/repair/state and
+    /shadow/repair/command. Of a bag that another stack recorded, name the topics.
+    """
+    choice = read_choice(given)
+    if foreign.topics is None:
+        summary = shadow_bag(bag, choice, out)
+    else:
+        summary = shadow_foreign_bag(bag, choice, foreign.topics, foreign, out)
+    if as_json:
+        click.echo(json.dumps({**choice.provenance(), **asdict(summary), "bag": str(out)}, indent=2))
+    else:
+        _show_shadow(summary, choice, out)
+
+
+def shadow_bag(bag: Path, choice: RepairChoice, out: Path) -> ShadowSummary:
+    """Write what a method would have done beside what was done.
+
+    Raises:
+        InputError: the bag, the choice or the place of the new bag is unusable.
+        RecordingError: the new bag cannot be written.
+    """
+    reader = BagReader(bag)
+    try:
+        ticks = BagTicks(reader)
+    except InputError as error:
+        mend = f"{error.mend}, or name the topics of another stack's bag with --ego, --objects and --command"
+        raise InputError(error.where, error.what, mend) from None
+    namespace = f"{ticks.namespace}/shadow"
+    if any(name.startswith(f"{namespace}/") for name in reader.topics):
+        raise InputError(str(bag), "has a shadow already", "take the bag that it was made of")
+    repairer = choice.make()
+    with new_bag(out) as writer, Waiting(f"{bag.name} · {choice.method}") as waiting:
+        copy, episode = BagCopy(reader, writer), EpisodeWriter(writer, namespace)
+
+        def write(tick: BagTick, repair: Repair) -> None:
+            copy.until(tick.stamp)
+            episode.repair(tick.stamp * 1e-9, repair, choice.method)
+            waiting.update(f"{tick.stamp * 1e-9:.0f} s")
+
+        summary = run_shadow(ticks, repairer, write)
+        copy.until(float("inf"))
+        writer.add_metadata(SHADOW_RECORD, choice.provenance() | {"summary": json.dumps(asdict(summary))})
+    return summary
+
+
+def shadow_foreign_bag(
+    bag: Path, choice: RepairChoice, topics_: ForeignTopics, ego: ForeignOptions, out: Path
+) -> ShadowSummary:
+    """Write what a method would have done into a copy of a bag that another stack recorded.
+
+    Raises:
+        InputError: the bag, a topic, the choice or the place of the new bag is unusable.
+        RecordingError: the new bag cannot be written.
+    """
+    reader = BagReader(bag)
+    topics_.by_input(reader)
+    if any(name.startswith("/shadow/") for name in reader.topics):
+        raise InputError(str(bag), "has a shadow already", "take the bag that it was made of")
+    repairer = choice.make()
+    vehicle = Vehicle(ego.ego_length, ego.ego_width, ego.ego_centre)
+    with new_bag(out) as writer, Waiting(f"{bag.name} · {choice.method}"):
+        copy, episode = BagCopy(reader, writer), EpisodeWriter(writer, "/shadow")
+
+        def write(time_ns: int, answer: Answer) -> None:
+            copy.until(time_ns)
+            episode.repair(time_ns * 1e-9, answer.repair, choice.method)
+
+        summary = run_foreign_shadow(reader, topics_, repairer, vehicle, PEDALS, write)
+        copy.until(float("inf"))
+        told = {"topics": json.dumps(asdict(topics_)), "summary": json.dumps(asdict(summary))}
+        writer.add_metadata(SHADOW_RECORD, choice.provenance() | told)
+    return summary
+
+
+def _show_shadow(summary: ShadowSummary, choice: RepairChoice, out: Path) -> None:
+    first = summary.first_difference
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for title in (
+        "ticks",
+        "interventions\nthen",
+        f"interventions\nof {choice.method}",
+        "agreement",
+        "first\ndifference",
+        "mean difference\nof acceleration",
+    ):
+        table.add_column(title, justify="right", no_wrap=True)
+    table.add_column("bag", overflow="fold")
+    table.add_row(
+        str(summary.ticks),
+        str(summary.interventions_then),
+        str(summary.interventions_now),
+        f"{100.0 * summary.agreement:.1f} %",
+        "-" if first is None else f"{first:.2f} s",
+        f"{summary.acceleration_difference:.3f} m/s²",
+        str(out),
+    )
+    wide_console().print(table)

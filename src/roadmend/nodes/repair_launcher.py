@@ -1,0 +1,203 @@
+"""Starts repair and recorder alone, beside nodes of another stack, and keeps them up until they are told to stop."""
+
+import contextlib
+import json
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from roadmend import __version__
+from roadmend.core.claim import check_name, claim_folder, claim_numbered
+from roadmend.core.errors import InputError, RoadmendError
+from roadmend.nodes.children import Child, stop
+from roadmend.nodes.spinning import stop_on_signals
+from roadmend.repair.registry import METHOD_REGISTRY
+
+POLL_S = 0.05
+RESTARTS_MAX = 5  # of the repair node in one run
+STOP_S = 5.0  # the recorder is gone this long after the end [s]
+BAD_INPUT = 2  # exit code of a node that refuses its parameters
+
+
+@dataclass(frozen=True)
+class RepairOptions:
+    """Repair in a graph that is not ours."""
+
+    method: str = "rss"
+    seed: int = 0
+    parameters: Mapping[str, Any] = field(default_factory=dict)  # of the repair node, beyond the above
+    bags: Path = Path("bags")
+    name: str = ""  # of the bag; made from the method and the time if empty
+    record: bool = True
+    record_topics: str = ""  # regular expression found in each topic to record; all if empty
+    sim_time: bool = False  # whether the stack's time comes from /clock
+    ros_arguments: tuple[str, ...] = ()  # passed on to both nodes
+
+
+@dataclass(frozen=True, slots=True)
+class RepairRun:
+    """What came of it."""
+
+    answers: int
+    interventions: int
+    states: dict[str, int]  # answers by state
+    restarts: int
+    bag: str
+    method_error: str  # how the method failed first, so that the guard's rule answered; empty if it did not
+    recording_error: str  # why the bag is not complete; empty if it is
+
+
+def run_repair(options: RepairOptions, report: Callable[[str], None]) -> RepairRun:
+    """Repair until SIGINT or SIGTERM, in the domain that ROS_DOMAIN_ID names.
+
+    What the repair node says goes to standard error as it comes; so is told what its inputs lack.
+
+    Args:
+        options: what to run and how.
+        report: called with a line for people now and then.
+
+    Raises:
+        InputError: a node refuses its parameters, or the bag's name is no name or taken.
+        RoadmendError: the repair node failed beyond repair.
+    """
+    with (
+        _claimed_bag(options) as bag,
+        tempfile.TemporaryDirectory(prefix="roadmend-repair-") as folder,
+        stop_on_signals() as flag,
+    ):
+        run = _Run(options, bag, Path(folder), report)
+        try:
+            return run.until(lambda: flag.is_set)
+        finally:
+            run.stop()
+
+
+@contextlib.contextmanager
+def _claimed_bag(options: RepairOptions) -> Iterator[Path | None]:
+    """The bag's folder; None where nothing is recorded. It goes again where nothing was written into it."""
+    if options.name:
+        check_name("--name", options.name)
+    if not options.record:
+        yield None
+        return
+    if options.name:
+        bag = claim_folder(options.bags, options.name)
+    else:
+        label = METHOD_REGISTRY.find(options.method).label
+        bag = claim_numbered(options.bags, f"repair-{label}-{time.strftime('%Y%m%d-%H%M%S')}")
+    try:
+        yield bag
+    finally:
+        with contextlib.suppress(OSError):
+            bag.rmdir()  # succeeds only where it is empty
+
+
+class _Run:
+    def __init__(self, options: RepairOptions, bag: Path | None, folder: Path, report: Callable[[str], None]) -> None:
+        self._report, self._bag, self._folder = report, bag, folder
+        self._domain = os.environ.get("ROS_DOMAIN_ID") or "0"
+        self._extra = options.ros_arguments
+        told = {"inputs": "newest", "method": options.method, "seed": options.seed, **options.parameters}
+        self._repair = self._child("repair", told | {"summary": str(folder / "repair.json")}, may_restart=True)
+        self._recorder: Child | None = None
+        if bag is not None:
+            metadata = folder / "run.json"
+            known = {"roadmend": __version__, "method": options.method, "policy": "external", "domain": self._domain}
+            metadata.write_text(json.dumps(known | {"ros_arguments": " ".join(self._extra)}), encoding="utf-8")
+            self._recorder = self._child(
+                "recorder",
+                {
+                    "output": str(bag.parent),
+                    "name": bag.name,
+                    "claimed": True,
+                    "metadata": str(metadata),
+                    "include": options.record_topics,
+                    "time_source": "simulation" if options.sim_time else "system",
+                    "drain_limit": 1.0,
+                },
+                may_restart=False,
+            )
+        self._read = 0  # bytes of the repair node's log that people have seen
+        self._is_recording = True
+
+    def _child(self, node: str, parameters: Mapping[str, Any], *, may_restart: bool) -> Child:
+        words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={json.dumps(value)}")]
+        return Child(
+            f"{node}_node",
+            f"roadmend.nodes.{node}",
+            ["--ros-args", *words, *self._extra],
+            {"ROS_DOMAIN_ID": self._domain},
+            self._folder / f"{node}.log",
+            may_restart,
+        )
+
+    def until(self, stopped: Callable[[], bool]) -> RepairRun:
+        for child in self._children:
+            child.start()
+        self._report(f"repairs in ROS_DOMAIN_ID {self._domain}; stop with Ctrl-C")
+        while not stopped():
+            self._look_after()
+            self._hand_on()
+            time.sleep(POLL_S)
+        self.stop()
+        return self._result()
+
+    @property
+    def _children(self) -> list[Child]:
+        return [child for child in (self._recorder, self._repair) if child is not None]
+
+    def _look_after(self) -> None:
+        for child in self._children:
+            if child.exit_code is None:
+                continue
+            if child.exit_code == BAD_INPUT and isinstance(fault := child.fault(), InputError):
+                raise fault
+            if child is self._recorder:
+                if self._is_recording:
+                    self._is_recording = False
+                    self._report(f"{child.name} ended ({child.exit_code}), repairing on without it: {child.fault()}")
+                continue
+            if child.restarts >= RESTARTS_MAX:
+                raise RoadmendError(f"{child.name} ended {RESTARTS_MAX + 1} times; last: {child.fault()}")
+            child.restarts += 1
+            self._report(f"{child.name} ended ({child.exit_code}), restarted")
+            child.start()
+
+    def _hand_on(self) -> None:
+        """Show what the repair node has said since."""
+        with contextlib.suppress(FileNotFoundError), self._repair.log.open("rb") as log:
+            log.seek(self._read)
+            said = log.read()
+            self._read += len(said)
+            if said:
+                sys.stderr.write(said.decode(errors="replace"))
+                sys.stderr.flush()
+
+    def stop(self) -> None:
+        """Stop both, the recorder last: it takes in what the other still says. Does nothing the second time."""
+        stop([self._repair], time.monotonic() + 1.0)
+        if self._recorder is not None:
+            stop([self._recorder], time.monotonic() + STOP_S)
+        self._hand_on()
+
+    def _result(self) -> RepairRun:
+        tally: dict[str, Any] = {}
+        with contextlib.suppress(OSError, json.JSONDecodeError):
+            tally = json.loads((self._folder / "repair.json").read_text(encoding="utf-8"))
+        states = {name.removeprefix("state."): int(each) for name, each in tally.items() if name.startswith("state.")}
+        recorder = self._recorder
+        lost = "" if recorder is None or not recorder.exit_code else str(recorder.fault())
+        return RepairRun(
+            int(tally.get("answers", 0)),
+            int(tally.get("interventions", 0)),
+            states,
+            self._repair.restarts,
+            str(self._bag or ""),
+            str(tally.get("fault", "")),
+            lost,
+        )

@@ -1,0 +1,205 @@
+"""Repair in a graph that is not ours: the newest of every input, whatever its rate and its stamps, at every command.
+
+Needs no ROS: the node hands over messages with the time of their arrival, and so does who reads a bag.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+from roadmend.core.command import Decision, Trajectory
+from roadmend.core.repair import Repair, RepairStatus
+from roadmend.core.route import Route
+from roadmend.core.scene import ObjectList, Scene
+from roadmend.recording import messages
+from roadmend.recording.foreign_commands import CommandForm
+from roadmend.recording.foreign_objects import EgoPose, ObjectReader, Signals, Vehicle, ego_pose_of
+from roadmend.repair.assumed_motion import AssumedMotion, open_route
+from roadmend.repair.guard import GuardedRepairer
+
+EGO, OBJECTS, COMMAND, TRAJECTORY, ROUTE = "ego", "objects", "command", "trajectory", "route"
+NEEDED = (EGO, OBJECTS, COMMAND)  # without these nothing can be repaired
+REPEATED_NS = 100_000_000  # [ns] a stamp less far behind the last one is no jump of the clock, but a repeated stamp
+STEP_NS = 1_000  # [ns] between the ticks of commands with the same stamp
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What goes to the vehicle for one command, or in place of one."""
+
+    stamp: int  # [ns]
+    repair: Repair
+    message: Any  # of the form in which the command came
+
+
+@dataclass(frozen=True, slots=True)
+class _Seen:
+    objects: ObjectList
+    signals: Signals
+    stamp: int  # [ns]
+
+
+class ForeignRepair:
+    """Answers each command with the newest ego and objects, and toward braking where one of these is late.
+
+    Every command is answered at once, so it costs no delay. A tick's time is its command's stamp; the ego's where that
+    is zero. Without a planned trajectory the present motion is assumed (``repair.assumed_motion``), and the reason says
+    so; without a route, nothing is known of lanes and of the right of way.
+
+    Args:
+        vehicle: what odometry does not tell.
+        reader: of the objects' messages.
+        form: of the commands' messages.
+        patience: [s] after which an input counts as late: since it arrived, and behind the other's stamp.
+    """
+
+    def __init__(self, vehicle: Vehicle, reader: ObjectReader, form: CommandForm, patience: float) -> None:
+        self._vehicle, self._reader, self._form, self._patience = vehicle, reader, form, patience
+        self._repairer: GuardedRepairer | None = None
+        self._route: Route | None = None
+        self._motion = AssumedMotion()
+        self._motion.reset(None)
+        self._pose: EgoPose | None = None
+        self._seen: _Seen | None = None
+        self._trajectory: Trajectory | None = None
+        self._asked: Any | None = None  # the last command's message
+        self._arrivals: dict[str, float] = {}  # [s] of the last usable message of each input
+        self._faults: dict[str, str] = {}  # why the last message of an input was not usable
+        self._stamp = -1  # [ns] of the last tick
+        self._started = False
+
+    def use(self, repairer: GuardedRepairer) -> None:
+        """Repair with this from now on."""
+        self._repairer = repairer
+        self._reset()
+
+    def _reset(self) -> None:
+        self._motion.reset(self._route)
+        if self._repairer is not None:
+            self._repairer.reset(self._route or open_route(self._vehicle.length, self._vehicle.width))
+
+    def take_route(self, message: Any) -> None:
+        """Begin anew, on this route (roadmend_msgs/Route).
+
+        Raises:
+            ValueError: it is unusable.
+        """
+        self._route = messages.route_of(message)
+        self._reset()
+
+    def take_ego(self, message: Any, now: float) -> None:
+        """Take in odometry that arrived at ``now`` [s]."""
+        self._pose = ego_pose_of(message, self._vehicle)
+        self._arrived(EGO, now)
+
+    def take_objects(self, message: Any, now: float) -> None:
+        """Take in objects that arrived at ``now`` [s]."""
+        if self._pose is None:
+            self._faults[OBJECTS] = "no odometry yet, so that they have no place"
+            return
+        try:
+            objects, signals = self._reader.read(message, self._pose)
+        except ValueError as error:
+            self._faults[OBJECTS] = str(error)
+            return
+        self._seen = _Seen(objects, signals, messages.stamp_of(message.header))
+        self._arrived(OBJECTS, now)
+
+    def take_trajectory(self, message: Any, now: float) -> None:
+        """Take in a planned trajectory (roadmend_msgs/Trajectory) that arrived at ``now`` [s]."""
+        frame = message.header.frame_id
+        if self._pose is not None and frame != self._pose.frame:
+            self._faults[TRAJECTORY] = f"planned trajectory in the frame {frame!r}, not in {self._pose.frame}: not used"
+            return
+        self._trajectory = messages.trajectory_of(message)
+        self._arrived(TRAJECTORY, now)
+
+    def take_command(self, message: Any, now: float) -> Answer | None:
+        """Answer a command that arrived at ``now`` [s]; None as long as there is no repairer."""
+        self._asked = message
+        self._arrived(COMMAND, now)
+        if self._repairer is None:
+            return None
+        self._stamp = self._tick_of(messages.stamp_of(message.header))
+        command = self._form.read(message)
+        missing = self._late_inputs(now)
+        if missing or self._pose is None or self._seen is None:
+            status = RepairStatus.STALE_OBJECTS if self._started else RepairStatus.STARTING
+            decision = Decision(command, Trajectory.empty())
+            return self._answer(self._repairer.controlled_stop(status, missing, None, decision))
+        ego = self._pose.ego
+        note = self._faults.get(TRAJECTORY, "")
+        if self._trajectory is not None and self._is_fresh(TRAJECTORY, now):
+            decision = Decision(command, self._trajectory)
+        else:
+            decision = self._motion.decide(ego, command)
+            note = f"{note}; {self._motion.assumption}" if note else str(self._motion.assumption)
+        scene = Scene(1e-9 * self._stamp, ego, self._seen.objects, self._seen.signals)
+        repair = self._repairer.step(scene, decision)
+        self._started = True
+        return self._answer(replace(repair, reason="; ".join(filter(None, (repair.reason, note)))))
+
+    def overdue(self, now: float) -> Answer | None:
+        """What to send at ``now`` [s] in place of a command that is late; None while none is, and before the first."""
+        arrived = self._arrivals.get(COMMAND)
+        if arrived is None or self._repairer is None or now - arrived <= self._patience:
+            return None
+        missing = self._late_inputs(now)
+        reason = f"no command for {now - arrived:.2f} s"
+        if missing or self._pose is None or self._seen is None:
+            return self._answer(
+                self._repairer.controlled_stop(
+                    RepairStatus.STALE_OBJECTS if self._started else RepairStatus.STARTING, f"{reason}; {missing}"
+                )
+            )
+        scene = Scene(1e-9 * self._stamp, self._pose.ego, self._seen.objects, self._seen.signals)
+        return self._answer(self._repairer.controlled_stop(RepairStatus.STALE_COMMAND, reason, scene))
+
+    def silent(self, now: float) -> dict[str, str]:
+        """The needed inputs that are late at ``now`` [s], and why as far as that is known here."""
+        late = {part: self._faults.get(part, "") for part in NEEDED if not self._is_fresh(part, now)}
+        if not late and (skew := self._skew()):
+            late[OBJECTS] = skew
+        return late
+
+    @property
+    def assumption(self) -> str:
+        """What was assumed for the last tick for want of a planned trajectory; empty where there was one."""
+        return "" if TRAJECTORY in self._arrivals else str(self._motion.assumption)
+
+    def _arrived(self, part: str, now: float) -> None:
+        self._arrivals[part] = now
+        self._faults.pop(part, None)
+
+    def _is_fresh(self, part: str, now: float) -> bool:
+        return now - self._arrivals.get(part, -math.inf) <= self._patience
+
+    def _late_inputs(self, now: float) -> str:
+        """What of the scene is late, with numbers; empty if nothing is."""
+        told = []
+        for part in (EGO, OBJECTS):
+            if not self._is_fresh(part, now):
+                arrived, why = self._arrivals.get(part), self._faults.get(part)
+                age = "none yet" if arrived is None else f"the last {now - arrived:.2f} s ago"
+                told.append(f"no {part}: {why or age}")
+        return "; ".join(told) or self._skew()
+
+    def _skew(self) -> str:
+        """How far the stamps of ego and objects are apart where that is too far; stamps of zero say nothing."""
+        if self._pose is None or self._seen is None or not self._pose.stamp or not self._seen.stamp:
+            return ""
+        behind = 1e-9 * (self._pose.stamp - self._seen.stamp)
+        if abs(behind) <= self._patience:
+            return ""
+        old, new = (OBJECTS, EGO) if behind > 0.0 else (EGO, OBJECTS)
+        return f"{old} stamped {abs(behind):.2f} s before {new}"
+
+    def _tick_of(self, stamp: int) -> int:
+        """The time of a tick [ns], later than the last one's unless the clock was set back."""
+        if not stamp and self._pose is not None:
+            stamp = self._pose.stamp
+        return self._stamp + STEP_NS if 0 <= self._stamp - stamp < REPEATED_NS else stamp
+
+    def _answer(self, repair: Repair) -> Answer:
+        header = messages.header_at(max(0, self._stamp))
+        return Answer(self._stamp, repair, self._form.write(repair.command, header, self._asked))

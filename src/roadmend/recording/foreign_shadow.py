@@ -1,0 +1,157 @@
+"""What a repair method would have done at every command of a bag that another stack recorded. Open loop, needs no ROS."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any
+
+from roadmend.core.errors import InputError
+from roadmend.recording import foreign_repair, messages
+from roadmend.recording.foreign_commands import COMMAND_FORMS, CommandForm, Pedals
+from roadmend.recording.foreign_objects import OBJECT_READERS, Vehicle
+from roadmend.recording.foreign_repair import Answer, ForeignRepair
+from roadmend.recording.reader import BagReader
+from roadmend.recording.shadow import ShadowSummary, asked_acceleration
+from roadmend.repair.guard import GuardedRepairer
+
+PATIENCE_S = 0.3  # [s] of the bag's time after which an input counts as late
+_TYPES = {  # of each input: those that can be read
+    foreign_repair.EGO: (messages.EGO.name,),
+    foreign_repair.OBJECTS: tuple(OBJECT_READERS),
+    foreign_repair.COMMAND: tuple(COMMAND_FORMS),
+    foreign_repair.TRAJECTORY: (messages.TRAJECTORY.name,),
+    foreign_repair.ROUTE: (messages.ROUTE.name,),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class ForeignTopics:
+    """Where a bag has what repair looks at."""
+
+    ego: str
+    objects: str
+    command: str
+    trajectory: str = ""  # empty where there is none
+    route: str = ""
+
+    def by_input(self, reader: BagReader) -> dict[str, str]:
+        """Input -> topic, of those that are there.
+
+        Raises:
+            InputError: the bag lacks one, or has it of a type that cannot be read.
+        """
+        given = {
+            foreign_repair.EGO: self.ego,
+            foreign_repair.OBJECTS: self.objects,
+            foreign_repair.COMMAND: self.command,
+            foreign_repair.TRAJECTORY: self.trajectory,
+            foreign_repair.ROUTE: self.route,
+        }
+        for name in foreign_repair.NEEDED:
+            if not given[name]:
+                raise InputError(f"--{name}", "is not given", f"name one of {_choices(reader, name)}")
+        for name, topic in given.items():
+            if topic:
+                _check(reader, name, topic)
+        return {name: topic for name, topic in given.items() if topic}
+
+
+def _check(reader: BagReader, name: str, topic: str) -> None:
+    if topic not in reader.topics:
+        near = get_close_matches(topic, reader.topics, 1)
+        hint = f"did you mean {near[0]}?" if near else f"name one of {_choices(reader, name)}"
+        raise InputError(f"--{name} {topic}", f"is not in {reader.path}", hint)
+    kind = reader.topics[topic].type_name
+    if kind not in _TYPES[name]:
+        wanted = " or ".join(_TYPES[name])
+        raise InputError(f"--{name} {topic}", f"is {kind}, not {wanted}", f"name one of {_choices(reader, name)}")
+
+
+def _choices(reader: BagReader, name: str) -> str:
+    fitting = [topic.name for topic in reader.topics.values() if topic.type_name in _TYPES[name]]
+    return ", ".join(fitting) or f"{' or '.join(_TYPES[name])}: the bag holds none"
+
+
+def run_foreign_shadow(
+    reader: BagReader,
+    topics: ForeignTopics,
+    repairer: GuardedRepairer,
+    vehicle: Vehicle,
+    pedals: Pedals,
+    watcher: Callable[[int, Answer], None] = lambda _time, _answer: None,
+) -> ShadowSummary:
+    """Let a method judge every recorded command, with the newest odometry and objects before it in the bag.
+
+    Messages arrive at their log times. What was done is what was asked: the bag is taken for one without repair.
+
+    Args:
+        reader: the bag.
+        topics: where it has the inputs.
+        repairer: the method behind its guard.
+        vehicle: what odometry does not tell.
+        pedals: what its pedals do, where commands are accelerations.
+        watcher: called with the log time [ns] of each command and the answer to it.
+
+    Raises:
+        InputError: a topic is missing or of the wrong type, the bag is corrupt, or holds no command.
+    """
+    found = topics.by_input(reader)
+    kinds = {name: reader.topics[topic].type_name for name, topic in found.items()}
+    form = COMMAND_FORMS[kinds[foreign_repair.COMMAND]](pedals)
+    repair = ForeignRepair(vehicle, OBJECT_READERS[kinds[foreign_repair.OBJECTS]](), form, PATIENCE_S)
+    repair.use(repairer)
+    comparison = _Comparison(form)
+    takers: Mapping[str, Callable[[Any, float], None]] = {
+        foreign_repair.EGO: repair.take_ego,
+        foreign_repair.OBJECTS: repair.take_objects,
+        foreign_repair.TRAJECTORY: repair.take_trajectory,
+        foreign_repair.ROUTE: lambda message, _now: repair.take_route(message),
+    }
+    inputs = {topic: name for name, topic in found.items()}
+    for message in reader.messages(list(inputs)):
+        name, now = inputs[message.topic], 1e-9 * message.time_ns
+        try:
+            if name != foreign_repair.COMMAND:
+                takers[name](message.value, now)
+                if name == foreign_repair.EGO:
+                    comparison.speed = message.value.twist.twist.linear.x
+                continue
+        except ValueError as error:
+            raise InputError(
+                str(reader.path), f"{message.topic} at {now:.2f} s: {error}", "take another bag"
+            ) from error
+        answer = repair.take_command(message.value, now)
+        if answer is not None:
+            comparison.add(now, message.value, answer)
+            watcher(message.time_ns, answer)
+    if not comparison.count:
+        raise InputError(str(reader.path), f"holds no message on {topics.command}", "name the topic of the commands")
+    return comparison.summary()
+
+
+class _Comparison:
+    """The figures of a shadow, command by command."""
+
+    def __init__(self, form: CommandForm) -> None:
+        self._form = form
+        self.speed = 0.0  # [m/s] of the ego
+        self.count = 0
+        self._now = self._same = 0
+        self._first: float | None = None
+        self._difference = 0.0
+
+    def add(self, time: float, asked: Any, answer: Answer) -> None:
+        done, command = self._form.read(asked), answer.repair.command
+        self.count += 1
+        self._now += answer.repair.intervened
+        if (command.throttle, command.brake) == (done.throttle, done.brake):
+            self._same += 1
+        elif self._first is None:
+            self._first = time
+        change = abs(asked_acceleration(command, self.speed) - asked_acceleration(done, self.speed))
+        self._difference += change if math.isfinite(change) else 0.0
+
+    def summary(self) -> ShadowSummary:
+        count = self.count
+        return ShadowSummary(count, 0, self._now, self._same / count, self._first, self._difference / count)

@@ -1,0 +1,267 @@
+import math
+
+import numpy as np
+import pytest
+
+from roadmend.core.command import Command, Trajectory
+from roadmend.core.repair import RepairStatus
+from roadmend.core.route import Route, Stage
+from roadmend.core.scene import ObjectList
+from roadmend.recording import messages
+from roadmend.recording.foreign_commands import PEDALS, AccelerationForm, PedalForm
+from roadmend.recording.foreign_objects import Detections, OwnObjects, Vehicle
+from roadmend.recording.foreign_repair import ForeignRepair
+from roadmend.repair.assumed_motion import Assumption
+from roadmend.repair.registry import make_repairer
+
+from .foreign_messages import acceleration, detection, detections, header, odometry
+
+PATIENCE = 0.3
+NOT_TOLD = str(Assumption.PRESENT_TURN)
+
+
+class Stack:
+    """Another stack: an ego at 10 m/s along x, one who stands, and a controller that accelerates."""
+
+    def __init__(self, method="rss", form=AccelerationForm, reader=Detections, stands_at=300.0):
+        self.repair = ForeignRepair(Vehicle(4.5, 1.8), reader(), form(PEDALS), PATIENCE)
+        if method:
+            self.repair.use(make_repairer(method))
+        self.stands_at = stands_at
+
+    def ego(self, time, **changes):
+        self.repair.take_ego(odometry(time, **{"x": 10.0 * time} | changes), time)
+
+    def objects(self, time, stamp=None, frame="odom"):
+        stamp = time if stamp is None else stamp
+        self.repair.take_objects(detections(stamp, detection("7", self.stands_at, 0.0), frame=frame), time)
+
+    def command(self, time, wanted=1.0, stamp=None):
+        return self.repair.take_command(acceleration(time if stamp is None else stamp, wanted), time)
+
+    def drive(self, until=1.0, begin=0.0, silent=(), **what):
+        """Ego at 50 Hz, objects at 10 Hz, commands at 20 Hz; returns the last answer."""
+        answer = None
+        for step in range(round(begin * 100), round(until * 100)):
+            time = 0.01 * step
+            if step % 2 == 0 and "ego" not in silent:
+                self.ego(time)
+            if step % 10 == 0 and "objects" not in silent:
+                self.objects(time)
+            if step % 5 == 0 and "command" not in silent:
+                answer = self.command(time, **what)
+        return answer
+
+
+def test_nobody_in_the_way_lets_the_very_command_pass():
+    stack = Stack()
+    stack.drive()
+    asked = acceleration(1.0, 0.7, 0.2)
+    answer = stack.repair.take_command(asked, 1.0)
+    assert answer.message is asked
+    assert (answer.repair.status, answer.repair.reason) == (RepairStatus.PASS, NOT_TOLD)
+
+
+@pytest.mark.parametrize("method", ["rss", "predictive", "rule"])
+def test_who_stands_ahead_is_braked_for_and_named(method):
+    answer = Stack(method, stands_at=24.0).drive()
+    assert answer.repair.status is RepairStatus.REPAIRED
+    assert [trigger.object_id for trigger in answer.repair.triggers] == [7]
+    assert answer.message.accel.linear.x < -1.0
+    assert answer.repair.reason.endswith(NOT_TOLD)
+
+
+def test_before_everything_is_there_the_vehicle_is_held():
+    stack = Stack()
+    answer = stack.command(0.0)
+    assert answer.repair.status is RepairStatus.STARTING
+    assert answer.message.accel.linear.x == -4.0
+    assert "no ego: none yet" in answer.repair.reason
+    assert "no objects: none yet" in answer.repair.reason
+
+
+@pytest.mark.parametrize("part", ["ego", "objects"])
+def test_an_input_that_ends_stops_the_vehicle_until_it_is_back(part):
+    stack = Stack()
+    stack.drive(1.0)
+    assert stack.drive(1.15, 1.0, silent=(part,)).repair.status is RepairStatus.PASS  # not late yet
+    answer = stack.drive(2.0, 1.15, silent=(part,))
+    assert answer.repair.status is RepairStatus.STALE_OBJECTS
+    assert f"no {part}: the last" in answer.repair.reason
+    assert answer.message.accel.linear.x <= -4.0
+    assert stack.repair.silent(1.99).keys() == {part}
+    assert stack.drive(2.5, 2.0).repair.status is RepairStatus.PASS
+    assert stack.repair.silent(2.49) == {}
+
+
+def test_a_harder_brake_that_was_asked_for_stays():
+    stack = Stack()
+    assert stack.command(0.0, wanted=-7.0).message.accel.linear.x == -7.0
+
+
+def test_a_command_that_ends_stops_the_vehicle():
+    stack = Stack()
+    stack.drive(1.0)
+    assert stack.repair.overdue(1.2) is None
+    stack.drive(1.5, 1.0, silent=("command",))
+    answer = stack.repair.overdue(1.49)
+    assert answer.repair.status is RepairStatus.STALE_COMMAND
+    assert answer.repair.reason.startswith("controlled stop at brake 0.50: no command for 0.54 s")
+    assert answer.message.accel.linear.x == -4.0
+
+
+def test_where_all_ends_the_stop_says_so():
+    stack = Stack()
+    stack.drive(1.0)
+    answer = stack.repair.overdue(5.0)
+    assert answer.repair.status is RepairStatus.STALE_OBJECTS
+    assert "no command for 4.05 s; no ego: the last 4.02 s ago; no objects" in answer.repair.reason
+
+
+def test_nothing_is_sent_before_the_first_command():
+    stack = Stack()
+    stack.drive(1.0, silent=("command",))
+    assert stack.repair.overdue(9.0) is None
+    assert stack.repair.silent(1.0).keys() == {"command"}
+
+
+def test_nor_without_a_repairer():
+    stack = Stack(method="")
+    assert stack.drive() is None
+    assert stack.repair.overdue(9.0) is None
+
+
+@pytest.mark.parametrize(("age", "said"), [(0.5, "objects stamped 0.5"), (-0.5, "ego stamped 0.5")])
+def test_what_arrives_in_time_but_is_old_is_late_all_the_same(age, said):
+    stack = Stack()
+    for step in range(10):
+        stack.ego(0.1 * step)
+        stack.objects(0.1 * step, stamp=max(0.001, 0.1 * step + 1.0 - age) if age < 0 else 0.1 * step + 1.0 - age)
+        stack.repair.take_ego(odometry(0.1 * step + 1.0), 0.1 * step)
+        answer = stack.command(0.1 * step)
+    assert answer.repair.status in (RepairStatus.STARTING, RepairStatus.STALE_OBJECTS)
+    assert said in answer.repair.reason
+    assert said in stack.repair.silent(0.9)["objects"]
+
+
+def test_objects_in_another_frame_are_as_good_as_none_and_the_reason_names_it():
+    stack = Stack()
+    for step in range(10):
+        stack.ego(0.1 * step)
+        stack.objects(0.1 * step, frame="camera")
+        answer = stack.command(0.1 * step)
+    assert answer.repair.status is RepairStatus.STARTING
+    assert "frame 'camera'" in answer.repair.reason
+    assert "frame 'camera'" in stack.repair.silent(0.9)["objects"]
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+def test_a_command_that_is_no_number_brakes(bad):
+    stack = Stack()
+    stack.drive(1.0)
+    answer = stack.command(1.0, wanted=bad)
+    assert answer.repair.status is RepairStatus.INVALID_COMMAND
+    assert answer.message.accel.linear.x == -4.0
+
+
+def test_an_ego_that_is_not_finite_brakes():
+    stack = Stack()
+    stack.drive(1.0)
+    stack.ego(1.0, x=math.nan)
+    answer = stack.command(1.0)
+    assert answer.repair.status is RepairStatus.STALE_OBJECTS
+    assert answer.message.accel.linear.x == -4.0
+
+
+def test_commands_with_a_zero_stamp_or_the_same_one_do_not_clear_the_memory():
+    for stamp in (0.0, 123.0):
+        stack = Stack()
+        stack.ego(1.0)
+        stack.objects(0.9)
+        stack.objects(1.0)
+        states = [stack.command(1.0 + 0.01 * step, stamp=stamp).repair.status for step in range(5)]
+        assert states == [RepairStatus.RESET, *[RepairStatus.PASS] * 4]
+
+
+def test_a_clock_that_is_set_back_clears_it():
+    stack = Stack()
+    stack.drive(1.0)
+    assert stack.command(1.0, stamp=50.0).repair.status is RepairStatus.RESET
+
+
+def test_a_new_repairer_takes_over():
+    stack = Stack("rss", stands_at=24.0)
+    assert stack.drive(1.0).repair.intervened
+    stack.repair.use(make_repairer("none"))
+    assert not stack.drive(2.0, 1.0).repair.intervened
+
+
+def route_to_the_left():
+    """20 m along x, then a quarter circle of 15 m to the left, then north."""
+    angle = np.linspace(0.0, 0.5 * math.pi, 20)[1:]
+    x = np.concatenate([np.arange(-50.0, 21.0, 2.0), 20.0 + 15.0 * np.sin(angle), np.full(30, 35.0)])
+    y = np.concatenate([np.zeros(36), 15.0 * (1.0 - np.cos(angle)), 15.0 + np.arange(2.0, 61.0, 2.0)])
+    return Route("left", 4.5, 1.8, 100.0, 60.0, (Stage(x, y, np.full(len(x), 15.0)),), (), ())
+
+
+def test_with_a_route_the_motion_is_assumed_along_it():
+    straight, along = Stack("predictive", stands_at=52.0), Stack("predictive", stands_at=52.0)
+    along.repair.take_route(messages.route_message_of(route_to_the_left(), header(0.0)))
+    assert straight.drive(2.5).repair.intervened  # who stands there is in the way
+    answer = along.drive(2.5)
+    assert not answer.repair.intervened  # the route turns off before
+    assert answer.repair.reason == str(Assumption.ALONG_ROUTE)
+    assert along.repair.assumption == str(Assumption.ALONG_ROUTE)
+
+
+def test_an_unusable_route_is_an_error_that_says_so():
+    message = messages.route_message_of(route_to_the_left(), header(0.0))
+    message.y = message.y[1:]
+    with pytest.raises(ValueError, match="route: the arrays"):
+        Stack().repair.take_route(message)
+
+
+def planned(time, y, frame="odom"):
+    """Ahead at 10 m/s, and to the side."""
+    ahead = 10.0 * time + 2.5 * np.arange(1.0, 13.0)
+    plan = Trajectory(0.25, ahead, np.full(12, y), np.zeros(12), np.full(12, 10.0))
+    return messages.trajectory_message_of(plan, header(time, frame))
+
+
+def test_a_planned_trajectory_is_taken_and_then_nothing_is_assumed():
+    stack = Stack("predictive", stands_at=30.0)
+    for step in range(100):
+        time = 0.01 * step
+        stack.ego(time)
+        if step % 10 == 0:
+            stack.repair.take_trajectory(planned(time, 6.0), time)
+            stack.objects(time)
+        answer = stack.command(time)
+    assert answer.repair.reason == ""
+    assert not answer.repair.intervened  # it leads past
+    assert stack.repair.assumption == ""
+    answer = stack.drive(2.0, 1.0)  # it comes no more
+    assert answer.repair.reason.endswith(NOT_TOLD)
+    assert answer.repair.intervened
+
+
+def test_a_trajectory_in_another_frame_is_not_used_and_named():
+    stack = Stack()
+    stack.ego(0.0)
+    stack.repair.take_trajectory(planned(0.0, 0.0, "map"), 0.0)
+    assert "planned trajectory in the frame 'map'" in stack.drive(1.0).repair.reason
+
+
+def test_our_own_messages_do_as_well():
+    stack = Stack(form=PedalForm, reader=OwnObjects)
+    columns = {"x": 24.0, "y": 0.0, "yaw": 0.0, "speed": 0.0, "acceleration": 0.0, "yaw_rate": 0.0}
+    ahead = ObjectList.of(id=[3], kind=1, length=4.5, width=1.8, **columns)
+    for step in range(20):
+        time = 0.05 * step
+        stack.ego(time)
+        told = messages.object_message_of(ahead, np.empty(0, dtype=np.uint8), header(time))
+        stack.repair.take_objects(told, time)
+        asked = messages.command_message_of(Command(0.4, 0.0), header(time))
+        answer = stack.repair.take_command(asked, time)
+    assert answer.repair.intervened
+    assert answer.message.brake == answer.repair.command.brake > 0.2

@@ -1,0 +1,130 @@
+"""A bag of another stack, written without any message of ours, judged by a repair method."""
+
+import json
+
+import pytest
+
+from roadmend.cli.main import main
+from roadmend.core.errors import InputError
+from roadmend.recording.codec import encode, type_of
+from roadmend.recording.foreign_commands import PEDALS
+from roadmend.recording.foreign_objects import Vehicle
+from roadmend.recording.foreign_shadow import ForeignTopics, run_foreign_shadow
+from roadmend.recording.qos import Qos
+from roadmend.recording.reader import BagReader
+from roadmend.recording.writer import BagWriter
+from roadmend.repair.registry import make_repairer
+
+from .foreign_messages import acceleration, detection, detections, odometry
+
+TOPICS = ForeignTopics("/odom", "/detections", "/drive/accel")
+OPTIONS = ["--ego", "/odom", "--objects", "/detections", "--command", "/drive/accel"]
+CAR = Vehicle(4.8, 1.8)
+
+
+def record(folder, stands_at=60.0, objects_until=9.0, begin=100.0):
+    """5 s at 10 m/s toward one who stands: odometry at 50 Hz, detections at 10 Hz, commands at 20 Hz."""
+    streams = []
+    for step in range(500):
+        after = 0.01 * step
+        time, x = begin + after, 10.0 * after
+        if step % 2 == 0:
+            streams.append(("/odom", time, odometry(time, x=x)))
+        if step % 10 == 0 and after < objects_until:
+            one = detection("7", stands_at - x, 0.0)
+            streams.append(("/detections", time, detections(time, one, frame="base_link")))
+        if step % 5 == 0:
+            streams.append(("/drive/accel", time, acceleration(time, 0.5)))
+    with BagWriter(folder) as writer:
+        for topic, _, message in streams[:3]:
+            writer.add_topic(topic, type_of(message), [Qos()])
+        for topic, time, message in streams:
+            writer.write(topic, round(time * 1e9), encode(message))
+    return folder
+
+
+@pytest.fixture
+def bag(tmp_path):
+    return record(tmp_path / "bag")
+
+
+def shadow(bag, method="rss", topics=TOPICS):
+    seen = []
+    summary = run_foreign_shadow(
+        BagReader(bag), topics, make_repairer(method), CAR, PEDALS, lambda time, answer: seen.append((time, answer))
+    )
+    return summary, seen
+
+
+def test_the_method_steps_in_before_the_one_who_stands_and_nobody_moves_on_it(bag):
+    summary, seen = shadow(bag)
+    assert summary.ticks == len(seen) == 100
+    assert summary.interventions_then == 0
+    assert 5 < summary.interventions_now < 100
+    assert 102.0 < summary.first_difference < 104.6
+    assert 0.0 < summary.agreement < 1.0
+    assert summary.acceleration_difference > 0.1
+    assert [trigger.object_id for trigger in seen[-20][1].repair.triggers] == [7]
+
+
+def test_with_nobody_in_the_way_only_the_start_differs(tmp_path):
+    summary, _ = shadow(record(tmp_path / "far", stands_at=900.0))
+    assert summary.interventions_now <= 2  # until the detector has seen everyone twice
+    assert summary.agreement >= 0.98
+
+
+def test_where_the_objects_end_it_stops(tmp_path):
+    _, seen = shadow(record(tmp_path / "short", stands_at=900.0, objects_until=2.0))
+    assert "no objects: the last" in seen[-1][1].repair.reason
+
+
+def test_the_command_writes_a_bag_beside_which_the_recorded_lies_as_it_was(bag, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["bag", "shadow", str(bag), "--repair", "rss", *OPTIONS, "--out", str(out), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["ticks"] == 100
+    then, now = BagReader(bag), BagReader(out)
+    for name in then.topics:
+        assert [(one.time_ns, one.data) for one in now.records([name])] == [
+            (one.time_ns, one.data) for one in then.records([name])
+        ]
+    states = [one.value for one in now.messages(["/shadow/repair/state"])]
+    assert len(states) == 100
+    assert sum(state.intervened for state in states) == told["interventions_now"]
+    assert states[-1].method == "rss"
+    times = [record.time_ns for record in now.records()]
+    assert times == sorted(times)
+    topics = json.loads(now.metadata["roadmend_shadow"]["topics"])
+    assert topics["objects"] == "/detections"
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"--ego": "/odometry"}, "--ego /odometry: is not in {bag}; did you mean /odom?"),
+        ({"--ego": "/x"}, "--ego /x: is not in {bag}; name one of /odom"),
+        (
+            {"--objects": "/odom"},
+            "--objects /odom: is nav_msgs/msg/Odometry, not roadmend_msgs/msg/ObjectList or "
+            "vision_msgs/msg/Detection3DArray; name one of /detections",
+        ),
+        ({"--command": ""}, "--command: is not given; name one of /drive/accel"),
+    ],
+)
+def test_what_is_named_wrong_is_one_line_with_what_there_is(bag, tmp_path, capsys, changed, message):
+    options = dict(zip(OPTIONS[::2], OPTIONS[1::2], strict=True)) | changed
+    words = [word for pair in options.items() for word in pair]
+    assert main(["bag", "shadow", str(bag), "--repair", "rss", *words, "--out", str(tmp_path / "out")]) == 2
+    assert capsys.readouterr().err == f"roadmend: {message.format(bag=bag)}\n"
+    assert not (tmp_path / "out").exists()
+
+
+def test_without_topics_it_says_that_it_is_no_bag_of_ours(bag, tmp_path, capsys):
+    assert main(["bag", "shadow", str(bag), "--repair", "rss", "--out", str(tmp_path / "out")]) == 2
+    assert "name the topics of another stack's bag" in capsys.readouterr().err
+
+
+def test_a_topic_without_a_message_cannot_be_judged(bag, monkeypatch):
+    monkeypatch.setattr(BagReader, "messages", lambda _self, _topics: iter(()))
+    with pytest.raises(InputError, match="holds no message on /drive/accel"):
+        shadow(bag)
