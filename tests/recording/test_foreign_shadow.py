@@ -105,8 +105,10 @@ def test_the_command_writes_a_bag_beside_which_the_recorded_lies_as_it_was(bag, 
         ({"--ego": "/x"}, "--ego /x: is not in {bag}; name one of /odom"),
         (
             {"--objects": "/odom"},
-            "--objects /odom: is nav_msgs/msg/Odometry, not roadmend_msgs/msg/ObjectList or "
-            "vision_msgs/msg/Detection3DArray; name one of /detections",
+            (
+                "--objects /odom: is nav_msgs/msg/Odometry, not roadmend_msgs/msg/ObjectList or "
+                "vision_msgs/msg/Detection3DArray; name one of /detections"
+            ),
         ),
         ({"--command": ""}, "--command: is not given; name one of /drive/accel"),
     ],

@@ -74,8 +74,10 @@ class ForeignOptions:
     cls=Command,
     examples=[
         "roadmend repair --repair rss",
-        "roadmend repair --ego /odom --objects /detections --objects-type vision_msgs/msg/Detection3DArray "
-        "--command /drive/accel --command-type geometry_msgs/msg/AccelStamped",
+        (
+            "roadmend repair --ego /odom --objects /detections --objects-type vision_msgs/msg/Detection3DArray "
+            "--command /drive/accel --command-type geometry_msgs/msg/AccelStamped"
+        ),
     ],
 )
 @options_of(ForeignOptions)
