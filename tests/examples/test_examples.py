@@ -125,7 +125,7 @@ def test_the_interventions_of_a_bag_are_shown(here):
 def test_ppo_learns_for_some_steps_and_what_was_learned_is_measured(here):
     shutil.copy(EXAMPLES / "train_ppo.py", here)
     done = subprocess.run(
-        [sys.executable, "train_ppo.py", "64", "2", "1"], capture_output=True, text=True, timeout=280, check=False
+        [sys.executable, "train_ppo.py", "64", "2", "1", "2"], capture_output=True, text=True, timeout=280, check=False
     )
     assert done.returncode == 0, done.stderr
     assert "total_timesteps" in done.stdout
