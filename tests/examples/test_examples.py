@@ -140,5 +140,6 @@ def test_the_rates_are_printed(here, capsys):
     lines = capsys.readouterr().out.splitlines()
     assert [line.partition(":")[0] for line in lines] == [
         "the runner, in this process", "one environment, in this process", "1 worker", "2 workers",
+        "the runner, by its processor time", "one environment, by its processor time",
     ]  # fmt: skip
     assert all(re.search(r": \d+ steps/s \(", line) for line in lines)
