@@ -2,8 +2,9 @@
 
     .venv/bin/python src/examples/steps_per_second.py
 
-On a machine that others use, compare what the first two take of their own processor time. Every figure is of whole episodes of the same scenarios, the roads built and the kernels compiled before; what it takes
-to begin an episode counts, to start the processes does not.
+On a machine that others use, compare what the first two take of their own processor time. Every figure is of episodes of
+the same scenarios, the roads built and the kernels compiled before; what it takes to begin an episode counts, what it
+takes to start the processes does not.
 """
 
 import sys
