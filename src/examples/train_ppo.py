@@ -18,19 +18,20 @@ def make(repair: str = "rss") -> RepairWrapper:
     return RepairWrapper(DriveEnv(families=["S3"], count=20), repair, price=-0.1)
 
 
-def main(steps: int = 200_000, workers: int = 2, held_out: int = 10, file: str = "ppo.zip") -> None:
-    """Learn for some steps and keep the network; then drive scenarios that were not seen."""
+def main(steps: int = 200_000, workers: int = 2, held_out: int = 10, limit: int = 60) -> None:
+    """Learn for some steps and keep the network; then drive scenarios that were not seen, each up to a limit [s]."""
     bare = make_vec_env(make, workers, seed=0, vec_env_cls=SubprocVecEnv, vec_env_kwargs={"start_method": "spawn"})
     env = VecNormalize(bare, norm_obs_keys=["ego", "road", "zones", "objects"])  # the units differ
     try:
         model = PPO("MultiInputPolicy", env, n_steps=min(1024, steps // workers), seed=0, verbose=1)
         model.learn(steps)
-        model.save(file)
+        model.save("ppo.zip")
     finally:
         env.close()
     learned = LearnedPolicy(lambda seen: model.predict(env.normalize_obs(seen), deterministic=True)[0])
-    print(evaluate([sample_scenario("S3", 100 + number) for number in range(held_out)], learned, "rss"))
+    unseen = [sample_scenario("S3", 100 + number) for number in range(held_out)]
+    print(evaluate([each.model_copy(update={"time_limit": float(limit)}) for each in unseen], learned, "rss"))
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:4]))
+    main(*map(int, sys.argv[1:5]))

@@ -46,7 +46,7 @@ import roadmend
 new = {name.partition(".")[0] for name in {*sys.modules} - before} - sys.stdlib_module_names
 assert new == {"roadmend"}, new
 from roadmend import Command, Decision, Parameters, Policy, Proposal, Scene, Trajectory
-heavy = {"libsumo", "sumolib", "mcap", "rosbags", "rclpy", "matplotlib", "pandas", "torch", "gymnasium", "scipy"}
+heavy = {"libsumo", "sumolib", "mcap", "rosbags", "rclpy", "matplotlib", "pandas", "torch", "gymnasium"}
 assert not heavy & {*sys.modules}, heavy & {*sys.modules}
 """
 

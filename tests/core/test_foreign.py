@@ -6,7 +6,7 @@ import pytest
 from pydantic import Field
 
 from roadmend.core.errors import ForeignError, InputError
-from roadmend.core.foreign import ForeignClass, blamed_on, trouble_of
+from roadmend.core.foreign import ForeignClass, blamed_on, check_object, trouble_of
 from roadmend.core.parameters import NoParameters, Parameters
 
 
@@ -116,6 +116,22 @@ def fails(self):
 def test_one_that_cannot_be_made_is_refused_in_one_line(thing, said):
     with pytest.raises(InputError) as caught:
         check(thing).make(parameters=None, seed=0)
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("thing", "said"),
+    [
+        (type("Lame", (), {"name": "x"})(), "has no method walk(where, how)"),
+        (type("Nameless", (), {"walk": Plain.walk})(), "has no attribute 'name' that is a text"),
+        (None, "has no method walk(where, how)"),
+    ],
+)
+def test_an_object_is_looked_at_as_a_class_is(thing, said):
+    check_object("walker x:Y", with_constructor(lambda self, model: None)(3), Walker)  # how it was made is no matter
+    with pytest.raises(InputError) as caught:
+        check_object("walker x:Y", thing, Walker)
+    assert str(caught.value).startswith("walker x:Y: ")
     assert said in str(caught.value)
 
 

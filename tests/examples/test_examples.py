@@ -125,7 +125,7 @@ def test_the_interventions_of_a_bag_are_shown(here):
 def test_ppo_learns_for_some_steps_and_what_was_learned_is_measured(here):
     shutil.copy(EXAMPLES / "train_ppo.py", here)
     done = subprocess.run(
-        [sys.executable, "train_ppo.py", "64", "2", "1"], capture_output=True, text=True, timeout=280, check=False
+        [sys.executable, "train_ppo.py", "64", "2", "1", "2"], capture_output=True, text=True, timeout=280, check=False
     )
     assert done.returncode == 0, done.stderr
     assert "total_timesteps" in done.stdout
@@ -140,5 +140,6 @@ def test_the_rates_are_printed(here, capsys):
     lines = capsys.readouterr().out.splitlines()
     assert [line.partition(":")[0] for line in lines] == [
         "the runner, in this process", "one environment, in this process", "1 worker", "2 workers",
+        "the runner, by its processor time", "one environment, by its processor time",
     ]  # fmt: skip
     assert all(re.search(r": \d+ steps/s \(", line) for line in lines)

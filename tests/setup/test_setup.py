@@ -330,10 +330,16 @@ class TestExtras:
             ("safe extract -h", ""),
             ("set-up", ""),
             ("set-up training sera", "training sera"),
+            ("set-up rl gym", "rl gym pandas training"),
         ],
     )
     def test_come_with_the_commands_that_need_them(self, launcher, command, needed):
         assert launcher.extras_needed(command.split()) == tuple(needed.split())
+
+    def test_what_one_works_with_besides_is_what_the_package_says(self, launcher):
+        extras = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+        named = {name: re.findall(r"^roadmend\[(.+)\]$", needs[0]) for name, needs in extras.items() if name != "all"}
+        assert {name: tuple(more[0].split(",")) for name, more in named.items() if more} == launcher.ALSO
 
     def test_one_that_is_not_there_is_named_with_those_that_are(self, launcher):
         with pytest.raises(launcher.SetupError, match=r"set-up trainng: there is no such.* choose of .*training, test"):

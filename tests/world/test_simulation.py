@@ -254,6 +254,18 @@ def test_the_simulation_can_be_opened_again_after_a_failure():
     assert run_episode(without_traffic("S3"), Cruise(8.0), PassThrough()).outcome is EventKind.GOAL
 
 
+def test_a_second_one_is_refused_and_the_first_goes_on():
+    with Simulation(without_traffic("S3")) as first:
+        before = first.first()
+        with pytest.raises(SimulationError, match="another episode is under way in this process"):
+            Simulation(without_traffic("S1"))
+        after = first.step(Command(1.0, 0.0))
+        assert after.number == before.number + 1
+        assert after.scene.ego.speed > before.scene.ego.speed
+    with Simulation(without_traffic("S1")) as second:
+        assert second.first().number == 0
+
+
 def test_a_network_is_built_once(tmp_path, monkeypatch):
     from roadmend.world import network
 

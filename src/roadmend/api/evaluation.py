@@ -129,7 +129,8 @@ def evaluate(
     """
     chosen = scenarios_of(scenarios)
     drivers: list[PolicyLike] = _several(policies, "policies")
-    methods: list[RepairLike] = [*TRIVIAL, *_several(repairs, "repairs")]
+    asked: list[RepairLike] = _several(repairs, "repairs")
+    methods: list[RepairLike] = [*TRIVIAL, *asked]
     pairs = [*product(drivers, methods)]
     named = {place: _key(*pair) for place, pair in enumerate(pairs)}
     for driver, method in pairs:  # refused before anything is driven
