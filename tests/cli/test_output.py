@@ -6,7 +6,6 @@ import time
 
 import pytest
 from rich.console import Console
-from rich.progress import TextColumn
 
 from roadmend.cli import output
 from roadmend.cli.output import ProgressLines, Waiting, counting
@@ -26,8 +25,7 @@ def told():
 
 
 def lines_of(told, total, steps, clock, seconds):
-    console = Console(file=told)
-    with ProgressLines(TextColumn("{task.description}"), console=console, disable=True) as progress:
+    with ProgressLines(Console(file=told)) as progress:
         task = progress.add_task("episodes [1/2]", total=total)
         for done in range(1, steps + 1):
             clock[0] += seconds
@@ -58,13 +56,22 @@ def test_what_has_no_end_is_told_too(clock, told):
 
 
 def test_nothing_is_said_of_what_does_not_move(clock, told):
-    console = Console(file=told)
-    with ProgressLines(TextColumn("{task.description}"), console=console, disable=True) as progress:
+    with ProgressLines(Console(file=told)) as progress:
         task = progress.add_task("episodes", total=10)
         for _ in range(5):
             clock[0] += 100.0
             progress.update(task, description="still")
     assert told.getvalue() == ""
+
+
+def test_a_task_that_begins_anew_is_told_anew(clock, told):
+    with ProgressLines(Console(file=told)) as progress:
+        task = progress.add_task("S1", total=2)
+        progress.update(task, completed=2)
+        clock[0] += 1.0
+        progress.reset(task, description="S2", total=2)
+        progress.update(task, completed=2)
+    assert told.getvalue().splitlines() == ["S1: 2 of 2 after 0 s", "S2: 2 of 2 after 1 s"]
 
 
 def test_without_a_terminal_counting_gives_lines(capfd):

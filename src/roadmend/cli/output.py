@@ -58,15 +58,15 @@ def counting(*more: ProgressColumn, is_transient: bool = False) -> Progress:
 def _progress(*columns: ProgressColumn, is_transient: bool) -> Progress:
     console = Console(stderr=True)
     if not console.is_terminal:
-        return ProgressLines(*columns, console=console, disable=True)
+        return ProgressLines(console)
     return Progress(*columns, console=console, transient=is_transient)
 
 
 class ProgressLines(Progress):
     """Progress where there is no terminal, in a log say: a line now and then about what has moved, and one at its end."""
 
-    def __init__(self, *columns: ProgressColumn, console: Console, disable: bool) -> None:
-        super().__init__(*columns, console=console, disable=disable)
+    def __init__(self, console: Console) -> None:
+        super().__init__(console=console, disable=True)  # the bars; the lines are printed beside
         self._begin = self._said_at = time.monotonic()
         self._said: dict[TaskID, float] = {}
 
@@ -79,6 +79,11 @@ class ProgressLines(Progress):
         """As the bars', and perhaps a line."""
         super().advance(task_id, advance)
         self._say(task_id)
+
+    def reset(self, task_id: TaskID, **changes: Any) -> None:
+        """As the bars': the task begins anew, under another name perhaps."""
+        self._said.pop(task_id, None)
+        super().reset(task_id, **changes)
 
     def _say(self, task_id: TaskID) -> None:
         task = self._tasks[task_id]
