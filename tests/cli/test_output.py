@@ -19,6 +19,13 @@ def clock(monkeypatch):
     return now
 
 
+@pytest.fixture(autouse=True)
+def pace(monkeypatch):
+    """The one that people get; the other tests here have theirs."""
+    monkeypatch.setattr(output, "_SILENCE", 30.0)
+    monkeypatch.setattr(output, "_PAUSE", 5.0)
+
+
 @pytest.fixture
 def told():
     return io.StringIO()
@@ -41,8 +48,12 @@ def test_a_line_for_every_tenth(clock, told):
     assert lines[-1] == "episodes [1/2]: 1,000 of 1,000 after 100 s"
 
 
-def test_what_is_done_at_once_has_one_line(clock, told):
-    assert lines_of(told, 50, 50, clock, 0.001) == ["episodes [1/2]: 50 of 50 after 0 s"]
+def test_what_is_done_at_once_says_nothing(clock, told):
+    assert lines_of(told, 50, 50, clock, 0.001) == []
+
+
+def test_what_takes_longer_says_when_it_is_done(clock, told):
+    assert lines_of(told, 50, 50, clock, 0.11)[-1] == "episodes [1/2]: 50 of 50 after 6 s"
 
 
 def test_what_is_slow_has_a_line_now_and_then(clock, told):
@@ -66,22 +77,24 @@ def test_nothing_is_said_of_what_does_not_move(clock, told):
 
 def test_a_task_that_begins_anew_is_told_anew(clock, told):
     with ProgressLines(Console(file=told)) as progress:
+        clock[0] += 10.0
         task = progress.add_task("S1", total=2)
         progress.update(task, completed=2)
         clock[0] += 1.0
         progress.reset(task, description="S2", total=2)
         progress.update(task, completed=2)
-    assert told.getvalue().splitlines() == ["S1: 2 of 2 after 0 s", "S2: 2 of 2 after 1 s"]
+    assert told.getvalue().splitlines() == ["S1: 2 of 2 after 10 s", "S2: 2 of 2 after 11 s"]
 
 
-def test_without_a_terminal_counting_gives_lines(capfd):
+def test_without_a_terminal_counting_gives_lines(capfd, monkeypatch):
+    monkeypatch.setattr(output, "_PAUSE", 0.0)
     with counting() as progress:
         task = progress.add_task("episodes", total=2)
         progress.advance(task)
         progress.advance(task)
     printed = capfd.readouterr()
     assert printed.out == ""
-    assert re.fullmatch(r"episodes: 2 of 2 after \d+ s\n", printed.err)
+    assert re.fullmatch(r"episodes: 1 of 2 after .*\nepisodes: 2 of 2 after \d+ s\n", printed.err)
 
 
 def test_what_cannot_be_counted_says_now_and_then_that_it_is_at_work(capfd, monkeypatch):

@@ -39,7 +39,7 @@ def show_rows(rows: Sequence[Sequence[str]]) -> None:
 
 
 _SILENCE = 30.0  # [s] after which work that goes on says so where there is no terminal
-_SHARE, _PAUSE = 0.1, 5.0  # or sooner: after so much of it, but not before so many seconds
+_SHARE, _PAUSE = 0.1, 5.0  # or sooner: after so much of it, but not before so many seconds; work as short says nothing
 
 Report = Callable[[str, int, int | None], None]  # what is being done, how much of it is done, how much there is
 
@@ -93,7 +93,9 @@ class ProgressLines(Progress):
         silence = now - self._said_at
         share = (task.completed - before) / task.total if task.total else 0.0
         is_done = task.total is not None and task.completed >= task.total
-        if not (is_done or silence >= _SILENCE or (share >= _SHARE and silence >= _PAUSE)):
+        if not (
+            (is_done and now - self._begin >= _PAUSE) or silence >= _SILENCE or (share >= _SHARE and silence >= _PAUSE)
+        ):
             return
         self._said[task_id], self._said_at = task.completed, now
         of = "" if task.total is None else f" of {task.total:,.0f}"
