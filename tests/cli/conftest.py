@@ -4,11 +4,19 @@ from pathlib import Path
 
 import pytest
 
+from roadmend.cli import output
 from roadmend.nodes.launcher import GraphOptions, run_graph
 from roadmend.recording.reader import BagReader
 from roadmend.recording.writer import BagWriter
 from roadmend.world.families import sample_scenario
 from roadmend.world.scenario_file import save_scenario
+
+
+@pytest.fixture(autouse=True)
+def quiet(monkeypatch):
+    """No lines about progress, which a slow machine would put between those that a test is about."""
+    monkeypatch.setattr(output, "_SILENCE", 1e6)
+    monkeypatch.setattr(output, "_PAUSE", 1e6)
 
 
 @pytest.fixture(scope="session")

@@ -43,3 +43,9 @@ def test_information_and_page_tell_the_need_when_they_are_asked(tmp_path, capsys
     page = tmp_path / "page.html"
     assert main(["bag", "plot", str(SAMPLES / "repaired"), "--futures", "2", "--out", str(page)]) == 0
     assert ">rescue</span>" in page.read_text("utf-8")
+
+
+def test_a_policy_that_is_not_there_is_refused_before_the_bag_is_read(tmp_path, capsys):
+    for command in (["need"], ["info"], ["plot", "--out", str(tmp_path / "a.png")]):
+        assert main(["bag", *command, str(tmp_path / "none"), "--futures", "1", "--policy", "autopilot"]) == 2
+        assert "there is no 'autopilot'" in capsys.readouterr().err

@@ -284,3 +284,25 @@ def test_the_scenarios_that_come_along_are_sound():
     folder = Path(__file__).parents[2] / "config" / "scenarios"
     for path in folder.glob("*.yaml"):
         assert load_scenario(path).name
+
+
+def test_sample_prints_json_that_is_a_scenario_file_too(tmp_path, capsys):
+    assert main(["sample", "--family", "S1", "--seed", "5", "--json"]) == 0
+    (tmp_path / "s.yaml").write_text(capsys.readouterr().out)
+    assert json.loads((tmp_path / "s.yaml").read_text())["name"] == "S1-5"
+    assert load_scenario(tmp_path / "s.yaml") == sample_scenario("S1", 5)
+
+
+def test_a_conversion_is_told_as_json(tmp_path, capsys):
+    bag = Path(__file__).parents[2] / "bags" / "samples" / "repaired"
+    out = tmp_path / "converted"
+    assert main(["bag", "convert", str(bag), "--to", "sqlite3", "--out", str(out), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["bag"], told["storage"]) == (str(out), "sqlite3")
+    assert told["messages"] > 100
+
+
+def test_what_is_made_of_networks_is_told_as_json(tmp_path, capsys):
+    arguments = ["networks", "--kind", "rural", "--count", "1", "--workers", "1", "--out", str(tmp_path), "--json"]
+    assert main(arguments) == 0
+    assert json.loads(capsys.readouterr().out) == [str(tmp_path / "rural-0" / "rural-0.sumocfg")]

@@ -6,7 +6,6 @@ import time
 
 import pytest
 from rich.console import Console
-from rich.progress import TextColumn
 
 from roadmend.cli import output
 from roadmend.cli.output import ProgressLines, Waiting, counting
@@ -20,14 +19,20 @@ def clock(monkeypatch):
     return now
 
 
+@pytest.fixture(autouse=True)
+def pace(monkeypatch):
+    """The one that people get; the other tests here have theirs."""
+    monkeypatch.setattr(output, "_SILENCE", 30.0)
+    monkeypatch.setattr(output, "_PAUSE", 5.0)
+
+
 @pytest.fixture
 def told():
     return io.StringIO()
 
 
 def lines_of(told, total, steps, clock, seconds):
-    console = Console(file=told)
-    with ProgressLines(TextColumn("{task.description}"), console=console, disable=True) as progress:
+    with ProgressLines(Console(file=told)) as progress:
         task = progress.add_task("episodes [1/2]", total=total)
         for done in range(1, steps + 1):
             clock[0] += seconds
@@ -43,8 +48,12 @@ def test_a_line_for_every_tenth(clock, told):
     assert lines[-1] == "episodes [1/2]: 1,000 of 1,000 after 100 s"
 
 
-def test_what_is_done_at_once_has_one_line(clock, told):
-    assert lines_of(told, 50, 50, clock, 0.001) == ["episodes [1/2]: 50 of 50 after 0 s"]
+def test_what_is_done_at_once_says_nothing(clock, told):
+    assert lines_of(told, 50, 50, clock, 0.001) == []
+
+
+def test_what_takes_longer_says_when_it_is_done(clock, told):
+    assert lines_of(told, 50, 50, clock, 0.11)[-1] == "episodes [1/2]: 50 of 50 after 6 s"
 
 
 def test_what_is_slow_has_a_line_now_and_then(clock, told):
@@ -58,8 +67,7 @@ def test_what_has_no_end_is_told_too(clock, told):
 
 
 def test_nothing_is_said_of_what_does_not_move(clock, told):
-    console = Console(file=told)
-    with ProgressLines(TextColumn("{task.description}"), console=console, disable=True) as progress:
+    with ProgressLines(Console(file=told)) as progress:
         task = progress.add_task("episodes", total=10)
         for _ in range(5):
             clock[0] += 100.0
@@ -67,14 +75,26 @@ def test_nothing_is_said_of_what_does_not_move(clock, told):
     assert told.getvalue() == ""
 
 
-def test_without_a_terminal_counting_gives_lines(capfd):
+def test_a_task_that_begins_anew_is_told_anew(clock, told):
+    with ProgressLines(Console(file=told)) as progress:
+        clock[0] += 10.0
+        task = progress.add_task("S1", total=2)
+        progress.update(task, completed=2)
+        clock[0] += 1.0
+        progress.reset(task, description="S2", total=2)
+        progress.update(task, completed=2)
+    assert told.getvalue().splitlines() == ["S1: 2 of 2 after 10 s", "S2: 2 of 2 after 11 s"]
+
+
+def test_without_a_terminal_counting_gives_lines(capfd, monkeypatch):
+    monkeypatch.setattr(output, "_PAUSE", 0.0)
     with counting() as progress:
         task = progress.add_task("episodes", total=2)
         progress.advance(task)
         progress.advance(task)
     printed = capfd.readouterr()
     assert printed.out == ""
-    assert re.fullmatch(r"episodes: 2 of 2 after \d+ s\n", printed.err)
+    assert re.fullmatch(r"episodes: 1 of 2 after .*\nepisodes: 2 of 2 after \d+ s\n", printed.err)
 
 
 def test_what_cannot_be_counted_says_now_and_then_that_it_is_at_work(capfd, monkeypatch):

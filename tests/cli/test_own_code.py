@@ -98,6 +98,11 @@ def test_the_graph_of_the_example_drives_as_this_process_does_and_the_bag_says_w
     assert main([*again, "--policy", "own_example:Careful", "--out", "again", "--json"]) == 0
     now = json.loads(capfd.readouterr().out)["now"]
     assert {name: told[name] for name in now} == now
+    for command in (["info"], ["plot", "--out", "a.html"]):
+        assert main(["bag", *command, "bags/bag", "--futures", "1"]) == 2
+        assert "name it yourself: --policy own_example:Careful" in capfd.readouterr().err
+        assert main(["bag", *command, "bags/bag", "--futures", "1", "--policy", "own_example:Careful", "--json"]) == 0
+        json.loads(capfd.readouterr().out)
 
 
 @pytest.mark.graph

@@ -1,5 +1,6 @@
 """``roadmend train self-oracle`` and ``roadmend train rivals`` on a corpus of a few random draws."""
 
+import json
 import random
 from dataclasses import replace
 
@@ -56,17 +57,20 @@ def test_the_autoencoder_and_the_settings_are_written(corpus, tmp_path, capsys, 
     model, again, out = tmp_path / "oracle.safetensors", tmp_path / "2" / "oracle.safetensors", tmp_path / "tuned.yaml"
     base = ["train", "self-oracle", "--corpus", str(corpus), "--epochs", "2", "--workers", "1"]
     assert main([*base, "--out", str(model)]) == 0
-    assert main([*base, "--out", str(again)]) == 0
-    assert model.read_bytes() == again.read_bytes()
     assert "held-out frames" in capsys.readouterr().out
+    assert main([*base, "--out", str(again), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["model"] == str(again)
+    assert model.read_bytes() == again.read_bytes()
 
     base = ["train", "rivals", "--corpus", str(corpus), "--out", str(out), "--workers", "1"]
     assert main([*base, "--only", "random"]) == 0
     first = yaml.safe_load(out.read_text())
     assert list(first["methods"]) == ["random"]
     assert first["cases"] == 2
-    assert main([*base, "--only", "model", "--model", str(model)]) == 0
+    capsys.readouterr()
+    assert main([*base, "--only", "model", "--model", str(model), "--json"]) == 0
     both = yaml.safe_load(out.read_text())
+    assert [*json.loads(capsys.readouterr().out)["rivals"]] == [*both["methods"]]
     assert list(both["methods"]) == ["random", "model"]
     assert both["methods"]["random"] == first["methods"]["random"]
     assert both["methods"]["model"]["parameters"]["model"] == "modular"

@@ -1,5 +1,7 @@
 """A model that decides otherwise is the same networks, and says what it was made from."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -12,10 +14,11 @@ from roadmend.training.adreft.adjusting import adjust
 SHIPPED = find_model("modular", "adreft-")
 
 
-def test_threshold_and_rules_change_and_the_networks_stay(tmp_path):
+def test_threshold_and_rules_change_and_the_networks_stay(tmp_path, capsys):
     out = tmp_path / "other.safetensors"
     words = [str(SHIPPED), "--threshold", "0.6", "--set", "longest=8.0", "--set", "hold=0.5", "--out", str(out)]
-    assert main(["train", "adjust", *words]) == 0
+    assert main(["train", "adjust", *words, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == {"model": str(out), "sha256": load_checkpoint(out).digest}
     before, after = load_checkpoint(SHIPPED), load_checkpoint(out)
     assert {*before.tensors} == {*after.tensors}
     assert all(np.array_equal(before.tensors[name], after.tensors[name]) for name in before.tensors)

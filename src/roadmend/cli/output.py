@@ -39,7 +39,7 @@ def show_rows(rows: Sequence[Sequence[str]]) -> None:
 
 
 _SILENCE = 30.0  # [s] after which work that goes on says so where there is no terminal
-_SHARE, _PAUSE = 0.1, 5.0  # or sooner: after so much of it, but not before so many seconds
+_SHARE, _PAUSE = 0.1, 5.0  # or sooner: after so much of it, but not before so many seconds; work as short says nothing
 
 Report = Callable[[str, int, int | None], None]  # what is being done, how much of it is done, how much there is
 
@@ -58,15 +58,15 @@ def counting(*more: ProgressColumn, is_transient: bool = False) -> Progress:
 def _progress(*columns: ProgressColumn, is_transient: bool) -> Progress:
     console = Console(stderr=True)
     if not console.is_terminal:
-        return ProgressLines(*columns, console=console, disable=True)
+        return ProgressLines(console)
     return Progress(*columns, console=console, transient=is_transient)
 
 
 class ProgressLines(Progress):
     """Progress where there is no terminal, in a log say: a line now and then about what has moved, and one at its end."""
 
-    def __init__(self, *columns: ProgressColumn, console: Console, disable: bool) -> None:
-        super().__init__(*columns, console=console, disable=disable)
+    def __init__(self, console: Console) -> None:
+        super().__init__(console=console, disable=True)  # the bars; the lines are printed beside
         self._begin = self._said_at = time.monotonic()
         self._said: dict[TaskID, float] = {}
 
@@ -80,6 +80,11 @@ class ProgressLines(Progress):
         super().advance(task_id, advance)
         self._say(task_id)
 
+    def reset(self, task_id: TaskID, **changes: Any) -> None:
+        """As the bars': the task begins anew, under another name perhaps."""
+        self._said.pop(task_id, None)
+        super().reset(task_id, **changes)
+
     def _say(self, task_id: TaskID) -> None:
         task = self._tasks[task_id]
         now, before = time.monotonic(), self._said.get(task_id, 0.0)
@@ -88,7 +93,9 @@ class ProgressLines(Progress):
         silence = now - self._said_at
         share = (task.completed - before) / task.total if task.total else 0.0
         is_done = task.total is not None and task.completed >= task.total
-        if not (is_done or silence >= _SILENCE or (share >= _SHARE and silence >= _PAUSE)):
+        if not (
+            (is_done and now - self._begin >= _PAUSE) or silence >= _SILENCE or (share >= _SHARE and silence >= _PAUSE)
+        ):
             return
         self._said[task_id], self._said_at = task.completed, now
         of = "" if task.total is None else f" of {task.total:,.0f}"

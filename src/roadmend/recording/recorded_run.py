@@ -59,7 +59,7 @@ def _policy(bag: str, record: Mapping[str, str]) -> str:
         raise InputError(bag, "does not say which policy drove", _MEND)
     if ":" in policy:
         what = f"was driven by {policy!r}, code from outside that a bag makes nobody run"
-        raise InputError(bag, what, f"name it yourself: 'bag need' and 'bag resimulate' take --policy {policy}")
+        raise InputError(bag, what, f"name it yourself: --policy {policy}")
     try:
         POLICY_REGISTRY.find_installed(policy)
     except InputError:
