@@ -19,6 +19,7 @@ ARGUMENTS = {
     "scenario": ("", "scenario file to drive"),
     "policy": ("modular", "driving policy; external: none is started here, one of your own publishes its commands"),
     "repair": ("rss", "repair method"),
+    "tuned": ("true", "whether the repair method takes the model and the settings that were made for the policy"),
     "clock": ("lockstep", "lockstep or realtime"),
     "rate": ("1.0", "real time: simulated seconds per wall second"),
     "seed": ("0", "of the repair method"),
@@ -48,17 +49,23 @@ def nodes(context: LaunchContext) -> list:
         "policy": {"policy": given["policy"]},
         "repair": {"method": given["repair"], "clock": given["clock"], "seed": int(given["seed"])},
     }
+    is_external = given["policy"] == "external"
+    parameters["repair"] |= {
+        "policy": given["policy"] if given["tuned"].lower() not in NO else "",
+        "trajectory": "optional" if is_external else "required",
+    }
     wanted = {
         "recorder": given["record"].lower() not in NO,
         "viz": given["viz"].lower() not in NO,
         "foxglove": bool(given["foxglove"]),
-        "policy": given["policy"] != "external",
+        "policy": not is_external,
         "repair": True,
     }
     started = [node(name, parameters[name], given) for name in parameters if wanted[name]]
     if simulated:
         waited_for = [f"{name}_node" for name in parameters if wanted[name]]
         own = {"scenario": given["scenario"], "clock": given["clock"], "rate": float(given["rate"])}
+        own |= {"driver": "external" if is_external else "own"}
         simulator = node("sim", own | {"wait_for": waited_for}, given)
         over = OnProcessExit(target_action=simulator, on_exit=[EmitEvent(event=Shutdown(reason="the drive is over"))])
         started += [simulator, RegisterEventHandler(over)]
