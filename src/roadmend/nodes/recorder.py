@@ -142,11 +142,12 @@ class RecorderNode(Node):
         self._announcements = Announcements(self)
         self._discover()
 
-    def _note_who_runs(self) -> None:
-        """What was announced goes into the bag at once: a recorder that is killed leaves what was known until then."""
-        self._announcements.look(is_driving=self._timekeeper.now_ns > 0)
+    def _note_who_runs(self, *, is_last: bool = False) -> None:
+        """What was announced goes into the bag as soon as somebody drives, so that a recorder that is killed leaves it."""
+        is_driving = self._timekeeper.now_ns > 0
+        self._announcements.look(is_driving=is_driving)
         known = self._announcements.account | self._scenario()
-        if known == self._known:
+        if known == self._known or not (is_driving or is_last):
             return
         gone = dict.fromkeys(self._known.keys() - known.keys(), "")  # records of a bag add up
         self._known = known
@@ -181,7 +182,7 @@ class RecorderNode(Node):
         try:
             self._drain()
             if self._error is None:
-                self._note_who_runs()
+                self._note_who_runs(is_last=True)
             if self._error is not None:
                 raise self._error
             self._writer.add_metadata(METADATA_RECORD, self._metadata | self._account())
