@@ -92,7 +92,9 @@ class GraphView:
         self._looked_at = now
         self._announcements.look(is_driving=is_driving)
         changed = self._is_watching and self._watch.look(now)
-        self._is_settled = self._watch.is_settled(now)
+        is_settled = self._watch.is_settled(now)
+        changed |= is_settled != self._is_settled
+        self._is_settled = is_settled
         waiting = [*waiting_for(now), *self.missing]
         if self._file is not None and (changed or self._is_due or waiting != self._waiting):
             self._waiting, self._is_due = waiting, False
