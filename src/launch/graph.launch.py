@@ -25,6 +25,7 @@ ARGUMENTS = {
         "driving policy, modular if empty; external, as with sim:=false if empty: one of your own publishes its commands",
     ),
     "repair": ("rss", "repair method"),
+    "tuned": ("true", "whether the repair method takes the model and the settings that were made for the policy"),
     "clock": ("lockstep", "lockstep or realtime"),
     "rate": ("1.0", "real time: simulated seconds per wall second"),
     "seed": ("0", "of the repair method"),
@@ -66,17 +67,23 @@ def nodes(context: LaunchContext) -> list:
         "policy": {"policy": policy},
         "repair": {"method": given["repair"], "seed": int(given["seed"]), **repair},
     }
+    is_external = policy == "external"
+    parameters["repair"] |= {
+        "policy": policy if given["tuned"].lower() not in NO else "",
+        "trajectory": "optional" if is_external else "required",
+    }
     wanted = {
         "recorder": given["record"].lower() not in NO,
         "viz": viz.lower() not in NO,
         "foxglove": bool(given["foxglove"]),
-        "policy": policy != "external",
+        "policy": not is_external,
         "repair": True,
     }
     started = [node(name, parameters[name], given) for name in parameters if wanted[name]]
     if simulated:
         waited_for = [f"{name}_node" for name in parameters if wanted[name]]
         own = {"scenario": given["scenario"], "clock": given["clock"], "rate": float(given["rate"])}
+        own |= {"driver": "external" if is_external else "own"}
         simulator = node("sim", own | {"wait_for": waited_for}, given)
         over = OnProcessExit(target_action=simulator, on_exit=[EmitEvent(event=Shutdown(reason="the drive is over"))])
         started += [simulator, RegisterEventHandler(over)]

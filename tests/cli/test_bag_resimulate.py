@@ -221,6 +221,12 @@ def test_a_policy_that_is_not_named_or_not_here_is_refused(altered, refused):
     assert "altered: does not say which policy drove" in refused(bag)
 
 
+@pytest.mark.parametrize("policy", ["external:/mine", "modular + external:/mine"])
+def test_a_policy_that_was_a_node_of_somebody_elses_is_refused(altered, refused, policy):
+    said = refused(altered(tell=lambda values: {**values, "policy": policy}))
+    assert f"was driven by {policy}, a node of somebody else's; a class may drive in its place" in said
+
+
 def test_a_moment_outside_the_run_is_refused(refused):
     assert "--from-time: 8.05 s is after the end; give 0 to 8 s" in refused(None, "--from-time", "8.05")
     assert "--from-time" in refused(None, "--from-time", "-1")

@@ -1,54 +1,61 @@
-"""What a bag says about the run that made it."""
+"""What a bag says about what drove and repaired: read off the objects, not off what was asked for."""
 
 import hashlib
-import json
 from pathlib import Path
 
 import pytest
 
 from roadmend import __version__
 from roadmend.networks.checkpoint import models_folder
-from roadmend.nodes.provenance import provenance
+from roadmend.nodes.provenance import described, provenance
+from roadmend.policies.registry import POLICY_REGISTRY, make_policy
+from roadmend.repair.registry import METHOD_REGISTRY, make_method
+from tests.core.own_code import METHOD
 
 
-def told(policy="modular", method="rss", given=()):
-    return provenance(Path("a/s.yaml"), policy, method, "lockstep", 7, given)
+def digest(path):
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def digest(name):
-    return hashlib.sha256((models_folder() / f"{name}.safetensors").read_bytes()).hexdigest()
+def of_method(given, **parameters):
+    return described(METHOD_REGISTRY.find(given), make_method(given, parameters), parameters)
 
 
-def test_who_drove_with_what():
-    known = told(given=("-p", "rss.rho:=0.4"))
-    assert {name: known[name] for name in ("scenario_file", "policy", "method", "clock", "seed")} == {
-        "scenario_file": "s.yaml",
-        "policy": "modular",
-        "method": "rss",
-        "clock": "lockstep",
-        "seed": "7",
-    }
+def test_what_no_node_can_tell():
+    known = provenance(Path("a/s.yaml"), ("-p", "rss.rho:=0.4"))
+    assert (known["scenario_file"], known["ros_arguments"]) == ("s.yaml", "-p rss.rho:=0.4")
     assert known["roadmend"] == __version__
-    assert known["ros_arguments"] == "-p rss.rho:=0.4"
-    assert json.loads(known["method_defaults"])["time_gap"] == pytest.approx(0.5)
     assert "libsumo" in known
-    assert not any(name.endswith("sha256") for name in known)
 
 
-def test_models_are_named_with_their_digests():
-    known = told("neural", "adreft")
-    assert (known["policy_model"], known["policy_model_sha256"]) == ("neural", digest("neural"))
-    assert (known["method_model"], known["method_model_sha256"]) == ("modular", digest("adreft-modular"))
+def test_a_policy_without_a_model():
+    known = described(POLICY_REGISTRY.find("modular"), make_policy("modular"), {})
+    assert known == {"class": "roadmend.policies.modular.ModularPolicy", "package": f"roadmend {__version__}"}
 
 
-@pytest.mark.parametrize("word", ["adreft.model:={}", "repair_node:adreft.model:={}", "adreft.model:='{}'"])
-def test_a_model_that_an_argument_chooses(word, tmp_path):
-    other = tmp_path / "other.safetensors"
-    other.write_bytes(b"weights")
-    known = told(method="adreft", given=("-p", word.format(other)))
-    assert known["method_model_sha256"] == hashlib.sha256(b"weights").hexdigest()
+@pytest.mark.parametrize(
+    ("method", "file", "threshold"),
+    [("adreft", "adreft-neural", 0.4), ("gated", "adreft-neural", 0.4), ("model", "self_oracle-neural", None)],
+)
+def test_a_model_by_name_has_the_digest_of_what_was_loaded(method, file, threshold):
+    known = of_method(method, model="neural")
+    assert known["model"] == "neural"
+    assert known["model_sha256"] == digest(models_folder() / f"{file}.safetensors")
+    assert float(known["threshold"]) == (threshold or pytest.approx(0.5796859))
 
 
-def test_what_is_not_there_has_no_digest():
-    assert told(method="model", given=("-p", "model.model:=absent"))["method_model_sha256"] == ""
-    assert "method_defaults" not in told(method="absent")
+def test_a_model_by_its_path_and_a_threshold_that_was_given(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("m.safetensors").write_bytes((models_folder() / "adreft-modular.safetensors").read_bytes())
+    known = of_method("adreft", model="m.safetensors", threshold=0.25)
+    assert (known["model"], known["threshold"]) == (str(tmp_path / "m.safetensors"), "0.25")
+    assert known["model_sha256"] == digest(tmp_path / "m.safetensors")
+
+
+def test_code_from_outside_says_where_it_comes_from(own):
+    name = own(METHOD)
+    known = of_method(f"{name}:Near")
+    assert known["class"] == f"{name}.Near"
+    assert known["package"] == f"{name}, not installed"
+    assert known["origin"] == str(Path(f"{name}.py").resolve())
+    assert len(known["code_sha256"]) == 64

@@ -597,6 +597,58 @@ def test_in_lockstep_the_simulator_sets_the_pace_and_silence_is_no_fault(bench):
     assert there.wait(10.0) == []
 
 
+# -- a policy without plans --------------------------------------------------------------------------------------------
+
+
+def test_where_nobody_publishes_a_trajectory_and_none_is_required_a_tick_does_without_and_says_so(bench):
+    there = bench(trajectory="optional")
+    there.wait(0.01)
+    there.route()
+    for number in range(3):
+        (state,) = there.tick(number, without=("trajectory",))
+        assert state.reason.startswith("no planned trajectory: ")
+    assert state.state == RepairStatus.PASS
+    (state,) = there.tick(3, without=("trajectory",), objects=[(7, 62.0, 0.0, 0.0, 4.0)])
+    assert (state.state, list(state.trigger_id)) == (RepairStatus.REPAIRED, [7])
+    assert "object 7" in state.reason
+    assert there.tick(4, without=("command", "trajectory")) == []
+    (state,) = there.wait(2.1)
+    assert (state.state, "no command within" in state.reason) == (RepairStatus.STALE_COMMAND, True)
+
+
+def test_a_trajectory_that_somebody_publishes_is_waited_for_again(bench):
+    there = bench(trajectory="optional")
+    publisher = there.node.create_publisher(msg.Trajectory, topics.POLICY_TRAJECTORY, qos.STREAM)
+    assert publisher.topic_name == "/policy/trajectory"
+    deadline = time.monotonic() + 20.0
+    while not there.node.count_publishers(topics.POLICY_TRAJECTORY) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    there.wait(0.3)
+    there.route()
+    assert there.tick(0, without=("trajectory",)) == []
+    (state,) = there.tick(0)
+    assert "trajectory" not in state.reason
+
+
+def test_a_command_of_no_tick_is_not_paired_and_is_named_until_one_fits(bench):
+    there = bench()
+    there.route()
+    there.send(0, "ego", "objects")
+    there.send(10**6, "command", "trajectory")
+    assert there.states.got == []
+    assert "stamped 50000.00 s and belong to no tick, which is at 0.00 s" in there.health.message
+    (state,) = there.tick(0, without=("ego", "objects"))
+    assert state.state == RepairStatus.RESET
+    assert there.health.message == "repairing"
+
+
+def test_what_the_first_tick_lacks_is_named(bench):
+    there = bench()
+    there.route()
+    there.send(0, "ego", "objects", "trajectory")
+    assert there.health.message == "waiting for the first complete tick, for want of command"
+
+
 # -- over DDS ----------------------------------------------------------------------------------------------------------
 
 

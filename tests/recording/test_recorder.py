@@ -109,7 +109,9 @@ def test_nothing_is_missing_at_full_speed(record, publish, tmp_path, number):
     assert [len(message.value.id) for message in bag.messages(["/objects"])] == [tick % 50 for tick in range(COUNT)]
     (wall,) = bag.records(["/wall"])
     assert wall.time_ns <= COUNT * TICK_NS  # its own stamp is of the wall clock
-    account = bag.metadata["roadmend"]
+    account = dict(bag.metadata["roadmend"])
+    said = json.loads(account.pop("configuration"))["/recorder_node"]["values"]
+    assert (said["node_class"], said["parameters.name"]) == ("roadmend.nodes.recorder.RecorderNode", '"bag"')
     assert account == {
         "seed": "7",
         "method": "rss",

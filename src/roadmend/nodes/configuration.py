@@ -2,6 +2,7 @@
 
 import json
 import os
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -64,7 +65,10 @@ class Configuration:
         """As it is now."""
         kind = type(self._node)
         running = self._collect()
-        values = {"role": self._role, "node_class": f"{kind.__module__}.{kind.__qualname__}"}
+        module = kind.__module__
+        if module == "__main__":  # started by python -m
+            module = getattr(getattr(sys.modules[module], "__spec__", None), "name", module)
+        values = {"role": self._role, "node_class": f"{module}.{kind.__qualname__}"}
         values |= {"package": f"roadmend {__version__}", **running.values}
         for parameter in map(self._node.get_parameter, sorted(self._node.list_parameters([], 0).names)):
             if self._is_told(parameter.name):

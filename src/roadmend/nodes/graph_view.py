@@ -5,7 +5,7 @@ All of it goes into a file beside the summary whenever it changes, so that the l
 
 import contextlib
 import json
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -23,6 +23,7 @@ from roadmend.nodes.policy_watch import NO_TRAJECTORY, PERIOD_S, PolicyWatch
 from roadmend.recording import topics
 
 SUFFIX = ".graph"  # of the file
+DRIVING_PERIOD_S = 1.0  # [s] of wall time between two looks while a policy drives
 UNWATCHED = "unwatched"
 
 
@@ -45,6 +46,7 @@ class GraphView:
         self._file = Path(summary).with_suffix(SUFFIX) if summary else None
         self._is_due = True
         self._looked_at = 0.0  # wall time [s]
+        self._is_settled = False
         self._waiting: list[str] = []
         node.create_subscription(DiagnosticArray, topics.DIAGNOSTICS, self._on_health, qos.DIAGNOSTIC)
 
@@ -77,20 +79,23 @@ class GraphView:
                 return f"{one.role}_node"
         return name
 
-    def look(self, now: float, waiting: Sequence[str], *, is_driving: bool) -> None:
+    def look(self, now: float, waiting_for: Callable[[float], list[str]], *, is_driving: bool) -> None:
         """Look around if it is time to.
 
         Args:
             now: wall time [s].
-            waiting: what else keeps the drive from beginning, for people.
+            waiting_for: tells, given ``now``, what else keeps the drive from beginning, for people.
             is_driving: whether it has begun.
         """
-        if now - self._looked_at < PERIOD_S:
+        if now - self._looked_at < (DRIVING_PERIOD_S if is_driving else PERIOD_S):
             return
         self._looked_at = now
         self._announcements.look(is_driving=is_driving)
         changed = self._is_watching and self._watch.look(now)
-        waiting = [*waiting, *self.missing]
+        is_settled = self._watch.is_settled(now)
+        changed |= is_settled != self._is_settled
+        self._is_settled = is_settled
+        waiting = [*waiting_for(now), *self.missing]
         if self._file is not None and (changed or self._is_due or waiting != self._waiting):
             self._waiting, self._is_due = waiting, False
             with contextlib.suppress(InputError):  # a full disk: the summary will tell
@@ -100,7 +105,7 @@ class GraphView:
         """As plain values: ``account`` (see ``announcement.account``), ``announced`` by node, ``warnings``, ``notes``."""
         account = self._announcements.account
         notes = [one.values["fitting"] for one in self._announcements.by_node.values() if "fitting" in one.values]
-        if self.does_without_trajectory:
+        if self.does_without_trajectory and self._is_settled:
             notes.append(NO_TRAJECTORY)
         return {
             "account": account,

@@ -9,6 +9,7 @@ from roadmend.repair.assumed_motion import Assumption
 
 PERIOD_S = 0.2  # [s] of wall time between two looks at the graph
 SETTLE_S = 1.0  # [s] in which DDS tells the rest of a node that it has begun to tell of
+_NOBODY = "nobody publishes it yet"
 NO_TRAJECTORY = str(Assumption.ALONG_ROUTE)
 
 
@@ -28,6 +29,10 @@ class PolicyWatch:
     has_trajectory: bool = False
     _since: dict[str, float] = field(default_factory=dict)  # wall time [s] at which a thing that lasts was seen first
 
+    def __post_init__(self) -> None:
+        if self.is_external:
+            self.missing = [_NOBODY]
+
     def look(self, now: float) -> bool:
         """Look, at wall time ``now`` [s]; whether something has changed."""
         before = (self.missing, len(self.warnings), self.has_trajectory)
@@ -46,7 +51,7 @@ class PolicyWatch:
         publishers, faults = COMMAND.publishers(self.node), COMMAND.faults(self.node)
         if not publishers:
             self._since.pop(COMMAND.topic, None)
-            return ["nobody publishes it yet"]
+            return [_NOBODY]
         if faults:
             self._since.pop(COMMAND.topic, None)
             return faults

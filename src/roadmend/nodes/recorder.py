@@ -25,6 +25,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
 from roadmend.core.parameters import Parameters
 from roadmend.nodes import qos
+from roadmend.nodes.announcement import UNKNOWN
 from roadmend.nodes.configuration import Announcements, Configuration
 from roadmend.nodes.discovery import look_up, request_for
 from roadmend.nodes.parameters import declare_parameters
@@ -139,15 +140,22 @@ class RecorderNode(Node):
         self._report_timer = self.create_timer(DIAGNOSTICS_PERIOD_S, self._report, clock=wall)
         self._configuration.announce()
         self._known: dict[str, str] = {}  # what the bag says of who runs
-        self._announcements = Announcements(self)
+        self._is_told = False  # whether the bag has all that was announced
+        self._announcements = Announcements(self, self._on_heard)
         self._discover()
 
-    def _note_who_runs(self) -> None:
-        """What was announced goes into the bag at once: a recorder that is killed leaves what was known until then."""
-        self._announcements.look(is_driving=self._timekeeper.now_ns > 0)
-        known = self._announcements.account | self._scenario()
-        if known == self._known:
+    def _on_heard(self) -> None:
+        self._is_told = False
+
+    def _note_who_runs(self, *, is_last: bool = False) -> None:
+        """What was announced goes into the bag as soon as somebody drives, so that a recorder that is killed leaves it."""
+        is_driving = self._timekeeper.now_ns > 0
+        self._announcements.look(is_driving=is_driving)
+        if self._is_told or not (is_driving or is_last):
             return
+        self._is_told = True
+        known = self._announcements.account | self._scenario()
+        known = {name: value for name, value in known.items() if value != UNKNOWN}  # it may be no run that is recorded
         gone = dict.fromkeys(self._known.keys() - known.keys(), "")  # records of a bag add up
         self._known = known
         self._metadata |= gone | known
@@ -181,7 +189,7 @@ class RecorderNode(Node):
         try:
             self._drain()
             if self._error is None:
-                self._note_who_runs()
+                self._note_who_runs(is_last=True)
             if self._error is not None:
                 raise self._error
             self._writer.add_metadata(METADATA_RECORD, self._metadata | self._account())

@@ -174,7 +174,7 @@ class SimNode(Node):
 
     def _watch(self) -> None:
         now = time.monotonic()
-        self._view.look(now, self._missing_long(now), is_driving=self._begun_at > 0.0)
+        self._view.look(now, self._missing_long, is_driving=self._begun_at > 0.0)
         if self._ended_at:
             if now - self._ended_at > LINGER_S:
                 self.finished = True
@@ -275,7 +275,7 @@ class SimNode(Node):
 
     def _end(self) -> None:
         self._ended_at = time.monotonic()
-        self._view.look(math.inf, [], is_driving=True)  # whoever came late is in the summary
+        self._view.look(math.inf, lambda _now: [], is_driving=True)  # whoever came late is in the summary
         result = self._builder.result()
         self._write_summary(result)
         self.get_logger().info(f"{result.outcome.name} after {result.duration:.2f} s: {result.text}")
