@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import shutil
 import sys
 import tempfile
 import time
@@ -79,7 +80,10 @@ def run_repair(options: RepairOptions, report: Callable[[str], None]) -> RepairR
 
 @contextlib.contextmanager
 def _claimed_bag(options: RepairOptions) -> Iterator[Path | None]:
-    """The bag's folder; None where nothing is recorded. It goes again where nothing was written into it."""
+    """The bag's folder; None where nothing is recorded.
+
+    It goes again where the input is bad, since nothing was repaired then, and where nothing was written into it.
+    """
     if options.name:
         check_name("--name", options.name)
     if not options.record:
@@ -92,6 +96,9 @@ def _claimed_bag(options: RepairOptions) -> Iterator[Path | None]:
         bag = claim_numbered(options.bags, f"repair-{label}-{time.strftime('%Y%m%d-%H%M%S')}")
     try:
         yield bag
+    except InputError:
+        shutil.rmtree(bag, ignore_errors=True)
+        raise
     finally:
         with contextlib.suppress(OSError):
             bag.rmdir()  # succeeds only where it is empty
