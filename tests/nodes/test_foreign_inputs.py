@@ -246,3 +246,17 @@ def test_our_own_types_need_no_parameter(stack):
         lambda: one.publish("/seen", message),
         lambda: one.publish("/drive/accel", Command(throttle=0.3)),
     )
+
+
+def test_a_second_publisher_is_named(stack, capfd):
+    one = stack(**TYPES)
+    other = rclpy.create_node("joystick", context=one.context)
+    try:
+        other.create_publisher(AccelStamped, "/drive/accel", 10)
+        said = "/drive/accel is published by /joystick, /other/stack; let one of them do it"
+        one.until(lambda: one.repair._health().message == said, one.ego, one.objects, one.command)
+        assert one.repair._health().level == Level.WARN
+        one.spin(0.5)
+        assert said in capfd.readouterr().err
+    finally:
+        other.destroy_node()

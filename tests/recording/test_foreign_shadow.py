@@ -8,7 +8,7 @@ from roadmend.cli.main import main
 from roadmend.core.errors import InputError
 from roadmend.recording.codec import encode, type_of
 from roadmend.recording.foreign_commands import PEDALS
-from roadmend.recording.foreign_objects import Vehicle
+from roadmend.recording.foreign_objects import OBJECT_READERS, Vehicle
 from roadmend.recording.foreign_shadow import ForeignTopics, run_foreign_shadow
 from roadmend.recording.qos import Qos
 from roadmend.recording.reader import BagReader
@@ -105,10 +105,7 @@ def test_the_command_writes_a_bag_beside_which_the_recorded_lies_as_it_was(bag, 
         ({"--ego": "/x"}, "--ego /x: is not in {bag}; name one of /odom"),
         (
             {"--objects": "/odom"},
-            (
-                "--objects /odom: is nav_msgs/msg/Odometry, not roadmend_msgs/msg/ObjectList or "
-                "vision_msgs/msg/Detection3DArray; name one of /detections"
-            ),
+            "--objects /odom: is nav_msgs/msg/Odometry, not {objects}; name one of /detections",
         ),
         ({"--command": ""}, "--command: is not given; name one of /drive/accel"),
     ],
@@ -117,7 +114,7 @@ def test_what_is_named_wrong_is_one_line_with_what_there_is(bag, tmp_path, capsy
     options = dict(zip(OPTIONS[::2], OPTIONS[1::2], strict=True)) | changed
     words = [word for pair in options.items() for word in pair]
     assert main(["bag", "shadow", str(bag), "--repair", "rss", *words, "--out", str(tmp_path / "out")]) == 2
-    assert capsys.readouterr().err == f"roadmend: {message.format(bag=bag)}\n"
+    assert capsys.readouterr().err == f"roadmend: {message.format(bag=bag, objects=' or '.join(OBJECT_READERS))}\n"
     assert not (tmp_path / "out").exists()
 
 

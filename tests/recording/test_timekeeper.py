@@ -71,3 +71,9 @@ def test_a_stamp_before_time_began_counts_as_no_stamp(times):
     times(keeper, CLOCK, 3 * SECOND)
     assert times(keeper, COMMAND, -SECOND) == 3 * SECOND
     assert times(keeper, CLOCK, -SECOND) == 0
+
+
+def test_without_simulation_a_stamp_of_zero_is_one_that_nobody_has_set(times):
+    before = time.time_ns()
+    assert before <= times(Timekeeper(simulated=False), COMMAND, 0) <= time.time_ns()
+    assert times(Timekeeper(), COMMAND, 0) == 0  # a simulation begins then

@@ -85,7 +85,8 @@ def repair(given: ForeignOptions) -> None:
     """Repair what your own stack drives: guard, method and recorder alone, until Ctrl-C.
 
     Each command is answered with the newest odometry and objects; whatever is late or missing is named, and stops the
-    vehicle. Everything after --ros-args goes to both nodes: -p ego_length:=4.2, -r NAME:=/OTHER and so on.
+    vehicle. After --ros-args come parameters of the repair node, -p ego_length:=4.2, or of the recorder,
+    -p recorder_node:exclude:=camera, and remappings for both, -r NAME:=/OTHER.
     """
     names = {
         topics.EGO: given.ego,

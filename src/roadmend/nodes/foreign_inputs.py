@@ -118,6 +118,7 @@ class ForeignInputs:
         }
         self._begun = time.monotonic()
         self._last_stop = 0.0  # [s] wall time
+        self._crowd: dict[str, str] = {}  # input -> several publishers, as people were told
         self._told: dict[str, str] = {}  # input -> what people were told of it
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         node.create_timer(DISCOVERY_PERIOD_S, self._discover, clock=wall)
@@ -136,6 +137,18 @@ class ForeignInputs:
     def missing(self) -> dict[str, str]:
         """The inputs that are late, each with its topic, type and QoS, and what to do about it."""
         return {part: self._explain(part, why) for part, why in self._repair.silent(time.monotonic()).items()}
+
+    def crowded(self) -> dict[str, str]:
+        """The needed inputs that several nodes publish, of which any may be the newest, and who they are."""
+        found = {}
+        for part in foreign_repair.NEEDED:
+            one = self._inputs[part]
+            infos = self._node.get_publishers_info_by_topic(one.topic)
+            names = sorted({_name_of(info) for info in infos if info.topic_type == one.type_name})
+            if len(infos) > 1 and len(names) > 1:
+                topic = self._node.resolve_topic_name(one.topic)
+                found[part] = f"{topic} is published by {', '.join(names)}; let one of them do it"
+        return found
 
     # -- messages -----------------------------------------------------------------------------------------------------
 
@@ -201,6 +214,11 @@ class ForeignInputs:
             if self._told.get(part) != told:
                 self._told[part] = told
                 self._node.get_logger().error(f"waits for {told}")
+        crowded = self.crowded()
+        for part, told in crowded.items():
+            if self._crowd.get(part) != told:
+                self._node.get_logger().warning(told)
+        self._crowd = crowded
 
     def _explain(self, part: str, why: str) -> str:
         one = self._inputs[part]

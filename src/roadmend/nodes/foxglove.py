@@ -6,8 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import foxglove
-from foxglove.websocket import Capability, ChannelView, Client, ServerListener, WebSocketServer
 from pydantic import Field
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -18,12 +16,18 @@ from roadmend.core.parameters import Parameters
 from roadmend.nodes.configuration import Configuration
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.discovery import look_up, request_for
-from roadmend.nodes.foxglove_parameters import ParameterBridge
+from roadmend.nodes.needed import needed
 from roadmend.nodes.origin_gate import OriginGate, hidden_address
 from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.spinning import run_node
 from roadmend.recording import topics
 from roadmend.recording.timekeeper import Timekeeper
+
+with needed():
+    import foxglove
+    from foxglove.websocket import Capability, ChannelView, Client, ServerListener, WebSocketServer
+
+    from roadmend.nodes.foxglove_parameters import ParameterBridge
 
 TEND_PERIOD_S = 0.05  # [s] of wall time between two looks at what clients want and at the clock
 DISCOVERY_PERIOD_S = 0.2  # [s] between two looks at the graph

@@ -339,7 +339,7 @@ class RecorderNode(Node):
         figures |= {f"not recorded: {name}": why for name, why in self._skipped.items()}
         status.values = [KeyValue(key=key, value=value) for key, value in figures.items()]
         message = DiagnosticArray(status=[status])
-        message.header.stamp = Time(nanoseconds=self._timekeeper.present_ns).to_msg()
+        message.header.stamp = Time(nanoseconds=self._timekeeper.now_ns).to_msg()
         self._to_diagnostics.publish(message)
 
 

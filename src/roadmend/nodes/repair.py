@@ -434,6 +434,9 @@ class RepairNode(LifecycleNode):
             values |= {f"missing {part}": why for part, why in missing.items()}
             if missing:
                 return Health(Level.ERROR, f"missing {', '.join(missing)}: no unrepaired command passes", values)
+            crowded = self._foreign.crowded()
+            if crowded:
+                return Health(Level.WARN, "; ".join(crowded.values()), values)
         if self._route_fault:
             return Health(Level.ERROR, self._route_fault, values)
         if self._silent_since:

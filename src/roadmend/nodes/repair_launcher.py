@@ -3,10 +3,11 @@
 import contextlib
 import json
 import os
+import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -36,7 +37,7 @@ class RepairOptions:
     record: bool = True
     record_topics: str = ""  # regular expression found in each topic to record; all if empty
     sim_time: bool = False  # whether the stack's time comes from /clock
-    ros_arguments: tuple[str, ...] = ()  # passed on to both nodes
+    ros_arguments: tuple[str, ...] = ()  # for both nodes, but for parameters that name no node: those are repair's
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +80,10 @@ def run_repair(options: RepairOptions, report: Callable[[str], None]) -> RepairR
 
 @contextlib.contextmanager
 def _claimed_bag(options: RepairOptions) -> Iterator[Path | None]:
-    """The bag's folder; None where nothing is recorded. It goes again where nothing was written into it."""
+    """The bag's folder; None where nothing is recorded.
+
+    It goes again where the input is bad, since nothing was repaired then, and where nothing was written into it.
+    """
     if options.name:
         check_name("--name", options.name)
     if not options.record:
@@ -92,6 +96,9 @@ def _claimed_bag(options: RepairOptions) -> Iterator[Path | None]:
         bag = claim_numbered(options.bags, f"repair-{label}-{time.strftime('%Y%m%d-%H%M%S')}")
     try:
         yield bag
+    except InputError:
+        shutil.rmtree(bag, ignore_errors=True)
+        raise
     finally:
         with contextlib.suppress(OSError):
             bag.rmdir()  # succeeds only where it is empty
@@ -130,7 +137,7 @@ class _Run:
         return Child(
             f"{node}_node",
             f"roadmend.nodes.{node}",
-            ["--ros-args", *words, *self._extra],
+            ["--ros-args", *words, *(self._extra if node == "repair" else _for_others(self._extra))],
             {"ROS_DOMAIN_ID": self._domain},
             self._folder / f"{node}.log",
             may_restart,
@@ -201,3 +208,14 @@ class _Run:
             str(tally.get("fault", "")),
             lost,
         )
+
+
+def _for_others(arguments: Sequence[str]) -> list[str]:
+    """ROS arguments without the parameters that are not addressed to a node by its name."""
+    kept: list[str] = []
+    for word in arguments:
+        if kept and kept[-1] in {"-p", "--param"} and ":" not in word.partition(":=")[0]:
+            kept.pop()
+        else:
+            kept.append(word)
+    return kept

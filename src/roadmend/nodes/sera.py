@@ -13,15 +13,18 @@ from roadmend.language.models import BACKEND_REGISTRY, EMBEDDED
 from roadmend.language.question import ATTEMPTS
 from roadmend.nodes.configuration import Configuration
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
+from roadmend.nodes.needed import needed
 from roadmend.nodes.parameters import declare, declare_name
 from roadmend.nodes.pattern_messages import pattern_message_of, patterns_of
 from roadmend.nodes.spinning import StopFlag, run_node
-from roadmend.sera.analysis import analyse, find_bags, read_incidents
-from roadmend.sera.analysis_report import report
-from roadmend.sera.backends import Backend
-from roadmend.sera.bank import Bank
-from roadmend.sera.recommendation import recommend
-from roadmend.sera.words import words_of
+
+with needed():
+    from roadmend.sera.analysis import analyse, find_bags, read_incidents
+    from roadmend.sera.analysis_report import report
+    from roadmend.sera.backends import Backend
+    from roadmend.sera.bank import Bank
+    from roadmend.sera.recommendation import recommend
+    from roadmend.sera.words import words_of
 
 _MOST = 1000  # scenarios a pattern
 

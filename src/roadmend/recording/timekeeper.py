@@ -21,18 +21,14 @@ class Timekeeper:
     would else stretch the recording over decades.
 
     Args:
-        simulated: whether /clock rules; otherwise stamps are taken as they are and messages without one get wall time.
+        simulated: whether /clock rules; otherwise stamps are taken as they are and messages without one, or with one of
+            zero, get wall time.
     """
 
     def __init__(self, *, simulated: bool = True) -> None:
         self.now_ns = 0  # latest clock time [ns]
         self.wall_stamps = 0  # how many headers were stamped from the wall clock
         self._simulated = simulated
-
-    @property
-    def present_ns(self) -> int:
-        """The time [ns] of what happens now: the clock's latest, or the wall's where the clock does not rule."""
-        return self.now_ns if self._simulated else time.time_ns()
 
     def rule_for(self, definition: Definition) -> Callable[[bytes], int]:
         """The function that gives a message of this type its time [ns] from its serialized bytes."""
@@ -49,7 +45,7 @@ class Timekeeper:
 
     def _of_header(self, data: bytes) -> int:
         stamp = stamp_of_bytes(data)
-        if stamp < 0:
+        if stamp < 0 or (stamp == 0 and not self._simulated):  # nobody has stamped it
             return self._of_bare(data)
         if stamp >= _WALL_NS > self.now_ns and self._simulated:
             self.wall_stamps += 1
@@ -57,4 +53,4 @@ class Timekeeper:
         return stamp
 
     def _of_bare(self, _data: bytes) -> int:
-        return self.present_ns
+        return self.now_ns if self._simulated else time.time_ns()
