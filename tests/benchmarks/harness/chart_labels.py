@@ -18,6 +18,7 @@ GROUP_COLOUR = {  # hues of Okabe and Ito, see scene_style
     "variant": "#e69f00",
     "ablation": "#56b4e9",
     "bound": "#009e73",
+    "control": "#cc79a7",
     "reference": "#7a828a",
 }
 GROUP_TITLE = {
@@ -26,6 +27,7 @@ GROUP_TITLE = {
     "ablation": "ablation",
     "rival": "rival",
     "bound": "hindsight bound",
+    "control": "control",
     "reference": "no repair",
 }
 _HALO = (withStroke(linewidth=2.5, foreground="white"),)
