@@ -56,8 +56,9 @@ def test_of_an_object_the_bag_tells_no_defaults(scenario, theirs, tmp_path):
     _, repairs = theirs
     run(scenario, "modular", repairs.Near(repairs.Settings(distance=12.0)), bag=tmp_path / "bag")
     told = BagReader(tmp_path / "bag").metadata["roadmend"]
-    assert "method_defaults" not in told
-    assert "policy_defaults" in told
+    assert "method_parameters" not in told
+    assert "policy_parameters" in told
+    assert told["policy_class"] == "roadmend.policies.modular.ModularPolicy"
 
 
 def test_what_fails_on_the_way_is_one_line_and_leaves_no_bag(scenario, theirs, tmp_path):

@@ -13,7 +13,7 @@ from roadmend.policies.registry import POLICY_REGISTRY, make_policy
 from roadmend.repair.foreign import ForeignMethod
 from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.method import RepairMethod
-from roadmend.repair.registry import METHOD_REGISTRY, make_repairer
+from roadmend.repair.registry import METHOD_REGISTRY, make_method
 
 PolicyLike = str | type[Policy] | Policy
 RepairLike = str | type[RepairMethod] | RepairMethod
@@ -46,7 +46,16 @@ def policy_of(given: PolicyLike, parameters: Settings | None = None) -> Policy:
 
 
 def repairer_of(given: RepairLike, parameters: Settings | None = None, seed: int = 0) -> GuardedRepairer:
-    """A repair method behind the guard, after the checks that every one from outside undergoes.
+    """A repair method behind the guard; see ``method_of``.
+
+    Raises:
+        InputError: as there.
+    """
+    return GuardedRepairer(method_of(given, parameters, seed))
+
+
+def method_of(given: RepairLike, parameters: Settings | None = None, seed: int = 0) -> RepairMethod:
+    """A repair method, after the checks that every one from outside undergoes; nothing is driven with it alone.
 
     Args:
         given: a name as ``roadmend list methods`` has it, ``package.module:Class`` or a model file; a class; or an
@@ -58,17 +67,17 @@ def repairer_of(given: RepairLike, parameters: Settings | None = None, seed: int
         InputError: there is none, it lacks something, cannot answer a plain scene, or a parameter is unusable.
     """
     if isinstance(given, str):
-        return make_repairer(given, parameters, seed)
+        return make_method(given, parameters, seed)
     name = title_of(given)
     where = f"repair method {name}"
     if isinstance(given, type):
         entry = METHOD_REGISTRY.adapt(name, given)
-        return GuardedRepairer(entry.make(check_parameters(parameters, entry.parameters, where), seed))
+        return entry.make(check_parameters(parameters, entry.parameters, where), seed)
     _refuse_parameters(where, parameters)
     check_object(where, given, RepairMethod)
     method = ForeignMethod(name, given)
     check_answers(where, method.answer)
-    return GuardedRepairer(method)
+    return method
 
 
 def title_of(given: object) -> str:

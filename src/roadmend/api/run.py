@@ -4,22 +4,26 @@ import json
 from functools import partial
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
-from roadmend.api.given import PolicyLike, RepairLike, Settings, name_of, policy_of, repairer_of, title_of
+from roadmend.api.given import PolicyLike, RepairLike, Settings, method_of, name_of, policy_of, title_of
 from roadmend.api.scenarios import ScenarioLike, scenario_of
 from roadmend.core.command import Decision
 from roadmend.core.episode_result import EpisodeResult
-from roadmend.core.errors import RoadmendError
+from roadmend.core.errors import InputError, RoadmendError
+from roadmend.core.registry import Registry
 from roadmend.core.repair import Repair
 from roadmend.core.tick import Tick
-from roadmend.nodes.provenance import provenance
+from roadmend.nodes.provenance import described, provenance
+from roadmend.policies.registry import POLICY_REGISTRY
 from roadmend.recording.episode_recorder import EpisodeRecorder, account_of
 from roadmend.recording.new_bag import new_bag
 from roadmend.recording.recorded_run import RECORD
+from roadmend.repair.guard import GuardedRepairer
+from roadmend.repair.registry import METHOD_REGISTRY
 from roadmend.world.network import network_file
 from roadmend.world.road_network import lanes_of, read_network
 from roadmend.world.runner import Watcher, run_episode
-from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import dump_scenario
 
 
@@ -55,11 +59,14 @@ def run(
     """
     chosen = scenario_of(scenario)
     driver = policy_of(policy, policy_parameters)
-    repairer = repairer_of(repair, repair_parameters, seed)
+    method = method_of(repair, repair_parameters, seed)
+    repairer = GuardedRepairer(method)
     if bag is None:
         result = run_episode(chosen, driver, repairer, watch)
     else:
-        account = _account(chosen, policy, repair, seed, policy_parameters, repair_parameters)
+        account = provenance(Path(f"{chosen.name}.yaml"), ()) | {"clock": "lockstep", "seed": str(seed)}
+        account |= _described("policy", POLICY_REGISTRY, policy, driver, policy_parameters)
+        account |= _described("method", METHOD_REGISTRY, repair, method, repair_parameters)
         with new_bag(Path(bag)) as writer:
             lanes = lanes_of(read_network(network_file(chosen.network)))
             recorder = EpisodeRecorder(writer, lambda _time: account["method"], lanes)
@@ -78,20 +85,17 @@ def _both(record: Watcher, watch: Watcher, tick: Tick, decision: Decision, repai
     watch(tick, decision, repair)
 
 
-def _account(
-    scenario: Scenario,
-    policy: PolicyLike,
-    repair: RepairLike,
-    seed: int,
-    policy_parameters: Settings | None,
-    repair_parameters: Settings | None,
+def _described(
+    role: str, registry: Registry[Any], given: object, made: object, parameters: Settings | None
 ) -> dict[str, str]:
-    """What the bag says of who drives and repairs, as the graph's bags do."""
-    file = Path(f"{scenario.name}.yaml")
-    known = provenance(file, title_of(policy), title_of(repair), "lockstep", seed, ())
-    for role, given, parameters in (("policy", policy, policy_parameters), ("method", repair, repair_parameters)):
-        if parameters:
-            known[f"{role}_parameters"] = json.dumps(dict(parameters))
-        if not name_of(given):  # what its class would be made with by default says nothing of an object
-            known.pop(f"{role}_defaults", None)
-    return known
+    """What the bag says of who drives or repairs, by the names that the graph's bags have for it."""
+    known = {role: title_of(given)}
+    try:
+        found = registry.find(title_of(given))
+    except InputError:  # its class stands where no other process finds it
+        return known
+    values = dict(parameters or {})
+    if name_of(given):  # what its class would be made with by default says nothing of an object
+        values = found.entry.parameters().model_dump() | values
+        known[f"{role}_parameters"] = json.dumps(values)
+    return known | {f"{role}_{name}": value for name, value in described(found, made, values).items()}
