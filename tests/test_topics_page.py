@@ -63,12 +63,16 @@ def test_every_topic_is_there():
 @pytest.mark.parametrize("topic", sorted(TOPICS.values()))
 def test_who_publishes_it(topic):
     publishers = published()[topic] - {"replay_node"}
-    if topic == topics.DIAGNOSTICS:
+    of_all = {
+        topics.DIAGNOSTICS: ("DiagnosticsReporter(", "topics.DIAGNOSTICS"),
+        topics.CONFIGURATION: ("Configuration(",),
+    }
+    if topic in of_all:
         assert ROWS[topic][2] == "every node"
         texts = {path.stem: path.read_text(encoding="utf-8") for path in NODES.glob("*.py") if path.stem != "spinning"}
         nodes = {name: text for name, text in texts.items() if "run_node(" in text}
         assert len(nodes) > 8
-        assert all("DiagnosticsReporter(" in text or "topics.DIAGNOSTICS" in text for text in nodes.values())
+        assert all(any(word in text for word in of_all[topic]) for text in nodes.values())
     else:
         assert {ROWS[topic][2]} == publishers
 

@@ -124,8 +124,8 @@ def test_one_thing_has_one_spelling(commands):
 def test_no_option_goes_by_the_plural_of_another(commands):
     names = {name for each in commands.values() for option in options(each) for name in option.opts}
     plurals = {f"{name}s" for name in names} | {f"{name[:-1]}ies" for name in names if name.endswith("y")}
-    # One expression of 'bag diff', and numbers of scenarios.
-    assert names & plurals <= {"--topics", "--scenarios", "--samples"}
+    # One expression of 'bag diff', numbers of scenarios and of egos; --ego is a topic.
+    assert names & plurals <= {"--topics", "--scenarios", "--samples", "--egos"}
 
 
 def test_an_option_that_may_be_repeated_says_so(commands):

@@ -57,8 +57,8 @@ def test_evaluate_drives_it_in_worker_processes(roadmend, here):
 
 @pytest.mark.slow
 def test_one_that_fails_on_the_way_is_a_line_for_every_episode(roadmend):
-    for option, name in (("--policy", "their_policies:Late"), ("--repair", "their_repairs:Late")):
-        done = roadmend("evaluate", "s.yaml", option, name, "--workers", "1", "--out", name, code=1)
+    for option, name, code in (("--policy", "their_policies:Late", 2), ("--repair", "their_repairs:Late", 1)):
+        done = roadmend("evaluate", "s.yaml", option, name, "--workers", "1", "--out", name, code=code)
         faults = [line for line in done.stderr.splitlines() if line.startswith("S3-3, ")]
         assert len(faults) == (3 if option == "--policy" else 1)
         assert all("(" in line and "line " in line and "Error: " in line for line in faults)

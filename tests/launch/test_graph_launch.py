@@ -171,7 +171,14 @@ def test_bad_arguments_are_one_line(start, given, message):
 def test_there_is_an_argument_for_what_the_command_line_has(description):
     declared = {each.name for each in description.entities if isinstance(each, DeclareLaunchArgument)}
     options = {option.lstrip("-") for each in run_command.params for option in each.opts if option.startswith("--")}
-    of_a_configuration = {"sumocfg", "ego-route", "time-limit", "warm-up"}  # `roadmend run` makes a scenario of it
+    of_a_configuration = {
+        "sumocfg",
+        "net",
+        "egos",
+        "ego-route",
+        "time-limit",
+        "warm-up",
+    }  # `roadmend run` makes a scenario of it
     assert options - declared - of_a_configuration - {"json"} == set()
 
 

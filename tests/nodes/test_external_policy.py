@@ -19,6 +19,7 @@ from std_msgs.msg import String
 from roadmend.nodes import qos
 from roadmend.nodes.announcement import Announcement, account
 from roadmend.nodes.launcher import GraphOptions, run_graph
+from roadmend.nodes.policy_watch import NO_TRAJECTORY
 from roadmend.recording import topics
 from roadmend.recording.reader import BagReader
 
@@ -117,7 +118,7 @@ def test_it_is_waited_for_with_all_that_it_needs_and_drives_without_a_trajectory
     ):
         assert word in line
     example()
-    there.until("no planned trajectory: the repair assumes the ego's present motion along the route")
+    there.until(NO_TRAJECTORY)
     there.until("adreft behind external: model modular", "since none was made for it")
     told = there.result()
     assert told["ticks"] > 50
@@ -127,7 +128,7 @@ def test_it_is_waited_for_with_all_that_it_needs_and_drives_without_a_trajectory
     assert told["policy"] == record["policy"] == "external:/even_pace"
     assert record["policy_node"] == "/even_pace"
     states = [message.value for message in reader.messages(["/repair/state"])]
-    assert all("present motion along the route" in state.reason for state in states)
+    assert all(NO_TRAJECTORY in state.reason for state in states)
     assert {state.state for state in states} <= {state.PASS for state in states} | {state.RESET for state in states} | {
         1
     }
@@ -162,7 +163,8 @@ def test_whatever_is_wrong_with_its_publisher_is_named_until_it_is_right(run, no
 
 def test_a_second_publisher_beside_our_own_policy_is_named(node, scenario_file, tmp_path):
     node("intruder").create_publisher(msg.Command, topics.POLICY_COMMAND, qos.COMMAND)
-    result = run_graph(GraphOptions(scenario_file("S3", 3, time_limit=3.0), bags=tmp_path, name="bag", viz=False))
+    scenario = scenario_file("S3", 3, time_limit=6.0)  # three seconds by the wall: discovery takes a while
+    result = run_graph(GraphOptions(scenario, clock="realtime", rate=2.0, bags=tmp_path, name="bag", viz=False))
     assert result.warnings == ("policy/command: has 2 publishers, /intruder and /policy_node; end all but one",)
     assert result.episode.policy == "external:/intruder + modular"
 

@@ -24,6 +24,8 @@ from roadmend.recording.info import BagInfo, TopicInfo
 from roadmend.recording.info import bag_info as read_info
 from roadmend.recording.recovery import bag_size, recover
 
+_LONGEST = 600  # characters of a record that people are shown
+
 
 @click.command("info", cls=Command, examples=["roadmend bag info bags/my-run", "roadmend bag info bags/my-run --json"])
 @click.argument("bag", type=PATH)
@@ -71,7 +73,7 @@ def _show_info(info: BagInfo, console: Console) -> None:
     for record in info.metadata.values():
         for name, value in record.items():
             if not name.startswith("outcome"):
-                table.add_row(escape(name), escape(value))
+                table.add_row(escape(name), escape(_short(value)))
     for name, size in info.attachments.items():
         table.add_row("attachment", escape(f"{name}, {size} bytes"))
     console.print(table)
@@ -80,6 +82,11 @@ def _show_info(info: BagInfo, console: Console) -> None:
         show_spells(info.spells, console)
         console.print()
     console.print(_topic_table(info.topics))
+
+
+def _short(value: str) -> str:
+    """What a record says, for people; long ones, such as what every node has announced, are for programs."""
+    return value if len(value) <= _LONGEST else f"{len(value)} characters, told whole by --json"
 
 
 def _interventions(info: BagInfo) -> str:
