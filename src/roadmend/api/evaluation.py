@@ -21,6 +21,7 @@ from roadmend.measures.driver import driver_key
 from roadmend.measures.evaluation import TRIVIAL, Driven, EvaluationTrial, drive_with, run_trials, seed_of
 from roadmend.measures.evaluation_figures import evaluate as figures_of
 from roadmend.measures.evaluation_figures import evaluation_rows, meanings
+from roadmend.measures.fitting import fitting
 from roadmend.reports.result_files import provenance, write_report
 from roadmend.world.scenario import Scenario
 
@@ -137,7 +138,12 @@ def evaluate(
         policy_of(driver)
         repairer_of(method)
     trials = [
-        [EvaluationTrial(each, _name(driver), _name(method), named[place] or Key(""), futures) for each in chosen]
+        [
+            EvaluationTrial(
+                each, _name(driver), _name(method), named[place] or Key(""), futures, _fitted(driver, method)
+            )
+            for each in chosen
+        ]
         for place, (driver, method) in enumerate(pairs)
     ]
     kept = [trial for place, several in enumerate(trials) if named[place] is not None for trial in several]
@@ -180,7 +186,13 @@ def _name(given: object) -> str:
 def _key(driver: PolicyLike, method: RepairLike) -> Key | None:
     """Of kept episodes; None where one of the two is found in this process alone."""
     names = name_of(driver), name_of(method)
-    return driver_key(*names) if all(names) else None
+    return driver_key(*names, _fitted(driver, method)) if all(names) else None
+
+
+def _fitted(driver: PolicyLike, method: RepairLike) -> dict[str, Any]:
+    """The model and the settings that were made for the policy, as ``roadmend evaluate`` takes them."""
+    names = name_of(driver), name_of(method)
+    return fitting(names[1], names[0]) if all(names) and names[1] not in TRIVIAL else {}
 
 
 def _drive_here(trial: EvaluationTrial, driver: PolicyLike, method: RepairLike) -> Driven:

@@ -14,6 +14,7 @@ from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.registry import Registry
 from roadmend.core.repair import Repair
 from roadmend.core.tick import Tick
+from roadmend.measures.fitting import fitting
 from roadmend.nodes.provenance import described, provenance
 from roadmend.policies.registry import POLICY_REGISTRY
 from roadmend.recording.episode_recorder import EpisodeRecorder, account_of
@@ -45,7 +46,8 @@ def run(
         policy: who drives: a name, a class, or an object.
         repair: the repair method: a name, a class, or an object; "none" leaves the policy alone.
         policy_parameters: what differs from the policy's defaults.
-        repair_parameters: what differs from the method's defaults.
+        repair_parameters: what differs from the method's defaults; these are, where both are named, the model and the
+            settings that were made for the policy.
         seed: for methods that draw numbers.
         watch: called at every tick before the vehicle moves, with the tick, the policy's decision and the repair.
         bag: a folder to record the episode into, which must not be there yet.
@@ -59,6 +61,8 @@ def run(
     """
     chosen = scenario_of(scenario)
     driver = policy_of(policy, policy_parameters)
+    if isinstance(policy, str) and isinstance(repair, str):
+        repair_parameters = fitting(repair, policy) | dict(repair_parameters or {})
     method = method_of(repair, repair_parameters, seed)
     repairer = GuardedRepairer(method)
     if bag is None:

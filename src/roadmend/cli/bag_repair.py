@@ -1,7 +1,7 @@
 """``roadmend bag resimulate``: another repair method on a recorded run, and how one is named."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,7 +16,8 @@ from roadmend.cli.options import JSON, PATH, options_of
 from roadmend.cli.output import OUTCOME_STYLES, Waiting, wide_console
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import InputError
-from roadmend.policies.registry import make_policy
+from roadmend.measures.fitting import fitting
+from roadmend.policies.registry import POLICIES, make_policy
 from roadmend.recording import topics
 from roadmend.recording.episode_recorder import EpisodeRecorder, account_of
 from roadmend.recording.new_bag import new_bag
@@ -45,6 +46,15 @@ class RepairChoice:
             InputError: a parameter is unknown or out of range, or a model cannot be used.
         """
         return make_repairer(self.method, self.parameters, self.seed)
+
+    def behind(self, policy: str) -> "RepairChoice":
+        """The choice with the model and the settings that were made for a policy, where it says nothing else.
+
+        Args:
+            policy: as a bag names it; code from outside and nodes of somebody else's leave the defaults.
+        """
+        fitted = fitting(self.method, policy) if policy in POLICIES else {}
+        return replace(self, parameters=fitted | self.parameters)
 
     def provenance(self) -> dict[str, str]:
         """What a bag says about it."""
@@ -93,6 +103,15 @@ def read_choice(given: RepairOptions) -> RepairChoice:
     return RepairChoice(given.method, parameters, given.seed)
 
 
+def driver_of(bag: Path) -> str:
+    """The policy that a bag names; empty where it names none.
+
+    Raises:
+        InputError: the bag cannot be read.
+    """
+    return BagReader(bag).metadata.get(RECORD, {}).get("policy", "")
+
+
 _FIGURES = ("method", "outcome", "text", "duration", "min_distance", "interventions")  # that are shown of a run
 
 
@@ -117,7 +136,7 @@ def resimulate(bag: Path, given: RepairOptions, from_time: float, policy: str, o
 
     Until that moment the run must repeat itself bit for bit, or the command ends with what differs.
     """
-    choice = read_choice(given)
+    choice = read_choice(given).behind(policy or driver_of(bag))
     then, now = resimulate_bag(bag, choice, from_time, out, policy)
     if as_json:
         content = {"then": _figures(then), "now": _figures(now), "from_time": from_time, "bag": str(out)}

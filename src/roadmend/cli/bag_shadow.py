@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import click
 from rich.table import Table
 
-from roadmend.cli.bag_repair import RepairChoice, RepairOptions, read_choice
+from roadmend.cli.bag_repair import RepairChoice, RepairOptions, driver_of, read_choice
 from roadmend.cli.command import Command
 from roadmend.cli.options import JSON, PATH, options_of
 from roadmend.cli.output import Waiting, wide_console
@@ -76,7 +76,7 @@ def shadow(bag: Path, given: RepairOptions, foreign: ForeignOptions, out: Path, 
     The new bag holds the recorded topics as they are, and the other method's answers as /shadow/repair/state and
     /shadow/repair/command. Of a bag that another stack recorded, name the topics.
     """
-    choice = read_choice(given)
+    choice = read_choice(given).behind(driver_of(bag))
     if foreign.topics is None:
         summary = shadow_bag(bag, choice, out)
     else:

@@ -25,6 +25,12 @@ RUN_POLICY = click.option(
     type=NameType(POLICY_REGISTRY, also=("external",)),
     help="external: a node of your own publishes the commands; it is waited for.",
 )
+TUNED = click.option(
+    "--tuned/--no-tuned",
+    default=True,
+    show_default=True,
+    help="Take the model and the settings of the repair method that were made for the policy; else its defaults.",
+)
 POLICY_CORPUS = click.option(
     "--corpus", "corpus_file", type=FILE, help="The policy's corpus; config/corpora/POLICY.jsonl if not given."
 )

@@ -1,14 +1,16 @@
 """``roadmend evaluate``: policies times repair methods times scenarios."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import click
 
 from roadmend.cli.command import Command
-from roadmend.cli.driver_options import METHOD_NAME, POLICIES
+from roadmend.cli.driver_options import METHOD_NAME, POLICIES, TUNED
 from roadmend.cli.options import FILE, JSON, PATH, RESULT_FOLDER, WORKERS
 from roadmend.cli.output import counting, show_rows
 from roadmend.cli.scenario import FAMILY_NAME
@@ -18,6 +20,8 @@ from roadmend.core.journal import Journal
 from roadmend.measures.evaluation import run_trials, trials_of
 from roadmend.measures.evaluation_figures import evaluate as figures_of
 from roadmend.measures.evaluation_figures import evaluation_rows, meanings, network_rows
+from roadmend.measures.fitting import fitting, fitting_account
+from roadmend.repair.registry import METHOD_REGISTRY
 from roadmend.reports.result_files import provenance, write_report
 from roadmend.world.corpus import SPLITS, load_corpus
 from roadmend.world.families import FAMILIES, sample_scenario
@@ -74,6 +78,7 @@ _FORMAT = "roadmend-evaluation-work/1"
     type=click.IntRange(0, 1000),
     help="Futures of every intervention's first tick that are driven to tell whether it was needed; 0: none.",
 )
+@TUNED
 @RESULT_FOLDER
 @WORKERS
 @JSON
@@ -81,6 +86,7 @@ def evaluate(
     policies: tuple[str, ...],
     methods: tuple[str, ...],
     futures: int,
+    tuned: bool,  # noqa: FBT001 - click gives it by name
     out: Path,
     workers: int,
     *,
@@ -97,7 +103,10 @@ def evaluate(
     some episodes could not be driven, and 2 if none could.
     """
     asked = _Asked(**chosen)  # type: ignore[arg-type] # as the options have it
-    trials = trials_of(_scenarios(asked), policies, methods, futures)
+    trials = trials_of(_scenarios(asked), policies, methods, futures, is_tuned=tuned)
+    accounts = _accounts(policies, methods) if tuned else {}
+    for line in filter(None, (line for told in accounts.values() for line in told.values())):
+        click.echo(line, err=True)
     with Journal(out / "results.jsonl", _FORMAT, owns_folder=True) as journal, counting() as progress:
         task = progress.add_task("episodes", total=len(trials))
         driven = run_trials(trials, journal, workers, lambda done: progress.update(task, completed=done))
@@ -107,6 +116,7 @@ def evaluate(
     content: dict[str, Any] = {
         "provenance": provenance(f"./roadmend evaluate {' '.join(said)}"),
         "policies": figures,
+        "fitting": accounts,
         "faults": faults,
     }
     content["episodes"] = [
@@ -129,6 +139,15 @@ def evaluate(
     if not content["episodes"]:
         return 2
     return 1 if faults else 0
+
+
+def _accounts(policies: Sequence[str], methods: Sequence[str]) -> dict[str, dict[str, str]]:
+    """By policy and method, one line for people on the model and the settings that the method runs with."""
+    found: dict[str, dict[str, str]] = {policy: {} for policy in policies}
+    for policy, method in product(policies, methods):
+        known = METHOD_REGISTRY.find(method).entry.parameters().model_dump() | fitting(method, policy)
+        found[policy][method] = fitting_account(method, policy, known)
+    return found
 
 
 @dataclass(frozen=True)

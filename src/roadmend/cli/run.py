@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.table import Table
 
 from roadmend.cli.command import Command, called_as
-from roadmend.cli.driver_options import METHOD_NAME, RUN_POLICY
+from roadmend.cli.driver_options import METHOD_NAME, RUN_POLICY, TUNED
 from roadmend.cli.options import JSON, PATH, options_of
 from roadmend.cli.output import OUTCOME_STYLES, Waiting, wide_console
 from roadmend.cli.sumo_options import TIME_LIMIT, WARM_UP, WARM_UP_OPTION, egos, sumocfg, time_limit
@@ -73,15 +73,7 @@ class RunOptions:
             help="Real time: simulated seconds per second.",
         ),
     ]
-    tuned: Annotated[
-        bool,
-        click.option(
-            "--tuned/--no-tuned",
-            default=True,
-            show_default=True,
-            help="Take the model and the settings of the repair method that were made for the policy; else its defaults.",
-        ),
-    ]
+    tuned: Annotated[bool, TUNED]
     seed: Annotated[
         int,
         click.option(

@@ -27,6 +27,7 @@ from roadmend.core.journal import entry_key
 from roadmend.core.whole_file import write_text, written_beside
 from roadmend.measures.driver import driver_key
 from roadmend.measures.driving import DrivingMeasures
+from roadmend.measures.fitting import fitting
 from roadmend.measures.summary import summarise, summary_rows
 from roadmend.networks.checkpoint import find_model
 from roadmend.policies.neural import load_model
@@ -90,7 +91,7 @@ def evaluate(given: EvaluateOptions) -> int:
     """
     whole = given.chosen.read()
     chosen = disjoint(whole, known_in(given.known))
-    driver = driver_key(given.policy, given.method)
+    driver = driver_key(given.policy, given.method, fitting(given.method, given.policy))
     jobs = [
         EvaluationJob(one, given.policy, given.method, given.out / _BAGS, cast(Record, given.record), driver)
         for one in chosen

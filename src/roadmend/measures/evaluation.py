@@ -4,6 +4,7 @@ import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import product
 from typing import Any
 
 from roadmend.core.episode_result import EpisodeResult
@@ -12,6 +13,7 @@ from roadmend.core.fanout import fan_out
 from roadmend.core.interfaces import Policy
 from roadmend.core.journal import Journal, Key, entry_key
 from roadmend.measures.driver import driver_key
+from roadmend.measures.fitting import fitting
 from roadmend.measures.need import run_with_need
 from roadmend.policies.registry import make_policy
 from roadmend.repair.guard import GuardedRepairer
@@ -56,7 +58,12 @@ class Driven:
 
 
 def trials_of(
-    scenarios: Sequence[Scenario], policies: Sequence[str], methods: Sequence[str], futures: int = 0
+    scenarios: Sequence[Scenario],
+    policies: Sequence[str],
+    methods: Sequence[str],
+    futures: int = 0,
+    *,
+    is_tuned: bool = True,
 ) -> list[EvaluationTrial]:
     """Every policy with every method, and with the trivial ones, in every scenario.
 
@@ -65,13 +72,17 @@ def trials_of(
         policies: names or model files.
         methods: names.
         futures: by which the need of every spell is told; 0 leaves it untold.
+        is_tuned: whether a method takes the model and the settings that were made for the policy, see ``fitting``.
 
     Raises:
         InputError: there is no such policy, model file or method, or a model cannot be read.
     """
-    chosen = tuple(dict.fromkeys([*TRIVIAL, *methods]))
-    pairs = [(policy, method, driver_key(policy, method)) for policy in policies for method in chosen]
-    return [EvaluationTrial(scenario, *pair, futures) for pair in pairs for scenario in scenarios]
+    trials = []
+    for policy, method in product(policies, dict.fromkeys([*TRIVIAL, *methods])):
+        parameters = fitting(method, policy) if is_tuned and method not in TRIVIAL else {}
+        key = driver_key(policy, method, parameters)
+        trials += [EvaluationTrial(scenario, policy, method, key, futures, parameters) for scenario in scenarios]
+    return trials
 
 
 def run_trials(

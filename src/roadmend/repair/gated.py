@@ -40,6 +40,7 @@ class GatedRepair:
         """
         parameters = parameters or GatedParameters()
         self._model = AdreftModel.load(find_model(parameters.model, "adreft-"))
+        self.model_digest = self._model.digest  # results are kept by it
         self._threshold = parameters.threshold if parameters.threshold >= 0.0 else self._model.threshold
         self._tokenizer = self._model.tokenizer()
         self._rules = _RULES[parameters.rule](parameters)

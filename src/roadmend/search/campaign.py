@@ -47,7 +47,7 @@ class Campaign:
             "parameters": self.parameters.model_dump(mode="json"),
             "roadmend": __version__,
             **({} if model is None else {"model": model}),
-            "code": entry_key([__name__, *foreign], driver_key(subject.policy, subject.method)),
+            "code": entry_key([__name__, *foreign], driver_key(subject.policy, subject.method, subject.repair)),
         }
 
     def name(self, index: int) -> str:

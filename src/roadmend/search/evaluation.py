@@ -10,6 +10,7 @@ from roadmend.core.command import Decision
 from roadmend.core.errors import RoadmendError
 from roadmend.core.repair import Repair
 from roadmend.core.tick import INTERVAL, Tick
+from roadmend.measures.fitting import fitting
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.search.attempt import Attempt, fault_of
@@ -43,6 +44,11 @@ class Subject:
         family_of(self.family)
         make_policy(self.policy)
         make_repairer(self.method)
+
+    @property
+    def repair(self) -> dict[str, Any]:
+        """What the method takes instead of its defaults: the model and the settings that were made for the policy."""
+        return fitting(self.method, self.policy)
 
     def scenario(self, parameters: Parameters, name: str) -> Scenario:
         """The scenario that a point stands for."""
@@ -115,10 +121,10 @@ def evaluate_scenario(
 def evaluate(subject: Subject, parameters: Parameters, repair: Mapping[str, Any] | None = None) -> Evaluation:
     """Build and run a point; an error on the way is a result here, since the next search would meet it again.
 
-    ``repair`` is what differs from the repair method's defaults.
+    ``repair`` is what differs from what the repair method takes behind the policy.
     """
     try:
         scenario = subject.scenario(parameters, "point")
-        return evaluate_scenario(scenario, subject.policy, subject.method, repair)
+        return evaluate_scenario(scenario, subject.policy, subject.method, subject.repair | dict(repair or {}))
     except Exception as error:  # noqa: BLE001 - see above
         return Evaluation(None, fault_of(error), CRASH_FITNESS, (0.0,) * FEATURES)

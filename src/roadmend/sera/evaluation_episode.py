@@ -11,6 +11,7 @@ from roadmend.core.errors import RoadmendError, SimulationError
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal, Key, entry_key
 from roadmend.measures.driving import DrivingMeasures
+from roadmend.measures.fitting import fitting
 from roadmend.measures.measured_run import EpisodeObserver, measured_run
 from roadmend.policies.registry import make_policy
 from roadmend.recording.episode_recorder import EpisodeRecorder, account_of
@@ -84,7 +85,9 @@ def _evaluate(job: EvaluationJob) -> EvaluatedEpisode:
 
 
 def _drive(job: EvaluationJob, *observers: EpisodeObserver) -> tuple[EpisodeResult, DrivingMeasures]:
-    return measured_run(job.scenario, make_policy(job.policy), make_repairer(job.method), *observers)
+    return measured_run(
+        job.scenario, make_policy(job.policy), make_repairer(job.method, fitting(job.method, job.policy)), *observers
+    )
 
 
 def _record(job: EvaluationJob, writer: BagWriter) -> EpisodeResult:
