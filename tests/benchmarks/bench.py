@@ -14,7 +14,7 @@ _COMMANDS: Table = {
     "loop": ("harness.bench_loop", "loop", "What the loop costs beside bare SUMO and a bare ring of nodes."),
     "ordinary": ("harness.bench_ordinary", "ordinary", "What repair costs where nothing was wrong."),
     "outcomes": ("harness.bench_outcomes", "outcomes", "How a policy fares in random scenarios."),
-    "readme": ("harness.bench_readme", "readme", "Copy the committed figures into the README."),
+    "pages": ("harness.bench_pages", "pages", "Copy the committed figures into README and src/doc."),
     "recorder": ("harness.bench_recorder", "recorder", "What the recorder takes in, and what a kill costs."),
     "retrieval": ("harness.bench_retrieval", "retrieval", "Searching a bank of a million scenarios."),
     "safe": ("harness.bench_safe", "safe", "Crash reports into scenarios, beside the paper's figures."),

@@ -38,6 +38,9 @@ def test_curves_are_written_and_a_second_call_searches_nothing(tmp_path, monkeyp
     monkeypatch.setattr(bench_robustness, "evaluate", toy)
     assert main(arguments) == 0
     content = json.loads((tmp_path / "out" / "adreft-robustness.json").read_text())
+    page = (tmp_path / "out" / "adreft-robustness.md").read_text()
+    assert "| no repair |" in page
+    assert "Made by `" in page
     assert [*content["policies"]["modular"]] == ["random", "avfuzzer", "behavexplor"]
     for curves in content["policies"]["modular"].values():
         curve = curves["none"]

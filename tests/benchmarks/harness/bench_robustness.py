@@ -1,6 +1,6 @@
 """``roadmend bench adreft --robustness``: how many violations testing techniques find with and without repair."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -11,15 +11,17 @@ from rich.console import Console
 from rich.progress import Progress, TaskID
 
 from harness.benchmark_content import dump_json
+from harness.benchmark_tables import robustness_table
 from harness.contenders import BenchmarkPlan, Contender, resolve
 from harness.options import COLUMNS
 from harness.policy_benchmarks import Choice
 from roadmend.core.errors import RoadmendError
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import entry_key
+from roadmend.core.markdown import table_text
 from roadmend.core.whole_file import write_texts
 from roadmend.measures.driver import driver_key
-from roadmend.reports.result_files import provenance
+from roadmend.reports.result_files import origin, provenance
 from roadmend.search.attempt import CRASH
 from roadmend.search.campaign import Campaign, run_campaign
 from roadmend.search.evaluation import Subject, evaluate
@@ -67,7 +69,8 @@ def run_robustness(
                     for technique in plan.robustness.techniques
                 }
     if out is not None:
-        write_texts(out, {"adreft-robustness.json": dump_json(content) + "\n"})
+        titles = {name: {"title": method.title, "group": method.group} for name, method in plan.methods.items()}
+        write_robustness(out, content, titles)
     if as_json:
         click.echo(dump_json(content))
         return 0
@@ -81,6 +84,22 @@ def run_robustness(
     for absence in content["not_run"]:
         click.echo(f"not run: {absence['policy']}, {absence['method']}: {absence['reason']}", err=True)
     return 0
+
+
+def write_robustness(folder: Path, content: Mapping[str, Any], titles: Mapping[str, Any]) -> None:
+    """Write adreft-robustness.json and, for people, adreft-robustness.md.
+
+    Raises:
+        InputError: the folder cannot be written.
+    """
+    table = robustness_table({"robustness": content, "titles": titles})
+    rows = table_text(table.rows) if table is not None else "Nothing was run."
+    made = origin(content["provenance"])
+    texts = {
+        "adreft-robustness.json": dump_json(content) + "\n",
+        "adreft-robustness.md": f"# Robustness\n\n{rows}\n\n{made}\n",
+    }
+    write_texts(folder, texts)
 
 
 class _Searcher:

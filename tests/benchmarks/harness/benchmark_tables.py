@@ -42,7 +42,7 @@ def all_tables(content: Content) -> list[Table]:
         _intensity,
         _monitor,
         _strategies,
-        _robustness,
+        robustness_table,
         _cost,
         _bound,
         _advantage,
@@ -249,7 +249,8 @@ def _cost(content: Content) -> Table | None:
     return Table("Cost (the paper's table 5)", note, tuple(rows))
 
 
-def _robustness(content: Content) -> Table | None:
+def robustness_table(content: Content) -> Table | None:
+    """How many violations the searches found, where they were run."""
     robustness = content["robustness"]
     rows = [("policy", "technique", "method", "scenarios", "violations found, mean", "least .. most")]
     for policy, techniques in (robustness or {"policies": {}})["policies"].items():

@@ -1,0 +1,103 @@
+"""The figures of the README: one table from the committed results of several benchmarks."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from scipy.stats import binomtest
+
+from harness.benchmark_files import read_json
+from roadmend.measures.intervals import wilson
+
+_MORE = "[ADReFT](src/doc/adreft.md)"
+_RIVALS = ("random", "rule", "model", "rss", "predictive", "predictive_adaptive", "gated")
+
+
+def summary(benchmarks: Path) -> list[list[str]]:
+    """What was measured, on what, its 95 % interval, and the page that has the command; the first row is the heading.
+
+    Args:
+        benchmarks: the folder of the committed results.
+
+    Raises:
+        InputError: a result is missing or damaged.
+    """
+    rows = [["what", "measured on", "figure", "95 %", "more"]]
+    rows += _repair(read_json(benchmarks / "adreft.json"), read_json(benchmarks / "adreft-cases.json"))
+    rows += _ordinary(read_json(benchmarks / "adreft-ordinary.json"))
+    rows += _scenario_repair(read_json(benchmarks / "sera.json"))
+    rows += _reports(read_json(benchmarks / "safe.json"))
+    return rows
+
+
+def _repair(content: Mapping[str, Any], cases: Mapping[str, Any]) -> Iterator[list[str]]:
+    for policy, methods in content["summary"].items():
+        own = methods["adreft"]
+        where = f"{policy} policy, {own['violations']} persistent violations, {own['successes']} successes"
+        shown = [("adreft", "ΔE of"), ("eager", "ΔE of")]
+        shown.append((max(_RIVALS, key=lambda rival: methods[rival]["delta_e"]), "best rival,"))
+        for name, title in shown:
+            found = methods[name]
+            figure = f"{found['delta_e']:.1f} at a dose of {found['dose']:.1f} s"
+            yield [
+                f"{title} {content['titles'][name]['title']}",
+                where,
+                figure,
+                _span(found["intervals"]["delta_e"]),
+                _MORE,
+            ]
+            where = "the same"
+        lead = methods["gated"]["adreft_minus_this"]
+        figure = f"{lead['delta_e']:+.1f}"
+        yield ["over rules with its own prediction", where, figure, _span(lead["intervals"]["delta_e"]), _MORE]
+        stages = [cases[policy]["methods"].get(name) for name in ("rollouts", "first_stage")]
+        if all(stages):
+            better, worse = _alone(cases[policy]["alone"], *(stage["outcomes"] for stage in stages))
+            p_value = f"p {binomtest(better, better + worse).pvalue:.3f}"
+            yield ["fine-tuning repairs, its first stage not", where, f"{better} against {worse}", p_value, _MORE]
+
+
+def _alone(bare: str, first: str, second: str) -> tuple[int, int]:
+    """How many collisions the first brings to the goal and the second does not, and the other way round."""
+    pairs = [(one, two) for alone, one, two in zip(bare, first, second, strict=True) if alone == "C"]
+    return sum(one == "G" != two for one, two in pairs), sum(two == "G" != one for one, two in pairs)
+
+
+def _ordinary(content: Mapping[str, Any]) -> Iterator[list[str]]:
+    for drives, policies in content["ordinary"].items():
+        for policy, methods in policies.items():
+            own = methods["adreft"]
+            count = own["drives"]
+            share = [100 * side for side in wilson(round(own["untouched"] * count / 100), count)]
+            place = f"{policy} policy, {count} ordinary drives ({drives})"
+            yield ["drives left untouched [%]", place, f"{own['untouched']:.1f}", _span(share), _MORE]
+            if own["time_lost"] is not None:
+                middle = f"median {own['time_lost_median']:.2f}"
+                yield ["time lost [%]", "the same", f"{own['time_lost']:.2f}", middle, _MORE]
+            figure = f"{own['collisions']}, {own['new_collisions']} of them new"
+            yield [f"collisions, {own['collisions_bare']} without repair", "the same", figure, "", _MORE]
+
+
+def _scenario_repair(content: Mapping[str, Any]) -> Iterator[list[str]]:
+    more = "[SERA](src/doc/sera.md)"
+    for policy, compared in content["comparisons"].items():
+        where = f"{policy}, {content['settings']['seeds']} seeds"
+        for key, title in (
+            ("full_minus_base", "Driving Score gained by 24 scenarios"),
+            ("full_minus_random", "of which over random ones"),
+        ):
+            gain = compared[key]
+            yield [title, where, f"{gain['difference']:+.1f}", _span(gain["interval"]), more]
+
+
+def _reports(content: Mapping[str, Any]) -> Iterator[list[str]]:
+    more = "[SAFE](src/doc/safe.md)"
+    reports = content["reports"]
+    for policy, reproduced in content["reproduced"].items():
+        share = [100 * side for side in wilson(reproduced, reports)]
+        where = f"{reports} crash reports, {policy} policy"
+        yield ["crashes reproduced [%]", where, f"{100 * reproduced / reports:.1f}", _span(share), more]
+
+
+def _span(interval: Sequence[float]) -> str:
+    return f"{interval[0]:.1f} .. {interval[1]:.1f}"
