@@ -24,7 +24,10 @@ def recorded(tmp_path_factory):
     """The bag of a run that is repaired, and what it came to."""
     folder = tmp_path_factory.mktemp("recorded")
     save_scenario(sample_scenario("S3", 3).model_copy(update={"time_limit": 8.0}), folder / "crossing.yaml")
-    result = run_graph(GraphOptions(folder / "crossing.yaml", method="predictive", bags=folder, name="run", viz=False))
+    options = GraphOptions(
+        folder / "crossing.yaml", method="predictive", bags=folder, name="run", viz=False, tuned=True
+    )
+    result = run_graph(options)
     return folder / "run", result.episode
 
 

@@ -8,6 +8,7 @@ import pytest
 from rosbags.highlevel import AnyReader
 
 from roadmend.cli.main import main
+from roadmend.measures.fitting import fitting
 from roadmend.recording.reader import BagReader
 
 pytestmark = pytest.mark.graph
@@ -71,7 +72,7 @@ def test_what_was_recorded_lies_beside_it_as_it_was(recorded, shadow):
         ]
     assert now.attachments == then.attachments
     assert now.metadata["roadmend"] == then.metadata["roadmend"]
-    assert json.loads(now.metadata["roadmend_shadow"]["parameters"]) == {"rho": 1.0}
+    assert json.loads(now.metadata["roadmend_shadow"]["parameters"]) == {**fitting("rss", "modular"), "rho": 1.0}
     times = [record.time_ns for record in now.records()]
     assert times == sorted(times)
     with AnyReader([out]) as reader:
