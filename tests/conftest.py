@@ -5,6 +5,8 @@ import sys
 
 import pytest
 
+from roadmend.nodes.domain import own_domain
+
 _numbers = itertools.count()
 
 
@@ -26,3 +28,13 @@ def own(tmp_path, monkeypatch):
         return name
 
     return write
+
+
+@pytest.fixture
+def domain(monkeypatch):
+    """A ROS domain of its own for a test that starts nodes."""
+    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+    with own_domain() as number:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
+        monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        yield number

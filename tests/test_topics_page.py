@@ -65,7 +65,7 @@ def test_who_publishes_it(topic):
     publishers = published()[topic] - {"replay_node"}
     of_all = {
         topics.DIAGNOSTICS: ("DiagnosticsReporter(", "topics.DIAGNOSTICS"),
-        topics.CONFIGURATION: ("Configuration(",),
+        topics.CONFIGURATION: ("ConfigurationAnnouncer(",),
     }
     if topic in of_all:
         assert ROWS[topic][2] == "every node"

@@ -1,6 +1,6 @@
 from roadmend.api.bag import BagTables as BagTables
 from roadmend.api.bag import read_bag as read_bag
-from roadmend.api.evaluation import Evaluation as Evaluation
+from roadmend.api.evaluation import EvaluationReport as EvaluationReport
 from roadmend.api.evaluation import evaluate as evaluate
 from roadmend.api.run import run as run
 from roadmend.api.scenarios import load_scenario as load_scenario

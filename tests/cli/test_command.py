@@ -5,7 +5,7 @@ import shlex
 import click
 import pytest
 
-from roadmend.cli.command import Command, called_as
+from roadmend.cli.command import ExampleCommand, called_as
 from roadmend.cli.main import main, run_group
 from roadmend.core.errors import RoadmendError
 from roadmend.core.interrupt import InterruptedWorkError
@@ -20,7 +20,7 @@ def group():
         """Root."""
 
     def add(name, resumes, error):
-        @root.command(name, cls=Command, examples=[f"roadmend {name}"], resumes=resumes)
+        @root.command(name, cls=ExampleCommand, examples=[f"roadmend {name}"], resumes=resumes)
         @click.option("--resume", is_flag=True)
         @click.option("--out", default="")
         def work(resume, out):

@@ -80,28 +80,29 @@ def test_search_finds_with_a_policy_and_a_technique_of_ones_own(roadmend, here):
 @pytest.mark.graph
 @pytest.mark.slow
 def test_the_graph_of_the_example_drives_as_this_process_does_and_the_bag_says_who(tmp_path, own, capfd):
-    shutil.copy(EXAMPLES / "careful.py", tmp_path / "theirs" / "own_example.py")
-    who = ["--policy", "own_example:Careful", "--repair", "own_example:LateBrake"]
+    shutil.copy(EXAMPLES / "cruise.py", tmp_path / "theirs" / "own_cruise.py")
+    shutil.copy(EXAMPLES / "late_brake.py", tmp_path / "theirs" / "own_brake.py")
+    who = ["--policy", "own_cruise:Cruise", "--repair", "own_brake:LateBrake"]
     save_scenario(sample_scenario("S3", 3).model_copy(update={"time_limit": 6.0}), Path("s.yaml"))
-    setting = ["--ros-args", "-p", "LateBrake.distance:=12.0"]
+    setting = ["--ros-args", "-p", "LateBrake.time:=3.0"]
     assert main(["run", "--scenario", "s.yaml", *who, "--no-viz", "--name", "bag", "--json", *setting]) == 0
     (told,) = json.loads(capfd.readouterr().out)
-    assert (told["policy"], told["method"]) == ("own_example:Careful", "own_example:LateBrake")
+    assert (told["policy"], told["method"]) == ("own_cruise:Cruise", "own_brake:LateBrake")
     assert main(["bag", "info", "bags/bag", "--json"]) == 0
     record = json.loads(capfd.readouterr().out)["metadata"]["roadmend"]
-    assert record["policy"] == "own_example:Careful"
-    assert record["policy_origin"] == str(tmp_path / "theirs" / "own_example.py")
+    assert record["policy"] == "own_cruise:Cruise"
+    assert record["policy_origin"] == str(tmp_path / "theirs" / "own_cruise.py")
     assert len(record["method_code_sha256"]) == 64
-    again = ["bag", "resimulate", "bags/bag", "--repair", "own_example:LateBrake", "--set", "distance=12.0"]
+    again = ["bag", "resimulate", "bags/bag", "--repair", "own_brake:LateBrake", "--set", "time=3.0"]
     assert main([*again, "--out", "again"]) == 2
     assert "code from outside that a bag makes nobody run; name it yourself: " in capfd.readouterr().err
-    assert main([*again, "--policy", "own_example:Careful", "--out", "again", "--json"]) == 0
+    assert main([*again, "--policy", "own_cruise:Cruise", "--out", "again", "--json"]) == 0
     now = json.loads(capfd.readouterr().out)["now"]
     assert {name: told[name] for name in now} == now
     for command in (["info"], ["plot", "--out", "a.html"]):
         assert main(["bag", *command, "bags/bag", "--futures", "1"]) == 2
-        assert "name it yourself: --policy own_example:Careful" in capfd.readouterr().err
-        assert main(["bag", *command, "bags/bag", "--futures", "1", "--policy", "own_example:Careful", "--json"]) == 0
+        assert "name it yourself: --policy own_cruise:Cruise" in capfd.readouterr().err
+        assert main(["bag", *command, "bags/bag", "--futures", "1", "--policy", "own_cruise:Cruise", "--json"]) == 0
         json.loads(capfd.readouterr().out)
 
 

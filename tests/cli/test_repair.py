@@ -12,7 +12,6 @@ from pathlib import Path
 import pytest
 
 from roadmend.cli.main import main
-from roadmend.nodes.domain import own_domain
 from roadmend.recording.reader import BagReader
 
 pytestmark = [pytest.mark.graph, pytest.mark.slow, pytest.mark.timeout(600)]
@@ -24,15 +23,6 @@ PATIENCE_S = 120.0
 ARGUMENTS = ["--ego", "/odom", "--objects", "/detections", "--objects-type", "vision_msgs/msg/Detection3DArray"]
 ARGUMENTS += ["--command", "/drive/accel", "--command-type", "geometry_msgs/msg/AccelStamped"]
 ARGUMENTS += ["--repaired", "/drive/repaired"]
-
-
-@pytest.fixture
-def domain(monkeypatch):
-    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
-    with own_domain() as number:
-        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-        monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        yield number
 
 
 class Repair:

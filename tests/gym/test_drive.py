@@ -10,21 +10,12 @@ from gymnasium.utils.env_checker import check_env as gymnasium_check
 from stable_baselines3.common.env_checker import check_env as stable_baselines_check
 
 import roadmend.gym
-from roadmend import Command, Decision, InputError, SimulationError, Trajectory, run, sample_scenario
+from roadmend import InputError, SimulationError, run, sample_scenario
 from roadmend.gym import DriveEnv, LearnedPolicy, RewardWeights
 from roadmend.world.scenario_file import save_scenario
+from tests.gym.push import Push
 
 PUSH = np.array([0.4], dtype=np.float32)
-
-
-class Push:
-    name = "push"
-
-    def reset(self, route):
-        pass
-
-    def step(self, scene):
-        return Decision(Command.from_action(float(PUSH[0]), change_lane=True), Trajectory.empty())
 
 
 @pytest.fixture
@@ -79,7 +70,7 @@ def test_it_is_known_in_its_namespace_and_only_once():
 
 def test_what_is_driven_is_what_the_runner_drives(make):
     scenario = sample_scenario("S4", 5)
-    told = run(scenario, Push(), "none").figures()
+    told = run(scenario, Push(PUSH[0]), "none").figures()
     _, _, infos = drive(make(scenarios=scenario))
     result = infos[-1]["result"]
     assert {**told, "policy": "learner"} == result
@@ -133,7 +124,7 @@ def test_the_reward_is_the_sum_of_its_terms_and_a_weight_counts(make):
     assert infos[-1]["outcome"] == "GOAL"
     assert infos[-1]["reward_terms"]["goal"] == 10.0
     metres = sum(info["reward_terms"]["progress"] for info in infos[1:]) / RewardWeights().progress
-    assert metres == pytest.approx(run(scenario, Push(), "none").distance, rel=0.01)
+    assert metres == pytest.approx(run(scenario, Push(PUSH[0]), "none").distance, rel=0.01)
     alone = dict.fromkeys(RewardWeights.model_fields, 0.0) | {"goal": 3.0}
     _, rewards, _ = drive(make(scenarios=scenario, reward=alone))
     assert sum(rewards) == 3.0

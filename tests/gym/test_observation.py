@@ -9,13 +9,13 @@ from roadmend.core.plain_moment import plain_moment
 from roadmend.core.route import RightOfWay, Route, Window, Zone
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList, Scene, Signal
 from roadmend.gym.observation import AHEAD, EGO, OBJECT, ROAD, ZONE, observation_space
-from roadmend.gym.observer import Observer
+from roadmend.gym.observer import DriveObserver
 
 MOMENT = plain_moment()
 
 
 def see(route=MOMENT.route, scene=MOMENT.scene, most=4):
-    observer = Observer(most)
+    observer = DriveObserver(most)
     observer.reset(route)
     observation = observer.see(scene)
     assert observation_space(most).contains(observation)
@@ -91,7 +91,7 @@ def test_zones_and_lane_changes():
 
 
 def test_acceleration_is_that_of_the_last_tick():
-    observer = Observer(1)
+    observer = DriveObserver(1)
     observer.reset(MOMENT.route)
     observer.see(MOMENT.scene)
     faster = MOMENT.scene.ego._replace(speed=5.1)

@@ -5,20 +5,11 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-from roadmend import Command, Decision, InputError, Proposal, Trajectory, run, sample_scenario
+from roadmend import InputError, Proposal, run, sample_scenario
 from roadmend.gym import DriveEnv, RepairWrapper
+from tests.gym.push import Push
 
 PUSH = np.array([0.6], dtype=np.float32)
-
-
-class Push:
-    name = "push"
-
-    def reset(self, route):
-        pass
-
-    def step(self, scene):
-        return Decision(Command.from_action(float(PUSH[0]), change_lane=True), Trajectory.empty())
 
 
 class Always:
@@ -48,7 +39,7 @@ def drive(env):
 @pytest.mark.parametrize(("method", "number"), [("rss", 0), ("random", 0), ("adreft", 21)])
 def test_it_drives_as_the_runner_does(method, number):
     scenario = sample_scenario("S3", number)
-    told = run(scenario, Push(), method, seed=3).figures()
+    told = run(scenario, Push(PUSH[0]), method, seed=3).figures()
     infos, _ = drive(RepairWrapper(DriveEnv(scenario), method, seed=3))
     assert infos[-1]["result"] == {**told, "policy": "learner"}
     assert sum(info["repair"]["intervened"] for info in infos) == told["interventions"] > 0

@@ -1,19 +1,9 @@
-"""A ROS domain of its own for each test that starts nodes, and scenarios small enough for tests."""
+"""Scenarios small enough for tests of the graph."""
 
 import pytest
 
-from roadmend.nodes.domain import own_domain
 from roadmend.world.families import sample_scenario
 from roadmend.world.scenario_file import save_scenario
-
-
-@pytest.fixture
-def domain(monkeypatch):
-    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
-    with own_domain() as number:
-        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-        monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        yield number
 
 
 @pytest.fixture

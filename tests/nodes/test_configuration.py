@@ -10,7 +10,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from roadmend.nodes import policy, recorder, repair, replay, safe, sera, sim, viz
-from roadmend.nodes.configuration import Announcements, Configuration, Running
+from roadmend.nodes.configuration import Announcements, ConfigurationAnnouncer, Running
 from roadmend.nodes.ros_arguments import SHARED
 
 
@@ -83,7 +83,7 @@ def test_it_is_heard_by_whoever_comes_later_and_again_when_it_changes(pair):
     node.declare_parameter("load", 0.5)
     node.declare_parameter("secret.key", 1)
     label = ["first"]
-    configuration = Configuration(
+    configuration = ConfigurationAnnouncer(
         node, "speaker", lambda: Running(label[0], {"class": "a.B"}), lambda name: not name.startswith("secret.")
     )
     configuration.announce()

@@ -5,12 +5,12 @@ import pytest
 
 from roadmend.core.scene import ObjectKind
 from roadmend.recording.codec import encode
-from roadmend.recording.foreign_objects import Detections, OwnObjects, Vehicle, ego_pose_of, yaw_of
+from roadmend.recording.foreign_objects import Detections, EgoOutline, OwnObjects, ego_pose_of, yaw_of
 from roadmend.recording.messages import OBJECTS, QUATERNION
 
 from .foreign_messages import DETECTIONS, detection, detections, header, odometry
 
-CAR = Vehicle(4.5, 1.8)
+CAR = EgoOutline(4.5, 1.8)
 
 
 def pose_at(time=0.0, **motion):
@@ -56,7 +56,9 @@ def test_yaw_does_not_mind_pitch_and_a_quaternion_of_zeros_has_none():
 
 
 def test_the_ego_is_its_centre():
-    pose = ego_pose_of(odometry(3.0, x=10.0, y=5.0, yaw=0.5 * math.pi, speed=7.0, yaw_rate=0.1), Vehicle(4.5, 1.8, 1.4))
+    pose = ego_pose_of(
+        odometry(3.0, x=10.0, y=5.0, yaw=0.5 * math.pi, speed=7.0, yaw_rate=0.1), EgoOutline(4.5, 1.8, 1.4)
+    )
     assert (pose.ego.x, pose.ego.y) == pytest.approx((10.0, 6.4))
     assert (pose.ego.speed, pose.ego.yaw_rate, pose.ego.length, pose.ego.width) == (7.0, 0.1, 4.5, 1.8)
     assert (pose.frame, pose.base_frame, pose.stamp) == ("odom", "base_link", 3_000_000_000)

@@ -9,7 +9,7 @@ from roadmend.core.route import Route, Stage
 from roadmend.core.scene import ObjectList
 from roadmend.recording import messages
 from roadmend.recording.foreign_commands import PEDALS, AccelerationForm, PedalForm
-from roadmend.recording.foreign_objects import Detections, OwnObjects, Vehicle
+from roadmend.recording.foreign_objects import Detections, EgoOutline, OwnObjects
 from roadmend.recording.foreign_repair import ForeignRepair
 from roadmend.repair.assumed_motion import Assumption
 from roadmend.repair.registry import make_repairer
@@ -24,7 +24,7 @@ class Stack:
     """Another stack: an ego at 10 m/s along x, one who stands, and a controller that accelerates."""
 
     def __init__(self, method="rss", form=AccelerationForm, reader=Detections, stands_at=300.0):
-        self.repair = ForeignRepair(Vehicle(4.5, 1.8), reader(), form(PEDALS), PATIENCE)
+        self.repair = ForeignRepair(EgoOutline(4.5, 1.8), reader(), form(PEDALS), PATIENCE)
         if method:
             self.repair.use(make_repairer(method))
         self.stands_at = stands_at

@@ -8,7 +8,7 @@ from roadmend.cli.main import main
 from roadmend.core.errors import InputError
 from roadmend.recording.codec import encode, type_of
 from roadmend.recording.foreign_commands import PEDALS
-from roadmend.recording.foreign_objects import OBJECT_READERS, Vehicle
+from roadmend.recording.foreign_objects import OBJECT_READERS, EgoOutline
 from roadmend.recording.foreign_shadow import ForeignTopics, run_foreign_shadow
 from roadmend.recording.qos import Qos
 from roadmend.recording.reader import BagReader
@@ -19,7 +19,7 @@ from .foreign_messages import acceleration, detection, detections, odometry
 
 TOPICS = ForeignTopics("/odom", "/detections", "/drive/accel")
 OPTIONS = ["--ego", "/odom", "--objects", "/detections", "--command", "/drive/accel"]
-CAR = Vehicle(4.8, 1.8)
+CAR = EgoOutline(4.8, 1.8)
 
 
 def record(folder, stands_at=60.0, objects_until=9.0, begin=100.0):

@@ -36,7 +36,7 @@ _TITLE = "Policies with and without repair"
 
 
 @dataclass(frozen=True, slots=True)
-class Evaluation:
+class EvaluationReport:
     """What came of it. Printed, it is the table of ``roadmend evaluate`` in Markdown.
 
     Attributes:
@@ -106,7 +106,7 @@ def evaluate(
     futures: int = 0,
     folder: str | PathLike[str] | None = None,
     progress: Progress | None = None,
-) -> Evaluation:
+) -> EvaluationReport:
     """Drive every policy with every repair method in every scenario, and tell what they are worth.
 
     Every policy is driven alone and with random repair too: what it collides in alone can be fixed, what it completes
@@ -162,7 +162,7 @@ def evaluate(
                 driven.append(_drive_here(trial, driver, method))
                 here += 1
                 tell(here, total)
-    return Evaluation(figures_of(driven), tuple(driven))
+    return EvaluationReport(figures_of(driven), tuple(driven))
 
 
 def _several(given: Given | Sequence[Given], where: str) -> list[Given]:

@@ -14,7 +14,7 @@ HOMES = {
     # what comes of it
     "BagTables": "roadmend.api.bag",
     "EpisodeResult": "roadmend.core.episode_result",
-    "Evaluation": "roadmend.api.evaluation",
+    "EvaluationReport": "roadmend.api.evaluation",
     "Event": "roadmend.core.outcome",
     "EventKind": "roadmend.core.outcome",
     "Repair": "roadmend.core.repair",

@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from roadmend.cli.command import Command
+from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import DROVE
 from roadmend.cli.options import FUTURES, JSON, PATH
 from roadmend.cli.output import bag_progress, message_progress, wide_console
@@ -27,7 +27,9 @@ from roadmend.recording.recovery import bag_size, recover
 _LONGEST = 600  # characters of a record that people are shown
 
 
-@click.command("info", cls=Command, examples=["roadmend bag info bags/my-run", "roadmend bag info bags/my-run --json"])
+@click.command(
+    "info", cls=ExampleCommand, examples=["roadmend bag info bags/my-run", "roadmend bag info bags/my-run --json"]
+)
 @click.argument("bag", type=PATH)
 @FUTURES
 @DROVE
@@ -115,7 +117,7 @@ def _topic_table(topics: list[TopicInfo]) -> Table:
     return table
 
 
-@click.command("recover", cls=Command, examples=["roadmend bag recover bags/cut-run --out bags/mended"])
+@click.command("recover", cls=ExampleCommand, examples=["roadmend bag recover bags/cut-run --out bags/mended"])
 @click.argument("bag", type=PATH)
 @click.option("--out", type=PATH, help="Folder of the new bag.  [default: NAME-recovered]")
 @JSON
@@ -141,7 +143,7 @@ def bag_recover(bag: Path, out: Path | None, *, as_json: bool) -> None:
 _FIELDS_SHOWN = 3
 
 
-@click.command("diff", cls=Command, examples=["roadmend bag diff bags/one bags/other --topics '^/(ego|policy)'"])
+@click.command("diff", cls=ExampleCommand, examples=["roadmend bag diff bags/one bags/other --topics '^/(ego|policy)'"])
 @click.argument("first", type=PATH)
 @click.argument("second", type=PATH)
 @click.option("--topics", default="", help="Regular expression found in each topic to compare.")
@@ -202,7 +204,7 @@ def _difference_table(topics: list[TopicDiff]) -> Table:
 
 
 @click.command(
-    "convert", cls=Command, examples=["roadmend bag convert bags/my-run --to sqlite3 --out bags/my-run-sqlite3"]
+    "convert", cls=ExampleCommand, examples=["roadmend bag convert bags/my-run --to sqlite3 --out bags/my-run-sqlite3"]
 )
 @click.argument("bag", type=PATH)
 @click.option("--to", "storage", type=click.Choice([MCAP, SQLITE3]), help="Storage.  [default: the other one]")

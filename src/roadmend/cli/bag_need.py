@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from roadmend.cli.command import Command
+from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import DROVE
 from roadmend.cli.options import FUTURES_MAX, JSON, PATH
 from roadmend.cli.output import Waiting, bag_progress, wide_console
@@ -25,7 +25,7 @@ from roadmend.repair.registry import make_repairer
 
 
 @click.command(
-    cls=Command,
+    cls=ExampleCommand,
     examples=["roadmend bag need bags/my-run", "roadmend bag need bags/my-run --futures 100 --json"],
     epilog=f"need: share of futures of the intervention's first tick, the policy left alone, that end within {HORIZON:g} s "
     f"in a collision by the ego's fault. From {RESCUE:g} on it is a rescue, below {NEEDLESS:g} a nuisance. worth: what the "

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from roadmend.cli.command import Command
+from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import DROVE
 from roadmend.cli.options import FUTURES, JSON, PATH
 from roadmend.core.spell import Spell
@@ -13,7 +13,7 @@ from roadmend.reports.bag_picture import draw_bag
 
 
 @click.command(
-    cls=Command,
+    cls=ExampleCommand,
     examples=[
         "roadmend bag plot bags/my-run --out scene.png --at 12.5",
         "roadmend bag plot bags/my-run --out my-run.html --futures 20",

@@ -10,7 +10,7 @@ import yaml
 from rich.table import Table
 
 from roadmend import __version__
-from roadmend.cli.command import Command
+from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import DROVE, METHOD_NAME, REPAIR_SEED
 from roadmend.cli.options import JSON, PATH, options_of
 from roadmend.cli.output import OUTCOME_STYLES, Waiting, wide_console
@@ -116,7 +116,7 @@ _FIGURES = ("method", "outcome", "text", "duration", "min_distance", "interventi
 
 
 @click.command(
-    cls=Command,
+    cls=ExampleCommand,
     examples=["roadmend bag resimulate bags/my-run --repair adreft --from-time 10 --out bags/my-run-adreft"],
 )
 @click.argument("bag", type=PATH)

@@ -9,14 +9,14 @@ import click
 from rich.table import Table
 
 from roadmend.cli.bag_repair import RepairChoice, RepairOptions, driver_of, read_choice
-from roadmend.cli.command import Command
+from roadmend.cli.command import ExampleCommand
 from roadmend.cli.options import JSON, PATH, options_of
 from roadmend.cli.output import Waiting, wide_console
 from roadmend.core.errors import InputError
 from roadmend.core.repair import Repair
 from roadmend.recording.episode_writer import EpisodeWriter
 from roadmend.recording.foreign_commands import COMMAND_FORMS, PEDALS
-from roadmend.recording.foreign_objects import OBJECT_READERS, Vehicle
+from roadmend.recording.foreign_objects import OBJECT_READERS, EgoOutline
 from roadmend.recording.foreign_repair import Answer
 from roadmend.recording.foreign_shadow import ForeignTopics, run_foreign_shadow
 from roadmend.recording.messages import EGO_SIZE
@@ -39,7 +39,7 @@ def _metres(option: str, default: float, low: float, meaning: str) -> Any:
 
 
 @dataclass(frozen=True)
-class ForeignOptions:
+class ForeignBagOptions:
     """Where a bag of another stack has its inputs, and the size of the ego, which it does not tell."""
 
     ego: Annotated[str, _topic("ego", "odometry of the ego, nav_msgs/Odometry")]
@@ -59,7 +59,7 @@ class ForeignOptions:
 
 
 @click.command(
-    cls=Command,
+    cls=ExampleCommand,
     examples=[
         "roadmend bag shadow bags/my-run --repair rss --set rho=0.4 --out bags/my-run-rss",
         "roadmend bag shadow theirs --ego /odom --objects /detections --command /drive/accel --repair rss --out shadow",
@@ -67,10 +67,10 @@ class ForeignOptions:
 )
 @click.argument("bag", type=PATH)
 @options_of(RepairOptions)
-@options_of(ForeignOptions, "foreign")
+@options_of(ForeignBagOptions, "foreign")
 @click.option("--out", required=True, type=PATH, help="Folder of the new bag.")
 @JSON
-def shadow(bag: Path, given: RepairOptions, foreign: ForeignOptions, out: Path, *, as_json: bool) -> None:
+def shadow(bag: Path, given: RepairOptions, foreign: ForeignBagOptions, out: Path, *, as_json: bool) -> None:
     """Ask another repair method what it would have done at every tick of a recorded run.
 
     The new bag holds the recorded topics as they are, and the other method's answers as /shadow/repair/state and
@@ -119,7 +119,7 @@ def shadow_bag(bag: Path, choice: RepairChoice, out: Path) -> ShadowSummary:
 
 
 def shadow_foreign_bag(
-    bag: Path, choice: RepairChoice, topics_: ForeignTopics, ego: ForeignOptions, out: Path
+    bag: Path, choice: RepairChoice, topics_: ForeignTopics, ego: ForeignBagOptions, out: Path
 ) -> ShadowSummary:
     """Write what a method would have done into a copy of a bag that another stack recorded.
 
@@ -132,7 +132,7 @@ def shadow_foreign_bag(
     if any(name.startswith("/shadow/") for name in reader.topics):
         raise InputError(str(bag), "has a shadow already", "take the bag that it was made of")
     repairer = choice.make()
-    vehicle = Vehicle(ego.ego_length, ego.ego_width, ego.ego_centre)
+    vehicle = EgoOutline(ego.ego_length, ego.ego_width, ego.ego_centre)
     with new_bag(out) as writer, Waiting(f"{bag.name} · {choice.method}"):
         copy, episode = BagCopy(reader, writer), EpisodeWriter(writer, "/shadow")
 

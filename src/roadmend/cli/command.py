@@ -16,7 +16,7 @@ from roadmend.core.resources import config_folder
 _CALLED_AS = "ROADMEND_CALLED_AS"  # set by the script at the root of a clone: the word by which it was called
 
 
-class Command(click.Command):
+class ExampleCommand(click.Command):
     """A command with examples at the end of its help.
 
     Args:

@@ -3,14 +3,14 @@
 import click
 from click.shell_completion import get_completion_class
 
-from roadmend.cli.command import Command
+from roadmend.cli.command import ExampleCommand
 from roadmend.core.errors import RoadmendError
 
 VARIABLE = "_ROADMEND_COMPLETE"  # by which the shell asks; click derives it from the name of the command
 
 
 @click.command(
-    cls=Command,
+    cls=ExampleCommand,
     examples=[
         'eval "$(roadmend completion bash)"    # in ~/.bashrc',
         'eval "$(roadmend completion zsh)"    # in ~/.zshrc',

@@ -11,7 +11,7 @@ import click
 from rich.progress import Progress as Bar
 from rich.table import Table
 
-from roadmend.cli.command import Command, Group
+from roadmend.cli.command import ExampleCommand, Group
 from roadmend.cli.driver_options import POLICY
 from roadmend.cli.options import FILE, FOLDER, JSON, WORKERS, options_of
 from roadmend.cli.output import counting, wide_console
@@ -121,7 +121,9 @@ class CorpusBuildOptions:
 
 
 @corpus.command(
-    cls=Command, examples=["roadmend corpus build --policy modular --searches searches --out modular.jsonl"], resumes=""
+    cls=ExampleCommand,
+    examples=["roadmend corpus build --policy modular --searches searches --out modular.jsonl"],
+    resumes="",
 )
 @options_of(CorpusBuildOptions)
 def build(given: CorpusBuildOptions) -> int:
@@ -189,7 +191,7 @@ def _reporter(bar: Bar) -> Report:
     return report
 
 
-@corpus.command(cls=Command, examples=["roadmend corpus verify --policy modular --cases 20"])
+@corpus.command(cls=ExampleCommand, examples=["roadmend corpus verify --policy modular --cases 20"])
 @_file_option
 @click.option(
     "--cases", "count", type=click.IntRange(1), help="Run only so many, spread over the corpus; all if not given."
@@ -226,7 +228,7 @@ def verify(policy: str, file: Path | None, count: int | None, workers: int, *, a
     return 1 if differing else 0
 
 
-@corpus.command(cls=Command, examples=["roadmend corpus renew --policy modular --out renewed.jsonl"], resumes="")
+@corpus.command(cls=ExampleCommand, examples=["roadmend corpus renew --policy modular --out renewed.jsonl"], resumes="")
 @_file_option
 @click.option("--out", type=FILE, required=True, help="File for the corpus as it is now.")
 @click.option(
@@ -279,7 +281,7 @@ def renew(
     )
 
 
-@corpus.command(cls=Command, examples=["roadmend corpus show --policy modular"])
+@corpus.command(cls=ExampleCommand, examples=["roadmend corpus show --policy modular"])
 @_file_option
 @JSON
 def show(policy: str, file: Path | None, *, as_json: bool) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from roadmend.cli.command import Command
+from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import METHOD_NAME, POLICIES, TUNED
 from roadmend.cli.options import FILE, JSON, PATH, RESULT_FOLDER, WORKERS
 from roadmend.cli.output import counting, show_rows
@@ -32,7 +32,7 @@ _FORMAT = "roadmend-evaluation-work/1"
 
 
 @click.command(
-    cls=Command,
+    cls=ExampleCommand,
     examples=[
         "roadmend evaluate my-scenarios --policy modular --policy neural --repair adreft --out measured",
         "roadmend evaluate --family S3 --count 50 --repair rss --repair adreft --out measured",

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from roadmend.cli.command import Command
+from roadmend.cli.command import ExampleCommand
 from roadmend.cli.options import JSON
 from roadmend.cli.output import show_rows
 from roadmend.core.errors import InputError
@@ -32,7 +32,7 @@ _MODELS = "models"
 
 @click.command(
     "list",
-    cls=Command,
+    cls=ExampleCommand,
     examples=["roadmend list policies", "roadmend list methods adreft rss", "roadmend list models --json"],
 )
 @click.argument("kind", metavar="KIND", type=click.Choice([*_REGISTRIES, _MODELS]))

@@ -101,7 +101,7 @@ def sera() -> None:
 _COMMANDS: Table = {
     "run": ("roadmend.cli.run", "run", "Run one episode in the graph: SUMO, policy, repair and recorder."),
     "repair": ("roadmend.cli.repair", "repair", "Repair what your own stack drives: no simulator of ours."),
-    "demo": ("roadmend.cli.run", "demo", "See a collision repaired: the main job, end to end."),
+    "demo": ("roadmend.cli.demo", "demo", "See a collision repaired: the main job, end to end."),
     "sample": ("roadmend.cli.scenario", "sample", "Draw a scenario of a family."),
     "schema": ("roadmend.cli.scenario", "schema", "Print the JSON schema of a scenario file."),
     "networks": ("roadmend.cli.networks", "networks", "Make SUMO configurations that are foreign to roadmend."),
@@ -113,7 +113,7 @@ _COMMANDS: Table = {
     "train": ("roadmend.cli.main", "train", "Train a driving policy, a repair model or a rival's model."),
     "sera": ("roadmend.cli.main", "sera", "Learn from the failures that were recorded."),
     "bag": ("roadmend.cli.main", "bag", "Look into bags, mend them, compare them."),
-    "replay": ("roadmend.cli.run", "replay", "Play a bag: publish what it holds, as it was recorded."),
+    "replay": ("roadmend.cli.replay", "replay", "Play a bag: publish what it holds, as it was recorded."),
     "completion": ("roadmend.cli.completion", "completion", "Print what makes a shell complete commands and options."),
 }
 _OF_CLONE = [  # commands of the script at the root, which a wheel does not have

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from roadmend.cli.command import Command
+from roadmend.cli.command import ExampleCommand
 from roadmend.cli.options import FOLDER, JSON, WORKERS
 from roadmend.cli.output import counting
 from roadmend.core.errors import InputError
@@ -13,7 +13,7 @@ from roadmend.core.fanout import fan_out
 from roadmend.world.procedural_networks import FIRST_TRAINING_SEED, KINDS, NetworkRequest, generate_configuration
 
 
-@click.command(cls=Command, examples=["roadmend networks --kind city --kind motorway --count 5 --out nets"])
+@click.command(cls=ExampleCommand, examples=["roadmend networks --kind city --kind motorway --count 5 --out nets"])
 @click.option("--kind", "kinds", multiple=True, type=click.Choice(KINDS), help="May be repeated.  [default: all]")
 @click.option("--count", default=5, show_default=True, type=click.IntRange(1, 10_000), help="Of each kind.")
 @click.option(

@@ -46,6 +46,8 @@ class NameType(click.ParamType[str]):
 
 
 PATH = click.Path(path_type=Path)
+BAGS = click.option("--out", default=Path("bags"), show_default=True, type=PATH, help="Folder for the bag.")
+RECORD = click.option("--record/--no-record", default=True, show_default=True)
 FILE = click.Path(path_type=Path, dir_okay=False)
 FOLDER = click.Path(path_type=Path, file_okay=False)
 SEED = click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))

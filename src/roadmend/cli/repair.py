@@ -8,13 +8,13 @@ from typing import Annotated
 
 import click
 
-from roadmend.cli.command import Command
+from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import METHOD_NAME, REPAIR_SEED
-from roadmend.cli.options import JSON, PATH, options_of
+from roadmend.cli.options import BAGS, JSON, RECORD, options_of
 from roadmend.cli.output import show_rows
-from roadmend.cli.run import ROS_ARGUMENTS, ros_arguments
+from roadmend.cli.ros_arguments import ROS_ARGUMENTS, ros_arguments
 from roadmend.core.errors import RoadmendError
-from roadmend.nodes.repair_launcher import RepairOptions, RepairRun, run_repair
+from roadmend.nodes.repair_launcher import RepairGraphOptions, RepairRun, run_repair
 from roadmend.recording import topics
 from roadmend.recording.foreign_commands import COMMAND_FORMS
 from roadmend.recording.foreign_objects import OBJECT_READERS
@@ -23,7 +23,7 @@ OBJECT_TYPES, COMMAND_TYPES = [*OBJECT_READERS], [*COMMAND_FORMS]
 
 
 @dataclass(frozen=True)
-class ForeignOptions:
+class StackOptions:
     """Where the inputs are, and what repairs."""
 
     method: Annotated[str, click.option("--repair", "method", default="rss", show_default=True, type=METHOD_NAME)]
@@ -54,11 +54,9 @@ class ForeignOptions:
         str,
         click.option("--command-type", default=COMMAND_TYPES[0], show_default=True, type=click.Choice(COMMAND_TYPES)),
     ]
-    out: Annotated[
-        Path, click.option("--out", default=Path("bags"), show_default=True, type=PATH, help="Folder for the bag.")
-    ]
+    out: Annotated[Path, BAGS]
     name: Annotated[str, click.option("--name", default="", help="Name of the bag.  [default: from method and time]")]
-    record: Annotated[bool, click.option("--record/--no-record", default=True, show_default=True)]
+    record: Annotated[bool, RECORD]
     record_topics: Annotated[
         str, click.option("--record-topics", default="", metavar="REGEX", help="Record these.  [default: every topic]")
     ]
@@ -71,7 +69,7 @@ class ForeignOptions:
 
 @click.command(
     context_settings={"ignore_unknown_options": True},
-    cls=Command,
+    cls=ExampleCommand,
     examples=[
         "roadmend repair --repair rss",
         (
@@ -80,8 +78,8 @@ class ForeignOptions:
         ),
     ],
 )
-@options_of(ForeignOptions)
-def repair(given: ForeignOptions) -> None:
+@options_of(StackOptions)
+def repair(given: StackOptions) -> None:
     """Repair what your own stack drives: guard, method and recorder alone, until Ctrl-C.
 
     Each command is answered with the newest odometry and objects; whatever is late or missing is named, and stops the
@@ -95,7 +93,7 @@ def repair(given: ForeignOptions) -> None:
         topics.REPAIR_COMMAND: given.repaired,
     }
     remapped = [word for name, target in names.items() if target for word in ("-r", f"{name}:={target}")]
-    options = RepairOptions(
+    options = RepairGraphOptions(
         given.method,
         given.seed,
         {"objects_type": given.objects_type, "command_type": given.command_type},

@@ -1,34 +1,29 @@
-"""``roadmend run``, ``roadmend demo`` and ``roadmend replay``: the graph, live or from a bag."""
+"""``roadmend run``: an episode in the graph."""
 
 import json
-import os
 import sys
 import tempfile
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import click
 from rich.console import Console
 from rich.table import Table
 
-from roadmend.cli.command import Command, called_as
+from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import METHOD_NAME, RUN_POLICY, TUNED
-from roadmend.cli.options import JSON, PATH, options_of
+from roadmend.cli.options import BAGS, JSON, PATH, RECORD, options_of
 from roadmend.cli.output import OUTCOME_STYLES, Waiting, wide_console
+from roadmend.cli.ros_arguments import ROS_ARGUMENTS, ros_arguments
 from roadmend.cli.sumo_options import TIME_LIMIT, WARM_UP, WARM_UP_OPTION, egos, sumocfg, time_limit
 from roadmend.core.errors import InputError, RoadmendError
-from roadmend.core.resources import config_folder
 from roadmend.nodes.launcher import GraphOptions, InterruptedRunError, RunResult, run_graph
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import drawn_scenarios, load_scenario, save_scenario, scenario_of_configuration
 
 _SCENARIO_FIELDS = ("ego.", "actors[", "network.")
-
-
-ROS_ARGUMENTS = click.argument("ros_arguments", nargs=-1, type=click.UNPROCESSED, metavar="[--ros-args ...]")
 
 
 @dataclass(frozen=True)
@@ -84,14 +79,12 @@ class RunOptions:
             help="Of repair methods that draw numbers; with --sumocfg also of the first ego's traffic, start and route.",
         ),
     ]
-    out: Annotated[
-        Path, click.option("--out", default=Path("bags"), show_default=True, type=PATH, help="Folder for the bag.")
-    ]
+    out: Annotated[Path, BAGS]
     name: Annotated[
         str,
         click.option("--name", default="", help="Name of the bag.  [default: from scenario, policy, method and time]"),
     ]
-    record: Annotated[bool, click.option("--record/--no-record", default=True, show_default=True)]
+    record: Annotated[bool, RECORD]
     viz: Annotated[
         bool, click.option("--viz/--no-viz", default=True, show_default=True, help="Markers and frames for Foxglove.")
     ]
@@ -112,7 +105,7 @@ class RunOptions:
 
 @click.command(
     context_settings={"ignore_unknown_options": True},
-    cls=Command,
+    cls=ExampleCommand,
     examples=[
         "roadmend run --scenario config/scenarios/demo-exit.yaml --policy modular --repair adreft",
         "roadmend run --sumocfg my/town.sumocfg --repair adreft",
@@ -165,10 +158,10 @@ def run(given: RunOptions) -> int:
             except InterruptedRunError as error:
                 results += [error.result] if error.result is not None else []
                 if results:
-                    _show(results, as_json=given.as_json)
+                    print_results(results, as_json=given.as_json)
                 raise
     if results or given.as_json:
-        _show(results, as_json=given.as_json)
+        print_results(results, as_json=given.as_json)
     for each in faults:
         click.echo(f"roadmend: {each}", err=True)
     for result in results:
@@ -207,21 +200,6 @@ def _placed(error: InputError, given: RunOptions) -> InputError:
     return error
 
 
-def ros_arguments(given: tuple[str, ...]) -> tuple[str, ...]:
-    """What stands behind --ros-args.
-
-    Raises:
-        click.UsageError: something else stands there; with the nearest options where it looks like one.
-    """
-    if given and given[0] != "--ros-args":
-        context = click.get_current_context()
-        options = [name for option in context.command.get_params(context) for name in option.opts]
-        if given[0].startswith("-"):
-            raise click.NoSuchOption(given[0].partition("=")[0], possibilities=options, ctx=context)
-        raise click.UsageError(f"unexpected argument {given[0]!r}", ctx=context)
-    return given[1:]
-
-
 def run_with_status(options: GraphOptions, label: str = "") -> RunResult:
     """Run the graph with a status line while it lasts."""
     label = label or f"{options.scenario.stem} · {options.policy} · {options.method}"
@@ -236,7 +214,8 @@ def run_with_status(options: GraphOptions, label: str = "") -> RunResult:
         return run_graph(options, report)
 
 
-def _show(results: list[RunResult], *, as_json: bool) -> None:
+def print_results(results: list[RunResult], *, as_json: bool) -> None:
+    """Print the results as a table, or as JSON."""
     if as_json:
         json.dump([result.as_dict() for result in results], sys.stdout, indent=2)
         sys.stdout.write("\n")
@@ -267,139 +246,3 @@ def show_results(results: Sequence[RunResult], console: Console) -> None:
             result.bag or "-",
         )
     console.print(table)
-
-
-_METHODS = ("none", "adreft")
-
-
-@click.command(cls=Command, examples=["roadmend demo"])
-@click.option("--out", default=Path("bags"), show_default=True, type=PATH, help="Folder for the bags.")
-@JSON
-def demo(out: Path, *, as_json: bool) -> None:
-    """Drive scenarios with the bare policy and with repair, as real node processes, and compare.
-
-    Fails unless the bare policy collides and the repaired one reaches its goal in at least one of them.
-    """
-    stamp = time.strftime("%Y%m%d-%H%M%S")
-    results: list[RunResult] = []
-    repaired = False
-    for scenario in sorted((config_folder() / "scenarios").glob("demo-*.yaml")):
-        pair = [
-            run_with_status(
-                GraphOptions(scenario, method=method, bags=out, name=f"{scenario.stem}-{method}-{stamp}", tuned=True)
-            )
-            for method in _METHODS
-        ]
-        results += pair
-        repaired |= pair[0].episode.collided and pair[1].episode.reached_goal
-    _show(results, as_json=as_json)
-    if not as_json:
-        _explain(results)
-    if not repaired:
-        raise RoadmendError(
-            "in no scenario did the bare policy collide and the repaired one arrive; please report this"
-        )
-
-
-def _explain(results: list[RunResult]) -> None:
-    console = wide_console()
-    good = (result for result in results if result.episode.interventions and result.episode.reached_goal)
-    shown = next(good, results[-1])
-    layout = config_folder() / "foxglove" / "roadmend.json"
-    layout = layout.relative_to(Path.cwd()) if layout.is_relative_to(Path.cwd()) else layout
-    console.print(f"\nA picture of the moment: [bold]{called_as()} bag plot {shown.bag}[/]", highlight=False)
-    console.print(f"Or open the bag's .mcap in Foxglove, with the layout {layout}.", highlight=False)
-
-
-@dataclass(frozen=True)
-class ReplayOptions:
-    """What to play, and how."""
-
-    bag: Annotated[Path, click.argument("bag", type=PATH)]
-    rate: Annotated[
-        float,
-        click.option(
-            "--rate",
-            default=1.0,
-            show_default=True,
-            type=click.FloatRange(1e-3, 1e3),
-            help="Recorded seconds per second.",
-        ),
-    ]
-    start: Annotated[
-        float,
-        click.option(
-            "--start",
-            default=0.0,
-            show_default=True,
-            type=click.FloatRange(0.0),
-            help="Begin this many seconds into the bag.",
-        ),
-    ]
-    loop: Annotated[bool, click.option("--loop", is_flag=True, help="Begin again at the end.")]
-    topics: Annotated[
-        tuple[str, ...],
-        click.option(
-            "--topic", "topics", multiple=True, help="Play this topic, and the clock; may be repeated.  [default: all]"
-        ),
-    ]
-    exclude: Annotated[
-        tuple[str, ...], click.option("--exclude", multiple=True, help="Do not play this topic; may be repeated.")
-    ]
-    paused: Annotated[
-        bool,
-        click.option("--paused", is_flag=True, help="Wait for the service replay_node/resume or replay_node/step."),
-    ]
-    lockstep: Annotated[
-        bool,
-        click.option(
-            "--lockstep",
-            is_flag=True,
-            help="Play no repairs: each tick waits for those of a live repair_node, at any rate.",
-        ),
-    ]
-    wait_for: Annotated[
-        tuple[str, ...],
-        click.option("--wait-for", multiple=True, help="Begin when this node listens; may be repeated."),
-    ]
-    wait_for_listeners: Annotated[
-        bool,
-        click.option(
-            "--wait-for-listeners", is_flag=True, help="Begin when every topic has a listener, such as a recorder."
-        ),
-    ]
-    ros_arguments: Annotated[tuple[str, ...], ROS_ARGUMENTS]
-
-
-@click.command(
-    context_settings={"ignore_unknown_options": True},
-    cls=Command,
-    examples=[
-        "roadmend replay bags/my-run --rate 2 --loop",
-        "roadmend replay bags/my-run --topic /ego --topic /objects",
-    ],
-)
-@options_of(ReplayOptions)
-def replay(given: ReplayOptions) -> int:
-    """Publish what a bag holds, with the QoS it was recorded with, and the clock.
-
-    Remap topics with --ros-args -r OLD:=NEW, put all but the clock into a namespace with -r __ns:=/NAME.
-    """
-    extra = ros_arguments(given.ros_arguments)
-    from roadmend.nodes.replay import main  # noqa: PLC0415 - rclpy is for this command alone
-
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    parameters: dict[str, Any] = {
-        "bag": str(given.bag),
-        "rate": given.rate,
-        "start_offset": given.start,
-        "loop": given.loop,
-        "topics": given.topics or [""],
-        "exclude": given.exclude or [""],
-        "start_paused": given.paused,
-        "clock": "lockstep" if given.lockstep else "realtime",
-        "wait_for": given.wait_for or [""],
-        "wait_for_listeners": given.wait_for_listeners,
-    }
-    words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={json.dumps(value)}")]
-    return main(["replay_node", "--ros-args", *words, *extra])

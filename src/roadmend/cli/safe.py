@@ -10,7 +10,7 @@ import click
 from rich.markup import escape
 from rich.table import Table
 
-from roadmend.cli.command import Command
+from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import POLICIES
 from roadmend.cli.language_options import LanguageChoice, language_options, show_usage
 from roadmend.cli.options import FILE, FOLDER, JSON, PATH, SEED, WORKERS, options_of
@@ -100,7 +100,7 @@ class ExtractOptions:
     as_json: Annotated[bool, JSON]
 
 
-@click.command(cls=Command, examples=["roadmend safe extract reports --out read"], resumes="")
+@click.command(cls=ExampleCommand, examples=["roadmend safe extract reports --out read"], resumes="")
 @options_of(ExtractOptions)
 def extract(given: ExtractOptions) -> int:
     """Read a crash report, or a folder of them; exit code 1 if one of them gave no scenario.
@@ -160,7 +160,7 @@ def _show_extracted(done: Sequence[Extracted], out: Path) -> None:
     click.echo(f"{len(done) - failed} of {len(done)} read ({known} by an earlier call), in {out}")
 
 
-@click.command(cls=Command, examples=["roadmend safe build reports --samples 3 --out built"], resumes="")
+@click.command(cls=ExampleCommand, examples=["roadmend safe build reports --samples 3 --out built"], resumes="")
 @options_of(SafeOptions)
 @click.option("--samples", default=2, show_default=True, type=click.IntRange(1, 1000), help="Scenarios of each role.")
 def build(given: SafeOptions, samples: int) -> int:
@@ -197,7 +197,7 @@ def build(given: SafeOptions, samples: int) -> int:
 
 @click.command(
     name="test",
-    cls=Command,
+    cls=ExampleCommand,
     examples=["roadmend safe test reports --policy modular --policy neural --out tested"],
     resumes="",
 )
@@ -229,7 +229,9 @@ def safe_test(given: SafeOptions, policies: tuple[str, ...], samples: int, *, pi
 
 
 @click.command(
-    cls=Command, examples=["roadmend safe reproduce reports --policy modular --budget 100 --out reproduced"], resumes=""
+    cls=ExampleCommand,
+    examples=["roadmend safe reproduce reports --policy modular --budget 100 --out reproduced"],
+    resumes="",
 )
 @options_of(SafeOptions)
 @POLICIES
@@ -266,7 +268,7 @@ def reproduce(given: SafeOptions, policies: tuple[str, ...], budget: int, *, pic
     return 0
 
 
-@click.command(cls=Command, examples=["roadmend safe export built/crash-v1-1.yaml --out exported"])
+@click.command(cls=ExampleCommand, examples=["roadmend safe export built/crash-v1-1.yaml --out exported"])
 @click.argument("scenario", type=FILE)
 @click.option("--out", required=True, type=FOLDER, help="Folder for the files.")
 @JSON

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from roadmend.cli.command import Command
+from roadmend.cli.command import ExampleCommand
 from roadmend.cli.options import FILE, JSON, SEED, NameType
 from roadmend.world.families import FAMILIES, FAMILY_REGISTRY, sample_scenario
 from roadmend.world.scenario_file import dump_scenario, save_scenario, scenario_schema
@@ -19,7 +19,7 @@ FAMILY = click.option(
 )
 
 
-@click.command(cls=Command, examples=["roadmend sample --family S3 --seed 7 --out crossing.yaml"])
+@click.command(cls=ExampleCommand, examples=["roadmend sample --family S3 --seed 7 --out crossing.yaml"])
 @FAMILY
 @SEED
 @click.option("--out", type=FILE, help="File to write; standard output if not given.")
@@ -40,7 +40,7 @@ def sample(family: str, seed: int, out: Path | None, *, as_json: bool) -> None:
         click.echo(f"{out}: {scenario.name}, {len(scenario.actors)} actors, {scenario.environment.weather}")
 
 
-@click.command(cls=Command, examples=["roadmend schema > scenario.schema.json"])
+@click.command(cls=ExampleCommand, examples=["roadmend schema > scenario.schema.json"])
 def schema() -> None:
     """Print the JSON schema of a scenario file."""
     click.echo(json.dumps(scenario_schema(), indent=2))

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import click
 
-from roadmend.cli.command import Command
+from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import POLICY, REPAIR
 from roadmend.cli.options import FILE, FOLDER, JSON, SEED, WORKERS, NameType, options_of
 from roadmend.cli.output import counting, show_rows
@@ -63,7 +63,7 @@ class SearchOptions:
 
 
 @click.command(
-    cls=Command,
+    cls=ExampleCommand,
     examples=["roadmend search --family S3 --policy modular --repair rss --budget 500 --out found"],
     resumes="",
 )

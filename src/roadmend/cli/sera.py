@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import click
 from rich.table import Table
 
-from roadmend.cli.command import Command
+from roadmend.cli.command import ExampleCommand
 from roadmend.cli.language_options import LanguageChoice, language_options, show_usage
 from roadmend.cli.options import FILE, JSON, PATH, WORKERS, options_of
 from roadmend.cli.output import counting, show_rows, wide_console
@@ -51,7 +51,7 @@ class AnalyseOptions:
     as_json: Annotated[bool, JSON]
 
 
-@click.command("analyse", cls=Command, examples=["roadmend sera analyse bags --out patterns.json"])
+@click.command("analyse", cls=ExampleCommand, examples=["roadmend sera analyse bags --out patterns.json"])
 @options_of(AnalyseOptions)
 def analyse_bags(given: AnalyseOptions) -> int:
     """Find the failures and interventions in BAGS, and the patterns in them.
@@ -133,7 +133,7 @@ class RecommendOptions:
 
 
 @click.command(
-    cls=Command,
+    cls=ExampleCommand,
     examples=[
         "roadmend sera recommend --bank my.bank --pattern patterns.json -k 8 --out selection.json",
         "roadmend sera recommend --bank my.bank --pattern 'a cyclist crosses at night'",

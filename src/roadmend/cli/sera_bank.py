@@ -12,7 +12,7 @@ from typing import Annotated, Any
 import click
 from rich.table import Table
 
-from roadmend.cli.command import Command, Group
+from roadmend.cli.command import ExampleCommand, Group
 from roadmend.cli.options import FILE, JSON, options_of
 from roadmend.cli.output import stages, wide_console
 from roadmend.cli.sera_options import BANK, EMBEDDER, PATTERN, filter_options, filters_of
@@ -89,7 +89,7 @@ class BankBuildOptions:
     as_json: Annotated[bool, JSON]
 
 
-@bank.command(cls=Command, examples=["roadmend sera bank build --sample 200 --out my.bank"])
+@bank.command(cls=ExampleCommand, examples=["roadmend sera bank build --sample 200 --out my.bank"])
 @options_of(BankBuildOptions)
 def build(given: BankBuildOptions) -> None:
     """Build a bank from families, corpora and scenario files; it replaces OUT when it is whole."""
@@ -114,7 +114,9 @@ def build(given: BankBuildOptions) -> None:
 
 
 @bank.command(
-    name="import", cls=Command, examples=["roadmend sera bank import theirs.jsonl --bank my.bank --out both.bank"]
+    name="import",
+    cls=ExampleCommand,
+    examples=["roadmend sera bank import theirs.jsonl --bank my.bank --out both.bank"],
 )
 @click.argument("exports", nargs=-1, required=True, type=FILE)
 @click.option("--bank", "bank_file", type=FILE, help="Bank to add to.")
@@ -161,7 +163,7 @@ def build_progress(total: int | None) -> Iterator[Report]:
         yield lambda stage, done: report(stage, done, total)
 
 
-@bank.command(cls=Command, examples=["roadmend sera bank show --bank my.bank"])
+@bank.command(cls=ExampleCommand, examples=["roadmend sera bank show --bank my.bank"])
 @BANK
 @JSON
 def show(bank_file: Path, *, as_json: bool) -> None:
@@ -201,7 +203,7 @@ def _count(entries: Iterator[BankEntry]) -> dict[str, Counter[str]]:
     return counts
 
 
-@bank.command(cls=Command, examples=["roadmend sera bank export --bank my.bank --out my.jsonl"])
+@bank.command(cls=ExampleCommand, examples=["roadmend sera bank export --bank my.bank --out my.jsonl"])
 @BANK
 @click.option("--out", required=True, type=FILE, help="JSON lines to write.")
 @JSON
@@ -214,7 +216,7 @@ def export(bank_file: Path, out: Path, *, as_json: bool) -> None:
 
 
 @bank.command(
-    cls=Command,
+    cls=ExampleCommand,
     examples=["roadmend sera bank search --bank my.bank --pattern 'rear-end collision in fog' --weather foggy"],
 )
 @BANK

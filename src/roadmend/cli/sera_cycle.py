@@ -8,7 +8,7 @@ from typing import Annotated, Any, cast
 
 import click
 
-from roadmend.cli.command import Command
+from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import POLICY, REPAIR
 from roadmend.cli.language_options import LanguageChoice, language_options
 from roadmend.cli.options import FILE, JSON, PATH, RESULT_FOLDER, SEED, WORKERS, options_of
@@ -80,7 +80,7 @@ class EvaluateOptions:
 
 
 @click.command(
-    cls=Command, examples=["roadmend sera evaluate --policy neural --scenarios 20 --out evaluated"], resumes=""
+    cls=ExampleCommand, examples=["roadmend sera evaluate --policy neural --scenarios 20 --out evaluated"], resumes=""
 )
 @options_of(EvaluateOptions)
 def evaluate(given: EvaluateOptions) -> int:
@@ -217,7 +217,9 @@ class CycleSettings:
     as_json: Annotated[bool, JSON]
 
 
-@click.command(cls=Command, examples=["roadmend sera cycle --policy neural --generations 2 --out cycle"], resumes="")
+@click.command(
+    cls=ExampleCommand, examples=["roadmend sera cycle --policy neural --generations 2 --out cycle"], resumes=""
+)
 @options_of(CycleSettings)
 def cycle(given: CycleSettings) -> int:
     """Drive, analyse the failures, recommend scenarios, tune, and drive again, for several generations.

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import click
 
-from roadmend.cli.command import Command
+from roadmend.cli.command import ExampleCommand
 from roadmend.cli.options import FILE, JSON, MODEL_OUT, SEED, WORKERS, options_of
 from roadmend.cli.output import show_rows, stages
 from roadmend.cli.sera_options import BANK, NEURAL_POLICY, FewShotChoice, few_shot_options
@@ -71,7 +71,7 @@ class TuneOptions:
 
 
 @click.command(
-    cls=Command,
+    cls=ExampleCommand,
     examples=["roadmend sera tune --policy neural --bank my.bank --selection selection.json --out tuned.safetensors"],
 )
 @options_of(TuneOptions)

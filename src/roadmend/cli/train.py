@@ -11,7 +11,7 @@ import click
 import yaml
 from rich.progress import TextColumn
 
-from roadmend.cli.command import Command
+from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import POLICY, POLICY_CORPUS, POLICY_NAME
 from roadmend.cli.options import DEVICE, FILE, FOLDER, JSON, MODEL_OUT, SEED, WORKERS, options_of, settings_file
 from roadmend.cli.output import counting, stages
@@ -62,7 +62,7 @@ class PolicyOptions:
 
 
 @click.command(
-    cls=Command, examples=["roadmend train policy --out my-policy.safetensors --workers 4"], resumes="--resume"
+    cls=ExampleCommand, examples=["roadmend train policy --out my-policy.safetensors --workers 4"], resumes="--resume"
 )
 @options_of(PolicyOptions)
 def policy(given: PolicyOptions) -> None:
@@ -170,7 +170,7 @@ class AdreftOptions:
 
 
 @click.command(
-    cls=Command,
+    cls=ExampleCommand,
     examples=["roadmend train adreft --policy modular --out my-repair.safetensors --set practice.dose=0.1"],
     resumes="--resume",
 )
@@ -223,7 +223,8 @@ def adreft(given: AdreftOptions) -> None:
 
 
 @click.command(
-    cls=Command, examples=["roadmend train adjust my-repair.safetensors --threshold 0.6 --out adjusted.safetensors"]
+    cls=ExampleCommand,
+    examples=["roadmend train adjust my-repair.safetensors --threshold 0.6 --out adjusted.safetensors"],
 )
 @click.argument("model", type=FILE)
 @click.option("--threshold", type=click.FloatRange(0.0, 1.0), help="Above which it steps in.  [default: as it is]")

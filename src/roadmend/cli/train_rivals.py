@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 from roadmend import __version__
-from roadmend.cli.command import Command
+from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import POLICY, POLICY_CORPUS
 from roadmend.cli.options import FILE, JSON, MODEL_OUT, SEED, WORKERS
 from roadmend.cli.output import counting, stages_of
@@ -26,7 +26,9 @@ _RIVALS = tuple(rival.name for rival in rivals_of(""))
 
 
 @click.command(
-    "self-oracle", cls=Command, examples=["roadmend train self-oracle --policy modular --out self_oracle.safetensors"]
+    "self-oracle",
+    cls=ExampleCommand,
+    examples=["roadmend train self-oracle --policy modular --out self_oracle.safetensors"],
 )
 @POLICY
 @POLICY_CORPUS
@@ -76,7 +78,7 @@ def self_oracle(
 
 
 @click.command(
-    cls=Command, examples=["roadmend train rivals --policy modular --out rivals.yaml --only rss"], resumes=""
+    cls=ExampleCommand, examples=["roadmend train rivals --policy modular --out rivals.yaml --only rss"], resumes=""
 )
 @POLICY
 @POLICY_CORPUS

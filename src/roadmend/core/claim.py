@@ -1,5 +1,9 @@
 """Folders that one process makes for itself, so that it never writes into, or removes, what is another's."""
 
+import shutil
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from itertools import count
 from pathlib import Path
 
@@ -50,3 +54,34 @@ def claim_numbered(parent: Path, stem: str) -> Path:
                 if not (parent / name).exists():
                     raise
     raise AssertionError
+
+
+@contextmanager
+def claimed_bag(parent: Path, name: str, stem: Callable[[], str], *, is_wanted: bool) -> Iterator[Path | None]:
+    """A folder for a bag, made by and for one run before anything starts; None where nothing is recorded.
+
+    It goes again where the input is bad, since nothing was driven then, and where nothing was written into it.
+
+    Args:
+        parent: where it lies.
+        name: of the bag; if empty, it is made of ``stem`` and the time.
+        stem: how such a name begins.
+        is_wanted: whether anything is recorded.
+
+    Raises:
+        InputError: the name is no name or taken, or the folder cannot be made.
+    """
+    if name:
+        check_name("--name", name)
+    if not is_wanted:
+        yield None
+        return
+    bag = claim_folder(parent, name) if name else claim_numbered(parent, f"{stem()}-{time.strftime('%Y%m%d-%H%M%S')}")
+    try:
+        yield bag
+    except InputError:
+        shutil.rmtree(bag, ignore_errors=True)
+        raise
+    finally:
+        with suppress(OSError):
+            bag.rmdir()  # succeeds only where it is empty

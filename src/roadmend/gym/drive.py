@@ -21,7 +21,7 @@ from roadmend.core.route import Route
 from roadmend.core.settings import check_parameters
 from roadmend.core.tick import Tick
 from roadmend.gym.observation import Observation, observation_space
-from roadmend.gym.observer import Observer, command_of
+from roadmend.gym.observer import DriveObserver, command_of
 from roadmend.gym.reward import RewardWeights, reward_terms
 from roadmend.world.families import FAMILIES, family_of, sample_scenario
 from roadmend.world.scenario import Scenario
@@ -90,7 +90,7 @@ class DriveEnv(gymnasium.Env[Observation, np.ndarray]):
         if not self._families:
             raise InputError("roadmend/Drive-v0: families", "there is none", f"choose of {', '.join(FAMILIES)}")
         self._first, self._count, self._most = first, count, objects
-        self._observer = Observer(objects)
+        self._observer = DriveObserver(objects)
         self.observation_space = observation_space(objects)
         self.action_space = spaces.Box(-1.0, 1.0, (2 if lane_change else 1,), np.float32)
         self.method = "none"  # who repairs, in results; the wrapper says it

@@ -27,7 +27,7 @@ ZONES = 3  # the next ones of the lane
 _FAR = 500.0  # [m]
 
 
-class Column(NamedTuple):
+class Field(NamedTuple):
     """One number of an observation."""
 
     name: str
@@ -37,44 +37,44 @@ class Column(NamedTuple):
     meaning: str
 
 
-def _one_hot(kinds: type[ObjectKind | RightOfWay | Signal], of: str) -> tuple[Column, ...]:
-    return tuple(Column(kind.name.lower(), "", 0.0, 1.0, f"1 where {of} is {kind.name.lower()}") for kind in kinds)
+def _one_hot(kinds: type[ObjectKind | RightOfWay | Signal], of: str) -> tuple[Field, ...]:
+    return tuple(Field(kind.name.lower(), "", 0.0, 1.0, f"1 where {of} is {kind.name.lower()}") for kind in kinds)
 
 
 EGO = (
-    Column("speed", "m/s", 0.0, 80.0, "speed"),
-    Column("acceleration", "m/s2", -15.0, 15.0, "acceleration over the last tick"),
-    Column("yaw_rate", "rad/s", -3.0, 3.0, "yaw rate"),
-    Column("offset", "m", -10.0, 10.0, "from the lane's centre line, left positive"),
-    Column("speed_limit", "m/s", 0.0, 80.0, "speed limit of the lane here"),
-    Column("left", "m", 0.0, 10_000.0, "way that is left to the goal"),
-    Column("time_left", "s", 0.0, 86_400.0, "time that is left"),
-    Column("must_change", "", 0.0, 1.0, "1 where the route changes to another lane from here"),
-    Column("change_begin", "m", -_FAR, _FAR, "to where the lane change may begin, negative behind"),
-    Column("change_end", "m", -_FAR, _FAR, "to where it must have begun"),
-    Column("change_side", "", -1.0, 1.0, "1 where that lane is to the left, -1 to the right, 0 where there is none"),
+    Field("speed", "m/s", 0.0, 80.0, "speed"),
+    Field("acceleration", "m/s2", -15.0, 15.0, "acceleration over the last tick"),
+    Field("yaw_rate", "rad/s", -3.0, 3.0, "yaw rate"),
+    Field("offset", "m", -10.0, 10.0, "from the lane's centre line, left positive"),
+    Field("speed_limit", "m/s", 0.0, 80.0, "speed limit of the lane here"),
+    Field("left", "m", 0.0, 10_000.0, "way that is left to the goal"),
+    Field("time_left", "s", 0.0, 86_400.0, "time that is left"),
+    Field("must_change", "", 0.0, 1.0, "1 where the route changes to another lane from here"),
+    Field("change_begin", "m", -_FAR, _FAR, "to where the lane change may begin, negative behind"),
+    Field("change_end", "m", -_FAR, _FAR, "to where it must have begun"),
+    Field("change_side", "", -1.0, 1.0, "1 where that lane is to the left, -1 to the right, 0 where there is none"),
 )
 ROAD = (
-    Column("x", "m", -100.0, 100.0, "point of the lane's centre line"),
-    Column("y", "m", -100.0, 100.0, "the same"),
-    Column("yaw", "rad", -math.pi, math.pi, "heading of the lane there"),
-    Column("speed_limit", "m/s", 0.0, 80.0, "speed limit there"),
+    Field("x", "m", -100.0, 100.0, "point of the lane's centre line"),
+    Field("y", "m", -100.0, 100.0, "the same"),
+    Field("yaw", "rad", -math.pi, math.pi, "heading of the lane there"),
+    Field("speed_limit", "m/s", 0.0, 80.0, "speed limit there"),
 )
 ZONE = (
-    Column("begin", "m", -_FAR, _FAR, "from the ego's front to the stop line"),
-    Column("end", "m", -_FAR, _FAR, "from the ego's rear to where the zone is left"),
+    Field("begin", "m", -_FAR, _FAR, "from the ego's front to the stop line"),
+    Field("end", "m", -_FAR, _FAR, "from the ego's rear to where the zone is left"),
     *_one_hot(RightOfWay, "the rule"),
     *_one_hot(Signal, "the traffic light"),
 )
 OBJECT = (
-    Column("x", "m", -_FAR, _FAR, "centre of the outline"),
-    Column("y", "m", -_FAR, _FAR, "the same"),
-    Column("yaw", "rad", -math.pi, math.pi, "heading"),
-    Column("speed", "m/s", -80.0, 80.0, "speed along its heading, over ground"),
-    Column("acceleration", "m/s2", -15.0, 15.0, "along its heading"),
-    Column("yaw_rate", "rad/s", -3.0, 3.0, "yaw rate"),
-    Column("length", "m", 0.0, 50.0, "of the outline"),
-    Column("width", "m", 0.0, 10.0, "of the outline"),
+    Field("x", "m", -_FAR, _FAR, "centre of the outline"),
+    Field("y", "m", -_FAR, _FAR, "the same"),
+    Field("yaw", "rad", -math.pi, math.pi, "heading"),
+    Field("speed", "m/s", -80.0, 80.0, "speed along its heading, over ground"),
+    Field("acceleration", "m/s2", -15.0, 15.0, "along its heading"),
+    Field("yaw_rate", "rad/s", -3.0, 3.0, "yaw rate"),
+    Field("length", "m", 0.0, 50.0, "of the outline"),
+    Field("width", "m", 0.0, 10.0, "of the outline"),
     *_one_hot(ObjectKind, "its kind"),
 )
 
@@ -185,18 +185,18 @@ def _in_frame(dx: Any, dy: Any, yaw: float) -> tuple[Any, Any]:
     return dx * cosine + dy * sine, dy * cosine - dx * sine
 
 
-def _box(shape: tuple[int, ...], columns: Sequence[Column]) -> spaces.Box:
+def _box(shape: tuple[int, ...], columns: Sequence[Field]) -> spaces.Box:
     low, high = _bounds(columns)
     whole = (*shape, len(columns))
     return spaces.Box(np.broadcast_to(low, whole), np.broadcast_to(high, whole), dtype=np.float32)
 
 
-def _bounded(rows: NDArray[np.float64], columns: Sequence[Column]) -> Floats:
+def _bounded(rows: NDArray[np.float64], columns: Sequence[Field]) -> Floats:
     low, high = _bounds(columns)
     return np.clip(rows.astype(np.float32), low, high)
 
 
-def _bounds(columns: Sequence[Column]) -> tuple[Floats, Floats]:
+def _bounds(columns: Sequence[Field]) -> tuple[Floats, Floats]:
     low = np.array([column.low for column in columns], dtype=np.float32)
     high = np.array([column.high for column in columns], dtype=np.float32)
     return low, high

@@ -12,7 +12,7 @@ from roadmend.gym.observation import Observation, observe
 from roadmend.measures.route_progress import RoutePlace, RouteProgress
 
 
-class Observer:
+class DriveObserver:
     """Fed with the scenes of an episode in their order.
 
     Attributes:
@@ -52,7 +52,7 @@ class LearnedPolicy:
 
     def __init__(self, act: Callable[[Observation], np.ndarray], objects: int = 16) -> None:
         self._act = act
-        self._observer = Observer(objects)
+        self._observer = DriveObserver(objects)
 
     def reset(self, route: Route) -> None:
         """Begin an episode."""

@@ -85,6 +85,7 @@ def _part(key: str, announced: Mapping[str, Announcement], names: list[str]) -> 
         return {key: UNKNOWN}
     heard = [announced.get(name, Announcement(name, "")) for name in names]
     known = {key: " + ".join(one.full_label for one in heard), f"{key}_node": " + ".join(names)}
+    known[f"{key}_is_own"] = json.dumps(len(heard) == 1 and heard[0].is_ours)
     if len(heard) > 1:
         return known  # the details of each are in the configuration
     details = {name: value for name, value in heard[0].values.items() if not name.startswith(PARAMETER)}

@@ -30,7 +30,7 @@ class Running:
     values: Mapping[str, str] = field(default_factory=dict)  # see Announcement
 
 
-class Configuration:
+class ConfigurationAnnouncer:
     """Announces what a node is, once it is made and whenever that changes. Make it when all parameters are declared."""
 
     def __init__(

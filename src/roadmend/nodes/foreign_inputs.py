@@ -18,7 +18,7 @@ from roadmend.nodes.discovery import look_up, request_for
 from roadmend.recording import foreign_repair, messages, topics
 from roadmend.recording.codec import MessageType
 from roadmend.recording.foreign_commands import COMMAND_FORMS, PEDALS, Pedals
-from roadmend.recording.foreign_objects import OBJECT_READERS, Vehicle
+from roadmend.recording.foreign_objects import OBJECT_READERS, EgoOutline
 from roadmend.recording.foreign_repair import Answer, ForeignRepair
 from roadmend.repair.guard import GuardedRepairer
 
@@ -88,7 +88,7 @@ class ForeignInputs:
         pedals = Pedals(settings.full_throttle, settings.full_brake)
         self._form = _find("command_type", settings.command_type, COMMAND_FORMS)(pedals)
         self._node, self._send = node, send
-        vehicle = Vehicle(settings.ego_length, settings.ego_width, settings.ego_centre)
+        vehicle = EgoOutline(settings.ego_length, settings.ego_width, settings.ego_centre)
         self._repair = ForeignRepair(vehicle, reader, self._form, patience)
         self.command_kind = look_up("command_type", [settings.command_type])[1]
         objects, objects_kind = MessageType(reader.type_name), look_up("objects_type", [reader.type_name])[1]

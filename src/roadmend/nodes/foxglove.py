@@ -13,7 +13,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
-from roadmend.nodes.configuration import Configuration
+from roadmend.nodes.configuration import ConfigurationAnnouncer
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.discovery import look_up, request_for
 from roadmend.nodes.needed import needed
@@ -66,7 +66,7 @@ class FoxgloveNode(Node):
     def __init__(self) -> None:
         super().__init__("foxglove_node")
         settings = declare_parameters(self, FoxgloveParameters)
-        self._configuration = Configuration(self, "foxglove")
+        self._configuration = ConfigurationAnnouncer(self, "foxglove")
         self._timekeeper = Timekeeper()
         self._bridged: dict[str, _Bridged] = {}
         self._skipped: dict[str, str] = {}  # topic and why

@@ -3,7 +3,6 @@
 import contextlib
 import json
 import os
-import shutil
 import signal
 import tempfile
 import time
@@ -13,7 +12,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, NoReturn
 
-from roadmend.core.claim import check_name, claim_folder, claim_numbered
+from roadmend.core.claim import claimed_bag
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.interrupt import InterruptedWorkError
@@ -57,6 +56,11 @@ class GraphOptions:
     def is_external(self) -> bool:
         """Whether the policy is a node of somebody else's, which is waited for and not started."""
         return self.policy == EXTERNAL
+
+    def stem(self) -> str:
+        """How the bag's name begins if it has none."""
+        policy = EXTERNAL if self.is_external else POLICY_REGISTRY.find(self.policy).label
+        return f"{self.scenario.stem}-{policy}-{METHOD_REGISTRY.find(self.method).label}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,40 +162,12 @@ def run_graph(options: GraphOptions, report: Callable[[str, float], None] = lamb
     """
     check_addressees(options.ros_arguments)
     with (
-        _claimed_bag(options) as bag,
+        claimed_bag(options.bags, options.name, options.stem, is_wanted=options.record) as bag,
         own_domain() as domain,
         tempfile.TemporaryDirectory(prefix="roadmend-run-") as folder,
         _signals() as stopped,
     ):
         return _GraphRun(options, bag, Path(folder), domain, report).supervise(stopped)
-
-
-@contextlib.contextmanager
-def _claimed_bag(options: GraphOptions) -> Iterator[Path | None]:
-    """The bag's folder, made by and for this run before anything starts; None where nothing is recorded.
-
-    It goes again where the input is bad, since nothing was driven then, and where nothing was written into it.
-    """
-    if options.name:
-        check_name("--name", options.name)
-    if not options.record:
-        yield None
-        return
-    if options.name:
-        bag = claim_folder(options.bags, options.name)
-    else:
-        stamp = time.strftime("%Y%m%d-%H%M%S")
-        policy = EXTERNAL if options.is_external else POLICY_REGISTRY.find(options.policy).label
-        who = policy, METHOD_REGISTRY.find(options.method).label
-        bag = claim_numbered(options.bags, "-".join([options.scenario.stem, *who, stamp]))
-    try:
-        yield bag
-    except InputError:
-        shutil.rmtree(bag, ignore_errors=True)
-        raise
-    finally:
-        with contextlib.suppress(OSError):
-            bag.rmdir()  # succeeds only where it is empty
 
 
 class _GraphRun:

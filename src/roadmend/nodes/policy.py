@@ -15,7 +15,7 @@ from roadmend.core.interfaces import Policy
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.nodes import qos
-from roadmend.nodes.configuration import Configuration, Running
+from roadmend.nodes.configuration import ConfigurationAnnouncer, Running
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.fault import leave_fault
 from roadmend.nodes.pairing import TickPairing
@@ -38,7 +38,7 @@ class PolicyNode(Node):
         self._settings = {
             name: self.get_parameter(f"{prefix}.{name}").value for name in declare_own(self, prefix, kind)
         }
-        self._configuration = Configuration(self, "policy", self._running)
+        self._configuration = ConfigurationAnnouncer(self, "policy", self._running)
         self._policy: Policy = make_policy(self._given, self._settings)
         self._route: Route | None = None
         self._pairing = TickPairing(topics.EGO, topics.OBJECTS)

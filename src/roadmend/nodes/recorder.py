@@ -26,7 +26,7 @@ from roadmend.core.outcome import EventKind
 from roadmend.core.parameters import Parameters
 from roadmend.nodes import qos
 from roadmend.nodes.announcement import UNKNOWN
-from roadmend.nodes.configuration import Announcements, Configuration
+from roadmend.nodes.configuration import Announcements, ConfigurationAnnouncer
 from roadmend.nodes.discovery import look_up, request_for
 from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.qos import offer_from
@@ -105,7 +105,7 @@ class RecorderNode(Node):
     def __init__(self) -> None:
         super().__init__("recorder_node")
         settings = declare_parameters(self, RecorderParameters, choices={"compression": list(Compression)})
-        self._configuration = Configuration(self, "recorder")
+        self._configuration = ConfigurationAnnouncer(self, "recorder")
         self._include = _pattern("include", settings.include)
         self._exclude = _pattern("exclude", settings.exclude or "$^")
         self._timekeeper = Timekeeper(simulated=settings.time_source == "simulation")

@@ -8,35 +8,33 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from nav_msgs.msg import Odometry
-from pydantic import Field
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
 from roadmend_msgs import msg
 
-from roadmend.core.command import Decision, Trajectory
+from roadmend.core.command import Decision
 from roadmend.core.errors import InputError
-from roadmend.core.parameters import Parameters
 from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.core.whole_file import write_text
 from roadmend.measures.fitting import fitting, fitting_account
 from roadmend.nodes import qos
-from roadmend.nodes.configuration import Configuration, Running
+from roadmend.nodes.configuration import ConfigurationAnnouncer, Running
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.foreign_inputs import ForeignInputs, ForeignParameters
-from roadmend.nodes.inputs import COMMAND, TRAJECTORY
-from roadmend.nodes.pairing import TickPairing
+from roadmend.nodes.inputs import COMMAND
 from roadmend.nodes.parameters import declare_own, declare_parameters, find_named
-from roadmend.nodes.policy_watch import PERIOD_S
 from roadmend.nodes.provenance import described
+from roadmend.nodes.repair_settings import RepairNodeParameters, Times
 from roadmend.nodes.repair_tally import RepairTally
 from roadmend.nodes.spinning import run_node
+from roadmend.nodes.tick_parts import TickParts, scene_of
 from roadmend.recording import messages, topics
 from roadmend.recording.codec import encode
 from roadmend.recording.foreign_repair import Answer
@@ -47,49 +45,9 @@ from roadmend.repair.parameters import GuardParameters
 from roadmend.repair.registry import METHOD_REGISTRY, METHODS, make_method
 
 WATCH_PERIOD_S = 0.01  # how often ages are looked at [s]
-NEWEST_TIMEOUT_S = 0.3  # [s] patience with inputs of another stack: three messages at 10 Hz
 IMPATIENT_S = 0.02  # lockstep: patience while the policy is known to be silent [s]
 REPEAT_S = 0.05  # real time: period of the stop command while nothing arrives [s]
-_PARTS = ("ego", "objects", "command", "trajectory")
-_LEAST_PARTS = _PARTS[:3]  # of a tick whose policy publishes no plan
-_AHEAD_NS = 1_000_000_000  # [ns] a command is of no tick if its stamp lies so far after the newest odometry
 _COMPLAINTS = frozenset({RepairStatus.STALE_COMMAND, RepairStatus.STALE_OBJECTS, RepairStatus.MODEL_FAULT})
-
-
-class RepairNodeParameters(Parameters):
-    """Parameters of the node, read once at start; those of the methods can be changed while it runs."""
-
-    method: str = Field("rss", description=f"repair method to run: one of {METHOD_REGISTRY.ways}")
-    policy: str = Field(
-        "", description="policy whose models and tuned settings are this method's defaults; the plain defaults if empty"
-    )
-    trajectory: Literal["required", "optional"] = Field(
-        "required",
-        description="whether a tick waits for the planned trajectory, or does without while nobody publishes any",
-    )
-    inputs: Literal["paired", "newest"] = Field(
-        "paired",
-        description="paired: the messages of a tick share one stamp, as the simulator's do; newest: they come from "
-        "another stack, at rates and with stamps of their own, and the newest of each counts",
-    )
-    clock: Literal["lockstep", "realtime"] = Field("lockstep", description="how the simulator keeps time")
-    seed: int = Field(0, ge=0, le=2**31 - 1, description="seed of methods that draw numbers")
-    input_timeout: float = Field(
-        0.0,
-        ge=0.0,
-        le=60.0,
-        description="[s] of wall time after which an input counts as late; 0: 2.0 in lockstep, 0.04 in real time, 0.3 where "
-        "the newest inputs count",
-    )
-    time_budget: float = Field(
-        0.0,
-        ge=0.0,
-        le=10.0,
-        description="[s] a method may take for a tick before the guard decides; 0: no limit in lockstep, "
-        "0.03 in real time",
-    )
-    autostart: bool = Field(default=True, description="configure and activate without being asked")
-    summary: str = Field("", description="file for the tally of this run, written at the end; none if empty")
 
 
 class RepairNode(LifecycleNode):
@@ -106,11 +64,7 @@ class RepairNode(LifecycleNode):
         self._route: Route | None = None
         self._route_fault = ""
         self._motion = AssumedMotion()
-        self._pairing = TickPairing(*_PARTS)
-        self._has_plans = True  # whether a tick has a planned trajectory to wait for
-        self._looked_at = 0.0  # wall time [s] at which it was last looked who plans
-        self._newest_ego = -1  # [ns] stamp
-        self._stray_stamp = -1  # [ns] of the policy's last message if it belongs to no tick
+        self._parts = TickParts(self, may_lack_plans=self._plans_are_optional)
         self._tally = RepairTally()
         self._active = False
         self._started = False  # a complete tick has been answered in this episode
@@ -123,7 +77,7 @@ class RepairNode(LifecycleNode):
         self._answered_stamp = -1  # [ns] of the last answer, whatever tick it was about
         self._foreign = None
         if self._is_newest:
-            self._foreign = ForeignInputs(self, foreign, self._timeout, self._send_foreign)
+            self._foreign = ForeignInputs(self, foreign, self._times.timeout, self._send_foreign)
         kind = msg.Command if self._foreign is None else self._foreign.command_kind
         self._command_publisher = self.create_lifecycle_publisher(kind, topics.REPAIR_COMMAND, qos.COMMAND)
         self._state_publisher = self.create_lifecycle_publisher(msg.RepairState, topics.REPAIR_STATE, qos.STREAM)
@@ -157,10 +111,7 @@ class RepairNode(LifecycleNode):
         self._policy, self._plans_are_optional = settings.policy, settings.trajectory == "optional"
         self._method, self._seed = settings.method, settings.seed
         self._is_newest = settings.inputs == "newest"
-        self._lockstep = settings.clock == "lockstep" and not self._is_newest
-        patience = NEWEST_TIMEOUT_S if self._is_newest else 0.04
-        self._timeout = settings.input_timeout or (2.0 if self._lockstep else patience)
-        self._budget = settings.time_budget or (None if self._lockstep else 0.03)
+        self._times = Times.of(settings)
         self._autostart, self._summary = settings.autostart, settings.summary
         fitted = fitting(settings.method, settings.policy) if settings.policy else {}
         for name, entry in {**METHODS, self._found.label: self._found.entry}.items():
@@ -168,7 +119,7 @@ class RepairNode(LifecycleNode):
             fields = declare_own(self, name, entry.parameters, fitted if is_mine else None, is_fixed=False)
             if is_mine:
                 self._fields = fields
-        self._configuration = Configuration(self, "repair", self._running, self._is_told)
+        self._configuration = ConfigurationAnnouncer(self, "repair", self._running, self._is_told)
         return foreign
 
     def _running(self) -> Running:
@@ -198,7 +149,7 @@ class RepairNode(LifecycleNode):
 
     def _make_repairer(self, changed: Sequence[Parameter] = ()) -> GuardedRepairer:
         made = make_method(self._method, self._method_parameters(changed), self._seed)
-        repairer = GuardedRepairer(made, GuardParameters(budget=self._budget))
+        repairer = GuardedRepairer(made, GuardParameters(budget=self._times.budget))
         repairer.warm_up()  # compiling on the first tick would look like an overrun
         self._made = made
         return repairer
@@ -263,7 +214,7 @@ class RepairNode(LifecycleNode):
     # -- input --------------------------------------------------------------------------------------------------------
 
     def _on_route(self, data: bytes) -> None:
-        self._pairing.clear()
+        self._parts.pairing.clear()
         self._prepared = (-1, None)
         self._started = False
         self._last_stamp = -1
@@ -279,25 +230,20 @@ class RepairNode(LifecycleNode):
 
     def _add(self, part: str, data: bytes) -> None:
         stamp, now = messages.stamp_of_bytes(data), time.monotonic()
-        if part == "ego":
-            self._newest_ego = stamp
-        elif part in ("command", "trajectory"):
-            is_stray = 0 <= self._newest_ego < stamp - _AHEAD_NS
-            self._stray_stamp = stamp if is_stray else -1
-            if is_stray:  # paired, it would be waited for as the newest tick
-                return
+        if self._parts.is_stray(part, stamp):  # paired, it would be waited for as the newest tick
+            return
         if stamp == self._last_stamp and part == "objects" and self._last_repair is not None:
             self._publish(self._last_repair, stamp)  # a repeated tick gets the same answer again
             return
         if stamp < self._last_stamp and part in ("ego", "objects"):
             self._last_stamp = -1  # time ran backwards: the guard sees it and resets the method
-            self._pairing.clear()
+            self._parts.pairing.clear()
             self._prepared = (-1, None)
             self._motion.reset(self._route)
         if stamp <= self._last_stamp:
             return
         self._last_arrival = now
-        tick = self._pairing.add(stamp, part, data, now)
+        tick = self._parts.pairing.add(stamp, part, data, now)
         if tick is not None:
             self._answer(stamp, tick)
         elif part in {"ego", "objects"}:
@@ -305,20 +251,20 @@ class RepairNode(LifecycleNode):
 
     def _prepare(self, stamp: int) -> None:
         """Build the scene while the policy still thinks about it."""
-        waiting = self._pairing.waiting()
+        waiting = self._parts.pairing.waiting()
         if waiting is not None and waiting[0] == stamp and {"ego", "objects"} <= waiting[1].keys():
             with contextlib.suppress(ValueError):  # said when the tick is answered
-                self._prepared = (stamp, self._scene(stamp, waiting[1]))
+                self._prepared = (stamp, scene_of(stamp, waiting[1], self._route))
 
     def _answer(self, stamp: int, tick: dict[str, bytes]) -> None:
         if not self._active or self._repairer is None:
             return
         decision = None
         try:
-            decision = self._decision(tick)
+            decision = self._parts.decision(tick)
             prepared, scene = self._prepared
             if prepared != stamp or scene is None:
-                scene = self._scene(stamp, tick)
+                scene = scene_of(stamp, tick, self._route)
         except ValueError as error:  # bytes that are no such message, or arrays that differ in length
             repair = self._repairer.controlled_stop(RepairStatus.STALE_OBJECTS, str(error), None, decision)
         else:
@@ -336,49 +282,28 @@ class RepairNode(LifecycleNode):
         repair = self._repairer.step(scene, self._motion.decide(scene.ego, decision.command))
         return replace(repair, reason=f"{self._motion.assumption}; {repair.reason}".removesuffix("; "))
 
-    def _scene(self, stamp: int, tick: dict[str, bytes]) -> Scene | None:
-        if "ego" not in tick or "objects" not in tick or self._route is None:
-            return None
-        seen, signals = messages.objects_of(messages.OBJECTS.decode(tick["objects"]))
-        ego = messages.ego_of(messages.EGO.decode(tick["ego"]), self._route.ego_length, self._route.ego_width)
-        return Scene(stamp * 1e-9, ego, seen, signals)
-
-    def _decision(self, tick: dict[str, bytes]) -> Decision | None:
-        if "command" not in tick or (self._has_plans and "trajectory" not in tick):
-            return None
-        plan = Trajectory.empty()
-        if "trajectory" in tick:
-            plan = messages.trajectory_of(messages.TRAJECTORY.decode(tick["trajectory"]))
-        return Decision(messages.command_of(messages.COMMAND.decode(tick["command"])), plan)
-
-    def _look_for_plans(self, now: float) -> None:
-        """A policy that publishes no trajectory is not waited for with one, where it may go without."""
-        if not self._plans_are_optional or now - self._looked_at < PERIOD_S:
-            return
-        self._looked_at = now
-        self._has_plans = bool(TRAJECTORY.publishers(self)) and not TRAJECTORY.faults(self)
-        self._pairing.expect(*(_PARTS if self._has_plans else _LEAST_PARTS))
-
     # -- ages ---------------------------------------------------------------------------------------------------------
 
     def _watch(self) -> None:
         """Look for inputs that are late, and answer without them."""
-        self._look_for_plans(time.monotonic())
-        if not self._active or self._repairer is None or (self._lockstep and not self._started):
+        self._parts.look(time.monotonic())
+        if not self._active or self._repairer is None or (self._times.is_lockstep and not self._started):
             return  # in lockstep the simulator repeats the first tick until the policy has joined
         now = time.monotonic()
-        waiting = self._pairing.waiting()
+        waiting = self._parts.pairing.waiting()
         if waiting is None:
-            if not self._lockstep and now - max(self._last_arrival, self._last_answer) > max(REPEAT_S, self._timeout):
+            if not self._times.is_lockstep and now - max(self._last_arrival, self._last_answer) > max(
+                REPEAT_S, self._times.timeout
+            ):
                 self._silent_since = "odometry, objects"
                 self._repeat_stop(now)
             return
         stamp, tick, since = waiting
-        patience = IMPATIENT_S if self._silent_since and self._lockstep else self._timeout
+        patience = IMPATIENT_S if self._silent_since and self._times.is_lockstep else self._times.timeout
         if now - since < patience:
             return
-        self._pairing.give_up(stamp)
-        missing = [part for part in (_PARTS if self._has_plans else _LEAST_PARTS) if part not in tick]
+        self._parts.pairing.give_up(stamp)
+        missing = self._parts.missing(tick)
         objects_missing = "ego" in missing or "objects" in missing
         status = RepairStatus.STALE_OBJECTS if objects_missing else RepairStatus.STALE_COMMAND
         if not self._started:
@@ -386,7 +311,9 @@ class RepairNode(LifecycleNode):
         self._silent_since = ", ".join(missing)
         reason = f"no {self._silent_since} within {patience:g} s"
         try:
-            repair = self._repairer.controlled_stop(status, reason, self._scene(stamp, tick), self._decision(tick))
+            repair = self._repairer.controlled_stop(
+                status, reason, scene_of(stamp, tick, self._route), self._parts.decision(tick)
+            )
         except ValueError as error:
             repair = self._repairer.controlled_stop(status, f"{reason}; {error}")
         self._send(stamp, repair)
@@ -449,23 +376,7 @@ class RepairNode(LifecycleNode):
         crowd = COMMAND.publishers(self)
         if len(set(crowd)) > 1:
             return Health(Level.WARN, f"several nodes send the policy's commands: {', '.join(crowd)}", values)
-        return Health(Level.OK, "repairing" if self._started else self._lack(), values)
-
-    def _lack(self) -> str:
-        """What the first tick waits for."""
-        if self._stray_stamp >= 0:
-            stray, tick = self._stray_stamp * 1e-9, self._newest_ego * 1e-9
-            return (
-                f"the policy's messages are stamped {stray:.2f} s and belong to no tick, which is at {tick:.2f} s now; "
-                f"copy header.stamp of the tick's odometry"
-            )
-        waiting = self._pairing.waiting()
-        there = set() if waiting is None else waiting[1].keys()
-        lacking = [part for part in (_PARTS if self._has_plans else _LEAST_PARTS) if part not in there]
-        faults = [*COMMAND.faults(self), *TRAJECTORY.faults(self)]
-        return "; ".join(
-            [f"waiting for the first complete tick, for want of {', '.join(lacking) or 'a route'}", *faults]
-        )
+        return Health(Level.OK, "repairing" if self._started else self._parts.lack(), values)
 
     def close(self) -> None:
         """Write the tally if a file was named."""

@@ -3,17 +3,16 @@
 import contextlib
 import json
 import os
-import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from roadmend import __version__
-from roadmend.core.claim import check_name, claim_folder, claim_numbered
+from roadmend.core.claim import claimed_bag
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.nodes.children import Child, stop
 from roadmend.nodes.spinning import stop_on_signals
@@ -26,7 +25,7 @@ BAD_INPUT = 2  # exit code of a node that refuses its parameters
 
 
 @dataclass(frozen=True)
-class RepairOptions:
+class RepairGraphOptions:
     """Repair in a graph that is not ours."""
 
     method: str = "rss"
@@ -38,6 +37,10 @@ class RepairOptions:
     record_topics: str = ""  # regular expression found in each topic to record; all if empty
     sim_time: bool = False  # whether the stack's time comes from /clock
     ros_arguments: tuple[str, ...] = ()  # for both nodes, but for parameters that name no node: those are repair's
+
+    def stem(self) -> str:
+        """How the bag's name begins if it has none."""
+        return f"repair-{METHOD_REGISTRY.find(self.method).label}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +56,7 @@ class RepairRun:
     recording_error: str  # why the bag is not complete; empty if it is
 
 
-def run_repair(options: RepairOptions, report: Callable[[str], None]) -> RepairRun:
+def run_repair(options: RepairGraphOptions, report: Callable[[str], None]) -> RepairRun:
     """Repair until SIGINT or SIGTERM, in the domain that ROS_DOMAIN_ID names.
 
     What the repair node says goes to standard error as it comes; so is told what its inputs lack.
@@ -67,7 +70,7 @@ def run_repair(options: RepairOptions, report: Callable[[str], None]) -> RepairR
         RoadmendError: the repair node failed beyond repair.
     """
     with (
-        _claimed_bag(options) as bag,
+        claimed_bag(options.bags, options.name, options.stem, is_wanted=options.record) as bag,
         tempfile.TemporaryDirectory(prefix="roadmend-repair-") as folder,
         stop_on_signals() as flag,
     ):
@@ -78,34 +81,10 @@ def run_repair(options: RepairOptions, report: Callable[[str], None]) -> RepairR
             run.stop()
 
 
-@contextlib.contextmanager
-def _claimed_bag(options: RepairOptions) -> Iterator[Path | None]:
-    """The bag's folder; None where nothing is recorded.
-
-    It goes again where the input is bad, since nothing was repaired then, and where nothing was written into it.
-    """
-    if options.name:
-        check_name("--name", options.name)
-    if not options.record:
-        yield None
-        return
-    if options.name:
-        bag = claim_folder(options.bags, options.name)
-    else:
-        label = METHOD_REGISTRY.find(options.method).label
-        bag = claim_numbered(options.bags, f"repair-{label}-{time.strftime('%Y%m%d-%H%M%S')}")
-    try:
-        yield bag
-    except InputError:
-        shutil.rmtree(bag, ignore_errors=True)
-        raise
-    finally:
-        with contextlib.suppress(OSError):
-            bag.rmdir()  # succeeds only where it is empty
-
-
 class _Run:
-    def __init__(self, options: RepairOptions, bag: Path | None, folder: Path, report: Callable[[str], None]) -> None:
+    def __init__(
+        self, options: RepairGraphOptions, bag: Path | None, folder: Path, report: Callable[[str], None]
+    ) -> None:
         self._report, self._bag, self._folder = report, bag, folder
         self._domain = os.environ.get("ROS_DOMAIN_ID") or "0"
         self._extra = options.ros_arguments

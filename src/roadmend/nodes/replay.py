@@ -15,7 +15,7 @@ from std_srvs.srv import Trigger
 
 from roadmend.core.errors import InputError
 from roadmend.nodes import qos
-from roadmend.nodes.configuration import Configuration
+from roadmend.nodes.configuration import ConfigurationAnnouncer
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.discovery import look_up
 from roadmend.nodes.parameters import declare
@@ -87,7 +87,7 @@ class ReplayNode(Node):
             self, "wait_for_listeners", False, "begin only when every topic has a listener, a recorder for example"
         )
         paused = declare(self, "start_paused", False, "wait for resume or step at the beginning")
-        self._configuration = Configuration(self, "replay")
+        self._configuration = ConfigurationAnnouncer(self, "replay")
         reader = BagReader(Path(path))
         self._lockstep = clock == "lockstep"
         self._answers = [find_topic(reader, name) for name in answers if name] if self._lockstep else []

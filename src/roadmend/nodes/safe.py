@@ -15,7 +15,7 @@ from roadmend_msgs.action import BuildCrashScenarios
 
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.language.models import BACKEND_REGISTRY, EMBEDDED
-from roadmend.nodes.configuration import Configuration
+from roadmend.nodes.configuration import ConfigurationAnnouncer
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.parameters import declare, declare_name
 from roadmend.nodes.spinning import run_node
@@ -64,7 +64,7 @@ class SafeNode(Node):
         attempts = declare(
             self, "attempts", StageOneOptions().attempts, "openai, replay: executions of a step", low=1, high=20
         )
-        self._configuration = Configuration(self, "safe")
+        self._configuration = ConfigurationAnnouncer(self, "safe")
         self._configuration.announce()
         self._options = BackendOptions(
             StageOneOptions(attempts=attempts),

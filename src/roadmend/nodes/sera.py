@@ -11,7 +11,7 @@ from roadmend_msgs import srv
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.language.models import BACKEND_REGISTRY, EMBEDDED
 from roadmend.language.question import ATTEMPTS
-from roadmend.nodes.configuration import Configuration
+from roadmend.nodes.configuration import ConfigurationAnnouncer
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.needed import needed
 from roadmend.nodes.parameters import declare, declare_name
@@ -50,7 +50,7 @@ class SeraNode(Node):
         self._count: int = declare(
             self, "count", 8, "scenarios a pattern where the request does not say", low=1, high=_MOST
         )
-        self._configuration = Configuration(self, "sera")
+        self._configuration = ConfigurationAnnouncer(self, "sera")
         self._configuration.announce()
         self._exchanges = Path(exchanges) if exchanges else None
         self._backend = Backend.open(

@@ -23,7 +23,7 @@ from roadmend.core.parameters import Parameters
 from roadmend.core.tick import INTERVAL, INTERVAL_NS, Tick
 from roadmend.core.whole_file import write_text
 from roadmend.nodes import qos
-from roadmend.nodes.configuration import Configuration, Running
+from roadmend.nodes.configuration import ConfigurationAnnouncer, Running
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.graph_view import GraphView
 from roadmend.nodes.parameters import declare_parameters
@@ -94,7 +94,7 @@ class SimNode(Node):
         self._wait_for = settings.wait_for
         self._summary_path = settings.summary
         self._scenario_file = Path(settings.scenario)
-        self._configuration = Configuration(self, "sim", self._running)
+        self._configuration = ConfigurationAnnouncer(self, "sim", self._running)
         self._simulation = Simulation(load_scenario(self._scenario_file))
         self._builder = ResultBuilder(self._simulation.scenario.name)
         self._view = GraphView(self, settings.driver, self._summary_path)

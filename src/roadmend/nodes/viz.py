@@ -25,7 +25,7 @@ from roadmend.core.parameters import Parameters
 from roadmend.core.route import Route
 from roadmend.core.scene import EgoState, ObjectList, Scene
 from roadmend.nodes import qos
-from roadmend.nodes.configuration import Configuration
+from roadmend.nodes.configuration import ConfigurationAnnouncer
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.marker_ticks import Cadence, TickMemory
 from roadmend.nodes.parameters import declare_parameters
@@ -76,7 +76,7 @@ class VizNode(Node):
     def __init__(self) -> None:
         super().__init__("viz_node")
         self._settings = declare_parameters(self, VizParameters, is_fixed=False)
-        self._configuration = Configuration(self, "viz")
+        self._configuration = ConfigurationAnnouncer(self, "viz")
         self.add_on_set_parameters_callback(_refuse_non_finite)
         self.add_post_set_parameters_callback(self._on_parameters)
         self._memory = TickMemory(tuple(_TICK_TOPICS))

@@ -42,7 +42,7 @@ _KINDS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Vehicle:
+class EgoOutline:
     """What odometry does not tell of the ego."""
 
     length: float  # [m]
@@ -81,7 +81,7 @@ def yaw_of(orientation: Any) -> float:
     return math.atan2(2.0 * (w * z + x * y), length - 2.0 * (y * y + z * z))
 
 
-def ego_pose_of(message: Any, vehicle: Vehicle) -> EgoPose:
+def ego_pose_of(message: Any, vehicle: EgoOutline) -> EgoPose:
     """The ego from nav_msgs/Odometry: the pose in header.frame_id, the twist in child_frame_id (REP 103, REP 105)."""
     pose, twist = message.pose.pose, message.twist.twist
     yaw = yaw_of(pose.orientation)

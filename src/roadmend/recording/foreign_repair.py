@@ -13,7 +13,7 @@ from roadmend.core.route import Route
 from roadmend.core.scene import ObjectList, Scene
 from roadmend.recording import messages
 from roadmend.recording.foreign_commands import CommandForm
-from roadmend.recording.foreign_objects import EgoPose, ObjectReader, Signals, Vehicle, ego_pose_of
+from roadmend.recording.foreign_objects import EgoOutline, EgoPose, ObjectReader, Signals, ego_pose_of
 from roadmend.repair.assumed_motion import AssumedMotion, open_route
 from roadmend.repair.guard import GuardedRepairer
 
@@ -53,7 +53,7 @@ class ForeignRepair:
         patience: [s] after which an input counts as late: since it arrived, and behind the other's stamp.
     """
 
-    def __init__(self, vehicle: Vehicle, reader: ObjectReader, form: CommandForm, patience: float) -> None:
+    def __init__(self, vehicle: EgoOutline, reader: ObjectReader, form: CommandForm, patience: float) -> None:
         self._vehicle, self._reader, self._form, self._patience = vehicle, reader, form, patience
         self._repairer: GuardedRepairer | None = None
         self._route: Route | None = None

@@ -1,6 +1,5 @@
 """What a repair method would have done at every command of a bag that another stack recorded. Open loop, needs no ROS."""
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -8,11 +7,11 @@ from typing import Any
 
 from roadmend.core.errors import InputError
 from roadmend.recording import foreign_repair, messages
-from roadmend.recording.foreign_commands import COMMAND_FORMS, CommandForm, Pedals
-from roadmend.recording.foreign_objects import OBJECT_READERS, Vehicle
+from roadmend.recording.foreign_commands import COMMAND_FORMS, Pedals
+from roadmend.recording.foreign_objects import OBJECT_READERS, EgoOutline
 from roadmend.recording.foreign_repair import Answer, ForeignRepair
 from roadmend.recording.reader import BagReader
-from roadmend.recording.shadow import ShadowSummary, asked_acceleration
+from roadmend.recording.shadow import ShadowComparison, ShadowSummary
 from roadmend.repair.guard import GuardedRepairer
 
 PATIENCE_S = 0.3  # [s] of the bag's time after which an input counts as late
@@ -77,7 +76,7 @@ def run_foreign_shadow(
     reader: BagReader,
     topics: ForeignTopics,
     repairer: GuardedRepairer,
-    vehicle: Vehicle,
+    vehicle: EgoOutline,
     pedals: Pedals,
     watcher: Callable[[int, Answer], None] = lambda _time, _answer: None,
 ) -> ShadowSummary:
@@ -101,7 +100,7 @@ def run_foreign_shadow(
     form = COMMAND_FORMS[kinds[foreign_repair.COMMAND]](pedals)
     repair = ForeignRepair(vehicle, OBJECT_READERS[kinds[foreign_repair.OBJECTS]](), form, PATIENCE_S)
     repair.use(repairer)
-    comparison = _Comparison(form)
+    comparison, speed = ShadowComparison(), 0.0
     takers: Mapping[str, Callable[[Any, float], None]] = {
         foreign_repair.EGO: repair.take_ego,
         foreign_repair.OBJECTS: repair.take_objects,
@@ -115,7 +114,7 @@ def run_foreign_shadow(
             if name != foreign_repair.COMMAND:
                 takers[name](message.value, now)
                 if name == foreign_repair.EGO:
-                    comparison.speed = message.value.twist.twist.linear.x
+                    speed = message.value.twist.twist.linear.x
                 continue
         except ValueError as error:
             raise InputError(
@@ -123,35 +122,8 @@ def run_foreign_shadow(
             ) from error
         answer = repair.take_command(message.value, now)
         if answer is not None:
-            comparison.add(now, message.value, answer)
+            comparison.add(now, form.read(message.value), answer.repair, speed, intervened=False)
             watcher(message.time_ns, answer)
     if not comparison.count:
         raise InputError(str(reader.path), f"holds no message on {topics.command}", "name the topic of the commands")
     return comparison.summary()
-
-
-class _Comparison:
-    """The figures of a shadow, command by command."""
-
-    def __init__(self, form: CommandForm) -> None:
-        self._form = form
-        self.speed = 0.0  # [m/s] of the ego
-        self.count = 0
-        self._now = self._same = 0
-        self._first: float | None = None
-        self._difference = 0.0
-
-    def add(self, time: float, asked: Any, answer: Answer) -> None:
-        done, command = self._form.read(asked), answer.repair.command
-        self.count += 1
-        self._now += answer.repair.intervened
-        if (command.throttle, command.brake) == (done.throttle, done.brake):
-            self._same += 1
-        elif self._first is None:
-            self._first = time
-        change = abs(asked_acceleration(command, self.speed) - asked_acceleration(done, self.speed))
-        self._difference += change if math.isfinite(change) else 0.0
-
-    def summary(self) -> ShadowSummary:
-        count = self.count
-        return ShadowSummary(count, 0, self._now, self._same / count, self._first, self._difference / count)

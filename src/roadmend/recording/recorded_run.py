@@ -21,7 +21,6 @@ from roadmend.recording.ticks import BagTicks
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import parse_scenario
 
-_OF_A_NODE, _SEVERAL = "external:", " + "  # how the label of a policy begins that was no class, and of several
 _MEND = "take a bag that 'roadmend run' has recorded"
 RECORD = "roadmend"  # metadata record that 'roadmend run' has the recorder write
 
@@ -58,7 +57,7 @@ def _policy(bag: str, record: Mapping[str, str]) -> str:
     policy = record.get("policy", "")
     if not policy:
         raise InputError(bag, "does not say which policy drove", _MEND)
-    if policy.startswith(_OF_A_NODE) or _SEVERAL in policy:
+    if record.get("policy_is_own") == "false":
         what = f"was driven by {policy}, a node of somebody else's"
         raise InputError(bag, what, "a class may drive in its place: 'bag need' and 'bag resimulate' take --policy")
     if ":" in policy:

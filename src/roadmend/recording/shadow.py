@@ -26,6 +26,42 @@ class ShadowSummary:
     acceleration_difference: float  # [m/s2] mean of |asked now - asked then|, before lag and drag
 
 
+class ShadowComparison:
+    """Makes the summary, answer by answer."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._then = self._now = self._same = 0
+        self._first: float | None = None
+        self._difference = 0.0
+
+    def add(self, time: float, done: Command, answer: Repair, speed: float, *, intervened: bool) -> None:
+        """One answer of the other method.
+
+        Args:
+            time: of the simulation [s].
+            done: what was driven on.
+            answer: of the other method.
+            speed: of the ego [m/s].
+            intervened: whether the method of then had stepped in.
+        """
+        command = answer.command
+        self.count += 1
+        self._then += intervened
+        self._now += answer.intervened
+        if (command.throttle, command.brake) == (done.throttle, done.brake):
+            self._same += 1
+        elif self._first is None:
+            self._first = time
+        change = abs(asked_acceleration(command, speed) - asked_acceleration(done, speed))
+        self._difference += change if math.isfinite(change) else 0.0
+
+    def summary(self) -> ShadowSummary:
+        """Of all answers; there must be one."""
+        count = self.count
+        return ShadowSummary(count, self._then, self._now, self._same / count, self._first, self._difference / count)
+
+
 Watcher = Callable[[BagTick, Repair], None]
 
 
@@ -44,9 +80,7 @@ def run_shadow(
     Raises:
         InputError: the bag is corrupt, or no tick of it can be judged.
     """
-    count = then = now = same = 0
-    first: float | None = None
-    difference = 0.0
+    comparison = ShadowComparison()
     route: Route | None = None
     repaired = REPAIR_COMMAND in ticks.topics
     for tick in ticks:
@@ -58,21 +92,14 @@ def run_shadow(
             continue  # nobody drives on the answer to the final tick
         answer = _answer(repairer, route, tick)
         watcher(tick, answer)
-        count += 1
-        then += tick.repair is not None and tick.repair.intervened
-        now += answer.intervened
-        if (answer.command.throttle, answer.command.brake) == (done.throttle, done.brake):
-            same += 1
-        elif first is None:
-            first = tick.stamp * 1e-9
         speed = 0.0 if tick.ego is None else tick.ego.speed
-        change = abs(asked_acceleration(answer.command, speed) - asked_acceleration(done, speed))
-        difference += change if math.isfinite(change) else 0.0
-    if not count:
+        intervened = tick.repair is not None and tick.repair.intervened
+        comparison.add(tick.stamp * 1e-9, done, answer, speed, intervened=intervened)
+    if not comparison.count:
         raise InputError(
             str(ticks.path), "holds no command of a policy or a repair node", "name a bag of a run that was driven"
         )
-    return ShadowSummary(count, then, now, same / count, first, difference / count)
+    return comparison.summary()
 
 
 def asked_acceleration(command: Command, speed: float) -> float:

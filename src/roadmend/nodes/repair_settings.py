@@ -1,0 +1,73 @@
+"""Parameters of repair_node, and the times that follow from them."""
+
+from dataclasses import dataclass
+from typing import Literal, Self
+
+from pydantic import Field
+
+from roadmend.core.parameters import Parameters
+from roadmend.repair.registry import METHOD_REGISTRY
+
+LOCKSTEP_TIMEOUT_S, REALTIME_TIMEOUT_S = 2.0, 0.04  # [s] patience with the inputs of a tick
+NEWEST_TIMEOUT_S = 0.3  # [s] patience with inputs of another stack: three messages at 10 Hz
+REALTIME_BUDGET_S = 0.03  # [s] for a method's tick
+
+
+class RepairNodeParameters(Parameters):
+    """Parameters of the node, read once at start; those of the methods can be changed while it runs."""
+
+    method: str = Field("rss", description=f"repair method to run: one of {METHOD_REGISTRY.ways}")
+    policy: str = Field(
+        "", description="policy whose models and tuned settings are this method's defaults; the plain defaults if empty"
+    )
+    trajectory: Literal["required", "optional"] = Field(
+        "required",
+        description="whether a tick waits for the planned trajectory, or does without while nobody publishes any",
+    )
+    inputs: Literal["paired", "newest"] = Field(
+        "paired",
+        description="paired: the messages of a tick share one stamp, as the simulator's do; newest: they come from "
+        "another stack, at rates and with stamps of their own, and the newest of each counts",
+    )
+    clock: Literal["lockstep", "realtime"] = Field("lockstep", description="how the simulator keeps time")
+    seed: int = Field(0, ge=0, le=2**31 - 1, description="seed of methods that draw numbers")
+    input_timeout: float = Field(
+        0.0,
+        ge=0.0,
+        le=60.0,
+        description="[s] of wall time after which an input counts as late; 0: 2.0 in lockstep, 0.04 in real time, 0.3 where "
+        "the newest inputs count",
+    )
+    time_budget: float = Field(
+        0.0,
+        ge=0.0,
+        le=10.0,
+        description="[s] a method may take for a tick before the guard decides; 0: no limit in lockstep, "
+        "0.03 in real time",
+    )
+    autostart: bool = Field(default=True, description="configure and activate without being asked")
+    summary: str = Field("", description="file for the tally of this run, written at the end; none if empty")
+
+
+@dataclass(frozen=True, slots=True)
+class Times:
+    """How the node keeps time.
+
+    Attributes:
+        is_lockstep: whether the simulator waits for each answer.
+        timeout: wall time after which an input counts as late [s].
+        budget: that a method may take for a tick [s]; None without a limit.
+    """
+
+    is_lockstep: bool
+    timeout: float
+    budget: float | None
+
+    @classmethod
+    def of(cls, settings: RepairNodeParameters) -> Self:
+        """Those of a node with these parameters."""
+        is_newest = settings.inputs == "newest"
+        is_lockstep = settings.clock == "lockstep" and not is_newest
+        patience = LOCKSTEP_TIMEOUT_S if is_lockstep else NEWEST_TIMEOUT_S if is_newest else REALTIME_TIMEOUT_S
+        budget = settings.time_budget or (None if is_lockstep else REALTIME_BUDGET_S)
+        return cls(is_lockstep, settings.input_timeout or patience, budget)
