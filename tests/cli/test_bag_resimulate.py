@@ -223,7 +223,7 @@ def test_a_policy_that_is_not_named_or_not_here_is_refused(altered, refused):
 
 @pytest.mark.parametrize("policy", ["external:/mine", "modular + external:/mine"])
 def test_a_policy_that_was_a_node_of_somebody_elses_is_refused(altered, refused, policy):
-    said = refused(altered(tell=lambda values: {**values, "policy": policy}))
+    said = refused(altered(tell=lambda values: {**values, "policy": policy, "policy_is_own": "false"}))
     assert f"was driven by {policy}, a node of somebody else's; a class may drive in its place" in said
 
 

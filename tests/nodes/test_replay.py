@@ -421,7 +421,7 @@ def test_a_run_replayed_into_repair_node_gives_the_recorded_decisions_bit_for_bi
     bag, result = run
     assert result.interventions > 0
     beside("repair", method="predictive", input_timeout=60.0)  # a starved process is not what is tested
-    recorder = beside("recorder", output=str(tmp_path), name="again", drain_limit=1.0)
+    recorder = beside("recorder", output=str(tmp_path), name="again", drain_limit=30.0)
     finish(beside("replay", bag=str(bag), clock="lockstep", wait_for=["repair_node"], wait_for_listeners=True))
     stop([recorder], time.monotonic() + 90.0)
     for topic in ("/repair/state", "/repair/command"):
