@@ -69,7 +69,7 @@ def account(announced: Mapping[str, Announcement], drivers: Iterable[str], repai
     """
     known: dict[str, str] = {}
     for key, names in (("policy", drivers), ("method", repairers)):
-        known |= _part(key, announced, [*dict.fromkeys(names)])
+        known |= _part(key, announced, sorted(set(names)))  # whoever was heard of first
     for name, role in (("clock", "sim"), ("seed", "repair")):
         said = [one.parameters[name] for one in announced.values() if one.role == role and name in one.parameters]
         if said:
