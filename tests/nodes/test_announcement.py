@@ -38,7 +38,7 @@ def test_who_sent_the_commands_is_who_drove():
     [
         (["/mine"], "external:/mine"),  # it has announced nothing
         (["/named"], "external:modular"),  # a node of somebody else's is never taken for ours
-        (["/policy_node", "/mine"], "modular + external:/mine"),
+        (["/policy_node", "/mine"], "external:/mine + modular"),
         ([], "modular"),
     ],
 )
@@ -49,7 +49,7 @@ def test_nodes_of_others_are_marked_as_such(drivers, label):
 def test_of_several_the_details_are_in_the_configuration_alone():
     known = account(graph(), ["/policy_node", "/mine"], [])
     assert "policy_parameters" not in known
-    assert known["policy_node"] == "/policy_node + /mine"
+    assert known["policy_node"] == "/mine + /policy_node"
 
 
 def test_where_nobody_was_heard_of_it_is_unknown():
