@@ -30,11 +30,13 @@ def test_a_folder_of_scenarios_is_driven_once_with_the_trivial_methods_beside(sc
     assert len(told["episodes"]) == 6
     assert json.loads((tmp_path / "out" / "evaluation.json").read_text())["episodes"] == told["episodes"]
     monkeypatch.setattr(evaluation, "run_episode", None)  # nothing is driven again
-    assert main(arguments) == 0
+    assert main([*arguments, "--page"]) == 0
     shown = capsys.readouterr().out
     assert "modular  rss" in shown
     assert "dose [s]" in shown
     assert "ΔE" in (tmp_path / "out" / "evaluation.md").read_text()
+    page = (tmp_path / "out" / "evaluation.html").read_text()
+    assert all(f">{each['scenario']}<" in page for each in told["episodes"])
 
 
 @pytest.mark.parametrize(

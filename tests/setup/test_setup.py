@@ -316,6 +316,7 @@ class TestExtras:
             ("demo", ""),
             ("run train", ""),
             ("evaluate x.yaml --repair rss", ""),
+            ("evaluate x.yaml --page", "reports"),
             ("bag info x", ""),
             ("bag plot x", "reports"),
             ("run --scenario s.yaml --foxglove", "foxglove"),
