@@ -107,6 +107,7 @@ _COMMANDS: Table = {
     "networks": ("roadmend.cli.networks", "networks", "Make SUMO configurations that are foreign to roadmend."),
     "list": ("roadmend.cli.listing", "list_names", "Show policies, methods, techniques, families, backends or models."),
     "evaluate": ("roadmend.cli.evaluate", "evaluate", "Measure policies with repair methods in scenarios of yours."),
+    "faults": ("roadmend.cli.faults", "faults", "Disturb the running graph on purpose, and judge what comes of it."),
     "search": ("roadmend.cli.search", "search", "Find scenarios in which a policy collides by its own fault."),
     "corpus": ("roadmend.cli.corpus", "corpus", "Gather, verify and show what policies are trained and measured on."),
     "safe": ("roadmend.cli.main", "safe", "Turn crash reports into scenarios, and test a policy with them."),

@@ -1,0 +1,92 @@
+"""What a bag shows of a fault: who fell silent when, what was declared and when, what is missing."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from roadmend.core.tick import INTERVAL
+from roadmend.recording.reader import BagReader
+from roadmend.recording.ticks import BagTick, BagTicks
+
+_NS = 1e-9
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What came of a fault, as recorded.
+
+    Attributes:
+        ticks: in the bag.
+        lost: messages of the simulator that are not in it although it drove on, one ego and one object list a tick.
+        silence: simulated time of the first tick that the node did not answer [s]; None if it answered all, or need not.
+        to_state: simulated time from there until the state or event was declared [s]; None if it never was.
+        to_standstill: likewise until the ego stood.
+    """
+
+    ticks: int
+    lost: int
+    silence: float | None = None
+    to_state: float | None = None
+    to_standstill: float | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values, for JSON."""
+        return asdict(self)
+
+
+def read_evidence(reader: BagReader, node: str | None, declared: str | None, duration: float | None) -> Evidence:
+    """What a bag shows.
+
+    Args:
+        reader: the bag.
+        node: who was disturbed, without "_node"; None for nobody.
+        declared: the state of repair, or the event, that must be in it; None for none.
+        duration: of the episode as the result tells it [s]; None where there is no result.
+
+    Raises:
+        InputError: the bag is corrupt, or holds no episode.
+    """
+    ticks = [tick for tick in BagTicks(reader) if tick.ego is not None or tick.driven or tick.command or tick.events]
+    seen = [tick for tick in ticks if tick.ego is not None]
+    span = 0.0 if len(seen) < 2 else (seen[-1].stamp - seen[0].stamp) * _NS
+    expected = round(max(span, (duration or 0.0)) / INTERVAL) + 1
+    lost = 2 * expected - len(seen) - sum(tick.objects is not None for tick in seen)
+    silence = _first_silent(seen, node)
+    if silence is None or declared is None:
+        return Evidence(len(seen), max(0, lost), None if silence is None else silence * _NS)
+    shown = next((tick.stamp for tick in ticks if tick.stamp >= silence and _declares(tick, declared)), None)
+    stood = next(
+        (tick.stamp for tick in seen if tick.stamp >= silence and tick.ego is not None and tick.ego.speed < 0.1),
+        None,
+    )
+    return Evidence(
+        len(seen),
+        max(0, lost),
+        silence * _NS,
+        None if shown is None else (shown - silence) * _NS,
+        None if stood is None else (stood - silence) * _NS,
+    )
+
+
+def _first_silent(ticks: Sequence[BagTick], node: str | None) -> int | None:
+    """Stamp of the first tick of the longest silence of a node after its first answer [ns].
+
+    On a busy machine single ticks go unanswered without any fault, hence the longest. A tick that is the last of all
+    need not be answered.
+    """
+    if node not in {"policy", "repair"}:
+        return None
+    answers = [tick.command if node == "policy" else tick.driven for tick in ticks[:-1]]
+    first = next((place for place, answer in enumerate(answers) if answer is not None), len(answers))
+    longest, begin, length = 0, None, 0
+    for place in range(first, len(answers)):
+        length = 0 if answers[place] is not None else length + 1
+        if length > longest:
+            longest, begin = length, place - length + 1
+    return None if begin is None else ticks[begin].stamp
+
+
+def _declares(tick: BagTick, name: str) -> bool:
+    if tick.repair is not None and tick.repair.status.name == name:
+        return True
+    return any(event.kind.name == name for event in tick.events)

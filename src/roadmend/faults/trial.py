@@ -1,0 +1,204 @@
+"""One run of the graph with a fault in it, started as a user would and judged from outside."""
+
+import contextlib
+import hashlib
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from roadmend.core.errors import InputError
+from roadmend.core.outcome import EventKind
+from roadmend.faults.campaign import Campaign, Trial
+from roadmend.faults.evidence import Evidence, read_evidence
+from roadmend.faults.processes import command_of, end_all, left_of, node_process
+from roadmend.recording.reader import BagReader
+from roadmend.recording.recovery import recover
+from roadmend.world.families import sample_scenario
+from roadmend.world.scenario_file import save_scenario
+
+_POLL_S = 0.02
+_START_S = 120.0  # patience until the vehicle drives [s]
+_LOCKSTEP_SPEED = 15.0  # simulated seconds a second, about; a fault that comes too late is told, see `injected`
+_DRIVING_BYTES = 40_000  # of a bag: more than what is said before the first tick
+_GONE_S = 5.0  # who has been told to end may need so long [s]
+_OWNED = "mine.txt"  # stands for what was in the folder before
+
+
+@dataclass(frozen=True)
+class Disturbed:
+    """What came of one run.
+
+    Attributes:
+        injected: whether the fault came while the vehicle drove; where not, the run tells nothing.
+        exit_code: of ``roadmend run``; None if it hung and was killed.
+        outcome: of the episode; empty without a result.
+        named: whether standard error names the node.
+        traceback: whether standard error shows a bare traceback.
+        left: processes and temporary folders that were left behind.
+        is_tree_whole: whether what was in the folder before is still there, unchanged.
+        recovered: whether the bag had to be recovered.
+        evidence: what the bag shows; None if it cannot be read at all.
+        stderr: its last lines.
+    """
+
+    injected: bool
+    exit_code: int | None
+    outcome: str
+    named: bool
+    traceback: bool
+    left: tuple[str, ...]
+    is_tree_whole: bool
+    recovered: bool
+    evidence: Evidence | None
+    stderr: tuple[str, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values, for JSON."""
+        return vars(self) | {
+            "left": list(self.left),
+            "stderr": list(self.stderr),
+            "evidence": self.evidence.as_dict() if self.evidence else None,
+        }
+
+    @classmethod
+    def parse(cls, entry: Mapping[str, Any]) -> "Disturbed":
+        """From ``as_dict``."""
+        evidence = None if entry["evidence"] is None else Evidence(**entry["evidence"])
+        texts = {name: tuple(entry[name]) for name in ("left", "stderr")}
+        return cls(**{**entry, **texts, "evidence": evidence})
+
+
+def disturb(campaign: Campaign, trial: Trial) -> Disturbed:
+    """Run the graph, put the fault into it, and look at everything that is left.
+
+    Raises:
+        InputError: the campaign names a family that there is not.
+    """
+    with tempfile.TemporaryDirectory(prefix="roadmend-faults-") as name:
+        folder = Path(name)
+        temporary = folder / "tmp"
+        temporary.mkdir()
+        (folder / "bags").mkdir()
+        owned = folder / "bags" / _OWNED
+        owned.write_text("was here before\n", encoding="utf-8")
+        before = hashlib.sha256(owned.read_bytes()).digest()
+        try:
+            return _watch(_start(campaign, trial, folder), campaign, trial, folder, before)
+        finally:
+            end_all(f"TMPDIR={temporary}")
+
+
+def _start(campaign: Campaign, trial: Trial, folder: Path) -> subprocess.Popen[str]:
+    family = campaign.families[trial.seed % len(campaign.families)]
+    scenario = folder / "scenario.yaml"
+    save_scenario(sample_scenario(family, campaign.first_scenario + trial.seed), scenario)
+    command = [sys.executable, "-m", "roadmend.cli", "run", "--scenario", str(scenario), "--policy", campaign.policy]
+    command += ["--repair", campaign.repair, "--clock", trial.clock, "--rate", str(trial.rate), "--json"]
+    command += ["--out", str(folder / "bags"), "--name", "bag"]
+    if trial.fault is None or trial.fault.node != "viz":
+        command += ["--no-viz"]
+    environ = {key: value for key, value in os.environ.items() if key != "ROS_DOMAIN_ID"}
+    environ["TMPDIR"] = str(folder / "tmp")
+    with (folder / "out").open("w") as out, (folder / "err").open("w") as err:
+        return subprocess.Popen(command, stdout=out, stderr=err, text=True, env=environ, start_new_session=True)
+
+
+def _watch(process: subprocess.Popen[str], campaign: Campaign, trial: Trial, folder: Path, before: bytes) -> Disturbed:
+    injected = trial.fault is None or _inject(process, campaign, trial, folder)
+    code: int | None
+    try:
+        code = process.wait(campaign.patience)
+    except subprocess.TimeoutExpired:
+        code = None
+    mark = f"TMPDIR={folder / 'tmp'}"
+    until = time.monotonic() + (_GONE_S if code is not None else 0.0)
+    while (there := left_of(mark)) and time.monotonic() < until:
+        time.sleep(_POLL_S)
+    left = [f"process {command_of(number)}" for number in there] if code is not None else []
+    if code is None:
+        end_all(mark)
+        process.wait()
+    else:
+        left += [f"folder {path.name}" for path in (folder / "tmp").glob("roadmend-*") if path.is_dir()]
+    said = (folder / "err").read_text(encoding="utf-8", errors="replace")
+    result = _result(folder / "out")
+    owned = folder / "bags" / _OWNED
+    node = trial.fault.node if trial.fault else None
+    evidence, recovered = _evidence(folder, trial, result.get("duration"))
+    return Disturbed(
+        injected,
+        code,
+        str(result.get("outcome", "")),
+        node is not None and f"{node}_node" in said,
+        "Traceback (most recent call last)" in said,
+        tuple(left),
+        owned.is_file() and hashlib.sha256(owned.read_bytes()).digest() == before,
+        recovered,
+        evidence,
+        tuple(said.splitlines()[-8:]),
+    )
+
+
+def _inject(process: subprocess.Popen[str], campaign: Campaign, trial: Trial, folder: Path) -> bool:
+    """Send the signal at a moment drawn by the seed; returns whether it came while the vehicle drove."""
+    fault = trial.fault
+    assert fault is not None
+    drawn = random.Random(f"{fault.name}/{trial.clock}/{trial.rate}/{trial.seed}").uniform(0.0, campaign.latest)
+    speed = _LOCKSTEP_SPEED if trial.clock == "lockstep" else trial.rate
+    until = time.monotonic() + _START_S
+    while not _drives(folder / "bags" / "bag"):
+        if process.poll() is not None or time.monotonic() > until:
+            return False
+        time.sleep(_POLL_S)
+    target = node_process(process.pid, fault.node, 5.0)
+    time.sleep(drawn / speed)
+    if target is None or process.poll() is not None or any((folder / "tmp").glob("roadmend-run-*/sim.json")):
+        return False
+    try:
+        os.kill(target, getattr(signal, f"SIG{fault.signal}"))
+    except ProcessLookupError:
+        return False
+    if fault.resume is not None:
+        time.sleep(fault.resume)
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(target, signal.SIGCONT)
+    return True
+
+
+def _drives(bag: Path) -> bool:
+    """Whether the bag has grown as it does only while the vehicle moves."""
+    return any(path.stat().st_size > _DRIVING_BYTES for path in bag.glob("*.mcap"))
+
+
+def _result(path: Path) -> Mapping[str, Any]:
+    """What ``roadmend run --json`` told of its one episode; empty if it told nothing."""
+    with contextlib.suppress(OSError, json.JSONDecodeError, LookupError, TypeError):
+        return dict(json.loads(path.read_text(encoding="utf-8"))[0])
+    return {}
+
+
+def _evidence(folder: Path, trial: Trial, duration: float | None) -> tuple[Evidence | None, bool]:
+    """What the bag shows, and whether it had to be recovered for that."""
+    fault = trial.fault
+    node, declared = (fault.node, fault.declared) if fault else (None, None)
+    bag = folder / "bags" / "bag"
+    with contextlib.suppress(InputError):
+        return read_evidence(BagReader(bag), node, declared, duration), False
+    with contextlib.suppress(InputError):
+        recover(bag, folder / "recovered")
+        return read_evidence(BagReader(folder / "recovered"), node, declared, duration), True
+    return None, True
+
+
+def collided(disturbed: Disturbed) -> bool:
+    """Whether the episode ended in a collision."""
+    return disturbed.outcome == EventKind.COLLISION.name

@@ -1,0 +1,138 @@
+"""What a campaign comes to: a row for every fault, on every clock and at every rate."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from statistics import median
+from typing import Any
+
+from roadmend.core.tick import INTERVAL
+from roadmend.faults.campaign import Fault, Trial
+from roadmend.faults.trial import Disturbed, collided
+
+STATE_TICKS = 3  # within which the state must be declared
+
+HEADING = [
+    "fault",
+    "clock",
+    "runs",
+    "safe",
+    "reported",
+    "in 3 ticks",
+    "state after [s]",
+    "stands after [s]",
+    "lost messages",
+    "recovered",
+    "collisions",
+    "alone",
+]
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A run and what is wrong with it.
+
+    Attributes:
+        trial: what was run.
+        disturbed: what came of it.
+        faults: why it is not safe; empty if it is.
+        is_reported: whether whoever must name the fault did.
+        is_new_collision: whether it collided where the undisturbed run does not.
+    """
+
+    trial: Trial
+    disturbed: Disturbed
+    faults: tuple[str, ...]
+    is_reported: bool
+    is_new_collision: bool
+
+
+def judge(runs: Sequence[tuple[Trial, Disturbed]]) -> list[Judged]:
+    """Judge the runs of a campaign, each against the undisturbed one of its clock, rate and seed."""
+    bare = {_place(trial): disturbed for trial, disturbed in runs if trial.fault is None}
+    return [_judged(trial, disturbed, bare.get(_place(trial))) for trial, disturbed in runs if disturbed.injected]
+
+
+def _judged(trial: Trial, disturbed: Disturbed, bare: Disturbed | None) -> Judged:
+    fault, faults = trial.fault, []
+    if disturbed.exit_code is None:
+        faults.append("hung")
+    elif disturbed.exit_code not in (fault.exits if fault else (0,)):
+        faults.append(f"exit code {disturbed.exit_code}")
+    faults += [f"left {each}" for each in disturbed.left]
+    if disturbed.traceback:
+        faults.append("a bare traceback")
+    if not disturbed.is_tree_whole:
+        faults.append("changed what it does not own")
+    if disturbed.evidence is None:
+        faults.append("lost the bag")
+    is_new = collided(disturbed) and (bare is None or not collided(bare))
+    if is_new:
+        faults.append("collided")
+    return Judged(trial, disturbed, tuple(faults), fault is None or _is_reported(fault, disturbed), is_new)
+
+
+def _is_reported(fault: Fault, disturbed: Disturbed) -> bool:
+    """Whether standard error names the node, and the bag shows the state wherever a tick was not answered."""
+    if fault.named and not disturbed.named:
+        return False
+    evidence = disturbed.evidence
+    if fault.declared is None or evidence is None or evidence.silence is None:
+        return evidence is not None or fault.declared is None
+    return evidence.to_state is not None
+
+
+def campaign_rows(judged: Sequence[Judged]) -> list[dict[str, Any]]:
+    """One entry for each fault, clock and rate."""
+    groups: dict[tuple[str, str, float], list[Judged]] = {}
+    for each in judged:
+        groups.setdefault((each.trial.row, each.trial.clock, each.trial.rate), []).append(each)
+    return [_row(*key, found) for key, found in groups.items()]
+
+
+def _row(name: str, clock: str, rate: float, judged: Sequence[Judged]) -> dict[str, Any]:
+    evidence = [each.disturbed.evidence for each in judged if each.disturbed.evidence]
+    states = [one.to_state for one in evidence if one.to_state is not None]
+    stops = [one.to_standstill for one in evidence if one.to_standstill is not None]
+    fault = judged[0].trial.fault
+    must = [one for one in evidence if fault and fault.declared and one.silence is not None]
+    limit = STATE_TICKS * INTERVAL + 1e-6
+    return {
+        "fault": name,
+        "clock": clock,
+        "rate": rate,
+        "runs": len(judged),
+        "safe": sum(not each.faults for each in judged),
+        "reported": sum(each.is_reported for each in judged),
+        "must_declare": len(must),
+        "within_3_ticks": sum(one.to_state is not None and one.to_state <= limit for one in must),
+        "lost_messages": sum(one.lost for one in evidence),
+        "seconds_to_state": median(states) if states else None,
+        "seconds_to_state_max": max(states, default=None),
+        "seconds_to_standstill": median(stops) if stops else None,
+        "recovered": sum(each.disturbed.recovered for each in judged),
+        "collisions": sum(collided(each.disturbed) for each in judged),
+        "new_collisions": sum(each.is_new_collision for each in judged),
+        "faults": sorted({text for each in judged for text in each.faults}),
+    }
+
+
+def table(rows: Sequence[Mapping[str, Any]]) -> list[list[str]]:
+    """The rows for people, the heading first."""
+    return [HEADING, *map(_cells, rows)]
+
+
+def _cells(row: Mapping[str, Any]) -> list[str]:
+    clock = row["clock"] if row["clock"] == "lockstep" else f"{row['clock']} x {row['rate']:g}"
+    within = f"{row['within_3_ticks']} of {row['must_declare']}" if row["must_declare"] else _number(None)
+    figures = [_number(row["seconds_to_state"]), _number(row["seconds_to_standstill"])]
+    counts = [str(row[name]) for name in ("lost_messages", "recovered", "collisions", "new_collisions")]
+    counts[2:] = [counts[2], str(row["collisions"] - row["new_collisions"])]
+    return [row["fault"], clock, str(row["runs"]), str(row["safe"]), str(row["reported"]), within, *figures, *counts]
+
+
+def _number(value: float | None) -> str:
+    return "\N{EN DASH}" if value is None else f"{value:.2f}"
+
+
+def _place(trial: Trial) -> tuple[str, float, int]:
+    return trial.clock, trial.rate, trial.seed
