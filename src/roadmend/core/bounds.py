@@ -1,0 +1,73 @@
+"""How much a file from outside may ask of this machine: the one table of limits that every reader goes by.
+
+A limit stands well above what people, or this project itself, write, and low enough that the worst file below it is
+read or refused within 10 s and 512 MB. What a limit refuses is refused with one line, an ``InputError``.
+"""
+
+from dataclasses import dataclass
+
+from roadmend.core.errors import InputError
+
+_FREE = 64_000_000  # [bytes] that may be unpacked from whatever there is: little enough to look at no ratio
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """Limits of one kind of file; a reader looks at those that its format has."""
+
+    size: int = 16_000_000  # [bytes] of the file as it lies on the disk
+    unpacked: int = 64_000_000  # [bytes] that it may become where it is compressed
+    ratio: float = 200.0  # of these bytes to those on the disk, where they are more than 64 MB
+    line: int = 4_000_000  # [characters] of a line, where every line is a value by itself
+    depth: int = 64  # of lists in lists, or of elements in elements
+    values: int = 200_000  # scalars, lists and mappings, or elements; one that is referred to counts every time
+    digits: int = 300  # of one number; the largest double has 309
+
+    def check_size(self, where: str, size: int) -> None:
+        """Refuse a file that is too large.
+
+        Args:
+            where: the file.
+            size: its own [bytes].
+
+        Raises:
+            InputError: it is larger than ``size``.
+        """
+        if size > self.size:
+            what = f"is {size / 1e6:.0f} MB large, at most {self.size / 1e6:.0f} are read"
+            raise InputError(where, what, "give another file")
+
+    def room(self, packed: int) -> int:
+        """How many bytes may come out of so many compressed ones."""
+        return min(self.unpacked, max(_FREE, int(self.ratio * packed)))
+
+
+SETTINGS = Bounds()
+"""What people write by hand: scenarios, parameters, configurations, plans (YAML, JSON)."""
+
+CRASH = Bounds(size=1_000_000, values=20_000)
+"""A crash scenario of ``safe``: one accident, of which every line is remembered for the messages."""
+
+TEXT = Bounds(size=64_000_000)
+"""A text of lines that is held in memory: a corpus, exchanges with a language model, a selection."""
+
+STREAM = Bounds(size=1 << 40)
+"""A text that is read line by line and never held: an exported bank of a million scenarios."""
+
+ARGUMENT = Bounds(size=64_000, values=10_000, depth=16)
+"""A value on the command line, or within a record of a bag."""
+
+NETWORK = Bounds(size=96_000_000, unpacked=96_000_000, values=500_000)
+"""A SUMO network, its traffic or configuration (XML, as it is or compressed by gzip)."""
+
+MODEL = Bounds(size=96_000_000, line=16_000_000)
+"""A model (safetensors); ``line`` is its header."""
+
+SKETCH = Bounds(size=20_000_000, values=25_000_000)
+"""The picture of a crash; ``values`` are its pixels."""
+
+BAG = Bounds(size=1 << 40, unpacked=1 << 40, line=1 << 26)
+"""A file of a bag (MCAP), read piece by piece; ``line`` is a piece: a record, or a chunk before compression [bytes]."""
+
+ARRAYS = Bounds(size=1 << 30, unpacked=1 << 30)
+"""Arrays that this project has put on the disk itself (.npz), and arrays within a bank."""
