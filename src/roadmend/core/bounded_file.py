@@ -25,16 +25,13 @@ def open_regular(path: Path) -> BinaryIO:
         OSError: it cannot be opened, or is a folder, a device, a FIFO or a socket.
     """
     descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
-    try:
-        mode = os.fstat(descriptor).st_mode
-        if stat.S_ISDIR(mode):
-            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
-        if not stat.S_ISREG(mode):
-            raise OSError(errno.EINVAL, "a device, pipe or socket, not a file", str(path))
+    mode = os.fstat(descriptor).st_mode
+    if stat.S_ISREG(mode):
         return os.fdopen(descriptor, "rb")
-    except BaseException:
-        os.close(descriptor)
-        raise
+    os.close(descriptor)
+    if stat.S_ISDIR(mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    raise OSError(errno.EINVAL, "a device, pipe or socket, not a file", str(path))
 
 
 @contextmanager
@@ -75,7 +72,7 @@ def read_bytes(path: Path, bounds: Bounds, mend: str) -> bytes:
 
 
 def read_text(path: Path, bounds: Bounds, mend: str = UTF8) -> str:
-    """The content of a UTF-8 text file, its lines ended by "\\n".
+    """The content of a UTF-8 text file, its lines ended by one line feed each.
 
     Raises:
         InputError: as ``read_bytes``, or it is no UTF-8.

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 
 from roadmend.core.errors import InputError
 
-_FREE = 64_000_000  # [bytes] that may be unpacked from whatever there is: little enough to look at no ratio
-
 
 @dataclass(frozen=True, slots=True)
 class Bounds:
@@ -17,7 +15,8 @@ class Bounds:
 
     size: int = 16_000_000  # [bytes] of the file as it lies on the disk
     unpacked: int = 64_000_000  # [bytes] that it may become where it is compressed
-    ratio: float = 200.0  # of these bytes to those on the disk, where they are more than 64 MB
+    ratio: float = 100.0  # of these bytes to those on the disk
+    free: int = 16_000_000  # [bytes] that may be unpacked without a look at the ratio
     line: int = 4_000_000  # [characters] of a line, where every line is a value by itself
     depth: int = 64  # of lists in lists, or of elements in elements
     values: int = 200_000  # scalars, lists and mappings, or elements; one that is referred to counts every time
@@ -39,7 +38,7 @@ class Bounds:
 
     def room(self, packed: int) -> int:
         """How many bytes may come out of so many compressed ones."""
-        return min(self.unpacked, max(_FREE, int(self.ratio * packed)))
+        return min(self.unpacked, max(self.free, int(self.ratio * packed)))
 
 
 SETTINGS = Bounds()
@@ -67,7 +66,37 @@ SKETCH = Bounds(size=20_000_000, values=25_000_000)
 """The picture of a crash; ``values`` are its pixels."""
 
 BAG = Bounds(size=1 << 40, unpacked=1 << 40, line=1 << 26)
-"""A file of a bag (MCAP), read piece by piece; ``line`` is a piece: a record, or a chunk before compression [bytes]."""
+"""A file of a bag (MCAP), read piece by piece; ``line`` is a piece: a record, or a chunk before compression [bytes].
+
+Bags of driving have a ratio of 5, their best chunks one of 11."""
 
 ARRAYS = Bounds(size=1 << 30, unpacked=1 << 30)
 """Arrays that this project has put on the disk itself (.npz), and arrays within a bank."""
+
+
+class Allowance:
+    """What may still come out of one file while it is read: its own size, many times over.
+
+    Args:
+        where: the file.
+        packed: its size [bytes].
+        bounds: of its kind.
+    """
+
+    def __init__(self, where: str, packed: int, bounds: Bounds) -> None:
+        self._where = where
+        self._left = self._room = bounds.room(packed)
+
+    def take(self, count: int) -> None:
+        """Ask for room before something is read or unpacked.
+
+        Args:
+            count: how much it takes [bytes].
+
+        Raises:
+            InputError: there is no room left.
+        """
+        self._left -= count
+        if self._left < 0:
+            what = f"holds more than {self._room / 1e6:.0f} MB where it is unpacked, which no recording does"
+            raise InputError(self._where, what, "take another file")

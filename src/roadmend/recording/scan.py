@@ -12,16 +12,18 @@ from typing import Any, BinaryIO
 
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
-from mcap.reader import SeekingReader
 from mcap.records import Attachment as AttachmentRecord
 from mcap.records import Channel, Metadata, Schema
 from mcap.writer import MCAP0_MAGIC as MAGIC
 
+from roadmend.core.bounded_file import open_regular
+from roadmend.core.bounds import BAG, Allowance
 from roadmend.core.errors import InputError
 from roadmend.recording import layout, qos
 from roadmend.recording.chunk import RECORD_HEAD, RECORD_LIMIT, ChunkReader, DamagedError, exactly
 from roadmend.recording.definitions import ENCODINGS, Definition
 from roadmend.recording.enclosure import Attachment
+from roadmend.recording.mcap_file import McapFile
 from roadmend.recording.qos import Qos
 from roadmend.recording.reader import CORRUPT
 from roadmend.recording.scan_report import ScanReport
@@ -85,12 +87,13 @@ class Scan:
         self._topics: dict[int, ScannedTopic] = {}
         layout.refuse_foreign(path)
         self._size = path.stat().st_size
+        self._allowance = Allowance(str(path), self._size, BAG)
         if not self._size:
             raise InputError(str(path), "is empty", "there is nothing to recover; take another bag")
 
     def __iter__(self) -> Iterator[Item]:
         try:
-            with self.path.open("rb") as stream:
+            with open_regular(self.path) as stream:
                 self._read_summary(stream)
                 stream.seek(0)
                 begin = 0
@@ -108,7 +111,7 @@ class Scan:
     def _read_summary(self, stream: BinaryIO) -> None:
         """Learn from the index, if there is one, what a damaged file should hold."""
         try:
-            summary = SeekingReader(stream, record_size_limit=RECORD_LIMIT).get_summary()
+            summary = McapFile(stream, str(self.path)).summary
             if summary is None:
                 return
             for schema in summary.schemas.values():
@@ -121,7 +124,7 @@ class Scan:
                 for channel, count in counts.items():
                     expected[summary.channels[channel].topic] += count
                 self.report.expected = expected
-        except CORRUPT:
+        except (*CORRUPT, InputError):
             self.report.expected = None
 
     def _records(self, stream: BinaryIO, begin: int) -> Iterator[Item]:
@@ -167,6 +170,7 @@ class Scan:
             self.report.add(f"at byte {place}: a record of {length >> 20} MB is passed over")
             return None
         try:
+            self._allowance.take(length)
             return self._take(opcode, exactly(stream.read, length))
         except DamagedError as error:
             self.report.add(f"at byte {place}: {error}")
@@ -178,7 +182,7 @@ class Scan:
         chunk = None
         try:
             chunk = ChunkReader(stream, self._size)
-            for opcode, content in chunk.records():
+            for opcode, content in chunk.records(self._allowance):
                 item = self._take(opcode, content)
                 if item is not None:
                     kept += 1
@@ -255,7 +259,7 @@ class Scan:
         try:
             text = "" if schema is None else schema.data.decode()
             offers = qos.load(channel.metadata.get("offered_qos_profiles", ""))
-        except CORRUPT:
+        except (*CORRUPT, InputError):
             problem, text, offers = problem or "its definition or quality of service is damaged", "", ()
         name, encoding = ("", "") if schema is None else (schema.name, schema.encoding)
         definition = Definition(name, text, type_hash, encoding)
