@@ -41,7 +41,7 @@ def parse_json(text: str | bytes, where: str, bounds: Bounds = SETTINGS, mend: s
         number = _bounded(bounds) if digits else None
         return json.loads(text, object_pairs_hook=_unique, parse_int=number)
     except json.JSONDecodeError as error:
-        raise InputError(where, f"broken JSON at line {error.lineno}: {error.msg}", mend) from None
+        raise InputError(f"{where}, line {error.lineno}", f"broken JSON: {error.msg}", mend) from None
     except (ValueError, RecursionError) as error:
         raise InputError(where, f"broken JSON: {error}", mend) from None
 

@@ -5,6 +5,8 @@ no file of SUMO's has one. The standard library's parser tells of it before anyt
 forbids it, such as defusedxml, would parse networks of many megabytes in Python and bounds no depth.
 """
 
+import gzip
+import zlib
 from pathlib import Path
 from typing import Any, BinaryIO
 from xml.etree import ElementTree as ET
@@ -36,7 +38,8 @@ def _parse(file: BinaryIO, where: str, mend: str, bounds: Bounds) -> ET.Element:
         return ET.parse(file, parser).getroot()
     except ET.ParseError as error:
         raise InputError(where, f"broken XML ({error})", mend) from None
-    except (ValueError, LookupError) as error:  # an encoding that Python does not know, or cannot use here
+    except (ValueError, LookupError, EOFError, gzip.BadGzipFile, zlib.error) as error:
+        # An encoding that Python does not know or cannot use here; what is compressed is cut or damaged.
         raise InputError(where, f"broken XML ({error})", mend) from None
 
 
