@@ -11,6 +11,7 @@ from roadmend.core.errors import InputError
 
 # A text that does not end counts as one, so that no place is looked at twice.
 _STRUCTURE = re.compile(r'"(?:[^"\\]|\\.|\\\Z)*+"?|[\[{,]|[\]}]', re.DOTALL)
+_SURROGATE = re.compile(r"\\u[dD][89a-fA-F]")
 
 
 def read_json(path: Path, bounds: Bounds = SETTINGS, mend: str = "give a JSON file") -> Any:
@@ -39,11 +40,16 @@ def parse_json(text: str | bytes, where: str, bounds: Bounds = SETTINGS, mend: s
         _check_structure(text, bounds)
         digits = re.search(rf"[0-9]{{{bounds.digits + 1}}}", text)  # perhaps only within a text
         number = _bounded(bounds) if digits else None
-        return json.loads(text, object_pairs_hook=_unique, parse_int=number)
+        content = json.loads(text, object_pairs_hook=_unique, parse_int=number)
+        if _SURROGATE.search(text):
+            json.dumps(content, ensure_ascii=False).encode()  # half a character alone is a ValueError
     except json.JSONDecodeError as error:
         raise InputError(f"{where}, line {error.lineno}", f"broken JSON: {error.msg}", mend) from None
+    except UnicodeError:
+        raise InputError(where, "broken JSON: it holds what is no character", mend) from None
     except (ValueError, RecursionError) as error:
         raise InputError(where, f"broken JSON: {error}", mend) from None
+    return content
 
 
 def _check_structure(text: str, bounds: Bounds) -> None:

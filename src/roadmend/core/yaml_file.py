@@ -1,5 +1,7 @@
 """YAML files, read strictly: of a sensible size, every key once, and errors in one line that name the line."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -46,9 +48,27 @@ def parse_yaml(text: str | bytes, where: str, bounds: Bounds = SETTINGS) -> Any:
     Raises:
         InputError: it is no YAML, goes beyond the bounds, or a mapping in it has a key twice.
     """
-    try:
+    with _refused_in_a_line(where):
         _check_structure(text, where, bounds)
         return yaml.load(text, Loader=_Loader)  # noqa: S506 - a SafeLoader
+
+
+def compose_yaml(text: str, where: str, bounds: Bounds = SETTINGS) -> yaml.Node | None:
+    """The nodes of a YAML text, which say where in it something stands; None of an empty one.
+
+    Raises:
+        InputError: it is no YAML, or goes beyond the bounds.
+    """
+    with _refused_in_a_line(where):
+        _check_structure(text, where, bounds)
+        node: yaml.Node | None = yaml.compose(text, Loader=_SafeLoader)
+        return node
+
+
+@contextmanager
+def _refused_in_a_line(where: str) -> Iterator[None]:
+    try:
+        yield
     except yaml.MarkedYAMLError as error:
         line = f" at line {error.problem_mark.line + 1}" if error.problem_mark is not None else ""
         raise InputError(where, f"broken YAML{line}: {error.problem or 'cannot be parsed'}", "mend the line") from None

@@ -150,6 +150,8 @@ def read_metadata(path: Path) -> dict[str, Any]:
     """
     if not path.exists():
         raise InputError(str(path), "there is no such bag", "name a bag's folder or an .mcap file")
+    if not path.is_dir():
+        refuse_foreign(path)  # a FIFO beside a bag is not that bag
     metadata = folder_of(path) / METADATA_FILE
     try:
         information: dict[str, Any] = read_yaml(metadata)[_ROOT]

@@ -1,5 +1,6 @@
 """Reading an MCAP file from front to back as far as it goes: cut, damaged, without index, and in little memory."""
 
+import math
 import re
 import struct
 import zlib
@@ -99,7 +100,7 @@ class Scan:
                 begin = 0
                 if stream.read(len(MAGIC)) == MAGIC:
                     begin = len(MAGIC)
-                elif (found := self._search(stream, 0)) is not None:
+                elif (found := self._search(stream, 0, RECORD_LIMIT)) is not None:
                     begin = found
                     self.report.add(f"the first {begin} bytes are damaged")
                 else:
@@ -280,11 +281,11 @@ class Scan:
             self.report.add(f"{found - place} bytes from byte {place} on are damaged")
         return found
 
-    def _search(self, stream: BinaryIO, place: int) -> int | None:
-        """Where the next chunk begins, from ``place`` on."""
+    def _search(self, stream: BinaryIO, place: int, end: float = math.inf) -> int | None:
+        """Where the next chunk begins, from ``place`` on, and before ``end`` or little behind it."""
         stream.seek(place)
         rest = b""
-        while piece := stream.read(_SEARCH_PIECE):
+        while place < end and (piece := stream.read(_SEARCH_PIECE)):
             block = rest + piece
             for match in _CHUNK_SIGN.finditer(block):
                 at = place - len(rest) + match.start()

@@ -11,7 +11,7 @@ from roadmend.core.bounds import CRASH
 from roadmend.core.errors import InputError
 from roadmend.core.json_text import parse_json
 from roadmend.core.whole_file import write_text
-from roadmend.core.yaml_file import parse_yaml
+from roadmend.core.yaml_file import compose_yaml, parse_yaml
 from roadmend.safe.dsl import CrashScenario
 from roadmend.safe.dsl_data import dump_data, parse_data
 from roadmend.safe.dsl_text import dump_text, parse_text
@@ -77,7 +77,7 @@ def _parse_json(text: str, where: str) -> CrashScenario:
 def _read_yaml(text: str, where: str) -> tuple[Any, str, dict[str, int]]:
     content = parse_yaml(text, where, CRASH)
     lines: dict[str, int] = {}
-    node = yaml.compose(text, Loader=yaml.SafeLoader)
+    node = compose_yaml(text, where, CRASH)
     if node is not None:
         _note_lines(node, "", lines)
     return content, where, lines

@@ -2,6 +2,7 @@
 
 import hashlib
 import io
+import logging
 import re
 import struct
 import warnings
@@ -20,6 +21,7 @@ MAX_SUMMARY = 60_000  # [characters] the longest report of NHTSA that we know ha
 _SKETCHES = (".jpg", ".jpeg", ".png", ".gif", ".webp", ".bmp", ".tif", ".tiff")
 _FORMATS = ("JPEG", "PNG", "GIF", "WEBP", "BMP", "TIFF")  # what these endings stand for; other parsers stay asleep
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.\-]{0,99}")
+logging.getLogger("PIL").setLevel(logging.CRITICAL)  # it tells of damages line by line, which the one note is for
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
 
 
