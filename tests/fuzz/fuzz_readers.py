@@ -10,6 +10,7 @@ from roadmend.core.errors import InputError
 from roadmend.recording.errors import RecordingError
 
 ROOT = Path(__file__).parents[2]
+CORPUS = Path(__file__).parent / "corpus"
 DOCUMENTED = (InputError, RecordingError)  # what a reader may raise; anything else is a fault
 
 
@@ -223,6 +224,11 @@ def _crash_seed(ending):
 
     text = (ROOT / "tests/fuzz/corpus/crash.dsl").read_text(encoding="utf-8")
     return dump_crash_scenario(parse_crash_scenario(text, ".dsl", "seed"), ending).encode()
+
+
+def seeds_of(name: str) -> list[bytes]:
+    """Files that a reader reads, and those that once broke one."""
+    return READERS[name].seeds() + [path.read_bytes() for path in sorted(CORPUS.glob(f"{name}-*"))]
 
 
 def place_of(name: str, folder: Path) -> Path:

@@ -19,17 +19,16 @@ import traceback
 from pathlib import Path
 
 from fuzz_mutation import mutated
-from fuzz_readers import DOCUMENTED, READERS, place_of
+from fuzz_readers import DOCUMENTED, READERS, place_of, seeds_of
 
 TIME_MAX = 10.0  # [s] a file
 MEMORY_MAX = 512 << 10  # [KiB] by which the process may grow
-CORPUS = Path(__file__).parent / "corpus"
 
 
 def work(name: str, seconds: float, seed: int, folder: Path) -> dict[str, object]:
     """Fuzz for a while; what came of it, as plain values."""
     reader = READERS[name]
-    seeds = reader.seeds() + [path.read_bytes() for path in sorted(CORPUS.glob(f"{name}-*"))]
+    seeds = seeds_of(name)
     random_ = random.Random(f"{name}/{seed}")
     path = place_of(name, folder)
     path.write_bytes(seeds[0])

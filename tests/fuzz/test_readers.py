@@ -7,7 +7,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fuzz_mutation import mutated
-from fuzz_readers import DOCUMENTED, READERS, place_of
+from fuzz_readers import DOCUMENTED, READERS, place_of, seeds_of
 
 EXAMPLES = 25  # each; fuzz/run.py goes through thousands
 QUIET = settings(max_examples=EXAMPLES, deadline=None, suppress_health_check=[*HealthCheck], derandomize=True)
@@ -20,7 +20,7 @@ def seeds():
 
 @pytest.mark.parametrize("name", READERS)
 def test_any_bytes_are_read_or_refused(name, tmp_path, seeds):
-    files = seeds.setdefault(name, READERS[name].seeds())
+    files = seeds.setdefault(name, seeds_of(name))
     path = place_of(name, tmp_path)
 
     def check(content):
