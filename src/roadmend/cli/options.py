@@ -46,26 +46,27 @@ class NameType(click.ParamType[str]):
         return [CompletionItem(name) for name in (*self.registry.names, *self.also) if name.startswith(begun)]
 
 
-class OutFile(click.Path):
-    """A file to write that says whose it is: only one that roadmend wrote itself makes room for another."""
+def only_own(_context: click.Context, _option: click.Parameter, path: Path | None) -> Path | None:
+    """For the option of a file to write that says whose it is: only one of roadmend's own makes room for another.
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The path, where nothing of somebody else's is there; one that cannot be read is told of by what writes."""
-        path = Path(os.fsdecode(super().convert(value, param, ctx)))
-        try:
-            with open_regular(path) as file:
-                begin = file.read(_MARKED_WITHIN)
-        except OSError:
-            return path
-        if begin and _MARK not in begin:
-            raise InputError(str(path), "is there already and was not written by roadmend", "choose another name")
+    Raises:
+        InputError: somebody else's file is there. One that cannot be read is told of by what writes.
+    """
+    if path is None:
+        return None
+    try:
+        with open_regular(path) as file:
+            begin = file.read(_MARKED_WITHIN)
+    except OSError:
         return path
+    if begin and _MARK not in begin:
+        raise InputError(str(path), "is there already and was not written by roadmend", "choose another name")
+    return path
 
 
 _MARK = b"roadmend"  # stands in every file that is written under such a name: its format, its maker, or its command
 _MARKED_WITHIN = 1 << 16  # [bytes] from its begin
 PATH = click.Path(path_type=Path)
-OUT_FILE = OutFile(path_type=Path, dir_okay=False)
 BAGS = click.option("--out", default=Path("bags"), show_default=True, type=PATH, help="Folder for the bag.")
 RECORD = click.option("--record/--no-record", default=True, show_default=True)
 FILE = click.Path(path_type=Path, dir_okay=False)
@@ -82,7 +83,7 @@ FUTURES = click.option(
     type=click.IntRange(0, FUTURES_MAX),
     help="Tell of each intervention whether it was needed, from so many futures; drives the run again (see 'bag need').",
 )
-MODEL_OUT = click.option("--out", required=True, type=OUT_FILE, help="Model file to write.")
+MODEL_OUT = click.option("--out", required=True, type=FILE, callback=only_own, help="Model file to write.")
 RESULT_FOLDER = click.option("--out", required=True, type=FOLDER, help="Folder; resumes there.")
 
 

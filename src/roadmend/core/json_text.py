@@ -23,7 +23,9 @@ def read_json(path: Path, bounds: Bounds = SETTINGS, mend: str = "give a JSON fi
     return parse_json(read_text(path, bounds, mend), str(path), bounds, mend)
 
 
-def parse_json(text: str | bytes, where: str, bounds: Bounds = SETTINGS, mend: str = "mend the file") -> Any:
+def parse_json(
+    text: str | bytes, where: str, bounds: Bounds = SETTINGS, mend: str = "mend the file", *, is_line: bool = False
+) -> Any:
     """The plain data of a JSON text. NaN and infinities are taken as Python writes them.
 
     Args:
@@ -31,6 +33,7 @@ def parse_json(text: str | bytes, where: str, bounds: Bounds = SETTINGS, mend: s
         where: what to call it in an error.
         bounds: what it may ask for.
         mend: what the user can do about it.
+        is_line: whether it is a line of a file, and ``where`` says which.
 
     Raises:
         InputError: it is no JSON, goes beyond the bounds, or an object in it has a name twice.
@@ -44,7 +47,8 @@ def parse_json(text: str | bytes, where: str, bounds: Bounds = SETTINGS, mend: s
         if _SURROGATE.search(text):
             json.dumps(content, ensure_ascii=False).encode()  # half a character alone is a ValueError
     except json.JSONDecodeError as error:
-        raise InputError(f"{where}, line {error.lineno}", f"broken JSON: {error.msg}", mend) from None
+        place = where if is_line else f"{where}, line {error.lineno}"
+        raise InputError(place, f"broken JSON: {error.msg}", mend) from None
     except UnicodeError:
         raise InputError(where, "broken JSON: it holds what is no character", mend) from None
     except (ValueError, RecursionError) as error:

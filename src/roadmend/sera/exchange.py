@@ -73,7 +73,7 @@ def _parse_header(path: Path, line: str, remedy: str) -> int:
 
 def _parse(where: str, line: str) -> BankEntry:
     remedy = "mend the line, or export the bank again"
-    content = parse_json(line, where, STREAM, remedy)
+    content = parse_json(line, where, STREAM, remedy, is_line=True)
     if not isinstance(content, dict) or content.keys() != _KEYS:
         raise InputError(where, f"has other fields than {', '.join(sorted(_KEYS))}", remedy)
     try:

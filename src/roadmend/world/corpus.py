@@ -90,7 +90,7 @@ class Case:
             ValueError: the line is no case.
         """
         try:
-            content = parse_json(line, "case")
+            content = parse_json(line, "case", is_line=True)
             if content["split"] not in SPLITS:
                 raise ValueError(f"there is no split {content['split']!r}")
             content["parameters"] = parse_point(_family(content["family"]).space, content["parameters"])
