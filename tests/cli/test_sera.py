@@ -61,7 +61,7 @@ def test_an_export_comes_back_as_the_same_bank(bank, tmp_path, capsys):
             "has the format 'roadmend-bank-export/9'",
         ),
         (lambda lines: lines[:-1], "holds 30 of 31 entries"),
-        (lambda lines: [*lines[:2], "{", *lines[3:]], "line 3: is no JSON"),
+        (lambda lines: [*lines[:2], "{", *lines[3:]], "line 3: broken JSON"),
         (lambda lines: [lines[0], '{"digest": "x"}'], "line 2: has other fields than"),
         (lambda lines: [lines[0], lines[1].replace('"weather":"', '"weather":"x')], "line 2: field weather"),
         (lambda lines: [lines[0], lines[1].replace('"seed":', '"seed":1')], "line 2: has another digest"),

@@ -54,7 +54,7 @@ def test_files_that_belong_together(tmp_path):
 
 def test_no_file_of_a_set_takes_its_place_where_one_cannot_be_written(tmp_path):
     (tmp_path / "a.md").write_text("old")
-    (tmp_path / ".b.json").mkdir()
+    (tmp_path / "b.json").mkdir()
     with pytest.raises(InputError, match="cannot be written"):
         write_texts(tmp_path, {"a.md": "A", "b.json": "B"})
     assert (tmp_path / "a.md").read_text() == "old"

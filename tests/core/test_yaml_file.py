@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from roadmend.core import yaml_file
+from roadmend.core.bounds import SETTINGS
 from roadmend.core.errors import InputError
 from roadmend.core.yaml_file import parse_yaml, read_fields, read_yaml
 
@@ -41,7 +41,7 @@ def test_a_file_that_cannot_be_read_is_refused(tmp_path, monkeypatch):
     path.write_bytes(b"\xff\xfe\x00\x01")
     with pytest.raises(InputError, match=r"cannot be read \(.+\); give a readable UTF-8 text file"):
         read_yaml(path, "write one")
-    os.truncate(path, yaml_file.SIZE_MAX + 1)
+    os.truncate(path, SETTINGS.size + 1)
     with pytest.raises(InputError, match="is 16 MB large, at most 16 are read"):
         read_yaml(path, "write one")
 

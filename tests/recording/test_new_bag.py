@@ -1,11 +1,15 @@
 """Bags that are there as a whole or not at all."""
 
+import os
+
 import pytest
 
 from roadmend.core.errors import InputError
 from roadmend.recording.new_bag import BagCopy, new_bag
 from roadmend.recording.qos import Qos
 from roadmend.recording.reader import BagReader
+
+NOBODY = 2**22 + 1  # no process of Linux has such a number
 
 
 def test_a_copy_holds_everything_and_what_was_added_lies_between(corpus, tmp_path, make):
@@ -43,8 +47,18 @@ def test_a_taken_place_is_refused_and_stays_as_it_was(tmp_path):
 
 
 def test_what_a_killed_call_left_is_no_obstacle(tmp_path):
-    (tmp_path / ".new.part" / "new").mkdir(parents=True)
+    (tmp_path / f".new.{NOBODY}-0123abcd.part" / "new").mkdir(parents=True)
     with new_bag(tmp_path / "new"):
         pass
     assert BagReader(tmp_path / "new").count == 0
     assert [path.name for path in tmp_path.iterdir()] == ["new"]
+
+
+@pytest.mark.parametrize(
+    "name", [".new.part/new", f".new.{NOBODY}-0123abcd.part/mine", f".new.{os.getpid()}-0123abcd.part/new"]
+)
+def test_what_another_hides_beside_it_stays(tmp_path, name):
+    (tmp_path / name).mkdir(parents=True)
+    with new_bag(tmp_path / "new"):
+        pass
+    assert (tmp_path / name).is_dir()

@@ -299,7 +299,7 @@ def test_ablations_leave_something_out(train, tmp_path, ablation):
     ("options", "words"),
     [
         (["--only", "reinforcement"], "there is no supervised stage to begin with"),
-        (["--start", "none.safetensors"], "none.safetensors: cannot be read"),
+        (["--start", "none.safetensors"], "none.safetensors: no such file"),
         (["--device", "abacus"], "'abacus' cannot be used here"),
         (["--also", "sleepy"], "nothing is practised by this configuration"),
         (["--set", "practice.dose"], "'practice.dose' is no SECTION.NAME=VALUE; write for instance"),

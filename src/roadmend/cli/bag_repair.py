@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import click
-import yaml
 from rich.table import Table
 
 from roadmend import __version__
@@ -14,8 +13,10 @@ from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import DROVE, METHOD_NAME, REPAIR_SEED
 from roadmend.cli.options import JSON, PATH, options_of
 from roadmend.cli.output import OUTCOME_STYLES, Waiting, wide_console
+from roadmend.core.bounds import ARGUMENT
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import InputError
+from roadmend.core.yaml_file import parse_yaml
 from roadmend.measures.fitting import fitting
 from roadmend.policies.registry import POLICIES, make_policy
 from roadmend.recording import topics
@@ -92,11 +93,11 @@ def read_choice(given: RepairOptions) -> RepairChoice:
     for setting in given.settings:
         name, equals, text = setting.partition("=")
         try:
-            value = yaml.safe_load(text)
-        except yaml.YAMLError:
+            value = parse_yaml(text, name, ARGUMENT)
+        except InputError:
             value = None
         if not (name and equals) or value is None:
-            raise InputError(f"--set {setting}", "is no NAME=VALUE", "write for example --set rho=0.4")
+            raise InputError(f"--set {setting[:100]}", "is no NAME=VALUE", "write for example --set rho=0.4")
         parameters[name] = value
     if given.model is not None:
         parameters["model"] = str(given.model)

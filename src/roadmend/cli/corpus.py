@@ -13,7 +13,7 @@ from rich.table import Table
 
 from roadmend.cli.command import ExampleCommand, Group
 from roadmend.cli.driver_options import POLICY
-from roadmend.cli.options import FILE, FOLDER, JSON, WORKERS, options_of
+from roadmend.cli.options import FILE, FOLDER, JSON, WORKERS, only_own, options_of
 from roadmend.cli.output import counting, wide_console
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.fanout import fan_out
@@ -85,7 +85,7 @@ class CorpusBuildOptions:
             help="Folder for the searches, in POLICY/FAMILY/SPLIT-NUMBER; those that are there go on.",
         ),
     ]
-    out: Annotated[Path, click.option("--out", required=True, type=FILE, help="File to write.")]
+    out: Annotated[Path, click.option("--out", required=True, type=FILE, callback=only_own, help="File to write.")]
     plan_file: Annotated[
         Path | None,
         click.option(
@@ -230,7 +230,7 @@ def verify(policy: str, file: Path | None, count: int | None, workers: int, *, a
 
 @corpus.command(cls=ExampleCommand, examples=["roadmend corpus renew --policy modular --out renewed.jsonl"], resumes="")
 @_file_option
-@click.option("--out", type=FILE, required=True, help="File for the corpus as it is now.")
+@click.option("--out", type=FILE, callback=only_own, required=True, help="File for the corpus as it is now.")
 @click.option(
     "--futures",
     default=20,

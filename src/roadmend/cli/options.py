@@ -10,6 +10,7 @@ from typing import Any, TypeVar, get_args
 import click
 from click.shell_completion import CompletionItem
 
+from roadmend.core.bounded_file import open_regular
 from roadmend.core.errors import InputError
 from roadmend.core.registry import Registry
 
@@ -45,6 +46,26 @@ class NameType(click.ParamType[str]):
         return [CompletionItem(name) for name in (*self.registry.names, *self.also) if name.startswith(begun)]
 
 
+def only_own(_context: click.Context, _option: click.Parameter, path: Path | None) -> Path | None:
+    """For the option of a file to write that says whose it is: only one of roadmend's own makes room for another.
+
+    Raises:
+        InputError: somebody else's file is there. One that cannot be read is told of by what writes.
+    """
+    if path is None:
+        return None
+    try:
+        with open_regular(path) as file:
+            begin = file.read(_MARKED_WITHIN)
+    except OSError:
+        return path
+    if begin and _MARK not in begin:
+        raise InputError(str(path), "is there already and was not written by roadmend", "choose another name")
+    return path
+
+
+_MARK = b"roadmend"  # stands in every file that is written under such a name: its format, its maker, or its command
+_MARKED_WITHIN = 1 << 16  # [bytes] from its begin
 PATH = click.Path(path_type=Path)
 BAGS = click.option("--out", default=Path("bags"), show_default=True, type=PATH, help="Folder for the bag.")
 RECORD = click.option("--record/--no-record", default=True, show_default=True)
@@ -62,7 +83,7 @@ FUTURES = click.option(
     type=click.IntRange(0, FUTURES_MAX),
     help="Tell of each intervention whether it was needed, from so many futures; drives the run again (see 'bag need').",
 )
-MODEL_OUT = click.option("--out", required=True, type=FILE, help="Model file to write.")
+MODEL_OUT = click.option("--out", required=True, type=FILE, callback=only_own, help="Model file to write.")
 RESULT_FOLDER = click.option("--out", required=True, type=FOLDER, help="Folder; resumes there.")
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from roadmend.cli.command import ExampleCommand
-from roadmend.cli.options import FILE, JSON, SEED, NameType
+from roadmend.cli.options import FILE, JSON, SEED, NameType, only_own
 from roadmend.world.families import FAMILIES, FAMILY_REGISTRY, sample_scenario
 from roadmend.world.scenario_file import dump_scenario, save_scenario, scenario_schema
 
@@ -22,7 +22,7 @@ FAMILY = click.option(
 @click.command(cls=ExampleCommand, examples=["roadmend sample --family S3 --seed 7 --out crossing.yaml"])
 @FAMILY
 @SEED
-@click.option("--out", type=FILE, help="File to write; standard output if not given.")
+@click.option("--out", type=FILE, callback=only_own, help="File to write; standard output if not given.")
 @JSON
 def sample(family: str, seed: int, out: Path | None, *, as_json: bool) -> None:
     """Draw a scenario of a family.

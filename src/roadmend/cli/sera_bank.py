@@ -13,7 +13,7 @@ import click
 from rich.table import Table
 
 from roadmend.cli.command import ExampleCommand, Group
-from roadmend.cli.options import FILE, JSON, options_of
+from roadmend.cli.options import FILE, JSON, only_own, options_of
 from roadmend.cli.output import stages, wide_console
 from roadmend.cli.sera_options import BANK, EMBEDDER, PATTERN, filter_options, filters_of
 from roadmend.sera.bank import Bank, Built, Report, build_bank
@@ -27,7 +27,7 @@ from roadmend.world.corpus import SPLITS, load_corpus
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario_file import load_scenario
 
-_OUT = click.option("--out", required=True, type=FILE, help="Bank to write.")
+_OUT = click.option("--out", required=True, type=FILE, callback=only_own, help="Bank to write.")
 _EMBEDDER = click.option("--embedder", help=f"One of {FORMS}.  [default: that of --bank, or {DEFAULT}]")
 _COUNTED = ("family", "road", "weather", "light")
 
@@ -205,7 +205,7 @@ def _count(entries: Iterator[BankEntry]) -> dict[str, Counter[str]]:
 
 @bank.command(cls=ExampleCommand, examples=["roadmend sera bank export --bank my.bank --out my.jsonl"])
 @BANK
-@click.option("--out", required=True, type=FILE, help="JSON lines to write.")
+@click.option("--out", required=True, type=FILE, callback=only_own, help="JSON lines to write.")
 @JSON
 def export(bank_file: Path, out: Path, *, as_json: bool) -> None:
     """Write a bank as JSON lines."""

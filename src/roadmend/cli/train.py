@@ -8,17 +8,18 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import click
-import yaml
 from rich.progress import TextColumn
 
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import POLICY, POLICY_CORPUS, POLICY_NAME
 from roadmend.cli.options import DEVICE, FILE, FOLDER, JSON, MODEL_OUT, SEED, WORKERS, options_of, settings_file
 from roadmend.cli.output import counting, stages
+from roadmend.core.bounds import ARGUMENT
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
 from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import written_beside
+from roadmend.core.yaml_file import parse_yaml
 from roadmend.policies.neural_kinds import KINDS
 from roadmend.training.adreft.ablations import ABLATIONS, ablated
 from roadmend.training.adreft.adjusting import adjust as adjust_model
@@ -256,10 +257,10 @@ def _setting(text: str) -> tuple[str, Any]:
     name, _, value = text.partition("=")
     try:
         if value and all(name.partition(".")):
-            return name, yaml.safe_load(value)
-    except yaml.YAMLError:
+            return name, parse_yaml(value, name, ARGUMENT)
+    except InputError:
         pass
-    raise InputError("--set", f"{text!r} is no SECTION.NAME=VALUE", "write for instance practice.dose=0.1")
+    raise InputError("--set", f"{text[:100]!r} is no SECTION.NAME=VALUE", "write for instance practice.dose=0.1")
 
 
 def _driver(corpus: Corpus) -> RepairedPolicy:

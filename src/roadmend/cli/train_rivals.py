@@ -10,7 +10,7 @@ from rich.table import Table
 from roadmend import __version__
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import POLICY, POLICY_CORPUS
-from roadmend.cli.options import FILE, JSON, MODEL_OUT, SEED, WORKERS
+from roadmend.cli.options import FILE, JSON, MODEL_OUT, SEED, WORKERS, only_own
 from roadmend.cli.output import counting, stages_of
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal
@@ -82,7 +82,7 @@ def self_oracle(
 )
 @POLICY
 @POLICY_CORPUS
-@click.option("--out", required=True, type=FILE, help="YAML file to write.")
+@click.option("--out", required=True, type=FILE, callback=only_own, help="YAML file to write.")
 @click.option("--only", multiple=True, type=click.Choice(_RIVALS), help="Only these rivals; may be repeated.")
 @click.option(
     "--cases",

@@ -15,7 +15,8 @@ class PlacedError(RoadmendError):
     """
 
     def __init__(self, where: str, what: str, mend: str) -> None:
-        super().__init__(f"{where}: {what}; {mend}")
+        # What is quoted of a file may have line ends of its own.
+        super().__init__(" ".join(f"{where}: {what}; {mend}".splitlines()))
         self.where = where
         self.what = what
         self.mend = mend

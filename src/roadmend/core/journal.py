@@ -6,11 +6,15 @@ What was decided by anything else, another model, another parameter, other code,
 import fcntl
 import hashlib
 import json
+import os
+import stat
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NewType, Self
 
+from roadmend.core.bounds import STREAM
 from roadmend.core.errors import InputError
+from roadmend.core.json_text import parse_json
 from roadmend.core.source_digest import source_digest
 
 Key = NewType("Key", str)
@@ -117,6 +121,8 @@ class Journal:
             raise InputError(str(self.path), "cannot be written (the disk is full)", "make room")
 
     def _lock_and_read(self, head: Mapping[str, Any]) -> dict[Key, Entry]:
+        if not stat.S_ISREG(os.fstat(self._file.fileno()).st_mode):
+            raise InputError(str(self.path), "is a device, pipe or socket, not a file", "choose another folder")
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
@@ -130,12 +136,15 @@ class Journal:
         entries: dict[Key, Entry] = {}
         for number, line in enumerate(whole.splitlines(), 1):
             try:
-                values = json.loads(line)
+                values = parse_json(line, self.path.name, STREAM)
+            except InputError:
+                raise self.damaged(number) from None
+            try:
                 if number == 1:
                     self._check(values, head)
                 else:
                     entries[Key(values.pop(KEY))] = values
-            except (ValueError, TypeError, KeyError, AttributeError):
+            except (TypeError, KeyError, AttributeError):
                 raise self.damaged(number) from None
         if not whole:
             self._write(head)

@@ -9,7 +9,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from roadmend.core.bounded_file import read_bytes, read_text
+from roadmend.core.bounds import TEXT
 from roadmend.core.errors import InputError
+from roadmend.core.json_text import parse_json
 from roadmend.language.chat import ChatModel, LanguageError, NotRecordedError, Reply, Request
 
 
@@ -108,18 +111,16 @@ def load_exchanges(path: Path) -> tuple[Exchange, ...]:
     Raises:
         InputError: the file cannot be read or a line of it is no exchange.
     """
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(path), f"cannot be read ({error})", "give a recording of exchanges") from None
+    mend = "give a recording of exchanges"
+    lines = read_text(path, TEXT, mend).splitlines()
     exchanges = []
     for number, line in enumerate(lines, start=1):
         try:
-            content = json.loads(line)
+            content = parse_json(line, f"{path}, line {number}")
             reply = None if content["reply"] is None else Reply(**content["reply"])
             exchanges.append(Exchange(content["digest"], content["request"], reply, content["error"]))
-        except (ValueError, KeyError, TypeError):
-            raise InputError(f"{path}, line {number}", "is no exchange", "give a recording of exchanges") from None
+        except (InputError, KeyError, TypeError):
+            raise InputError(f"{path}, line {number}", "is no exchange", mend) from None
     return tuple(exchanges)
 
 
@@ -140,7 +141,9 @@ class ReplayModel:
         files = sorted(source.glob(f"*{ENDING}")) if source.is_dir() else [source]
         if not files:
             raise InputError(str(source), f"holds no recording (*{ENDING})", "give the folder of an earlier run")
-        self.identity = hashlib.sha256(b"".join(file.read_bytes() for file in files if file.is_file())).hexdigest()
+        self.identity = hashlib.sha256(
+            b"".join(read_bytes(file, TEXT, "give a recording of exchanges") for file in files)
+        ).hexdigest()
         """What tells it from another recording."""
         self.left: dict[str, deque[Exchange]] = defaultdict(deque)
         self.lock = threading.Lock()

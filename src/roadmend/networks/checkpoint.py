@@ -14,7 +14,10 @@ import safetensors.numpy
 from numpy.typing import NDArray
 from safetensors import SafetensorError
 
+from roadmend.core.bounded_file import read_bytes
+from roadmend.core.bounds import MODEL
 from roadmend.core.errors import InputError
+from roadmend.core.json_text import parse_json
 from roadmend.core.whole_file import written_beside
 
 FORMAT = "roadmend-model/1"
@@ -74,20 +77,18 @@ def load_checkpoint(path: Path, kind: str | None = None) -> Checkpoint:
         InputError: the file is missing, cut, changed since it was saved, none of ours, or of another format or kind.
     """
     where = str(path)
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(where, f"cannot be read ({error.strerror})", "name a model file (.safetensors)") from error
+    data = read_bytes(path, MODEL, "name a model file (.safetensors)")
     mend = "give a model that roadmend saved, or train it again"
     try:
+        header = _read_header(data, where)
         tensors = safetensors.numpy.load(data)
-        header = _read_header(data)
-    except (SafetensorError, ValueError, KeyError, TypeError, RecursionError) as error:
+        checksum = _checksum({name: value for name, value in header.items() if name != _CHECKSUM}, tensors)
+    except (SafetensorError, InputError, ValueError, LookupError, TypeError, AttributeError, OverflowError) as error:
         raise InputError(where, "is no model file, or is cut or damaged", mend) from error
     if header.get("format") != FORMAT:
         found = header.get("format", "no format")
         raise InputError(where, f"has the format {found!r}, not {FORMAT!r}", "use the roadmend that saved it")
-    if header.pop(_CHECKSUM, None) != _checksum(header, tensors):
+    if header.pop(_CHECKSUM, None) != checksum or any(key not in header for key in REQUIRED):
         raise InputError(where, "was changed or damaged since it was saved", mend)
     if kind is not None and header.get("kind") != kind:
         raise InputError(where, f"is a model of the kind {header.get('kind')!r}", f"give one of the kind {kind!r}")
@@ -112,10 +113,12 @@ def model_kind(path: Path) -> str:
     return _kind(path, modified)
 
 
-def _read_header(data: bytes) -> dict[str, Any]:
-    """Our header in a file that the library has found to be sound."""
+def _read_header(data: bytes, where: str) -> dict[str, Any]:
+    """Our header in a file that may hold anything."""
     length = int.from_bytes(data[:8], "little")
-    header = json.loads(json.loads(data[8 : 8 + length])["__metadata__"][_KEY])
+    if length > MODEL.line:
+        raise ValueError(f"its header claims {length} bytes")
+    header = parse_json(parse_json(data[8 : 8 + length], where, MODEL)["__metadata__"][_KEY], where, MODEL)
     if not isinstance(header, dict):
         raise TypeError("a header is a mapping")
     return header

@@ -9,11 +9,14 @@ from typing import BinaryIO, cast
 import lz4.frame
 import zstandard
 
-RECORD_LIMIT = 1 << 26  # [bytes] a longer record is taken for damage
+from roadmend.core.bounds import BAG, Allowance
+
+RECORD_LIMIT = BAG.line  # [bytes] a longer record is taken for damage
 RECORD_HEAD = struct.Struct("<BQ")  # opcode, length
 _HEAD = struct.Struct("<QQQI")  # start, end, size and checksum before compression
 _LENGTH = struct.Struct("<Q")
 _PIECE = 1 << 16  # [bytes] read at once
+_EFFORT = 200  # [bytes] that a record counts for besides its own: it takes time however short it is
 
 
 class DamagedError(Exception):
@@ -44,11 +47,16 @@ class ChunkReader:
         self.is_cut = self.end > size
         self._read = _OPENERS[name](_Window(stream, min(length, size - self.begin)))
 
-    def records(self) -> Iterator[tuple[int, bytes]]:
+    def records(self, allowance: Allowance) -> Iterator[tuple[int, bytes]]:
         """Opcode and content of each record.
+
+        Args:
+            allowance: of the file. What a chunk says of its size, and what its compressor says, may both be lies; so
+                each record is asked room for before it is unpacked.
 
         Raises:
             DamagedError: what follows cannot be read, or the whole does not match its checksum.
+            InputError: more comes out of the file than it may hold.
         """
         count = checksum = 0
         while count < self.size:
@@ -56,6 +64,7 @@ class ChunkReader:
             opcode, length = RECORD_HEAD.unpack(head)
             if length > min(self.size - count, RECORD_LIMIT):
                 raise DamagedError(f"a record of it claims {length} bytes")
+            allowance.take(RECORD_HEAD.size + length + _EFFORT)
             content = exactly(self._read, length)
             checksum = zlib.crc32(content, zlib.crc32(head, checksum))
             count += len(head) + length
@@ -101,7 +110,7 @@ def _plain(window: _Window) -> Callable[[int], bytes]:
 
 def _zstd(window: _Window) -> Callable[[int], bytes]:
     source = cast("BinaryIO", window)  # all that is asked of it is to read
-    return zstandard.ZstdDecompressor().stream_reader(source, _PIECE).read
+    return zstandard.ZstdDecompressor(max_window_size=RECORD_LIMIT).stream_reader(source, _PIECE).read
 
 
 def _lz4(window: _Window) -> Callable[[int], bytes]:

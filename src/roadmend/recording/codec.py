@@ -12,6 +12,7 @@ from roadmend.recording.definitions import ENCODINGS, Definition, find
 
 _BYTES = {"byte": "uint8", "char": "uint8"}  # ROS's names for them; numpy has others
 _TEXTS = frozenset({"string", "wstring"})
+_TEXT_MAX = 200_000  # [characters] of a definition with its dependencies; the longest known has 20,000
 
 
 class Codec:
@@ -60,6 +61,8 @@ class Codec:
     def _learn(self, definition: Definition) -> None:
         known = self._store.fielddefs
         if definition.type_name not in known:
+            if len(definition.text) > _TEXT_MAX:
+                raise ValueError(f"the definition of {definition.type_name} is {len(definition.text)} characters long")
             types = ENCODINGS[definition.encoding](definition.text, definition.type_name)
             self._store.register({name: one for name, one in types.items() if name not in known})
 

@@ -6,7 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
+from roadmend.core.bounded_file import read_bytes
+from roadmend.core.bounds import TEXT
 from roadmend.core.errors import InputError
+from roadmend.core.json_text import read_json
 
 _MEDIA_TYPES = {".yaml": "application/yaml", ".yml": "application/yaml"}  # unknown to mimetypes in Python 3.11
 
@@ -27,7 +30,8 @@ class Attachment:
             InputError: it cannot be read.
         """
         guess = _MEDIA_TYPES.get(path.suffix) or mimetypes.guess_type(path.name)[0]
-        return cls(path.name, guess or "application/octet-stream", _read(path))
+        content = read_bytes(path, TEXT, "name a file that can be read")
+        return cls(path.name, guess or "application/octet-stream", content)
 
 
 def metadata_from_file(path: Path) -> dict[str, str]:
@@ -37,17 +41,7 @@ def metadata_from_file(path: Path) -> dict[str, str]:
         InputError: the file cannot be read or is something else.
     """
     mend = "write one JSON object"
-    try:
-        values = json.loads(_read(path))
-    except ValueError as error:
-        raise InputError(str(path), f"is not JSON ({error})", mend) from error
+    values = read_json(path, mend=mend)
     if not isinstance(values, dict):
         raise InputError(str(path), "holds no JSON object", mend)
     return {name: value if isinstance(value, str) else json.dumps(value) for name, value in values.items()}
-
-
-def _read(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})", "name a file that can be read") from error

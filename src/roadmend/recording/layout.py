@@ -7,7 +7,9 @@ from typing import Any
 
 import yaml
 
+from roadmend.core.bounded_file import open_regular
 from roadmend.core.errors import InputError
+from roadmend.core.yaml_file import read_yaml
 from roadmend.recording.qos import Qos
 
 METADATA_FILE = "metadata.yaml"
@@ -112,7 +114,7 @@ def files_of(path: Path) -> list[Path]:
     Raises:
         InputError: nothing is there, the metadata are missing or unusable, or the bag is of another kind.
     """
-    if path.is_file() and path.name != METADATA_FILE:
+    if path.exists() and not path.is_dir() and path.name != METADATA_FILE:
         refuse_foreign(path)
         return [path]
     information = read_metadata(path)
@@ -148,21 +150,25 @@ def read_metadata(path: Path) -> dict[str, Any]:
     """
     if not path.exists():
         raise InputError(str(path), "there is no such bag", "name a bag's folder or an .mcap file")
+    if not path.is_dir():
+        refuse_foreign(path)  # a FIFO beside a bag is not that bag
     metadata = folder_of(path) / METADATA_FILE
     try:
-        information: dict[str, Any] = yaml.safe_load(metadata.read_text("utf-8"))[_ROOT]
+        information: dict[str, Any] = read_yaml(metadata)[_ROOT]
         names = [str(name) for name in information["relative_file_paths"]]
-        return information | {
-            "storage_identifier": str(information["storage_identifier"]),
-            "relative_file_paths": names,
-        }
-    except FileNotFoundError as error:
-        raise InputError(
-            str(metadata), "is missing", "the recording was cut short: 'roadmend bag recover' it, or take another"
-        ) from error
-    except (OSError, UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError) as error:
+        storage = str(information["storage_identifier"])
+    except (InputError, KeyError, TypeError) as error:
+        if not metadata.exists():
+            raise InputError(
+                str(metadata), "is missing", "the recording was cut short: 'roadmend bag recover' it, or take another"
+            ) from error
         mend = "'roadmend bag recover' the bag, or take another"
         raise InputError(str(metadata), "does not describe a bag", mend) from error
+    for name in names:
+        # rosbag2 keeps a bag's files in its folder; a name that leads elsewhere would have any file read as a bag.
+        if Path(name).is_absolute() or ".." in Path(name).parts or "\0" in name:
+            raise InputError(str(metadata), f"names {name!r}, which lies outside the bag", "take another bag")
+    return information | {"storage_identifier": storage, "relative_file_paths": names}
 
 
 def refuse_foreign(file: Path) -> None:
@@ -172,7 +178,7 @@ def refuse_foreign(file: Path) -> None:
         InputError: the file is one, or cannot be read.
     """
     try:
-        with file.open("rb") as stream:
+        with open_regular(file) as stream:
             begin = stream.read(16)
     except OSError as error:
         raise InputError(str(file), f"cannot be read ({error.strerror})", "name a file that can be read") from error

@@ -1,11 +1,16 @@
 """A bag that is there as a whole or not at all, and that may begin as a copy of another."""
 
 import contextlib
+import errno
+import os
+import re
+import secrets
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
 from roadmend.core.errors import InputError
+from roadmend.core.whole_file import made_parents
 from roadmend.recording.errors import RecordingError
 from roadmend.recording.reader import BagReader, Record
 from roadmend.recording.renewal import Renewal
@@ -38,17 +43,35 @@ def place_for(folder: Path) -> Iterator[Path]:
         InputError: the folder exists already.
         RecordingError: it cannot be moved.
     """
-    if folder.exists():
+    if os.path.lexists(folder):  # a link to nowhere is something, too
         raise InputError(str(folder), "exists already", "choose another name or remove it")
-    aside = folder.with_name(f".{folder.name}.part")
-    shutil.rmtree(aside, ignore_errors=True)  # of a run that was killed
+    _remove_stale(folder)
+    # Nobody else's: two processes may be told one name, and the later one finds it taken at the end.
+    aside = folder.with_name(f".{folder.name}.{os.getpid()}-{secrets.token_hex(4)}.part")
     try:
-        yield aside / folder.name
-        (aside / folder.name).rename(folder)
+        with made_parents(folder):
+            aside.mkdir()
+            try:
+                yield aside / folder.name
+                if os.path.lexists(folder):
+                    raise FileExistsError(errno.EEXIST, "something of that name is there meanwhile")
+                (aside / folder.name).rename(folder)
+            finally:
+                shutil.rmtree(aside, ignore_errors=True)
     except OSError as error:
         raise RecordingError(str(folder), f"cannot be written ({error.strerror})") from error
-    finally:
-        shutil.rmtree(aside, ignore_errors=True)
+
+
+def _remove_stale(folder: Path) -> None:
+    """Remove what a process that was killed has left of a bag of that name: nothing but the bag, half written."""
+    pattern = re.compile(rf"\.{re.escape(folder.name)}\.(\d+)-[0-9a-f]{{8}}\.part")
+    with contextlib.suppress(OSError):
+        for aside in folder.parent.iterdir():
+            match = pattern.fullmatch(aside.name)
+            if match is None or aside.is_symlink() or Path("/proc", match[1]).exists():
+                continue
+            if {entry.name for entry in aside.iterdir()} <= {folder.name}:
+                shutil.rmtree(aside, ignore_errors=True)
 
 
 class BagCopy:

@@ -10,6 +10,9 @@ import yaml
 from rosbags.interfaces import Qos as RosbagsQos
 from rosbags.interfaces import QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 
+from roadmend.core.bounds import ARGUMENT
+from roadmend.core.yaml_file import parse_yaml
+
 INFINITE_NS = 2**63 - 1  # [ns] how ROS writes "no limit"
 _SECOND = 1_000_000_000
 
@@ -118,9 +121,9 @@ def load(text: str) -> tuple[Qos, ...]:
     """The offers from the text of ``offered_qos_profiles``.
 
     Raises:
-        KeyError, TypeError, ValueError, yaml.YAMLError: the text is not what ``dump`` writes.
+        InputError, KeyError, TypeError, ValueError: the text is not what ``dump`` writes.
     """
-    return tuple(Qos.from_yaml(shape) for shape in yaml.safe_load(text) or ())
+    return tuple(Qos.from_yaml(shape) for shape in parse_yaml(text, "offered_qos_profiles", ARGUMENT) or ())
 
 
 def _name(policy: str | int, numbered: type[Enum]) -> str:

@@ -8,26 +8,28 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import yaml
 from mcap.exceptions import McapError
-from mcap.reader import SeekingReader
 from mcap.summary import Summary
 from zstandard import ZstdError
 
+from roadmend.core.bounded_file import open_regular
+from roadmend.core.bounds import BAG
 from roadmend.core.errors import InputError
 from roadmend.recording import layout, qos
+from roadmend.recording.chunk import DamagedError
 from roadmend.recording.codec import Codec
 from roadmend.recording.definitions import ENCODINGS, Definition
 from roadmend.recording.enclosure import Attachment
 from roadmend.recording.layout import FileSummary, TopicSummary
+from roadmend.recording.mcap_file import McapFile
 
-_RECORD_LIMIT = 1 << 30  # [bytes] a longer record means a corrupt file, not a bag of ours
-_PIECE_LIMIT = 1 << 26  # [bytes] what is read at once: a chunk, or a whole file that has none
 _RECOVER = "'roadmend bag recover' it, or take another"
 # Whatever the parsers of a corrupt file stumble over.
 CORRUPT = (
+    DamagedError,
     McapError,
     ZstdError,
     struct.error,
@@ -95,7 +97,7 @@ class BagReader:
         found: dict[str, Attachment] = {}
         for path in self._paths:
             with _reading(path) as reader:
-                for one in reader.iter_attachments():
+                for one in reader.attachments():
                     found[one.name] = Attachment(one.name, one.media_type, one.data)
         return found
 
@@ -136,7 +138,7 @@ class BagReader:
     def _records_of(self, place: int, topics: Collection[str] | None) -> Iterator[Record]:
         skip = self._repeated[place].copy()
         with _reading(self._paths[place]) as reader:
-            for schema, channel, message in reader.iter_messages(topics):
+            for schema, channel, message in reader.messages(topics):
                 if skip[channel.topic] > 0:
                     skip[channel.topic] -= 1
                 else:
@@ -155,12 +157,12 @@ class BagReader:
             what = f"a message on {record.topic} is not a {record.type_name}"
             raise InputError(str(self.path), what, "take another bag") from error
 
-    def _read_summary(self, path: Path, reader: SeekingReader) -> None:
-        summary = reader.get_summary()
+    def _read_summary(self, path: Path, reader: McapFile) -> None:
+        summary = reader.summary
         if summary is None or summary.statistics is None:
             raise InputError(str(path), "has no index", _RECOVER)
         _refuse_unreadable(path, summary)
-        for metadata in reader.iter_metadata():
+        for metadata in reader.metadata():
             self.metadata.setdefault(metadata.name, {}).update(metadata.metadata)
         repeated = self.metadata.pop(layout.REPEATED, {})
         # A file that is read by itself keeps what it repeats: it is not in any other.
@@ -202,23 +204,19 @@ def _refuse_unreadable(path: Path, summary: Summary) -> None:
             what = f"{channel.topic} holds {channel.message_encoding or 'unnamed'} messages with {encoding}"
             raise InputError(str(path), what, "take a bag of ROS 2 (cdr with ros2msg or ros2idl)")
     pieces = [chunk.uncompressed_size for chunk in summary.chunk_indexes] or [path.stat().st_size]
-    if max(pieces) > _PIECE_LIMIT:
+    if max(pieces) > BAG.line:
         what = f"{max(pieces) >> 20} MB of it would have to be read at once"
         raise InputError(str(path), what, "rewrite it in smaller chunks with 'roadmend bag recover'")
 
 
 @contextlib.contextmanager
-def _reading(path: Path) -> Iterator[SeekingReader]:
+def _reading(path: Path) -> Iterator[McapFile]:
     """A reader of one MCAP file; what goes wrong inside the context becomes one line for people."""
     try:
-        with path.open("rb") as stream:
-            yield _reader(stream)
+        with open_regular(path) as stream:
+            yield McapFile(stream, str(path))
     except FileNotFoundError as error:
         raise InputError(str(path), "is missing", "restore the file, or take another bag") from error
     except CORRUPT as error:
         what = str(error) or type(error).__name__
         raise InputError(str(path), f"was cut short or is corrupt ({what})", _RECOVER) from error
-
-
-def _reader(stream: BinaryIO) -> SeekingReader:
-    return SeekingReader(stream, validate_crcs=True, record_size_limit=_RECORD_LIMIT)

@@ -70,7 +70,7 @@ def files_left(path: Path) -> tuple[list[Path], list[str]]:
     Raises:
         InputError: there is no such bag, it has no file, or it is a bag of another kind.
     """
-    if path.is_file() and path.name != layout.METADATA_FILE:
+    if path.exists() and not path.is_dir() and path.name != layout.METADATA_FILE:
         return [path], []
     folder = layout.folder_of(path)
     found = sorted(folder.glob("*.mcap"), key=_natural)

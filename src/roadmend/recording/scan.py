@@ -1,5 +1,6 @@
 """Reading an MCAP file from front to back as far as it goes: cut, damaged, without index, and in little memory."""
 
+import math
 import re
 import struct
 import zlib
@@ -12,16 +13,18 @@ from typing import Any, BinaryIO
 
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
-from mcap.reader import SeekingReader
 from mcap.records import Attachment as AttachmentRecord
 from mcap.records import Channel, Metadata, Schema
 from mcap.writer import MCAP0_MAGIC as MAGIC
 
+from roadmend.core.bounded_file import open_regular
+from roadmend.core.bounds import BAG, Allowance
 from roadmend.core.errors import InputError
 from roadmend.recording import layout, qos
 from roadmend.recording.chunk import RECORD_HEAD, RECORD_LIMIT, ChunkReader, DamagedError, exactly
 from roadmend.recording.definitions import ENCODINGS, Definition
 from roadmend.recording.enclosure import Attachment
+from roadmend.recording.mcap_file import McapFile
 from roadmend.recording.qos import Qos
 from roadmend.recording.reader import CORRUPT
 from roadmend.recording.scan_report import ScanReport
@@ -85,18 +88,19 @@ class Scan:
         self._topics: dict[int, ScannedTopic] = {}
         layout.refuse_foreign(path)
         self._size = path.stat().st_size
+        self._allowance = Allowance(str(path), self._size, BAG)
         if not self._size:
             raise InputError(str(path), "is empty", "there is nothing to recover; take another bag")
 
     def __iter__(self) -> Iterator[Item]:
         try:
-            with self.path.open("rb") as stream:
+            with open_regular(self.path) as stream:
                 self._read_summary(stream)
                 stream.seek(0)
                 begin = 0
                 if stream.read(len(MAGIC)) == MAGIC:
                     begin = len(MAGIC)
-                elif (found := self._search(stream, 0)) is not None:
+                elif (found := self._search(stream, 0, RECORD_LIMIT)) is not None:
                     begin = found
                     self.report.add(f"the first {begin} bytes are damaged")
                 else:
@@ -108,7 +112,7 @@ class Scan:
     def _read_summary(self, stream: BinaryIO) -> None:
         """Learn from the index, if there is one, what a damaged file should hold."""
         try:
-            summary = SeekingReader(stream, record_size_limit=RECORD_LIMIT).get_summary()
+            summary = McapFile(stream, str(self.path)).summary
             if summary is None:
                 return
             for schema in summary.schemas.values():
@@ -121,7 +125,7 @@ class Scan:
                 for channel, count in counts.items():
                     expected[summary.channels[channel].topic] += count
                 self.report.expected = expected
-        except CORRUPT:
+        except (*CORRUPT, InputError):
             self.report.expected = None
 
     def _records(self, stream: BinaryIO, begin: int) -> Iterator[Item]:
@@ -167,6 +171,7 @@ class Scan:
             self.report.add(f"at byte {place}: a record of {length >> 20} MB is passed over")
             return None
         try:
+            self._allowance.take(length)
             return self._take(opcode, exactly(stream.read, length))
         except DamagedError as error:
             self.report.add(f"at byte {place}: {error}")
@@ -178,7 +183,7 @@ class Scan:
         chunk = None
         try:
             chunk = ChunkReader(stream, self._size)
-            for opcode, content in chunk.records():
+            for opcode, content in chunk.records(self._allowance):
                 item = self._take(opcode, content)
                 if item is not None:
                     kept += 1
@@ -255,7 +260,7 @@ class Scan:
         try:
             text = "" if schema is None else schema.data.decode()
             offers = qos.load(channel.metadata.get("offered_qos_profiles", ""))
-        except CORRUPT:
+        except (*CORRUPT, InputError):
             problem, text, offers = problem or "its definition or quality of service is damaged", "", ()
         name, encoding = ("", "") if schema is None else (schema.name, schema.encoding)
         definition = Definition(name, text, type_hash, encoding)
@@ -276,11 +281,11 @@ class Scan:
             self.report.add(f"{found - place} bytes from byte {place} on are damaged")
         return found
 
-    def _search(self, stream: BinaryIO, place: int) -> int | None:
-        """Where the next chunk begins, from ``place`` on."""
+    def _search(self, stream: BinaryIO, place: int, end: float = math.inf) -> int | None:
+        """Where the next chunk begins, from ``place`` on, and before ``end`` or little behind it."""
         stream.seek(place)
         rest = b""
-        while piece := stream.read(_SEARCH_PIECE):
+        while place < end and (piece := stream.read(_SEARCH_PIECE)):
             block = rest + piece
             for match in _CHUNK_SIGN.finditer(block):
                 at = place - len(rest) + match.start()

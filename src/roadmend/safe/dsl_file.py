@@ -6,9 +6,12 @@ from typing import Any
 
 import yaml
 
+from roadmend.core.bounded_file import read_text
+from roadmend.core.bounds import CRASH
 from roadmend.core.errors import InputError
+from roadmend.core.json_text import parse_json
 from roadmend.core.whole_file import write_text
-from roadmend.core.yaml_file import parse_yaml
+from roadmend.core.yaml_file import compose_yaml, parse_yaml
 from roadmend.safe.dsl import CrashScenario
 from roadmend.safe.dsl_data import dump_data, parse_data
 from roadmend.safe.dsl_text import dump_text, parse_text
@@ -22,10 +25,7 @@ def load_crash_scenario(path: Path) -> CrashScenario:
     Raises:
         InputError: the file cannot be read or a field of it is unusable; names line and field.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(path), f"cannot be read ({error})", "give a readable UTF-8 text file") from None
+    text = read_text(path, CRASH)
     return parse_crash_scenario(text, path.suffix, str(path))
 
 
@@ -66,17 +66,7 @@ def save_crash_scenario(scenario: CrashScenario, path: Path) -> None:
 
 
 def _parse_json(text: str, where: str) -> CrashScenario:
-    def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        names = [name for name, _ in pairs]
-        for name in names:
-            if names.count(name) > 1:
-                raise InputError(where, f"field {name} is there twice", "keep one of them")
-        return dict(pairs)
-
-    try:
-        content = json.loads(text, object_pairs_hook=unique)
-    except json.JSONDecodeError as error:
-        raise InputError(f"{where}, line {error.lineno}", f"broken JSON: {error.msg}", "mend the line") from None
+    content = parse_json(text, where, CRASH)
     try:
         _, _, lines = _read_yaml(text, where)  # JSON is YAML, and YAML says where things stand
     except InputError:
@@ -85,9 +75,9 @@ def _parse_json(text: str, where: str) -> CrashScenario:
 
 
 def _read_yaml(text: str, where: str) -> tuple[Any, str, dict[str, int]]:
-    content = parse_yaml(text, where)
+    content = parse_yaml(text, where, CRASH)
     lines: dict[str, int] = {}
-    node = yaml.compose(text, Loader=yaml.SafeLoader)
+    node = compose_yaml(text, where, CRASH)
     if node is not None:
         _note_lines(node, "", lines)
     return content, where, lines

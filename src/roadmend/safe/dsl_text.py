@@ -5,7 +5,9 @@ import re
 from dataclasses import dataclass, field
 from typing import Any
 
+from roadmend.core.bounds import ARGUMENT
 from roadmend.core.errors import InputError
+from roadmend.core.json_text import parse_json
 from roadmend.safe.dsl import EXTRA_PREFIX, CrashScenario, RoadType
 from roadmend.safe.dsl_data import NOT_APPLICABLE, dump_data, parse_data
 
@@ -184,6 +186,6 @@ class _Reader:
 
     def json(self, entry: _Entry) -> Any:
         try:
-            return json.loads(entry.value)
-        except ValueError:
+            return parse_json(entry.value, self.where, ARGUMENT)
+        except InputError:
             raise self.fail(entry, f"{entry.value[:60]!r} is no number, list or other JSON value") from None

@@ -9,6 +9,7 @@ from typing import Any
 
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.journal import entry_key
+from roadmend.core.json_text import read_json
 from roadmend.core.whole_file import write_text
 from roadmend.language.exchange import ENDING, Usage, dump_exchanges, usage_of
 from roadmend.safe.dsl_data import dump_data
@@ -88,7 +89,7 @@ def _extract_one(path: Path, extractor: Extractor, settings: Sequence[str], out:
 
 def _known(out: Path, case: str, key: str) -> Extracted | None:
     try:
-        evidence = json.loads((out / f"{case}.evidence.json").read_text(encoding="utf-8"))
+        evidence = read_json(out / f"{case}.evidence.json")
         scenario = load_crash_scenario(out / f"{case}.json")
         if evidence["key"] != key:
             return None

@@ -2,20 +2,26 @@
 
 import hashlib
 import io
+import logging
 import re
+import struct
 import warnings
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
 import PIL.Image
 
+from roadmend.core.bounded_file import opened, read_bytes
+from roadmend.core.bounds import SKETCH
 from roadmend.core.errors import InputError
 from roadmend.language.chat import Image
 
 MAX_SUMMARY = 60_000  # [characters] the longest report of NHTSA that we know has 6000
-MAX_SKETCH = 20_000_000  # [bytes]
 _SKETCHES = (".jpg", ".jpeg", ".png", ".gif", ".webp", ".bmp", ".tif", ".tiff")
+_FORMATS = ("JPEG", "PNG", "GIF", "WEBP", "BMP", "TIFF")  # what these endings stand for; other parsers stay asleep
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.\-]{0,99}")
+logging.getLogger("PIL").setLevel(logging.CRITICAL)  # it tells of damages line by line, which the one note is for
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
 
 
@@ -110,11 +116,8 @@ def report_of_text(case: str, summary: str) -> CrashReport:
 
 
 def _read_text(path: Path) -> str:
-    try:
-        with path.open("rb") as file:
-            data = file.read(4 * MAX_SUMMARY + 4)
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})", "give a readable text file") from None
+    with opened(path, "give a readable text file") as file:
+        data = file.read(4 * MAX_SUMMARY + 4)
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -144,23 +147,33 @@ def _read_sketch(folder: Path) -> tuple[Image | None, tuple[str, ...]]:
     if not files:
         return None, ("the report has no sketch",)
     file = files[0]
-    if file.stat().st_size > MAX_SKETCH:
-        return None, (f"{file.name} is larger than {MAX_SKETCH // 1_000_000} MB and was left out",)
-    data = file.read_bytes()
+    try:
+        data = read_bytes(file, SKETCH, "give an image")
+    except InputError as error:
+        return None, (f"{file.name} {error.what} and was left out",)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", PIL.Image.DecompressionBombWarning)
-            with PIL.Image.open(io.BytesIO(data)) as image:
+            with PIL.Image.open(io.BytesIO(data), formats=_FORMATS) as image:
                 media_type = PIL.Image.MIME[image.format or ""]
+                is_large = image.width * image.height > SKETCH.values
                 image.verify()
     except (
         PIL.UnidentifiedImageError,
         OSError,
         SyntaxError,
         ValueError,
-        KeyError,
+        LookupError,
+        TypeError,
+        ArithmeticError,
+        RuntimeError,
+        struct.error,
+        zlib.error,
+        MemoryError,
         PIL.Image.DecompressionBombError,
         Warning,
     ):
         return None, (f"{file.name} is no image that can be opened and was left out",)
+    if is_large:
+        return None, (f"{file.name} has more than {SKETCH.values // 1_000_000} million pixels and was left out",)
     return Image(data, media_type), ()

@@ -1,11 +1,11 @@
 """Stage I of SAFE with a language model: algorithm 1 of the paper."""
 
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from roadmend.core.errors import InputError
+from roadmend.core.json_text import parse_json
 from roadmend.language.chat import AnswerError, ChatModel, LanguageError, Request
 from roadmend.language.exchange import RecordingModel
 from roadmend.language.question import ATTEMPTS, ask_until_accepted
@@ -169,8 +169,8 @@ def encode_verdict(text: str) -> tuple[str, list[str]]:
 
 def _object(text: str, names: set[str]) -> dict[str, Any]:
     try:
-        content = json.loads(text)
-    except ValueError:
+        content = parse_json(text, "answer")
+    except InputError:
         raise AnswerError("the answer is broken JSON") from None
     if not isinstance(content, dict):
         raise AnswerError("the answer is no JSON object")

@@ -163,7 +163,7 @@ class Bank:
         self._connection, self.meta = open_file(path)
         try:
             self._load(embedder)
-        except (sqlite3.DatabaseError, KeyError, ValueError) as error:
+        except (sqlite3.DatabaseError, LookupError, ValueError, TypeError, OverflowError, MemoryError) as error:
             self.close()
             raise InputError(str(path), f"is damaged ({error})", REMEDY) from None
         except InputError:

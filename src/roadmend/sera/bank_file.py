@@ -11,8 +11,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
+from roadmend.core.bounded_file import unpack_zlib
+from roadmend.core.bounds import ARRAYS, SETTINGS
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import written_beside
 from roadmend.sera.descriptor import BankEntry, Descriptor
@@ -65,8 +67,9 @@ def open_file(path: Path) -> tuple[sqlite3.Connection, dict[str, str]]:
         raise InputError(str(path), "no such file", "give a bank; 'roadmend sera bank build' makes one")
     connection = sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro&immutable=1", uri=True)
     try:
+        connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, 2 * _PART)  # a longer value is none of ours
         meta = _read_meta(path, connection)
-    except sqlite3.DatabaseError as error:
+    except (sqlite3.DatabaseError, ValueError, TypeError) as error:
         connection.close()
         raise InputError(str(path), f"is no bank or is damaged ({error})", REMEDY) from None
     except InputError:
@@ -79,6 +82,9 @@ def _read_meta(path: Path, connection: sqlite3.Connection) -> dict[str, str]:
     (application,) = connection.execute("PRAGMA application_id").fetchone()
     if application != _APPLICATION:
         raise InputError(str(path), "is no bank", "give a file that 'roadmend sera bank build' made")
+    # A view may never end. Only tables are ours.
+    if connection.execute("SELECT count(*) FROM sqlite_schema WHERE type NOT IN ('table', 'index')").fetchone()[0]:
+        raise InputError(str(path), "holds more than tables", REMEDY)
     meta = dict(connection.execute("SELECT key, value FROM meta"))
     if meta.get("format") != FORMAT:
         raise InputError(
@@ -107,9 +113,9 @@ def read_entries(
     try:
         rows = connection.execute(f"SELECT number, {_COLUMNS} FROM entries {where} ORDER BY number", values)  # noqa: S608
         for number, digest, name, origin, content, packed in rows:
-            scenario = None if packed is None else Scenario.model_validate_json(zlib.decompress(packed))
+            scenario = None if packed is None else Scenario.model_validate_json(unpack_zlib(packed, SETTINGS))
             yield number, BankEntry(digest, name, origin, DESCRIPTOR.validate_json(content), scenario)
-    except (sqlite3.DatabaseError, ValidationError, zlib.error) as error:
+    except (sqlite3.DatabaseError, ValueError, TypeError) as error:  # pydantic's is a ValueError, too
         raise InputError("bank", f"is damaged ({str(error).splitlines()[0]})", REMEDY) from None
 
 
@@ -138,6 +144,8 @@ def read_array(connection: sqlite3.Connection, meta: dict[str, str], name: str, 
         sqlite3.DatabaseError: the file is damaged.
     """
     (size,) = connection.execute("SELECT total(length(content)) FROM parts WHERE name = ?", (name,)).fetchone()
+    if size > ARRAYS.unpacked:
+        raise ValueError(f"its {name} take {size / 1e6:.0f} MB")
     result = np.empty(int(size), dtype=np.uint8)
     digest, start = hashlib.sha256(), 0
     for (content,) in connection.execute("SELECT content FROM parts WHERE name = ? ORDER BY place", (name,)):

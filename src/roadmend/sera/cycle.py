@@ -13,6 +13,7 @@ from typing import Any, Protocol
 
 from roadmend.core.errors import InputError
 from roadmend.core.journal import entry_key
+from roadmend.core.json_text import read_json
 from roadmend.core.whole_file import write_text
 from roadmend.language.exchange import ENDING
 from roadmend.measures.driving import DrivingMeasures
@@ -255,7 +256,7 @@ class Cycle:
         found: list[str] = []
         for earlier in range(number):
             path = self._folder / f"generation-{earlier}" / "recommendation.json"
-            content = json.loads(path.read_text(encoding="utf-8"))
+            content = read_json(path)
             found += [each["digest"] for each in content["refined"]]
         return found
 
@@ -275,10 +276,10 @@ class Cycle:
         model = getattr(getattr(backend.model, "model", None), "identity", "")
         key = entry_key(code, path.name, model, *decided)
         try:
-            content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+            content: dict[str, Any] = read_json(path)
             if content["key"] == key and (needed is None or needed.exists()):
                 return content
-        except (OSError, ValueError, KeyError, TypeError):
+        except (InputError, KeyError, TypeError):
             pass  # not done, or not to the end
         content = {"key": key, **make()}
         write_text(path, json.dumps(content, indent=2, allow_nan=False) + "\n")

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from roadmend.core.bounded_file import open_regular
 from roadmend.core.errors import InputError
 from roadmend.world.corpus import load_corpus
 from roadmend.world.families import FAMILIES, sample_scenario
@@ -101,7 +102,7 @@ def disjoint(scenarios: Sequence[Scenario], known: Known) -> list[Scenario]:
 
 def _is_bank(path: Path) -> bool:
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             return file.read(len(_SQLITE)) == _SQLITE
     except OSError as error:
         raise InputError(

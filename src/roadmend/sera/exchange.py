@@ -7,7 +7,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from roadmend.core.bounded_file import read_lines
+from roadmend.core.bounds import STREAM
 from roadmend.core.errors import InputError
+from roadmend.core.json_text import parse_json
 from roadmend.core.settings import describe
 from roadmend.core.whole_file import written_beside
 from roadmend.sera.bank import Bank
@@ -37,16 +40,11 @@ def read_export(path: Path) -> Iterator[BankEntry]:
         InputError: the file is missing, is no export, is cut short, or a line is at fault.
     """
     remedy = "give a file that 'roadmend sera bank export' made"
-    try:
-        with path.open(encoding="utf-8") as file:
-            wanted = _parse_header(path, file.readline(), remedy)
-            found = 0
-            for found, line in enumerate(file, 1):
-                yield _parse(f"{path} line {found + 1}", line)
-    except FileNotFoundError:
-        raise InputError(str(path), "no such file", remedy) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(path), f"cannot be read ({error})", remedy) from None
+    lines = read_lines(path, STREAM, remedy)
+    wanted = _parse_header(path, next(lines, ""), remedy)
+    found = 0
+    for found, line in enumerate(lines, 1):
+        yield _parse(f"{path} line {found + 1}", line)
     if found != wanted:
         raise InputError(str(path), f"holds {found} of {wanted} entries", "export the bank again")
 
@@ -64,21 +62,18 @@ def _dump(entry: BankEntry) -> str:
 
 def _parse_header(path: Path, line: str, remedy: str) -> int:
     try:
-        header: Any = json.loads(line)
-        form, entries = header["format"], header["entries"]
-    except (ValueError, KeyError, TypeError):
+        header: Any = parse_json(line, str(path), STREAM)
+        form, entries = header["format"], int(header["entries"])
+    except (InputError, ValueError, KeyError, TypeError, OverflowError):
         raise InputError(str(path), "is no export of a bank", remedy) from None
     if form != FORMAT:
         raise InputError(str(path), f"has the format {form!r}, not {FORMAT!r}", remedy)
-    return int(entries)
+    return entries
 
 
 def _parse(where: str, line: str) -> BankEntry:
     remedy = "mend the line, or export the bank again"
-    try:
-        content = json.loads(line)
-    except ValueError as error:
-        raise InputError(where, f"is no JSON ({error})", remedy) from None
+    content = parse_json(line, where, STREAM, remedy, is_line=True)
     if not isinstance(content, dict) or content.keys() != _KEYS:
         raise InputError(where, f"has other fields than {', '.join(sorted(_KEYS))}", remedy)
     try:

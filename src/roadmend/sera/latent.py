@@ -16,6 +16,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from roadmend.core.array_file import opened_arrays
+from roadmend.core.errors import InputError
+from roadmend.core.json_text import parse_json
 from roadmend.sera.descriptor import Descriptor
 from roadmend.sera.pattern import FailurePattern
 from roadmend.sera.terms import RANGES, Features, features
@@ -82,10 +85,10 @@ class LatentEmbedder:
             ValueError: the content is damaged.
         """
         try:
-            with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
-                names = json.loads(arrays["vocabulary"].tobytes())
+            with opened_arrays(io.BytesIO(content)) as arrays:
+                names = parse_json(arrays["vocabulary"].tobytes(), "vocabulary")
                 return cls({name: row for row, name in enumerate(names)}, arrays["weights"], arrays["projection"])
-        except (OSError, KeyError, EOFError) as error:
+        except (OSError, InputError) as error:
             raise ValueError(str(error)) from None
 
 

@@ -1,7 +1,6 @@
 """Which scenarios of a bank to learn from: the best for each failure pattern, and a random draw to compare with."""
 
 import hashlib
-import json
 from collections.abc import Collection, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -9,7 +8,10 @@ from typing import Any, Literal
 
 import numpy as np
 
+from roadmend.core.bounded_file import read_bytes
+from roadmend.core.bounds import TEXT
 from roadmend.core.errors import InputError
+from roadmend.core.json_text import parse_json
 from roadmend.sera.bank import Bank, Hit
 from roadmend.sera.filters import Filters
 from roadmend.sera.pattern import FailurePattern
@@ -166,13 +168,11 @@ def read_selection(path: Path, stage: Stage) -> Selection:
     Raises:
         InputError: the file is missing or no selection, or has nothing at this stage.
     """
+    data = read_bytes(path, TEXT, _MEND)
     try:
-        data = path.read_bytes()
-        content: Any = json.loads(data)
+        content: Any = parse_json(data, str(path), TEXT, _MEND)
         digests = tuple(dict.fromkeys(str(each["digest"]) for each in content[stage]))
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})", _MEND) from None
-    except (ValueError, KeyError, TypeError):
+    except (InputError, KeyError, TypeError):
         raise InputError(str(path), f"is no selection with a {stage!r} stage", _MEND) from None
     if not digests:
         raise InputError(

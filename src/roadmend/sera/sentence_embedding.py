@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.errors import InputError, RoadmendError
+from roadmend.core.json_text import parse_json
 from roadmend.sera.descriptor import Descriptor
 from roadmend.sera.pattern import FailurePattern
 from roadmend.sera.words import words_of, words_of_pattern
@@ -93,8 +94,8 @@ class SentenceEmbedder:
             ValueError: the content is damaged.
         """
         try:
-            probe = np.array(json.loads(content)["probe"], dtype=np.float32)
-        except (KeyError, TypeError) as error:
+            probe = np.array(parse_json(content, "probe")["probe"], dtype=np.float32)
+        except (InputError, KeyError, TypeError) as error:
             raise ValueError(str(error)) from None
         return cls(name, open_encode, probe)
 

@@ -1,13 +1,13 @@
 """What a neural policy learns from: scenes with the expert's advice, in memory and on disk."""
 
 import hashlib
-import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from roadmend.core.array_file import opened_arrays
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import written_beside
 
@@ -73,7 +73,7 @@ def load_samples(path: Path, made_by: str) -> Samples:
     """
     mend = "give another folder, or delete this one"
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with opened_arrays(path) as file:
             if str(file["made_by"]) != made_by:
                 raise InputError(str(path), "was made with other settings, or by other code", mend)
             return Samples(
@@ -84,5 +84,5 @@ def load_samples(path: Path, made_by: str) -> Samples:
                 file["episodes"],
                 tuple(str(outcome) for outcome in file["outcomes"]),
             )
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+    except (OSError, ValueError) as error:
         raise InputError(str(path), f"cannot be read ({error})", mend) from None

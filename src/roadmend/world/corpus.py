@@ -10,8 +10,11 @@ from pathlib import Path
 from typing import Any, Self
 
 from roadmend import __version__
+from roadmend.core.bounded_file import read_text
+from roadmend.core.bounds import TEXT
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import InputError
+from roadmend.core.json_text import parse_json
 from roadmend.core.outcome import Blame, EventKind
 from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import write_text
@@ -87,7 +90,7 @@ class Case:
             ValueError: the line is no case.
         """
         try:
-            content = json.loads(line)
+            content = parse_json(line, "case", is_line=True)
             if content["split"] not in SPLITS:
                 raise ValueError(f"there is no split {content['split']!r}")
             content["parameters"] = parse_point(_family(content["family"]).space, content["parameters"])
@@ -202,12 +205,7 @@ def load_corpus(path: Path) -> Corpus:
     Raises:
         InputError: the file is missing, is no corpus, is cut short or damaged, or was made for other parameter spaces.
     """
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except FileNotFoundError:
-        raise InputError(str(path), "no such file", "give a corpus; 'roadmend corpus build' makes one") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(path), f"cannot be read ({error})", "give a corpus") from None
+    lines = read_text(path, TEXT, "give a corpus; 'roadmend corpus build' makes one").splitlines()
     header = _parse_header(path, lines[0] if lines else "")
     if len(lines) - 1 != header["cases"]:
         raise InputError(str(path), f"holds {len(lines) - 1} of {header['cases']} cases", _AGAIN)
@@ -249,9 +247,9 @@ def corpus_of(policy: str, file: Path | None = None) -> Corpus:
 
 def _parse_header(path: Path, line: str) -> dict[str, Any]:
     try:
-        header = json.loads(line)
+        header = parse_json(line, str(path))
         is_corpus = str(header.get("format")).startswith("roadmend-corpus/")
-    except (ValueError, AttributeError):
+    except (InputError, AttributeError):
         is_corpus = False
     if not is_corpus:
         raise InputError(str(path), "is no corpus", "give a file that 'roadmend corpus build' made")
@@ -260,6 +258,8 @@ def _parse_header(path: Path, line: str) -> dict[str, Any]:
     missing = [name for name in _HEADER if name not in header]
     if missing:
         raise InputError(f"{path} line 1", f"lacks {missing[0]}", _AGAIN)
+    if not isinstance(header["spaces"], Mapping):
+        raise InputError(f"{path} line 1", "names no parameter spaces", _AGAIN)
     for name, digest in header["spaces"].items():
         if name not in FAMILY_REGISTRY.names or digest != _space_digest(name):
             raise _other_space(path, name)

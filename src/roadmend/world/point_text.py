@@ -69,7 +69,7 @@ def parse_point(space: Space, text: str) -> Parameters:
     """
     cells: list[str] = []
     for cell in text.split(_SEPARATOR):
-        cells += [""] * int(cell[1:]) if cell.startswith(_REPEAT) else [cell]
+        cells += [""] * min(int(cell[1:]), len(space) + 1) if cell.startswith(_REPEAT) else [cell]
     if len(cells) != len(space):
         raise ValueError(f"{len(cells)} values for {len(space)} dimensions")
     parameters = {name: _parse_value(space, name, cell) for name, cell in zip(space, cells, strict=True) if cell}

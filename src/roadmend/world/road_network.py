@@ -1,8 +1,6 @@
 """A SUMO network as read from its .net.xml: lanes with shapes, and the connections between them."""
 
 import functools
-import gzip
-import zlib
 from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
@@ -12,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.errors import InputError
+from roadmend.core.xml_file import read_xml
 
 Floats = NDArray[np.float64]
 
 _DEFAULT_LANE_WIDTH = 3.2  # [m] where the network gives none (SUMO's default)
-_GZIP = b"\x1f\x8b"  # the first bytes of a compressed file
+_MEND = "build the network again with netconvert"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,6 +95,8 @@ def read_network(path: Path) -> RoadNetwork:
         return _read(path, path.stat().st_mtime_ns)
     except OSError as error:
         raise InputError(str(path), f"cannot be read ({error.strerror})", "give a SUMO .net.xml file") from None
+    except (KeyError, IndexError, ValueError) as error:  # an attribute that is missing, or no number
+        raise InputError(str(path), f"is no SUMO network ({error})", _MEND) from None
 
 
 @functools.lru_cache(maxsize=64)
@@ -103,10 +104,7 @@ def _read(path: Path, _modified: int) -> RoadNetwork:
     edges: dict[str, Edge] = {}
     connections: dict[tuple[str, int], list[Connection]] = {}
     phases: dict[str, list[str]] = {}
-    try:
-        root = _root(path)
-    except (ET.ParseError, EOFError, gzip.BadGzipFile, zlib.error) as error:
-        raise InputError(str(path), f"broken XML ({error})", "build the network again with netconvert") from None
+    root = read_xml(path, _MEND)
     if root.tag != "net":
         raise InputError(str(path), f"is no SUMO network (its root is <{root.tag}>)", "give a .net.xml file")
     for element in root.iterfind("edge"):
@@ -122,17 +120,6 @@ def _read(path: Path, _modified: int) -> RoadNetwork:
     if not any(edge.car_lanes for edge in edges.values() if edge.function == "normal"):
         raise InputError(str(path), "the network has no lane for cars", "add roads and build it again with netconvert")
     return RoadNetwork(path, edges, connections, phases)
-
-
-def _root(path: Path) -> ET.Element:
-    """The root of a document, which may be compressed, as netconvert does where the name ends in .gz."""
-    with path.open("rb") as file:
-        is_compressed = file.read(2) == _GZIP
-        file.seek(0)
-        if not is_compressed:
-            return ET.parse(file).getroot()
-        with gzip.open(file) as text:
-            return ET.parse(text).getroot()
 
 
 def _junctions(element: ET.Element) -> tuple[str, ...]:

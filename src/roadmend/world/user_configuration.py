@@ -7,6 +7,7 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 from roadmend.core.errors import InputError
+from roadmend.core.xml_file import read_xml
 
 _NET = frozenset({"net-file", "net", "n"})
 _INPUT_FILES = _NET | {
@@ -73,12 +74,7 @@ def read_configuration(path: Path) -> ET.Element:
     """
     if not path.is_file():
         raise InputError(str(path), "no such file", "give the path of a SUMO .sumocfg file")
-    try:
-        root = ET.parse(path).getroot()
-    except ET.ParseError as error:
-        raise InputError(str(path), f"broken XML ({error})", "mend the SUMO configuration") from None
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})", "make it readable") from None
+    root = read_xml(path, "mend the SUMO configuration")
     if root.tag in {"net", "routes", "additional"}:
         raise InputError(str(path), f"is no SUMO configuration (its root is <{root.tag}>)", "give a .sumocfg file")
     for option in root.iter("mesosim"):
