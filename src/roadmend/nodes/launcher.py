@@ -92,6 +92,7 @@ def _repair_parameters(options: GraphOptions, place: _Place) -> dict[str, Any]:
         "policy": options.policy if options.tuned else "",
         "trajectory": "optional" if options.is_external else "required",
         "clock": options.clock,
+        "rate": float(options.rate),
         "seed": options.seed,
         "summary": str(place.folder / "repair.json"),
     }

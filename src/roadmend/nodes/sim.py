@@ -17,6 +17,7 @@ from roadmend_msgs import msg
 from rosgraph_msgs.msg import Clock as ClockMessage
 
 from roadmend.core.command import Command
+from roadmend.core.command_age import age_of, is_obeyed
 from roadmend.core.episode_result import EpisodeResult, ResultBuilder
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.parameters import Parameters
@@ -43,7 +44,6 @@ LINGER_S = 0.3  # time for the last messages to leave [s]
 IMPATIENT_S = 0.05  # lockstep: time a command is waited for while the repair node is known to be silent [s]
 WATCHDOG_COMMAND = Command(0.0, 0.5)  # half brake: a controlled stop of 4 m/s2 on a dry road
 _ANSWER = "an answer to the first tick"
-MAX_AGE_TICKS = 3  # real time: oldest tick whose command is still obeyed
 
 # Who must listen to what before an episode begins, so that nothing of it is lost; of others it is enough that they are.
 _LISTENERS = {
@@ -201,8 +201,8 @@ class SimNode(Node):
             self._publish_scene(self._tick)  # start-up is a state of its own: held until the first command
             return
         stamp, command = self._last_command or (-1, WATCHDOG_COMMAND)
-        age = self._tick.number - stamp // INTERVAL_NS
-        if stamp < 0 or age > MAX_AGE_TICKS:
+        age = age_of(stamp, self._tick.number * INTERVAL_NS)
+        if stamp < 0 or not is_obeyed(age):
             self._bite(f"the newest repaired command is {age * INTERVAL:.2f} s old")
         else:
             self._advance(command, obeyed=True)
