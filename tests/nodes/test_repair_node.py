@@ -1,5 +1,6 @@
 """repair_node in this process: every fault has its answer, its name, and a way out."""
 
+import itertools
 import json
 import math
 import time
@@ -671,7 +672,7 @@ def test_at_every_rate_a_policy_that_falls_silent_is_a_controlled_stop_within_th
     assert {(state.state, state.final_action) for _, state in said} == {(int(RepairStatus.STALE_COMMAND), STOP)}
     assert "command" in state.reason
     told = [newest for newest, _ in said]
-    assert max(after - before for before, after in zip(told, told[1:], strict=False)) <= 1  # it goes on saying so
+    assert max(after - before for before, after in itertools.pairwise(told)) <= 1  # it goes on saying so
     assert there.health.level is Level.ERROR
     (state,) = there.tick(30)  # a second without decisions is a jump to the method
     assert (state.state, state.final_action) == (RepairStatus.RESET, 0.2)

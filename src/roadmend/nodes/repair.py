@@ -62,7 +62,7 @@ class RepairNode(SteadyLifecycleNode):
         self._route_fault = ""
         self._motion = AssumedMotion()
         self._parts = TickParts(self, may_lack_plans=self._plans_are_optional)
-        self._tally = RepairTally()
+        self._tally = RepairTally(self._journal)
         self._active = False
         self._started = False  # a complete tick has been answered in this episode
         self._silent_since: str = ""  # what is missing, or empty
@@ -108,6 +108,7 @@ class RepairNode(SteadyLifecycleNode):
         self._is_newest = settings.inputs == "newest"
         self._times = Times.of(settings)
         self._autostart, self._summary = settings.autostart, settings.summary
+        self._journal = Path(settings.journal) if settings.journal else None
         self._settings = method = MethodSettings(self, settings.method, settings.policy)
         self._configuration = ConfigurationAnnouncer(self, "repair", lambda: method.running(self._made), method.is_told)
         return foreign
@@ -346,6 +347,7 @@ class RepairNode(SteadyLifecycleNode):
 
     def close(self) -> None:
         """Write the tally if a file was named."""
+        self._tally.close()
         if self._summary:
             fault = "" if self._repairer is None else self._repairer.first_fault
             write_text(Path(self._summary), json.dumps({**self._tally.account(), "fault": fault}, indent=1))

@@ -50,6 +50,11 @@ class RepairNodeParameters(Parameters):
     )
     autostart: bool = Field(default=True, description="configure and activate without being asked")
     summary: str = Field("", description="file for the tally of this run, written at the end; none if empty")
+    journal: str = Field(
+        "",
+        description="file in which each answer is counted when it is given, and which a node that is started anew "
+        "carries on; none if empty",
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,6 +40,7 @@ PATIENCE_S = 5.0  # [s] after which it is said what keeps the drive from beginni
 IMPATIENCE_S = 1.5  # [s] the same where a node of somebody else's is waited for
 REPEAT_S = 0.25  # period in which the first tick is repeated until it is answered [s]
 BEGUN_SUFFIX = ".begun"  # of the empty file that lies beside the summary once the episode has begun
+DRIVING_SUFFIX = ".driving"  # of the same once the first tick has been answered
 LINGER_S = 0.3  # time for the last messages to leave [s]
 IMPATIENT_S = 0.05  # lockstep: time a command is waited for while the repair node is known to be silent [s]
 WATCHDOG_COMMAND = Command(0.0, 0.5)  # half brake: a controlled stop of 4 m/s2 on a dry road
@@ -105,6 +106,7 @@ class SimNode(Node):
         self._begun_at = 0.0  # wall time [s] of the first answer
         self._watchdog = False
         self._watchdog_ticks = 0
+        self._watchdog_since = 0  # ticks, if it brakes now
         self._last_command: tuple[int, Command] | None = None
         self._ended_at = 0.0
         self._clock_publisher = self.create_publisher(ClockMessage, topics.CLOCK, qos.STREAM)
@@ -152,10 +154,14 @@ class SimNode(Node):
         return [*missing.values(), *self._view.missing]
 
     def _begin(self) -> None:
-        if self._summary_path:
-            Path(self._summary_path).with_suffix(BEGUN_SUFFIX).touch()
+        self._leave(BEGUN_SUFFIX)
         self._tick = self._simulation.first()
         self._publish(self._tick)
+
+    def _leave(self, suffix: str) -> None:
+        """An empty file beside the summary, for the launcher, which is no node."""
+        if self._summary_path:
+            Path(self._summary_path).with_suffix(suffix).touch()
 
     def _missing_long(self, now: float) -> list[str]:
         """What has kept the drive from beginning for so long that somebody should be told."""
@@ -231,6 +237,7 @@ class SimNode(Node):
             self._watchdog = True
             self._announce(EventKind.WATCHDOG, f"{reason}: the simulator brakes")
         self._watchdog_ticks += 1
+        self._watchdog_since += 1
         self._advance(WATCHDOG_COMMAND, obeyed=False)
 
     def _advance(self, command: Command, *, obeyed: bool) -> None:
@@ -239,9 +246,11 @@ class SimNode(Node):
             return
         if obeyed and self._watchdog:
             self._watchdog = False
+            self._watchdog_since = 0
             self._announce(EventKind.RECOVERED, "repaired commands arrive again")
         if not self._begun_at:
             self._begun_at = time.monotonic()
+            self._leave(DRIVING_SUFFIX)
         self._tick = self._simulation.step(command)
         self._publish(self._tick)
         # Book-keeping comes after the messages have left: the others work meanwhile.
@@ -290,6 +299,7 @@ class SimNode(Node):
         content = {
             "result": result.dump(),
             "watchdog_ticks": self._watchdog_ticks,
+            "watchdog_since": self._watchdog_since,
             "real_time_factor": self._real_time_factor(),
             **self._view.content(),
         }
