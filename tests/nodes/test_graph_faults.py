@@ -17,6 +17,7 @@ from rclpy.node import Node
 from roadmend_msgs.msg import Command
 
 from roadmend.core.tick import INTERVAL_NS
+from roadmend.nodes import qos
 from roadmend.nodes.heartbeat import PERIOD_S, SETTLED_BEATS
 from roadmend.recording.reader import BagReader
 
@@ -232,3 +233,32 @@ def test_what_a_recorder_that_was_stopped_for_a_while_has_lost_is_said(run):
     assert result["lost_messages"] > 0
     assert f"bag: {result['lost_messages']} messages were lost on their way to the recorder" in said
     assert BagReader(there.bag).metadata["roadmend"]["lost_messages"] == str(result["lost_messages"])
+
+
+@pytest.mark.parametrize("topic", ["/policy/command", "/repair/command"])
+def test_a_stranger_on_a_command_topic_is_not_obeyed_and_named_and_the_run_goes_on(run, domain, topic):
+    there = run("--repair", "none", "--clock", "realtime", "--rate", "1", time_limit=14.0)
+    there.until_driving()
+    context = Context()
+    rclpy.init(context=context, domain_id=domain)
+    node = Node("intruder", context=context)
+    publisher = node.create_publisher(Command, topic, qos.COMMAND)
+    try:
+        while there.process.poll() is None:
+            message = Command(throttle=1.0)
+            message.header.frame_id = "map"
+            publisher.publish(message)
+            time.sleep(0.1)
+    finally:
+        node.destroy_node()
+        context.try_shutdown()
+    code, result, said = there.end()
+    assert code == 0, said
+    assert result["outcome"] == "TIMEOUT"  # it stood, as its policy wanted
+    assert [line for line in result["warnings"] if topic.strip("/") in line and "/intruder" in line]
+    assert "/intruder" in said
+    late = [message for message in records(there.bag, "/ego") if stamp_of(message) > 9 * 10**9]
+    assert late
+    assert all(message.twist.twist.linear.x < 0.01 for message in late)
+    said_of = [status for array in records(there.bag, "/diagnostics") for status in array.status]
+    assert [status for status in said_of if "/intruder" in status.message and status.level in (1, b"\x01")]

@@ -555,6 +555,30 @@ def test_objects_whose_arrays_do_not_fit_are_as_good_as_none(bench):
     assert "differ in length" in state.reason
 
 
+@pytest.mark.parametrize("part", PARTS)
+def test_a_message_in_another_frame_is_as_good_as_none_and_named(bench, part):
+    there = bench()
+    there.start()
+    there.tick(2, without=(part,))
+    made = {
+        "ego": lambda at: messages.ego_message_of(EgoState.from_yaw(1.0, 0.0, 0.0, 5.0, 0.0, 4.7, 1.85), at),
+        "objects": lambda at: messages.OBJECTS(header=at),
+        "command": lambda at: messages.command_message_of(Command(0.2, 0.0), at),
+        "trajectory": lambda at: messages.trajectory_message_of(Trajectory.empty(), at),
+    }[part]
+    header = messages.header_of(0.1)
+    there.node._add(part, encode(made(messages.HEADER(stamp=header.stamp, frame_id="odom"))))
+    assert len(there.states.got) == 2
+    assert (there.health.level, f"{part} in 'odom'" in there.health.message) == (Level.WARN, True)
+    (state,) = there.wait(2.1)
+    assert (state.final_action, f"no {part} within" in state.reason) == (STOP, True)
+    assert "not in the frame 'map'" in there.health.message
+    there.node._add(part, encode(made(messages.HEADER(stamp=messages.header_of(0.15).stamp, frame_id=""))))
+    (state,) = there.tick(3, without=(part,))  # one that names no frame is taken to be in the right one
+    assert state.state == RepairStatus.PASS
+    assert there.health.level is Level.OK
+
+
 def test_odometry_that_is_not_finite_is_as_good_as_none(bench):
     there = bench()
     there.start()

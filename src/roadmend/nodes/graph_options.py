@@ -57,6 +57,10 @@ class GraphOptions:
             return self.silence
         return LOCKSTEP_SILENCE_S if self.clock == "lockstep" else REALTIME_SILENCE_S
 
+    def writer(self, node: str) -> str:
+        """The name by which a node of ours is obeyed; empty, for whoever is there first, where nodes are renamed."""
+        return "" if any("__node:=" in word for word in self.ros_arguments) else node
+
     def stem(self) -> str:
         """How the bag's name begins if it has none."""
         policy = EXTERNAL if self.is_external else POLICY_REGISTRY.find(self.policy).label
@@ -91,6 +95,7 @@ def _repair_parameters(options: GraphOptions, place: Place) -> dict[str, Any]:
     return {
         "method": options.method,
         "policy": options.policy if options.tuned else "",
+        "writer": "" if options.is_external else options.writer("policy_node"),
         "trajectory": "optional" if options.is_external else "required",
         "clock": options.clock,
         "rate": float(options.rate),

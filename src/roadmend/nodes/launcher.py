@@ -2,7 +2,6 @@
 
 import contextlib
 import json
-import os
 import signal
 import tempfile
 import time
@@ -18,6 +17,7 @@ from roadmend.nodes.children import Child, stop
 from roadmend.nodes.domain import own_domain
 from roadmend.nodes.fault import read_fault
 from roadmend.nodes.graph_options import NODES, SUMMARY, GraphOptions, NodeEntry, Place
+from roadmend.nodes.loopback import reach
 from roadmend.nodes.ros_arguments import SHARED, check_addressees, check_taken, shared_parameters
 from roadmend.nodes.run_result import InterruptedRunError, RunResult, announcement_of, read_result
 from roadmend.nodes.supervisor import RESTARTS_MAX, START_S, Supervisor
@@ -58,8 +58,7 @@ class _GraphRun:
         self, options: GraphOptions, bag: Path | None, folder: Path, domain: int, report: Callable[[str, float], None]
     ) -> None:
         self._options = options
-        reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        self._environment = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": reach}
+        self._environment = {"ROS_DOMAIN_ID": str(domain), **reach()}
         self._bag = bag
         self._folder = folder
         self._report = report
@@ -80,6 +79,7 @@ class _GraphRun:
             rate=float(options.rate),
             summary=str(folder / SUMMARY),
             driver="external" if options.is_external else "own",
+            writer=options.writer("repair_node"),
             wait_for=[f"{entry.node}_node" for entry in entries],
         )
         place = Place(bag, folder)

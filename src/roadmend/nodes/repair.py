@@ -27,6 +27,7 @@ from roadmend.nodes import qos
 from roadmend.nodes.configuration import ConfigurationAnnouncer
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.foreign_inputs import ForeignInputs, ForeignParameters
+from roadmend.nodes.frame_check import FrameCheck
 from roadmend.nodes.inputs import COMMAND
 from roadmend.nodes.lifecycle import SteadyLifecycleNode
 from roadmend.nodes.method_settings import MethodSettings
@@ -35,6 +36,7 @@ from roadmend.nodes.repair_settings import RepairNodeParameters, Times
 from roadmend.nodes.repair_tally import RepairTally
 from roadmend.nodes.spinning import run_node
 from roadmend.nodes.tick_parts import TickParts, scene_of
+from roadmend.nodes.writer_gate import GatedInput
 from roadmend.recording import messages, topics
 from roadmend.recording.codec import encode
 from roadmend.recording.foreign_repair import Answer
@@ -62,6 +64,7 @@ class RepairNode(SteadyLifecycleNode):
         self._route_fault = ""
         self._motion = AssumedMotion()
         self._parts = TickParts(self, may_lack_plans=self._plans_are_optional)
+        self._frames = FrameCheck()
         self._tally = RepairTally(self._journal)
         self._active = False
         self._started = False  # a complete tick has been answered in this episode
@@ -73,6 +76,7 @@ class RepairNode(SteadyLifecycleNode):
         self._last_repair: Repair | None = None
         self._answered_stamp = -1  # [ns] of the last answer, whatever tick it was about
         self._foreign = None
+        self._commands: GatedInput | None = None
         if self._is_newest:
             self._foreign = ForeignInputs(self, foreign, self._times.timeout, self._send_foreign)
         kind = msg.Command if self._foreign is None else self._foreign.command_kind
@@ -91,10 +95,12 @@ class RepairNode(SteadyLifecycleNode):
         for part, kind, topic, profile in (
             ("ego", Odometry, topics.EGO, qos.STREAM),
             ("objects", msg.ObjectList, topics.OBJECTS, qos.STREAM),
-            ("command", msg.Command, topics.POLICY_COMMAND, qos.COMMAND),
             ("trajectory", msg.Trajectory, topics.POLICY_TRAJECTORY, qos.STREAM),
         ):
             self.create_subscription(kind, topic, partial(self._add, part), profile, raw=True)
+        self._commands = GatedInput(
+            self, COMMAND, msg.Command, self._writer, partial(self._add, "command"), time.monotonic
+        )
         # Steady time: ages are looked at while simulation time stands still.
         self.create_timer(self._times.ages.period, self._watch, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
@@ -105,6 +111,7 @@ class RepairNode(SteadyLifecycleNode):
         foreign = declare_parameters(self, ForeignParameters)
         self._plans_are_optional = settings.trajectory == "optional"
         self._method, self._seed = settings.method, settings.seed
+        self._writer = settings.writer
         self._is_newest = settings.inputs == "newest"
         self._times = Times.of(settings)
         self._autostart, self._summary = settings.autostart, settings.summary
@@ -196,6 +203,9 @@ class RepairNode(SteadyLifecycleNode):
             self._repairer.reset(self._route)
 
     def _add(self, part: str, data: bytes) -> None:
+        if self._frames.is_foreign(part, data):
+            self.get_logger().warning(self._frames.warning, throttle_duration_sec=1.0)
+            return
         stamp, now = messages.stamp_of_bytes(data), time.monotonic()
         if self._parts.is_stray(part, stamp):  # paired, it would be waited for as the newest tick
             return
@@ -334,12 +344,17 @@ class RepairNode(SteadyLifecycleNode):
         if self._route_fault:
             return Health(Level.ERROR, self._route_fault, values)
         if self._silent_since:
-            return Health(Level.ERROR, f"controlled stop: missing {self._silent_since}", values)
+            why = f"; {self._frames.warning}" if self._frames.warning else ""
+            return Health(Level.ERROR, f"controlled stop: missing {self._silent_since}{why}", values)
+        if self._frames.warning:
+            return Health(Level.WARN, self._frames.warning, values)
         last = self._last_repair
         if last is not None and last.status is RepairStatus.MODEL_FAULT:
             return Health(Level.ERROR, last.reason, values)
         if last is not None and last.status in (RepairStatus.INVALID_COMMAND, RepairStatus.INVALID_OBJECTS):
             return Health(Level.WARN, last.reason, values)
+        if self._commands is not None and self._commands.warning:
+            return Health(Level.WARN, self._commands.warning, values)
         crowd = COMMAND.publishers(self)
         if len(set(crowd)) > 1:
             return Health(Level.WARN, f"several nodes send the policy's commands: {', '.join(crowd)}", values)

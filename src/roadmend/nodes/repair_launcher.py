@@ -16,6 +16,7 @@ from roadmend.core.claim import claimed_bag
 from roadmend.core.errors import InputError
 from roadmend.nodes.children import Child, stop
 from roadmend.nodes.graph_options import JOURNAL, RECORDER_SUMMARY, REPAIR_SUMMARY
+from roadmend.nodes.loopback import reach
 from roadmend.nodes.repair_tally import RepairTally
 from roadmend.nodes.run_result import read_summary
 from roadmend.nodes.spinning import stop_on_signals
@@ -128,7 +129,7 @@ class _Run:
             f"{node}_node",
             f"roadmend.nodes.{node}",
             ["--ros-args", *words, *(self._extra if node == "repair" else _for_others(self._extra))],
-            {"ROS_DOMAIN_ID": self._domain},
+            {"ROS_DOMAIN_ID": self._domain, **reach("SUBNET")},
             self._folder / f"{node}.log",
             may_restart,
         )

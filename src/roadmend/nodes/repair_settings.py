@@ -20,6 +20,11 @@ class RepairNodeParameters(Parameters):
     policy: str = Field(
         "", description="policy whose models and tuned settings are this method's defaults; the plain defaults if empty"
     )
+    writer: str = Field(
+        "",
+        description="name of the node whose commands are obeyed, without its namespace; whoever is there alone first "
+        "if empty; of inputs: paired",
+    )
     trajectory: Literal["required", "optional"] = Field(
         "required",
         description="whether a tick waits for the planned trajectory, or does without while nobody publishes any",

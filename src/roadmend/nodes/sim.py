@@ -27,8 +27,10 @@ from roadmend.nodes import qos
 from roadmend.nodes.configuration import ConfigurationAnnouncer, Running
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.graph_view import GraphView
+from roadmend.nodes.inputs import REPAIRED
 from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.spinning import run_node
+from roadmend.nodes.writer_gate import GatedInput
 from roadmend.recording import messages, topics
 from roadmend.recording.codec import encode
 from roadmend.world.road_network import lanes_of
@@ -78,6 +80,11 @@ class SimParameters(Parameters):
         description="who sends the policy's commands: own: policy_node, and others are named; external: a node of "
         "somebody else's, which is waited for and what is wrong with it named",
     )
+    writer: str = Field(
+        "",
+        description="name of the node whose repaired commands are obeyed, without its namespace; whoever is there alone "
+        "first if empty",
+    )
     summary: str = Field("", description="file for the summary of the episode; none if empty")
 
 
@@ -115,7 +122,7 @@ class SimNode(Node):
         self._event_publisher = self.create_publisher(msg.ScenarioEvent, topics.EVENTS, qos.EVENT)
         self._route_publisher = self.create_publisher(msg.Route, topics.ROUTE, qos.LATCHED)
         self._map_publisher = self.create_publisher(msg.Map, topics.MAP, qos.LATCHED)
-        self.create_subscription(msg.Command, topics.REPAIR_COMMAND, self._on_command, qos.COMMAND, raw=True)
+        self._commands = GatedInput(self, REPAIRED, msg.Command, settings.writer, self._on_command, time.monotonic)
         header = messages.header_of(0.0)
         self._route_publisher.publish(encode(messages.route_message_of(self._simulation.route, header)))
         self._map_publisher.publish(encode(messages.map_message_of(lanes_of(self._simulation.network), header)))
@@ -317,6 +324,8 @@ class SimNode(Node):
             return Health(Level.WARN, f"waiting for {', '.join(self._missing())}", values)
         if self._watchdog:
             return Health(Level.ERROR, "no repaired commands: the watchdog brakes", values)
+        if self._commands.warning:
+            return Health(Level.WARN, self._commands.warning, values)
         return Health(Level.OK, self._builder.final.kind.name if self._builder.final else "running", values)
 
     def close(self) -> None:
