@@ -13,7 +13,7 @@ from rclpy.waitable import NumberOfEntities, Waitable
 from roadmend.nodes.inputs import Input
 
 
-class NumberedInput(Waitable):  # type: ignore[misc]
+class NumberedInput(Waitable):
     """Listens to one topic.
 
     Args:
