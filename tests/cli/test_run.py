@@ -11,6 +11,12 @@ from roadmend.world.families import sample_scenario
 from roadmend.world.scenario_file import load_scenario, save_scenario
 
 
+def came(**changes):
+    """A result as far as the exit code goes."""
+    nothing = {"policy_error": "", "method_error": "", "recording_error": "", "faults": (), "lost_messages": 0}
+    return SimpleNamespace(**nothing | {"bag": "bags/bag"} | changes)
+
+
 @pytest.fixture
 def options(tmp_path, monkeypatch):
     """The options of the run that a command would start; None where it is refused."""
@@ -18,7 +24,7 @@ def options(tmp_path, monkeypatch):
 
     def start(options):
         started.append(options)
-        return SimpleNamespace(policy_error="", method_error="", recording_error="")
+        return came()
 
     monkeypatch.setattr(run, "run_with_status", start)
     monkeypatch.setattr(run, "show_results", lambda *_: None)
@@ -52,9 +58,33 @@ def test_a_port_that_is_none_is_refused(options, port, capsys):
     assert len(capsys.readouterr().err.splitlines()) == 1
 
 
+@pytest.mark.parametrize(
+    ("changes", "code", "words"),
+    [
+        (
+            {"faults": ("policy_node hung, restarted", "repair_node ended (-9), restarted")},
+            1,
+            "policy_node hung, restarted; ",
+        ),
+        ({"lost_messages": 658}, 0, "roadmend: bags/bag: 658 messages were lost on their way to the recorder"),
+        ({"method_error": "rss failed"}, 1, "rss failed"),
+        ({}, 0, ""),
+    ],
+)
+def test_what_went_wrong_on_the_way_is_a_line_and_an_exit_code(tmp_path, monkeypatch, capsys, changes, code, words):
+    monkeypatch.setattr(run, "run_with_status", lambda _: came(**changes))
+    monkeypatch.setattr(run, "show_results", lambda *_: None)
+    path = tmp_path / "s.yaml"
+    save_scenario(sample_scenario("S1", 0), path)
+    assert main(["run", "--scenario", str(path)]) == code
+    said = capsys.readouterr().err
+    assert words in said
+    assert bool(said) == bool(words)
+
+
 def test_a_bag_that_is_not_complete_is_an_error_after_the_result(tmp_path, monkeypatch, capsys):
     shown = []
-    result = SimpleNamespace(policy_error="", method_error="", recording_error="bag_0.mcap: disk full")
+    result = came(recording_error="bag_0.mcap: disk full")
     monkeypatch.setattr(run, "run_with_status", lambda _: result)
     monkeypatch.setattr(run, "show_results", lambda *given: shown.append(given))
     path = tmp_path / "s.yaml"
@@ -79,7 +109,7 @@ def egos(tmp_path, monkeypatch, capsys):
             if scenario.seed in refused:
                 raise InputError("ego.route", "is of no use", "choose another seed")
             started.append((options, scenario))
-            return SimpleNamespace(policy_error="", method_error="", recording_error="")
+            return came()
 
         monkeypatch.setattr(run, "run_with_status", start)
         monkeypatch.setattr(run, "show_results", lambda *_: None)

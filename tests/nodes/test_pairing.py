@@ -51,6 +51,24 @@ def test_the_newest_incomplete_tick_is_the_one_waited_for(pairing):
     assert pairing.waiting() == (7, {"ego": "new"}, 3.0)
 
 
+def test_the_oldest_incomplete_tick_is_the_one_that_ages_however_many_come_after_it(pairing):
+    assert pairing.oldest() is None
+    for stamp in (5, 6, 7):
+        pairing.add(stamp, "ego", stamp, float(stamp))
+    assert pairing.oldest() == (5, {"ego": 5}, 5.0)
+    pairing.add(6, "objects", 6, 8.0)
+    assert pairing.oldest() == (7, {"ego": 7}, 7.0)
+
+
+def test_the_newest_tick_with_some_parts_is_found_among_those_that_lack_them(pairing):
+    pairing.add(1, "ego", 1, 0.0)
+    pairing.add(2, "ego", 2, 0.0)
+    pairing.add(3, "objects", 3, 0.0)
+    assert pairing.newest_with(["ego"]) == (2, {"ego": 2})
+    assert pairing.newest_with([]) == (3, {"objects": 3})
+    assert pairing.newest_with(["ego", "objects"]) is None
+
+
 def test_giving_up_drops_the_tick_and_all_before_it(pairing):
     for stamp in (1, 2, 3):
         pairing.add(stamp, "ego", stamp, float(stamp))

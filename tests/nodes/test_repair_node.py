@@ -1,5 +1,6 @@
 """repair_node in this process: every fault has its answer, its name, and a way out."""
 
+import itertools
 import json
 import math
 import time
@@ -8,6 +9,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import rclpy
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
 from nav_msgs.msg import Odometry
 from rclpy.experimental import EventsExecutor
 from rclpy.lifecycle import TransitionCallbackReturn
@@ -177,6 +180,88 @@ def test_it_goes_through_every_transition_and_answers_only_while_active(bench):
         assert bool(said) == answers, transition
         assert (there.health.level is Level.WARN) == (not answers)
     assert consistent(there)
+
+
+STATES = {  # and how to get there from unconfigured
+    "unconfigured": (),
+    "inactive": ("configure",),
+    "active": ("configure", "activate"),
+    "finalized": ("shutdown",),
+}
+POSSIBLE = {  # transition asked for over the service -> state in which it can be made -> state to which it leads
+    Transition.TRANSITION_CONFIGURE: {"unconfigured": "inactive"},
+    Transition.TRANSITION_CLEANUP: {"inactive": "unconfigured"},
+    Transition.TRANSITION_ACTIVATE: {"inactive": "active"},
+    Transition.TRANSITION_DEACTIVATE: {"active": "inactive"},
+    Transition.TRANSITION_UNCONFIGURED_SHUTDOWN: {"unconfigured": "finalized"},
+    Transition.TRANSITION_INACTIVE_SHUTDOWN: {"inactive": "finalized"},
+    Transition.TRANSITION_ACTIVE_SHUTDOWN: {"active": "finalized"},
+}
+IMPOSSIBLE = (0, 8, 9, 10, 60, 99, 255)  # create, destroy, what callbacks return, and what is no transition at all
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_every_transition_in_every_state_is_made_or_refused_over_the_service_and_the_node_stays(
+    domain, tmp_path, state
+):
+    rclpy.init(args=["test", "--ros-args", "-p", "autostart:=false"], domain_id=domain)
+    executor = EventsExecutor()
+    node, other = module.RepairNode(), Node("operator")
+    client = other.create_client(ChangeState, "/repair_node/change_state")
+
+    def ask(number=0, label=""):
+        request = ChangeState.Request(transition=Transition(id=number, label=label))
+        future = client.call_async(request)
+        executor.spin_until_future_complete(future, timeout_sec=60.0)
+        return future.result().success
+
+    def reset():
+        """Back to the state: from finalized there is no way, and none is needed."""
+        for _ in range(3):
+            way = {"active": "deactivate", "inactive": "cleanup"}.get(state_of(node))
+            if state_of(node) != state and way:
+                assert ask(label=way)
+        for label in STATES[state] if state_of(node) == "unconfigured" else ():
+            assert ask(label=label)
+        assert state_of(node) == state
+
+    try:
+        for one in (node, other):
+            executor.add_node(one)
+        assert client.wait_for_service(timeout_sec=60.0)
+        refused = [number for number in POSSIBLE if state not in POSSIBLE[number]]
+        for number in (*refused, *IMPOSSIBLE):
+            reset()
+            assert not ask(number), number
+            assert state_of(node) == state, number
+        assert not ask(label="fly")
+        for number in [number for number in POSSIBLE if state in POSSIBLE[number]]:
+            goal = POSSIBLE[number][state]
+            reset()
+            if goal == "finalized":
+                continue  # last, since there is no way back
+            assert ask(number), number
+            assert state_of(node) == goal
+        reset()
+        assert ask(label="shutdown") == (state != "finalized")
+        assert state_of(node) == "finalized"
+        assert not ask(Transition.TRANSITION_CONFIGURE)
+    finally:
+        for one in (node, other):
+            executor.remove_node(one)
+            one.destroy_node()
+        executor.shutdown()
+        rclpy.try_shutdown()
+
+
+def test_a_method_that_breaks_while_it_is_made_is_a_refusal_too(bench, monkeypatch, capfd):
+    there = bench(autostart=False)
+    monkeypatch.setattr(module, "make_method", lambda *_: 1 / 0)
+    assert there.node.trigger_configure() == TransitionCallbackReturn.FAILURE
+    assert state_of(there.node) == "unconfigured"
+    assert "refuses to configure: ZeroDivisionError: division by zero" in capfd.readouterr().err
+    monkeypatch.undo()
+    assert there.node.trigger_configure() == TransitionCallbackReturn.SUCCESS
 
 
 def test_by_default_it_starts_by_itself(bench):
@@ -470,6 +555,30 @@ def test_objects_whose_arrays_do_not_fit_are_as_good_as_none(bench):
     assert "differ in length" in state.reason
 
 
+@pytest.mark.parametrize("part", PARTS)
+def test_a_message_in_another_frame_is_as_good_as_none_and_named(bench, part):
+    there = bench()
+    there.start()
+    there.tick(2, without=(part,))
+    made = {
+        "ego": lambda at: messages.ego_message_of(EgoState.from_yaw(1.0, 0.0, 0.0, 5.0, 0.0, 4.7, 1.85), at),
+        "objects": lambda at: messages.OBJECTS(header=at),
+        "command": lambda at: messages.command_message_of(Command(0.2, 0.0), at),
+        "trajectory": lambda at: messages.trajectory_message_of(Trajectory.empty(), at),
+    }[part]
+    header = messages.header_of(0.1)
+    there.node._add(part, encode(made(messages.HEADER(stamp=header.stamp, frame_id="odom"))))
+    assert len(there.states.got) == 2
+    assert (there.health.level, f"{part} in 'odom'" in there.health.message) == (Level.WARN, True)
+    (state,) = there.wait(2.1)
+    assert (state.final_action, f"no {part} within" in state.reason) == (STOP, True)
+    assert "not in the frame 'map'" in there.health.message
+    there.node._add(part, encode(made(messages.HEADER(stamp=messages.header_of(0.15).stamp, frame_id=""))))
+    (state,) = there.tick(3, without=(part,))  # one that names no frame is taken to be in the right one
+    assert state.state == RepairStatus.PASS
+    assert there.health.level is Level.OK
+
+
 def test_odometry_that_is_not_finite_is_as_good_as_none(bench):
     there = bench()
     there.start()
@@ -558,6 +667,50 @@ def test_in_real_time_a_late_command_is_missed_at_once(bench):
     assert there.wait(0.03) == []
     (state,) = there.wait(0.02)
     assert (state.state, state.final_action) == (RepairStatus.STALE_COMMAND, STOP)
+
+
+def drive(bench, rate, ticks, *, without=(), first=2):
+    """Ticks that come at a rate, in wall time; the states said, each with the tick that was the newest at the moment."""
+    said, steps = [], 5
+    for number in range(first, first + ticks):
+        said += [(number, state) for state in bench.tick(number, without=without)]
+        for _ in range(steps):
+            bench.clock.now += 0.05 / rate / steps
+            before = len(bench.states.got)
+            bench.node._watch()
+            said += [(number, state) for state in bench.states.got[before:]]
+    return said
+
+
+RATES = (0.5, 1.0, 1.3, 2.0, 5.0, 10.0)
+
+
+@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize("missing", [("command",), ("command", "trajectory")])
+def test_at_every_rate_a_policy_that_falls_silent_is_a_controlled_stop_within_three_ticks(bench, rate, missing):
+    there = bench(clock="realtime", rate=rate, time_budget=10.0)
+    there.start()
+    said = drive(there, rate, 20, without=missing)
+    newest, state = said[0]
+    assert newest - 2 <= 2  # tick 2 is the oldest that nobody answered
+    assert {(state.state, state.final_action) for _, state in said} == {(int(RepairStatus.STALE_COMMAND), STOP)}
+    assert "command" in state.reason
+    told = [newest for newest, _ in said]
+    assert max(after - before for before, after in itertools.pairwise(told)) <= 1  # it goes on saying so
+    assert there.health.level is Level.ERROR
+    (state,) = there.tick(30)  # a second without decisions is a jump to the method
+    assert (state.state, state.final_action) == (RepairStatus.RESET, 0.2)
+    assert consistent(there)
+
+
+@pytest.mark.parametrize("rate", RATES)
+def test_at_every_rate_ticks_in_time_are_driven_and_what_lies_between_them_is_no_silence(bench, rate):
+    there = bench(clock="realtime", rate=rate, time_budget=10.0)
+    there.start()
+    assert [state.state for _, state in drive(there, rate, 20)] == [RepairStatus.PASS] * 20
+    (first, *_) = drive(there, rate, 6, without=PARTS, first=22)  # and then nothing comes at all
+    assert first[0] - 22 <= 2
+    assert first[1].state == RepairStatus.STALE_OBJECTS
 
 
 def test_in_real_time_a_policy_that_is_not_there_yet_is_a_start_not_an_emergency(bench):

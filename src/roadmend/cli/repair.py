@@ -106,7 +106,12 @@ def repair(given: StackOptions) -> None:
     )
     result = run_repair(options, lambda text: print(f"roadmend: {text}", file=sys.stderr))
     _show(result, as_json=given.as_json)
-    for trouble in (result.method_error, result.recording_error):
+    if result.lost_messages:
+        print(
+            f"roadmend: {result.bag}: {result.lost_messages} messages were lost on their way to the recorder",
+            file=sys.stderr,
+        )
+    for trouble in (result.method_error, result.recording_error, "; ".join(result.faults)):
         if trouble:
             raise RoadmendError(trouble)
 

@@ -20,6 +20,7 @@ from roadmend.cli.ros_arguments import ROS_ARGUMENTS, ros_arguments
 from roadmend.cli.sumo_options import TIME_LIMIT, WARM_UP, WARM_UP_OPTION, egos, sumocfg, time_limit
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.nodes.launcher import GraphOptions, InterruptedRunError, RunResult, run_graph
+from roadmend.nodes.supervisor import LOCKSTEP_SILENCE_S, REALTIME_SILENCE_S, START_S
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import drawn_scenarios, load_scenario, save_scenario, scenario_of_configuration
 
@@ -99,6 +100,24 @@ class RunOptions:
             help="Show the graph in Foxglove, live at ws://127.0.0.1:PORT; best with --clock realtime.  [PORT: 8765]",
         ),
     ]
+    start_deadline: Annotated[
+        float | None,
+        click.option(
+            "--start-deadline",
+            type=click.FloatRange(0.0, 86400.0),
+            help="Seconds in which the drive must begin; 0 waits for ever.  "
+            f"[default: {START_S:g}; 0 with --policy external]",
+        ),
+    ]
+    silence: Annotated[
+        float | None,
+        click.option(
+            "--silence",
+            type=click.FloatRange(1.0, 86400.0),
+            help="Seconds without a sign of life after which a node is ended and started anew.  "
+            f"[default: {LOCKSTEP_SILENCE_S:g} in lockstep, {REALTIME_SILENCE_S:g} in real time]",
+        ),
+    ]
     as_json: Annotated[bool, JSON]
     ros_arguments: Annotated[tuple[str, ...], ROS_ARGUMENTS]
 
@@ -117,7 +136,8 @@ def run(given: RunOptions) -> int:
     """Run one episode in the graph: SUMO, policy, repair and recorder as separate processes.
 
     Everything after --ros-args goes to every node. In a SUMO configuration one episode for every ego; those that cannot
-    be driven are named, and the exit code is then 1, or 2 if none could be driven.
+    be driven are named, and the exit code is then 1, or 2 if none could be driven. It is 1 too where the policy, the
+    method or the recorder failed, and where a node ended, hung or fell silent.
     """
     extra = ros_arguments(given.ros_arguments)  # first: an option that is misspelled is among them
     if (given.scenario is None) == (given.sumocfg is None):
@@ -147,6 +167,8 @@ def run(given: RunOptions) -> int:
                 given.foxglove,
                 given.tuned,
                 extra,
+                given.start_deadline,
+                given.silence,
             )
             try:
                 results.append(run_with_status(options))
@@ -165,12 +187,20 @@ def run(given: RunOptions) -> int:
     for each in faults:
         click.echo(f"roadmend: {each}", err=True)
     for result in results:
-        for trouble in (result.policy_error, result.method_error, result.recording_error):
+        if result.lost_messages:
+            click.echo(f"roadmend: {_gap(result)}", err=True)
+    for result in results:
+        for trouble in (result.policy_error, result.method_error, result.recording_error, "; ".join(result.faults)):
             if trouble:
                 raise RoadmendError(trouble)
     if not results:
         return 2
     return 1 if faults else 0
+
+
+def _gap(result: RunResult) -> str:
+    """What the bag lacks, in a line."""
+    return f"{result.bag}: {result.lost_messages} messages were lost on their way to the recorder"
 
 
 def _scenarios(given: RunOptions) -> list[Scenario]:
@@ -243,6 +273,6 @@ def show_results(results: Sequence[RunResult], console: Console) -> None:
             str(episode.interventions),
             f"{episode.intensity:.2f}" if episode.interventions else "-",
             f"{result.real_time_factor:.1f} x",
-            result.bag or "-",
+            (result.bag or "-") + (f" ({result.lost_messages} messages lost)" if result.lost_messages else ""),
         )
     console.print(table)

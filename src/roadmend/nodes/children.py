@@ -22,6 +22,7 @@ from pathlib import Path
 from roadmend.core.errors import RoadmendError
 from roadmend.core.extras import extra_missing
 from roadmend.nodes.fault import FAULT_FILE, leave_fault, read_fault
+from roadmend.nodes.heartbeat import HEARTBEAT_FILE, Pulse
 
 _context = multiprocessing.get_context("forkserver")
 # Imports are most of a node's start. The server does them once; each node, and each restart, is then a fork away.
@@ -40,17 +41,28 @@ class Child:
     may_restart: bool
     restarts: int = 0
     process: BaseProcess | None = field(default=None)
+    hung: str = ""  # why it was killed, if it was for want of a sign of life
+
+    def __post_init__(self) -> None:
+        self.pulse = Pulse(self.log.with_suffix(".beat"))
 
     def start(self) -> None:
         """Start the process; what it prints goes to its log."""
         self.fault_file.unlink(missing_ok=True)
+        self.pulse.begin()
+        self.hung = ""
         self.process = _context.Process(
             target=_become_node,
             # All of the environment as it is now: the server's own is that of the day when it started.
             args=(
                 self.module,
                 [self.name, *self.arguments],
-                {**os.environ, **self.environment, FAULT_FILE: str(self.fault_file)},
+                {
+                    **os.environ,
+                    **self.environment,
+                    FAULT_FILE: str(self.fault_file),
+                    HEARTBEAT_FILE: str(self.pulse.path),
+                },
                 str(self.log),
             ),
             name=self.name,
@@ -67,6 +79,13 @@ class Child:
         if self.process is not None and self.process.pid is not None and self.process.exitcode is None:
             os.kill(self.process.pid, signal.SIGINT)
 
+    def kill(self, why: str) -> None:
+        """End the process without asking it; ``why`` is said as its fault."""
+        if self.process is not None:
+            self.hung = why
+            self.process.kill()
+            self.process.join()
+
     @property
     def fault_file(self) -> Path:
         """Where the process leaves why it ends."""
@@ -74,6 +93,8 @@ class Child:
 
     def fault(self) -> RoadmendError:
         """Why the process has ended; its log is kept where it did not say."""
+        if self.hung:
+            return RoadmendError(self.hung)
         said = read_fault(self.fault_file)
         if said is not None:
             return said

@@ -30,6 +30,11 @@ class Input:
         """Full names of the nodes that publish it, one for each publisher, whether they can be heard or not."""
         return sorted(filter(None, map(node_of, node.get_publishers_info_by_topic(self.topic))))
 
+    def endpoints(self, node: Node) -> list[str]:
+        """As ``heard``, but with an empty name for each publisher whose node DDS has not told yet."""
+        infos = node.get_publishers_info_by_topic(self.topic)
+        return [node_of(info) for info in infos if not self._fault(info)]
+
     def heard(self, node: Node) -> list[str]:
         """As ``publishers``, but only those whose messages arrive."""
         infos = node.get_publishers_info_by_topic(self.topic)

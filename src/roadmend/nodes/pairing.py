@@ -1,5 +1,6 @@
 """Pairs the messages of one tick: they share one stamp."""
 
+from collections.abc import Collection
 from typing import Any
 
 
@@ -36,6 +37,18 @@ class TickPairing:
             return None
         stamp = max(self._ticks)
         return stamp, self._ticks[stamp], self._arrival[stamp]
+
+    def oldest(self) -> tuple[int, dict[str, Any], float] | None:
+        """The oldest incomplete tick, as ``waiting``: ages are counted from it, since a newer one comes every time."""
+        if not self._ticks:
+            return None
+        stamp = min(self._ticks)
+        return stamp, self._ticks[stamp], self._arrival[stamp]
+
+    def newest_with(self, parts: Collection[str]) -> tuple[int, dict[str, Any]] | None:
+        """The newest incomplete tick that has all of these parts: its stamp [ns] and its parts."""
+        stamps = [stamp for stamp, tick in self._ticks.items() if tick.keys() >= {*parts}]
+        return (max(stamps), self._ticks[max(stamps)]) if stamps else None
 
     def give_up(self, stamp: int) -> None:
         """Drop a tick that will not be waited for, and all older ones."""

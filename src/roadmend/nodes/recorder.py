@@ -2,6 +2,7 @@
 
 import contextlib
 import hashlib
+import json
 import re
 import sys
 import time
@@ -24,6 +25,7 @@ from roadmend.core.claim import check_name
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
 from roadmend.core.parameters import Parameters
+from roadmend.core.whole_file import write_text
 from roadmend.nodes import qos
 from roadmend.nodes.announcement import UNKNOWN
 from roadmend.nodes.configuration import Announcements, ConfigurationAnnouncer
@@ -79,6 +81,7 @@ class RecorderParameters(Parameters):
     )
     metadata: str = Field("", description="JSON file with an object that goes into the bag's metadata")
     attachments: tuple[str, ...] = Field((), description="files that go into the bag")
+    summary: str = Field("", description="file for what was recorded and lost, written at the end; none if empty")
 
 
 @dataclass(slots=True)
@@ -127,7 +130,7 @@ class RecorderNode(Node):
         self._writer.flush()
         self._error: RecordingError | None = None  # why nothing more is written
         self._dropped = 0  # messages that came since
-        self._drain_limit = settings.drain_limit
+        self._drain_limit, self._summary = settings.drain_limit, settings.summary
         self._recorded: dict[str, _Recorded] = {}
         self._skipped: dict[str, str] = {}  # topic and why
         self._refused: dict[str, list[str]] = {}  # the types for which it is skipped; with others it is tried again
@@ -195,6 +198,9 @@ class RecorderNode(Node):
             self._writer.add_metadata(METADATA_RECORD, self._metadata | self._account())
         finally:
             self._writer.close()
+            if self._summary:
+                told = {"messages": self._writer.count, "lost_messages": self._lost, "dropped": self._dropped}
+                write_text(Path(self._summary), json.dumps(told))
         self.get_logger().info(f"{self._writer.folder}: {self._writer.count} messages of {len(self._recorded)} topics")
 
     def _discover(self) -> None:

@@ -13,28 +13,30 @@ from typing import Any
 from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock, ClockType
-from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
 from roadmend_msgs import msg
 
 from roadmend.core.command import Decision
-from roadmend.core.errors import InputError
+from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.core.whole_file import write_text
-from roadmend.measures.fitting import fitting, fitting_account
 from roadmend.nodes import qos
-from roadmend.nodes.configuration import ConfigurationAnnouncer, Running
+from roadmend.nodes.configuration import ConfigurationAnnouncer
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.foreign_inputs import ForeignInputs, ForeignParameters
+from roadmend.nodes.frame_check import FrameCheck
 from roadmend.nodes.inputs import COMMAND
-from roadmend.nodes.parameters import declare_own, declare_parameters, find_named
-from roadmend.nodes.provenance import described
+from roadmend.nodes.lifecycle import SteadyLifecycleNode
+from roadmend.nodes.method_settings import MethodSettings
+from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.repair_settings import RepairNodeParameters, Times
 from roadmend.nodes.repair_tally import RepairTally
 from roadmend.nodes.spinning import run_node
 from roadmend.nodes.tick_parts import TickParts, scene_of
+from roadmend.nodes.writer_gate import GatedInput
 from roadmend.recording import messages, topics
 from roadmend.recording.codec import encode
 from roadmend.recording.foreign_repair import Answer
@@ -42,21 +44,18 @@ from roadmend.repair.assumed_motion import AssumedMotion
 from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.method import RepairMethod
 from roadmend.repair.parameters import GuardParameters
-from roadmend.repair.registry import METHOD_REGISTRY, METHODS, make_method
+from roadmend.repair.registry import make_method
 
-WATCH_PERIOD_S = 0.01  # how often ages are looked at [s]
-IMPATIENT_S = 0.02  # lockstep: patience while the policy is known to be silent [s]
-REPEAT_S = 0.05  # real time: period of the stop command while nothing arrives [s]
 _COMPLAINTS = frozenset({RepairStatus.STALE_COMMAND, RepairStatus.STALE_OBJECTS, RepairStatus.MODEL_FAULT})
 
 
-class RepairNode(LifecycleNode):
+class RepairNode(SteadyLifecycleNode):
     """Intercepts the policy's command, repairs it with one method, and answers every tick."""
 
     def __init__(self) -> None:
         super().__init__("repair_node")
         self.exit_code = 0
-        self.fault: InputError | None = None  # because of which it did not configure
+        self.fault: RoadmendError | None = None  # because of which it did not configure
         self.finished = False
         self._repairer: GuardedRepairer | None = None
         self._made: RepairMethod | None = None  # what the repairer asks
@@ -65,7 +64,8 @@ class RepairNode(LifecycleNode):
         self._route_fault = ""
         self._motion = AssumedMotion()
         self._parts = TickParts(self, may_lack_plans=self._plans_are_optional)
-        self._tally = RepairTally()
+        self._frames = FrameCheck()
+        self._tally = RepairTally(self._journal)
         self._active = False
         self._started = False  # a complete tick has been answered in this episode
         self._silent_since: str = ""  # what is missing, or empty
@@ -76,6 +76,7 @@ class RepairNode(LifecycleNode):
         self._last_repair: Repair | None = None
         self._answered_stamp = -1  # [ns] of the last answer, whatever tick it was about
         self._foreign = None
+        self._commands: GatedInput | None = None
         if self._is_newest:
             self._foreign = ForeignInputs(self, foreign, self._times.timeout, self._send_foreign)
         kind = msg.Command if self._foreign is None else self._foreign.command_kind
@@ -94,68 +95,40 @@ class RepairNode(LifecycleNode):
         for part, kind, topic, profile in (
             ("ego", Odometry, topics.EGO, qos.STREAM),
             ("objects", msg.ObjectList, topics.OBJECTS, qos.STREAM),
-            ("command", msg.Command, topics.POLICY_COMMAND, qos.COMMAND),
             ("trajectory", msg.Trajectory, topics.POLICY_TRAJECTORY, qos.STREAM),
         ):
             self.create_subscription(kind, topic, partial(self._add, part), profile, raw=True)
+        self._commands = GatedInput(
+            self, COMMAND, msg.Command, self._writer, partial(self._add, "command"), time.monotonic
+        )
         # Steady time: ages are looked at while simulation time stands still.
-        self.create_timer(WATCH_PERIOD_S, self._watch, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self.create_timer(self._times.ages.period, self._watch, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     # -- configuration ------------------------------------------------------------------------------------------------
 
     def _declare_parameters(self) -> ForeignParameters:
         settings = declare_parameters(self, RepairNodeParameters)
         foreign = declare_parameters(self, ForeignParameters)
-        self._found = find_named("method", settings.method, METHOD_REGISTRY)
-        self._prefix = f"{self._found.label}."
-        self._policy, self._plans_are_optional = settings.policy, settings.trajectory == "optional"
+        self._plans_are_optional = settings.trajectory == "optional"
         self._method, self._seed = settings.method, settings.seed
+        self._writer = settings.writer
         self._is_newest = settings.inputs == "newest"
         self._times = Times.of(settings)
         self._autostart, self._summary = settings.autostart, settings.summary
-        fitted = fitting(settings.method, settings.policy) if settings.policy else {}
-        for name, entry in {**METHODS, self._found.label: self._found.entry}.items():
-            is_mine = name == self._found.label
-            fields = declare_own(self, name, entry.parameters, fitted if is_mine else None, is_fixed=False)
-            if is_mine:
-                self._fields = fields
-        self._configuration = ConfigurationAnnouncer(self, "repair", self._running, self._is_told)
+        self._journal = Path(settings.journal) if settings.journal else None
+        self._settings = method = MethodSettings(self, settings.method, settings.policy)
+        self._configuration = ConfigurationAnnouncer(self, "repair", lambda: method.running(self._made), method.is_told)
         return foreign
 
-    def _running(self) -> Running:
-        """The method as it is now; nothing but its name where it could not be made."""
-        if self._made is None:
-            return Running(self._method)
-        parameters = self._found.entry.parameters().model_dump() | self._method_parameters()
-        values = described(self._found, self._made, parameters)
-        account = fitting_account(self._method, self._policy, parameters) if self._policy else ""
-        return Running(self._method, values | ({"fitting": account} if account else {}))
-
-    def _is_told(self, parameter: str) -> bool:
-        """Parameters of methods that do not run say nothing."""
-        return parameter.startswith(self._prefix) or parameter.partition(".")[0] not in METHODS
-
-    def _method_parameters(self, changed: Sequence[Parameter] = ()) -> dict[str, Any]:
-        prefix = self._prefix
-        values = {
-            name.removeprefix(prefix): self.get_parameter(name).value
-            for name in (prefix + field for field in self._fields)
-        }
-        return values | {
-            parameter.name.removeprefix(prefix): parameter.value
-            for parameter in changed
-            if parameter.name.startswith(prefix)
-        }
-
     def _make_repairer(self, changed: Sequence[Parameter] = ()) -> GuardedRepairer:
-        made = make_method(self._method, self._method_parameters(changed), self._seed)
+        made = make_method(self._method, self._settings.values(changed), self._seed)
         repairer = GuardedRepairer(made, GuardParameters(budget=self._times.budget))
         repairer.warm_up()  # compiling on the first tick would look like an overrun
         self._made = made
         return repairer
 
     def _on_parameters(self, changed: list[Parameter]) -> SetParametersResult:
-        if self._repairer is None or not any(parameter.name.startswith(self._prefix) for parameter in changed):
+        if self._repairer is None or not self._settings.concerns(changed):
             return SetParametersResult(successful=True)
         try:
             repairer = self._make_repairer(changed)
@@ -182,9 +155,10 @@ class RepairNode(LifecycleNode):
         """Make the method; without one the node stays unconfigured and sends nothing, so the simulator brakes."""
         try:
             self._use(self._make_repairer())
-        except InputError as error:
-            self.get_logger().error(f"refuses to configure: {error}")
-            self.fault = error
+        except Exception as error:  # noqa: BLE001 - whatever a method does, there is a refusal with its reason
+            told = error if isinstance(error, RoadmendError) else RoadmendError(f"{type(error).__name__}: {error}")
+            self.get_logger().error(f"refuses to configure: {told}")
+            self.fault = told
             return TransitionCallbackReturn.FAILURE
         self._configuration.announce()
         return super().on_configure(state)
@@ -229,6 +203,9 @@ class RepairNode(LifecycleNode):
             self._repairer.reset(self._route)
 
     def _add(self, part: str, data: bytes) -> None:
+        if self._frames.is_foreign(part, data):
+            self.get_logger().warning(self._frames.warning, throttle_duration_sec=1.0)
+            return
         stamp, now = messages.stamp_of_bytes(data), time.monotonic()
         if self._parts.is_stray(part, stamp):  # paired, it would be waited for as the newest tick
             return
@@ -248,6 +225,8 @@ class RepairNode(LifecycleNode):
             self._answer(stamp, tick)
         elif part in {"ego", "objects"}:
             self._prepare(stamp)
+            if self._active and self._started and not self._times.is_lockstep:
+                self._answer_late(now)  # a new tick ages those before it, at high rates faster than the watch looks
 
     def _prepare(self, stamp: int) -> None:
         """Build the scene while the policy still thinks about it."""
@@ -286,37 +265,35 @@ class RepairNode(LifecycleNode):
 
     def _watch(self) -> None:
         """Look for inputs that are late, and answer without them."""
-        self._parts.look(time.monotonic())
+        now = time.monotonic()
+        self._parts.look(now)
         if not self._active or self._repairer is None or (self._times.is_lockstep and not self._started):
             return  # in lockstep the simulator repeats the first tick until the policy has joined
-        now = time.monotonic()
-        waiting = self._parts.pairing.waiting()
-        if waiting is None:
-            if not self._times.is_lockstep and now - max(self._last_arrival, self._last_answer) > max(
-                REPEAT_S, self._times.timeout
-            ):
-                self._silent_since = "odometry, objects"
-                self._repeat_stop(now)
+        self._answer_late(now)
+        if self._times.is_lockstep or self._parts.pairing.waiting() is not None:
             return
-        stamp, tick, since = waiting
-        patience = IMPATIENT_S if self._silent_since and self._times.is_lockstep else self._times.timeout
-        if now - since < patience:
+        ages = self._times.ages
+        if now - self._last_arrival > ages.silence and now - self._last_answer > ages.tick:
+            self._silent_since = "odometry, objects"
+            self._repeat_stop(now)
+
+    def _answer_late(self, now: float) -> None:
+        """Answer the oldest tick, and those that are as late, if it is late."""
+        if self._repairer is None:
             return
-        self._parts.pairing.give_up(stamp)
-        missing = self._parts.missing(tick)
-        objects_missing = "ego" in missing or "objects" in missing
-        status = RepairStatus.STALE_OBJECTS if objects_missing else RepairStatus.STALE_COMMAND
+        late = self._parts.take_late(now, self._times.ages, is_silent=bool(self._silent_since))
+        if late is None:
+            return
+        status = RepairStatus.STALE_OBJECTS if late.lacks_scene else RepairStatus.STALE_COMMAND
         if not self._started:
             status = RepairStatus.STARTING
-        self._silent_since = ", ".join(missing)
-        reason = f"no {self._silent_since} within {patience:g} s"
+        self._silent_since = ", ".join(late.missing)
         try:
-            repair = self._repairer.controlled_stop(
-                status, reason, scene_of(stamp, tick, self._route), self._parts.decision(tick)
-            )
+            scene, decision = scene_of(late.stamp, late.parts, self._route), self._parts.decision(late.parts)
+            repair = self._repairer.controlled_stop(status, late.reason, scene, decision)
         except ValueError as error:
-            repair = self._repairer.controlled_stop(status, f"{reason}; {error}")
-        self._send(stamp, repair)
+            repair = self._repairer.controlled_stop(status, f"{late.reason}; {error}")
+        self._send(late.stamp, repair)
 
     def _repeat_stop(self, now: float) -> None:
         """Real time, and nothing arrives at all: silence never means go."""
@@ -367,12 +344,17 @@ class RepairNode(LifecycleNode):
         if self._route_fault:
             return Health(Level.ERROR, self._route_fault, values)
         if self._silent_since:
-            return Health(Level.ERROR, f"controlled stop: missing {self._silent_since}", values)
+            why = f"; {self._frames.warning}" if self._frames.warning else ""
+            return Health(Level.ERROR, f"controlled stop: missing {self._silent_since}{why}", values)
+        if self._frames.warning:
+            return Health(Level.WARN, self._frames.warning, values)
         last = self._last_repair
         if last is not None and last.status is RepairStatus.MODEL_FAULT:
             return Health(Level.ERROR, last.reason, values)
         if last is not None and last.status in (RepairStatus.INVALID_COMMAND, RepairStatus.INVALID_OBJECTS):
             return Health(Level.WARN, last.reason, values)
+        if self._commands is not None and self._commands.warning:
+            return Health(Level.WARN, self._commands.warning, values)
         crowd = COMMAND.publishers(self)
         if len(set(crowd)) > 1:
             return Health(Level.WARN, f"several nodes send the policy's commands: {', '.join(crowd)}", values)
@@ -380,6 +362,7 @@ class RepairNode(LifecycleNode):
 
     def close(self) -> None:
         """Write the tally if a file was named."""
+        self._tally.close()
         if self._summary:
             fault = "" if self._repairer is None else self._repairer.first_fault
             write_text(Path(self._summary), json.dumps({**self._tally.account(), "fault": fault}, indent=1))

@@ -13,13 +13,17 @@ from typing import Any
 
 from roadmend import __version__
 from roadmend.core.claim import claimed_bag
-from roadmend.core.errors import InputError, RoadmendError
+from roadmend.core.errors import InputError
 from roadmend.nodes.children import Child, stop
+from roadmend.nodes.graph_options import JOURNAL, RECORDER_SUMMARY, REPAIR_SUMMARY
+from roadmend.nodes.loopback import reach
+from roadmend.nodes.repair_tally import RepairTally
+from roadmend.nodes.run_result import read_summary
 from roadmend.nodes.spinning import stop_on_signals
+from roadmend.nodes.supervisor import REALTIME_SILENCE_S, Supervisor
 from roadmend.repair.registry import METHOD_REGISTRY
 
 POLL_S = 0.05
-RESTARTS_MAX = 5  # of the repair node in one run
 STOP_S = 5.0  # the recorder is gone this long after the end [s]
 BAD_INPUT = 2  # exit code of a node that refuses its parameters
 
@@ -54,6 +58,8 @@ class RepairRun:
     bag: str
     method_error: str  # how the method failed first, so that the guard's rule answered; empty if it did not
     recording_error: str  # why the bag is not complete; empty if it is
+    faults: tuple[str, ...] = ()  # nodes that ended or hung, in one line each
+    lost_messages: int = 0  # that were sent, as far as DDS knows, and are not in the bag
 
 
 def run_repair(options: RepairGraphOptions, report: Callable[[str], None]) -> RepairRun:
@@ -89,7 +95,11 @@ class _Run:
         self._domain = os.environ.get("ROS_DOMAIN_ID") or "0"
         self._extra = options.ros_arguments
         told = {"inputs": "newest", "method": options.method, "seed": options.seed, **options.parameters}
-        self._repair = self._child("repair", told | {"summary": str(folder / "repair.json")}, may_restart=True)
+        self._repair = self._child(
+            "repair",
+            told | {"summary": str(folder / REPAIR_SUMMARY), "journal": str(folder / JOURNAL)},
+            may_restart=True,
+        )
         self._recorder: Child | None = None
         if bag is not None:
             metadata = folder / "run.json"
@@ -105,11 +115,13 @@ class _Run:
                     "include": options.record_topics,
                     "time_source": "simulation" if options.sim_time else "system",
                     "drain_limit": 1.0,
+                    "summary": str(folder / RECORDER_SUMMARY),
                 },
                 may_restart=False,
             )
         self._read = 0  # bytes of the repair node's log that people have seen
         self._is_recording = True
+        self._supervisor = Supervisor(REALTIME_SILENCE_S)
 
     def _child(self, node: str, parameters: Mapping[str, Any], *, may_restart: bool) -> Child:
         words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={json.dumps(value)}")]
@@ -117,7 +129,7 @@ class _Run:
             f"{node}_node",
             f"roadmend.nodes.{node}",
             ["--ros-args", *words, *(self._extra if node == "repair" else _for_others(self._extra))],
-            {"ROS_DOMAIN_ID": self._domain},
+            {"ROS_DOMAIN_ID": self._domain, **reach("SUBNET")},
             self._folder / f"{node}.log",
             may_restart,
         )
@@ -138,6 +150,7 @@ class _Run:
         return [child for child in (self._recorder, self._repair) if child is not None]
 
     def _look_after(self) -> None:
+        self._supervisor.end_silent(self._children, time.monotonic(), is_driving=True)
         for child in self._children:
             if child.exit_code is None:
                 continue
@@ -146,13 +159,10 @@ class _Run:
             if child is self._recorder:
                 if self._is_recording:
                     self._is_recording = False
-                    self._report(f"{child.name} ended ({child.exit_code}), repairing on without it: {child.fault()}")
+                    how = f"ended ({child.exit_code})"
+                    self._report(f"{child.name} {how}, repairing on without it: {child.fault()}")
                 continue
-            if child.restarts >= RESTARTS_MAX:
-                raise RoadmendError(f"{child.name} ended {RESTARTS_MAX + 1} times; last: {child.fault()}")
-            child.restarts += 1
-            self._report(f"{child.name} ended ({child.exit_code}), restarted")
-            child.start()
+            self._report(self._supervisor.restart(child))
 
     def _hand_on(self) -> None:
         """Show what the repair node has said since."""
@@ -172,20 +182,22 @@ class _Run:
         self._hand_on()
 
     def _result(self) -> RepairRun:
-        tally: dict[str, Any] = {}
-        with contextlib.suppress(OSError, json.JSONDecodeError):
-            tally = json.loads((self._folder / "repair.json").read_text(encoding="utf-8"))
+        counted = RepairTally(self._folder / JOURNAL)
+        tally: dict[str, Any] = counted.values()
+        counted.close()
         states = {name.removeprefix("state."): int(each) for name, each in tally.items() if name.startswith("state.")}
         recorder = self._recorder
         lost = "" if recorder is None or not recorder.exit_code else str(recorder.fault())
         return RepairRun(
-            int(tally.get("answers", 0)),
-            int(tally.get("interventions", 0)),
+            int(tally["answers"]),
+            int(tally["interventions"]),
             states,
             self._repair.restarts,
             str(self._bag or ""),
-            str(tally.get("fault", "")),
+            str(read_summary(self._folder / REPAIR_SUMMARY).get("fault", "")),
             lost,
+            tuple(self._supervisor.faults),
+            int(read_summary(self._folder / RECORDER_SUMMARY).get("lost_messages", 0)),
         )
 
 

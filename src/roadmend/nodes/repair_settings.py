@@ -5,10 +5,10 @@ from typing import Literal, Self
 
 from pydantic import Field
 
+from roadmend.core.command_age import CommandAge
 from roadmend.core.parameters import Parameters
 from roadmend.repair.registry import METHOD_REGISTRY
 
-LOCKSTEP_TIMEOUT_S, REALTIME_TIMEOUT_S = 2.0, 0.04  # [s] patience with the inputs of a tick
 NEWEST_TIMEOUT_S = 0.3  # [s] patience with inputs of another stack: three messages at 10 Hz
 REALTIME_BUDGET_S = 0.03  # [s] for a method's tick
 
@@ -20,6 +20,11 @@ class RepairNodeParameters(Parameters):
     policy: str = Field(
         "", description="policy whose models and tuned settings are this method's defaults; the plain defaults if empty"
     )
+    writer: str = Field(
+        "",
+        description="name of the node whose commands are obeyed, without its namespace; whoever is there alone first "
+        "if empty; of inputs: paired",
+    )
     trajectory: Literal["required", "optional"] = Field(
         "required",
         description="whether a tick waits for the planned trajectory, or does without while nobody publishes any",
@@ -30,13 +35,16 @@ class RepairNodeParameters(Parameters):
         "another stack, at rates and with stamps of their own, and the newest of each counts",
     )
     clock: Literal["lockstep", "realtime"] = Field("lockstep", description="how the simulator keeps time")
+    rate: float = Field(
+        1.0, ge=0.01, le=100.0, description="real time: simulated seconds per wall second, the same as the simulator's"
+    )
     seed: int = Field(0, ge=0, le=2**31 - 1, description="seed of methods that draw numbers")
     input_timeout: float = Field(
         0.0,
         ge=0.0,
         le=60.0,
-        description="[s] of wall time after which an input counts as late; 0: 2.0 in lockstep, 0.04 in real time, 0.3 where "
-        "the newest inputs count",
+        description="[s] of wall time after which an input counts as late; 0: 2.0 in lockstep, 0.3 where the newest "
+        "inputs count, in real time 0.04 or 0.8 ticks, the longer; in real time never longer than 2 ticks",
     )
     time_budget: float = Field(
         0.0,
@@ -47,6 +55,11 @@ class RepairNodeParameters(Parameters):
     )
     autostart: bool = Field(default=True, description="configure and activate without being asked")
     summary: str = Field("", description="file for the tally of this run, written at the end; none if empty")
+    journal: str = Field(
+        "",
+        description="file in which each answer is counted when it is given, and which a node that is started anew "
+        "carries on; none if empty",
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,12 +68,14 @@ class Times:
 
     Attributes:
         is_lockstep: whether the simulator waits for each answer.
-        timeout: wall time after which an input counts as late [s].
+        timeout: wall time after which an input counts as late, where the newest inputs count [s].
+        ages: how old an unanswered tick may become, where the inputs of a tick are paired.
         budget: that a method may take for a tick [s]; None without a limit.
     """
 
     is_lockstep: bool
     timeout: float
+    ages: CommandAge
     budget: float | None
 
     @classmethod
@@ -68,6 +83,6 @@ class Times:
         """Those of a node with these parameters."""
         is_newest = settings.inputs == "newest"
         is_lockstep = settings.clock == "lockstep" and not is_newest
-        patience = LOCKSTEP_TIMEOUT_S if is_lockstep else NEWEST_TIMEOUT_S if is_newest else REALTIME_TIMEOUT_S
+        ages = CommandAge(is_lockstep, settings.rate, settings.input_timeout)
         budget = settings.time_budget or (None if is_lockstep else REALTIME_BUDGET_S)
-        return cls(is_lockstep, settings.input_timeout or patience, budget)
+        return cls(is_lockstep, settings.input_timeout or NEWEST_TIMEOUT_S, ages, budget)

@@ -17,6 +17,7 @@ from roadmend_msgs import msg
 from rosgraph_msgs.msg import Clock as ClockMessage
 
 from roadmend.core.command import Command
+from roadmend.core.command_age import age_of, is_obeyed
 from roadmend.core.episode_result import EpisodeResult, ResultBuilder
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.parameters import Parameters
@@ -26,8 +27,10 @@ from roadmend.nodes import qos
 from roadmend.nodes.configuration import ConfigurationAnnouncer, Running
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.graph_view import GraphView
+from roadmend.nodes.inputs import REPAIRED
 from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.spinning import run_node
+from roadmend.nodes.writer_gate import GatedInput
 from roadmend.recording import messages, topics
 from roadmend.recording.codec import encode
 from roadmend.world.road_network import lanes_of
@@ -39,11 +42,11 @@ PATIENCE_S = 5.0  # [s] after which it is said what keeps the drive from beginni
 IMPATIENCE_S = 1.5  # [s] the same where a node of somebody else's is waited for
 REPEAT_S = 0.25  # period in which the first tick is repeated until it is answered [s]
 BEGUN_SUFFIX = ".begun"  # of the empty file that lies beside the summary once the episode has begun
+DRIVING_SUFFIX = ".driving"  # of the same once the first tick has been answered
 LINGER_S = 0.3  # time for the last messages to leave [s]
 IMPATIENT_S = 0.05  # lockstep: time a command is waited for while the repair node is known to be silent [s]
 WATCHDOG_COMMAND = Command(0.0, 0.5)  # half brake: a controlled stop of 4 m/s2 on a dry road
 _ANSWER = "an answer to the first tick"
-MAX_AGE_TICKS = 3  # real time: oldest tick whose command is still obeyed
 
 # Who must listen to what before an episode begins, so that nothing of it is lost; of others it is enough that they are.
 _LISTENERS = {
@@ -77,6 +80,11 @@ class SimParameters(Parameters):
         description="who sends the policy's commands: own: policy_node, and others are named; external: a node of "
         "somebody else's, which is waited for and what is wrong with it named",
     )
+    writer: str = Field(
+        "",
+        description="name of the node whose repaired commands are obeyed, without its namespace; whoever is there alone "
+        "first if empty",
+    )
     summary: str = Field("", description="file for the summary of the episode; none if empty")
 
 
@@ -105,6 +113,7 @@ class SimNode(Node):
         self._begun_at = 0.0  # wall time [s] of the first answer
         self._watchdog = False
         self._watchdog_ticks = 0
+        self._watchdog_since = 0  # ticks, if it brakes now
         self._last_command: tuple[int, Command] | None = None
         self._ended_at = 0.0
         self._clock_publisher = self.create_publisher(ClockMessage, topics.CLOCK, qos.STREAM)
@@ -113,7 +122,7 @@ class SimNode(Node):
         self._event_publisher = self.create_publisher(msg.ScenarioEvent, topics.EVENTS, qos.EVENT)
         self._route_publisher = self.create_publisher(msg.Route, topics.ROUTE, qos.LATCHED)
         self._map_publisher = self.create_publisher(msg.Map, topics.MAP, qos.LATCHED)
-        self.create_subscription(msg.Command, topics.REPAIR_COMMAND, self._on_command, qos.COMMAND, raw=True)
+        self._commands = GatedInput(self, REPAIRED, msg.Command, settings.writer, self._on_command, time.monotonic)
         header = messages.header_of(0.0)
         self._route_publisher.publish(encode(messages.route_message_of(self._simulation.route, header)))
         self._map_publisher.publish(encode(messages.map_message_of(lanes_of(self._simulation.network), header)))
@@ -152,10 +161,14 @@ class SimNode(Node):
         return [*missing.values(), *self._view.missing]
 
     def _begin(self) -> None:
-        if self._summary_path:
-            Path(self._summary_path).with_suffix(BEGUN_SUFFIX).touch()
+        self._leave(BEGUN_SUFFIX)
         self._tick = self._simulation.first()
         self._publish(self._tick)
+
+    def _leave(self, suffix: str) -> None:
+        """An empty file beside the summary, for the launcher, which is no node."""
+        if self._summary_path:
+            Path(self._summary_path).with_suffix(suffix).touch()
 
     def _missing_long(self, now: float) -> list[str]:
         """What has kept the drive from beginning for so long that somebody should be told."""
@@ -201,8 +214,8 @@ class SimNode(Node):
             self._publish_scene(self._tick)  # start-up is a state of its own: held until the first command
             return
         stamp, command = self._last_command or (-1, WATCHDOG_COMMAND)
-        age = self._tick.number - stamp // INTERVAL_NS
-        if stamp < 0 or age > MAX_AGE_TICKS:
+        age = age_of(stamp, self._tick.number * INTERVAL_NS)
+        if stamp < 0 or not is_obeyed(age):
             self._bite(f"the newest repaired command is {age * INTERVAL:.2f} s old")
         else:
             self._advance(command, obeyed=True)
@@ -231,6 +244,7 @@ class SimNode(Node):
             self._watchdog = True
             self._announce(EventKind.WATCHDOG, f"{reason}: the simulator brakes")
         self._watchdog_ticks += 1
+        self._watchdog_since += 1
         self._advance(WATCHDOG_COMMAND, obeyed=False)
 
     def _advance(self, command: Command, *, obeyed: bool) -> None:
@@ -239,9 +253,11 @@ class SimNode(Node):
             return
         if obeyed and self._watchdog:
             self._watchdog = False
+            self._watchdog_since = 0
             self._announce(EventKind.RECOVERED, "repaired commands arrive again")
         if not self._begun_at:
             self._begun_at = time.monotonic()
+            self._leave(DRIVING_SUFFIX)
         self._tick = self._simulation.step(command)
         self._publish(self._tick)
         # Book-keeping comes after the messages have left: the others work meanwhile.
@@ -290,6 +306,7 @@ class SimNode(Node):
         content = {
             "result": result.dump(),
             "watchdog_ticks": self._watchdog_ticks,
+            "watchdog_since": self._watchdog_since,
             "real_time_factor": self._real_time_factor(),
             **self._view.content(),
         }
@@ -307,6 +324,8 @@ class SimNode(Node):
             return Health(Level.WARN, f"waiting for {', '.join(self._missing())}", values)
         if self._watchdog:
             return Health(Level.ERROR, "no repaired commands: the watchdog brakes", values)
+        if self._commands.warning:
+            return Health(Level.WARN, self._commands.warning, values)
         return Health(Level.OK, self._builder.final.kind.name if self._builder.final else "running", values)
 
     def close(self) -> None:

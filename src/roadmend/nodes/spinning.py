@@ -17,6 +17,7 @@ from rclpy.task import Future
 
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.nodes.fault import leave_fault
+from roadmend.nodes.heartbeat import Heartbeat
 
 POLL_S = 0.05  # longest time between two looks at the stop flag [s]
 
@@ -98,11 +99,13 @@ def _run(factory: Callable[[], Node], stop: StopFlag) -> int:
         node.stop = stop
     executor = EventsExecutor()
     executor.add_node(node)
+    heartbeat = Heartbeat()
     gc.freeze()  # what is there now stays: the collector need not walk through all of numba again and again
     try:
         # spin() without a time-out never calls back in this build of the executor.
         never: Future[None] = Future()
         while not stop.is_set and not getattr(node, "finished", False):
+            heartbeat.beat()
             executor.spin_until_future_complete(never, timeout_sec=POLL_S)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass

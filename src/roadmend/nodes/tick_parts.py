@@ -1,10 +1,12 @@
 """What a tick is made of for repair_node: which messages are waited for, which belong to no tick, what they say."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from rclpy.node import Node
 
 from roadmend.core.command import Decision, Trajectory
+from roadmend.core.command_age import CommandAge, age_of
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.nodes.inputs import COMMAND, TRAJECTORY
@@ -17,6 +19,21 @@ LEAST_PARTS = PARTS[:3]  # of a tick whose policy publishes no plan
 _AHEAD_NS = 1_000_000_000  # [ns] a command is of no tick if its stamp lies so far after the newest odometry
 
 Tick = Mapping[str, bytes]  # part -> its message as it came
+
+
+@dataclass(frozen=True, slots=True)
+class LateTick:
+    """A tick that is to be answered without what it lacks."""
+
+    stamp: int  # [ns]
+    parts: Tick
+    missing: tuple[str, ...]
+    reason: str  # for people
+
+    @property
+    def lacks_scene(self) -> bool:
+        """Whether odometry or objects are missing, rather than what the policy says."""
+        return "ego" in self.missing or "objects" in self.missing
 
 
 class TickParts:
@@ -54,6 +71,30 @@ class TickParts:
         has_plans = bool(TRAJECTORY.publishers(self._node)) and not TRAJECTORY.faults(self._node)
         self._expected = PARTS if has_plans else LEAST_PARTS
         self.pairing.expect(*self._expected)
+
+    def take_late(self, now: float, ages: CommandAge, *, is_silent: bool) -> LateTick | None:
+        """The tick to answer without what it lacks, if the oldest one is late; it and all before it are given up.
+
+        What is answered is the newest tick that lacks no more than the oldest one: those between them are as late.
+
+        Args:
+            now: wall time [s].
+            ages: how old a tick may become.
+            is_silent: whether the last answer had to do without, too.
+        """
+        oldest = self.pairing.oldest()
+        if oldest is None:
+            return None
+        stamp, parts, since = oldest
+        age = age_of(stamp, max(stamp, self._newest_ego))
+        if not ages.is_late(now - since, age, is_silent=is_silent):
+            return None
+        newest = self.pairing.newest_with(parts.keys())
+        assert newest is not None  # the oldest one is among them
+        self.pairing.give_up(newest[0])
+        missing = self.missing(newest[1])
+        lag = f", {age} ticks ago" if age else ""
+        return LateTick(*newest, tuple(missing), f"no {', '.join(missing)} within {now - since:.2g} s{lag}")
 
     def missing(self, tick: Tick) -> list[str]:
         """What a tick still waits for."""

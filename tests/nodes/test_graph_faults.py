@@ -1,0 +1,264 @@
+"""Faults in the running graph: who hangs is named, ended and started anew, and nothing that was counted is lost with it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from roadmend_msgs.msg import Command
+
+from roadmend.core.tick import INTERVAL_NS
+from roadmend.nodes import qos
+from roadmend.nodes.heartbeat import PERIOD_S, SETTLED_BEATS
+from roadmend.recording.reader import BagReader
+
+pytestmark = [pytest.mark.graph, pytest.mark.slow]
+
+POLICY = """
+import time
+
+from roadmend.core.command import Command, Decision, Trajectory
+
+
+class Stay:
+    name = "stay"
+
+    def reset(self, route):
+        pass
+
+    def step(self, scene):
+        time.sleep(0.005)  # so that there is time for a fault in lockstep too
+        return Decision(Command(0.0, 0.2), Trajectory.empty())
+"""
+
+
+def children_of(number):
+    text = Path(f"/proc/{number}/task/{number}/children").read_text()
+    return [each for child in text.split() for each in (int(child), *children_of(int(child)))]
+
+
+class Run:
+    """``roadmend run`` in a process of its own, and hands to stop its nodes."""
+
+    def __init__(self, scenario, bags, *more):
+        command = [sys.executable, "-m", "roadmend.cli", "run", "--scenario", str(scenario), "--out", str(bags)]
+        command += ["--name", "bag", "--no-viz", "--json", *more]
+        self.bag = bags / "bag"
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.lines = []
+        self._reader = threading.Thread(target=lambda: self.lines.extend(self.process.stderr), daemon=True)
+        self._reader.start()
+
+    def node(self, name):
+        """The process of a node that is there or comes up."""
+        for _ in range(1200):
+            for number in children_of(self.process.pid):
+                try:
+                    if Path(f"/proc/{number}/comm").read_text().strip() == name:
+                        return number
+                except OSError:
+                    continue
+            time.sleep(0.05)
+        pytest.fail(f"no {name}: {self.lines}")
+
+    def until_driving(self):
+        """Until the policy has decided for some ticks, and every node has come round so often that it counts as up."""
+        context, stamps = Context(), set()
+        rclpy.init(context=context)
+        node = Node("onlooker", context=context)
+        executor = SingleThreadedExecutor(context=context)
+        executor.add_node(node)
+        node.create_subscription(Command, "/policy/command", lambda message: stamps.add(stamp_of(message)), 10)
+        try:
+            for _ in range(2400):
+                executor.spin_once(timeout_sec=0.05)
+                if len(stamps) > 10:
+                    time.sleep((SETTLED_BEATS + 3) * PERIOD_S)
+                    assert self.process.poll() is None, self.lines
+                    return
+                assert self.process.poll() is None, self.lines
+        finally:
+            executor.shutdown()
+            node.destroy_node()
+            context.try_shutdown()
+        pytest.fail(f"the graph did not start: {self.lines}")
+
+    def end(self):
+        """Exit code, result (None if it has none) and what was said."""
+        printed = self.process.stdout.read()
+        code = self.process.wait(timeout=200)
+        self._reader.join(timeout=20)
+        return code, json.loads(printed)[0] if printed.strip() else None, "".join(self.lines)
+
+
+@pytest.fixture
+def run(domain, scenario_file, tmp_path, own):
+    started = []
+    name = own(POLICY)
+
+    def start(*more, time_limit=8.0):
+        started.append(
+            Run(scenario_file("S3", 3, actors=[], time_limit=time_limit), tmp_path, "--policy", f"{name}:Stay", *more)
+        )
+        return started[-1]
+
+    yield start
+    for one in started:
+        for number in children_of(one.process.pid) if one.process.poll() is None else ():
+            os.kill(number, signal.SIGCONT)
+        one.process.terminate()
+        one.process.wait(timeout=100)
+
+
+def records(bag, *topics):
+    return [message.value for message in BagReader(bag).messages(topics)]
+
+
+def stamp_of(message):
+    return message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+
+
+@pytest.mark.parametrize("rate", ["0.5", "2", "5"])
+def test_a_policy_that_hangs_is_a_controlled_stop_within_three_ticks_and_is_started_anew(run, rate):
+    there = run("--clock", "realtime", "--rate", rate, "--silence", "1.5", time_limit=15.0 * float(rate))
+    there.until_driving()
+    os.kill(there.node("policy_node"), signal.SIGSTOP)
+    code, result, said = there.end()
+    assert code == 1
+    assert "policy_node hung: no sign of life for 1.5 s, restarted" in said
+    assert result["faults"][0] == "policy_node hung: no sign of life for 1.5 s, restarted"
+    assert result["restarts"] == 1
+    asked = [stamp_of(message) for message in records(there.bag, "/policy/command")]
+    before = max(range(1, len(asked)), key=lambda number: asked[number] - asked[number - 1])
+    last, again = asked[before - 1], asked[before]
+    assert again - last > 10 * INTERVAL_NS
+    states = [one for one in records(there.bag, "/repair/state") if last < stamp_of(one) < again]
+    assert states[0].state == states[0].STALE_COMMAND
+    assert (stamp_of(states[0]) - last) // INTERVAL_NS <= 3 + 1  # the oldest tick without an answer is the one after it
+    assert all(state.final_action <= -0.4 for state in states if state.state == state.STALE_COMMAND)
+    events = [event for event in records(there.bag, "/events") if last < stamp_of(event) < again]
+    if (
+        float(rate) <= 2.0
+    ):  # the repair node never was silent; above, a busy machine may hold it up for some ticks of 10 ms
+        assert not [event for event in events if event.kind == event.WATCHDOG]
+
+
+@pytest.mark.parametrize("clock", ["lockstep", "realtime"])
+@pytest.mark.parametrize("name", ["policy_node", "repair_node", "sim_node"])
+def test_who_hangs_before_the_first_answer_ends_the_run_with_its_name(run, name, clock):
+    there = run("--clock", clock, "--start-deadline", "10")
+    os.kill(there.node(name), signal.SIGSTOP)
+    code, result, said = there.end()
+    assert (code, result) == (1, None)
+    assert "the drive did not begin within 10 s, for want of" in said
+    assert name in said.splitlines()[-1]
+    assert "Traceback" not in said
+
+
+@pytest.mark.parametrize("clock", ["lockstep", "realtime"])
+def test_a_simulator_that_hangs_ends_the_run_and_the_bag_reads(run, clock):
+    there = run("--clock", clock, "--silence", "2", time_limit=200.0)
+    there.until_driving()
+    os.kill(there.node("sim_node"), signal.SIGSTOP)
+    code, result, said = there.end()
+    assert (code, result) == (1, None)
+    assert said.splitlines()[-1] == "roadmend: sim_node failed (-9): hung: no sign of life for 2 s"
+    assert records(there.bag, "/ego")
+
+
+@pytest.mark.parametrize("name", ["policy_node", "repair_node"])
+def test_in_lockstep_who_hangs_is_started_anew_too(run, name):
+    there = run("--silence", "2", time_limit=200.0)
+    there.until_driving()
+    os.kill(there.node(name), signal.SIGSTOP)
+    code, result, said = there.end()
+    assert code == 1
+    assert f"{name} hung: no sign of life for 2 s, restarted" in said
+    assert result["restarts"] >= 1
+
+
+def test_a_recorder_that_hangs_is_ended_and_its_bag_is_said_to_be_cut(run):
+    there = run("--clock", "realtime", "--rate", "2", "--silence", "1.5", time_limit=30.0)
+    there.until_driving()
+    os.kill(there.node("recorder_node"), signal.SIGSTOP)
+    code, result, said = there.end()
+    assert (code, result["recording_error"]) == (1, "hung: no sign of life for 1.5 s")
+    assert "recorder_node ended (-9), driving on without it: hung: no sign of life for 1.5 s" in said
+
+
+@pytest.mark.parametrize("name", ["policy_node", "repair_node"])
+def test_who_falls_silent_shortly_before_the_end_is_named_too(run, name):
+    there = run("--clock", "realtime", "--rate", "2", "--silence", "60", time_limit=14.0)
+    there.until_driving()
+    os.kill(there.node(name), signal.SIGSTOP)
+    code, result, said = there.end()
+    assert code == 1
+    (fault,) = result["faults"]
+    assert fault.startswith(name)
+    assert fault in said
+    assert result["restarts"] == 0
+
+
+def test_what_a_killed_repair_node_has_counted_is_in_the_result(run):
+    there = run("--repair", "random", "--clock", "realtime", "--rate", "0.5", time_limit=9.0)
+    there.until_driving()
+    for _ in range(2):
+        time.sleep(1.5)
+        os.kill(there.node("repair_node"), signal.SIGKILL)
+        time.sleep(1.5)
+    code, result, said = there.end()
+    assert (code, result["restarts"]) == (1, 2), said
+    replaced = {stamp_of(state) for state in records(there.bag, "/repair/state") if state.intervened}
+    assert result["interventions"] >= len(replaced) > 0
+    assert "repair_node ended (-9), restarted" in said
+
+
+def test_what_a_recorder_that_was_stopped_for_a_while_has_lost_is_said(run):
+    there = run("--clock", "realtime", "--rate", "5", "--silence", "60", time_limit=60.0)
+    there.until_driving()
+    number = there.node("recorder_node")
+    os.kill(number, signal.SIGSTOP)
+    time.sleep(3.0)
+    os.kill(number, signal.SIGCONT)
+    _, result, said = there.end()
+    assert result["lost_messages"] > 0
+    assert f"bag: {result['lost_messages']} messages were lost on their way to the recorder" in said
+    assert BagReader(there.bag).metadata["roadmend"]["lost_messages"] == str(result["lost_messages"])
+
+
+@pytest.mark.parametrize("topic", ["/policy/command", "/repair/command"])
+def test_a_stranger_on_a_command_topic_is_not_obeyed_and_named_and_the_run_goes_on(run, domain, topic):
+    there = run("--repair", "none", "--clock", "realtime", "--rate", "1", time_limit=14.0)
+    there.until_driving()
+    context = Context()
+    rclpy.init(context=context, domain_id=domain)
+    node = Node("intruder", context=context)
+    publisher = node.create_publisher(Command, topic, qos.COMMAND)
+    try:
+        while there.process.poll() is None:
+            message = Command(throttle=1.0)
+            message.header.frame_id = "map"
+            publisher.publish(message)
+            time.sleep(0.1)
+    finally:
+        node.destroy_node()
+        context.try_shutdown()
+    code, result, said = there.end()
+    assert code == 0, said
+    assert result["outcome"] == "TIMEOUT"  # it stood, as its policy wanted
+    assert [line for line in result["warnings"] if topic.strip("/") in line and "/intruder" in line]
+    assert "/intruder" in said
+    late = [message for message in records(there.bag, "/ego") if stamp_of(message) > 9 * 10**9]
+    assert late
+    assert all(message.twist.twist.linear.x < 0.01 for message in late)
+    said_of = [status for array in records(there.bag, "/diagnostics") for status in array.status]
+    assert [status for status in said_of if "/intruder" in status.message and status.level in (1, b"\x01")]
