@@ -60,6 +60,8 @@ class Child:
                 {
                     **os.environ,
                     **self.environment,
+                    # What a node that is killed cannot take away goes with the folder of its log.
+                    "TMPDIR": str(self.log.parent),
                     FAULT_FILE: str(self.fault_file),
                     HEARTBEAT_FILE: str(self.pulse.path),
                 },
@@ -131,6 +133,7 @@ def _become_node(module: str, arguments: list[str], environment: dict[str, str],
         os.dup2(file.fileno(), 2)
     os.environ.clear()
     os.environ.update(environment)
+    tempfile.tempdir = None  # of the day when the server started, too
     try:
         node = importlib.import_module(module)
     except ModuleNotFoundError as error:

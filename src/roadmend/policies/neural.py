@@ -67,7 +67,7 @@ def load_model(path: Path, kind: str | None = None) -> Checkpoint:
         modified = 0  # reading it says what is wrong
     checkpoint = _load(path, modified)
     found = checkpoint.header["kind"]
-    if found not in KINDS or kind not in (None, found):
+    if not isinstance(found, str) or found not in KINDS or kind not in (None, found):
         wanted = f"one of the kind {kind!r}" if kind is not None else "a neural policy's"
         raise InputError(str(path), f"is a model of the kind {found!r}", f"give {wanted}")
     shapes_of(checkpoint, path)
@@ -94,15 +94,19 @@ class NeuralPolicy:
         """Load a model, of the ``kind`` wanted or of any.
 
         Raises:
-            InputError: the file is missing, damaged or of another kind, or was trained on other tokens.
+            InputError: the file is missing, damaged or of another kind, was trained on other tokens, or its tensors
+                are missing, of other shapes or not finite.
         """
         checkpoint = load_model(model, kind)
         self.name = str(checkpoint.header["kind"])
         self.model_digest = checkpoint.digest
         encoder, head = shapes_of(checkpoint, model)
-        self._encoder = KINDS[self.name].compiled(encoder, checkpoint.tensors)
         self._bins = KINDS[self.name].bins
-        self._head = CompiledHead(head, checkpoint.tensors, "head.")
+        try:
+            self._encoder = KINDS[self.name].compiled(encoder, checkpoint.tensors)
+            self._head = CompiledHead(head, checkpoint.tensors, "head.")
+        except ValueError as error:
+            raise InputError(str(model), f"its tensors are not its shapes' ({error})", "give another file") from None
         self.observer = Observer()
 
     def reset(self, route: Route) -> None:

@@ -62,7 +62,7 @@ def shapes_of(checkpoint: Checkpoint, path: Path) -> tuple[AnyShape, HeadShape]:
     try:
         encoder = kind.shape.model_validate_json(json.dumps(configuration["encoder"]))
         head = HeadShape.model_validate_json(json.dumps(configuration["head"]))
-    except (KeyError, ValidationError):
+    except (KeyError, TypeError, ValidationError):
         raise foreign from None
     if encoder.attributes != COLUMNS or head.outputs != kind.outputs or head.inputs != encoder.state:
         raise foreign
