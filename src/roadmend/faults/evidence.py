@@ -1,7 +1,8 @@
 """What a bag shows of a fault: who fell silent when, what was declared and when, what is missing."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 from roadmend.core.tick import INTERVAL
@@ -34,19 +35,25 @@ class Evidence:
         return asdict(self)
 
 
-def read_evidence(reader: BagReader, node: str | None, declared: str | None, duration: float | None) -> Evidence:
+def read_evidence(path: Path, node: str | None, declared: str | None, duration: float | None) -> Evidence:
+    """What a bag shows; see :func:`evidence_of`.
+
+    Raises:
+        InputError: there is no such bag, it is corrupt, or holds no episode.
+    """
+    return evidence_of(BagTicks(BagReader(path)), node, declared, duration)
+
+
+def evidence_of(bag: Iterable[BagTick], node: str | None, declared: str | None, duration: float | None) -> Evidence:
     """What a bag shows.
 
     Args:
-        reader: the bag.
+        bag: its ticks, in the order of their stamps.
         node: who was disturbed, without "_node"; None for nobody.
         declared: the state of repair, or the event, that must be in it; None for none.
         duration: of the episode as the result tells it [s]; None where there is no result.
-
-    Raises:
-        InputError: the bag is corrupt, or holds no episode.
     """
-    ticks = [tick for tick in BagTicks(reader) if tick.ego is not None or tick.driven or tick.command or tick.events]
+    ticks = [tick for tick in bag if tick.ego is not None or tick.driven or tick.command or tick.events]
     seen = [tick for tick in ticks if tick.ego is not None]
     span = 0.0 if len(seen) < 2 else (seen[-1].stamp - seen[0].stamp) * _NS
     expected = round(max(span, (duration or 0.0)) / INTERVAL) + 1

@@ -20,7 +20,6 @@ from roadmend.core.outcome import EventKind
 from roadmend.faults.campaign import Campaign, Trial
 from roadmend.faults.evidence import Evidence, read_evidence
 from roadmend.faults.processes import command_of, end_all, left_of, node_process
-from roadmend.recording.reader import BagReader
 from roadmend.recording.recovery import recover
 from roadmend.world.families import sample_scenario
 from roadmend.world.scenario_file import save_scenario
@@ -192,10 +191,10 @@ def _evidence(folder: Path, trial: Trial, duration: float | None) -> tuple[Evide
     node, declared = (fault.node, fault.declared) if fault else (None, None)
     bag = folder / "bags" / "bag"
     with contextlib.suppress(InputError):
-        return read_evidence(BagReader(bag), node, declared, duration), False
+        return read_evidence(bag, node, declared, duration), False
     with contextlib.suppress(InputError):
         recover(bag, folder / "recovered")
-        return read_evidence(BagReader(folder / "recovered"), node, declared, duration), True
+        return read_evidence(folder / "recovered", node, declared, duration), True
     return None, True
 
 

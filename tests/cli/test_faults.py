@@ -1,0 +1,41 @@
+"""``roadmend faults``: one disturbed run of the real graph, judged, and kept."""
+
+import json
+
+import pytest
+
+from roadmend.cli import faults as command
+from roadmend.cli.main import main
+
+CAMPAIGN = """
+repair: rss
+families: [S3]
+seeds: 1
+clocks: [lockstep]
+latest: 1.0
+faults:
+  - {name: policy killed, node: policy, signal: KILL, declared: STALE_COMMAND, exits: [1]}
+"""
+
+
+@pytest.mark.graph
+def test_a_killed_policy_is_safe_and_reported_and_what_was_run_is_not_run_again(tmp_path, capsys, monkeypatch):
+    file = tmp_path / "campaign.yaml"
+    file.write_text(CAMPAIGN)
+    arguments = ["faults", "--config", str(file), "--out", str(tmp_path / "out")]
+    assert main([*arguments, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    bare, killed = told["rows"]
+    assert (bare["runs"], bare["safe"]) == (1, 1)
+    assert killed["runs"] + told["too_late"] == 1
+    assert killed["safe"] == killed["reported"] == killed["within_3_ticks"] == 1
+    monkeypatch.setattr(command, "disturb", None)
+    assert main(arguments) == 0
+    assert "policy killed" in capsys.readouterr().out
+    assert "policy killed" in (tmp_path / "out" / "faults.md").read_text()
+
+
+def test_a_row_that_there_is_not_is_named_with_those_that_are(tmp_path, capsys):
+    assert main(["faults", "--fault", "all", "--out", str(tmp_path / "out")]) == 2
+    assert "choose of policy killed" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

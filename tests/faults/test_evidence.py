@@ -1,0 +1,71 @@
+"""What a bag shows of a fault, on ticks made for the purpose and on a bag that was recorded without one."""
+
+from pathlib import Path
+
+import pytest
+
+from roadmend.core.command import Command
+from roadmend.core.outcome import Event, EventKind
+from roadmend.core.repair import Repair, RepairStatus
+from roadmend.core.scene import EgoState, ObjectList
+from roadmend.faults.evidence import evidence_of, read_evidence
+from roadmend.recording.ticks import BagTick
+
+SAMPLE = Path(__file__).parents[2] / "bags" / "samples" / "repaired"
+GO = Command.from_action(0.5)
+STEP = 50_000_000
+
+
+def tick(place, *, command=GO, driven=GO, status=RepairStatus.PASS, speed=8.0, events=()):
+    return BagTick(
+        place * STEP,
+        ego=EgoState.from_yaw(0.0, 0.0, 0.0, speed, 0.0, 4.8, 1.8),
+        objects=ObjectList.empty(),
+        command=command,
+        driven=driven,
+        repair=Repair(GO, status, 0.0, 0.0, 0.5, 0.5, intervened=False),
+        events=list(events),
+    )
+
+
+def test_a_bag_without_a_fault_shows_none():
+    evidence = read_evidence(SAMPLE, None, None, None)
+    assert evidence.ticks > 100
+    assert (evidence.lost, evidence.silence, evidence.to_state) == (0, None, None)
+
+
+def test_the_longest_silence_of_the_policy_counts_and_the_state_that_follows():
+    ticks = [tick(place) for place in range(30)]
+    ticks[5] = tick(5, command=None)  # one that a busy machine has missed
+    for place in range(10, 20):
+        status = RepairStatus.STALE_COMMAND if place >= 12 else RepairStatus.PASS
+        ticks[place] = tick(place, command=None, status=status, speed=0.0 if place >= 16 else 5.0)
+    evidence = evidence_of(ticks, "policy", "STALE_COMMAND", None)
+    assert evidence.silence == pytest.approx(0.5)
+    assert evidence.to_state == pytest.approx(0.1)
+    assert evidence.to_standstill == pytest.approx(0.3)
+    assert evidence.lost == 0
+
+
+def test_a_state_that_was_never_declared_is_told_as_none():
+    ticks = [tick(place, command=None if place > 10 else GO) for place in range(30)]
+    evidence = evidence_of(ticks, "policy", "STALE_COMMAND", None)
+    assert evidence.silence == pytest.approx(0.55)
+    assert evidence.to_state is None
+
+
+def test_what_came_before_the_first_answer_and_the_last_tick_are_no_silence():
+    ticks = [tick(place, driven=GO if 5 <= place < 29 else None) for place in range(30)]
+    assert evidence_of(ticks, "repair", "WATCHDOG", None).silence is None
+
+
+def test_an_event_declares_too():
+    ticks = [tick(place, driven=GO if place < 10 else None) for place in range(30)]
+    ticks[13].events.append(Event(0.65, EventKind.WATCHDOG, ""))
+    assert evidence_of(ticks, "repair", "WATCHDOG", None).to_state == pytest.approx(0.15)
+
+
+def test_ticks_that_are_missing_in_the_middle_or_at_the_end_are_lost_twice_an_ego_and_a_list():
+    ticks = [tick(place) for place in range(30) if place not in {7, 8}]
+    assert evidence_of(ticks, None, None, None).lost == 4
+    assert evidence_of(ticks, None, None, 39 * 0.05).lost == 4 + 20

@@ -1,0 +1,79 @@
+"""Judging a campaign: what makes a run unsafe, and the rows that come of it."""
+
+import dataclasses
+
+import pytest
+
+from roadmend.faults.campaign import Fault, Trial
+from roadmend.faults.evidence import Evidence
+from roadmend.faults.trial import Disturbed
+from roadmend.faults.verdict import HEADING, campaign_rows, judge, table
+
+FAULT = Fault(name="killed", node="policy", signal="KILL", declared="STALE_COMMAND", exits=(1,))
+BARE = (
+    Trial(None, "lockstep", 1.0, 0),
+    Disturbed(True, 0, "GOAL", False, False, (), True, False, Evidence(100, 0), ()),
+)
+SEEN = Evidence(100, 2, silence=1.0, to_state=0.1, to_standstill=1.5)
+GOOD = Disturbed(True, 1, "GOAL", True, False, (), True, False, SEEN, ())
+TRIAL = Trial(FAULT, "lockstep", 1.0, 0)
+
+
+def judged(**changes):
+    found = judge([BARE, (TRIAL, dataclasses.replace(GOOD, **changes))])
+    return found[1] if len(found) > 1 else None
+
+
+def test_a_good_run_is_safe_and_reported():
+    assert judged().faults == ()
+    assert judged().is_reported
+
+
+@pytest.mark.parametrize(
+    ("changes", "fault"),
+    [
+        ({"exit_code": None}, "hung"),
+        ({"exit_code": 0}, "exit code 0"),
+        ({"left": ("process sim_node",)}, "left process sim_node"),
+        ({"traceback": True}, "a bare traceback"),
+        ({"is_tree_whole": False}, "changed what it does not own"),
+        ({"evidence": None}, "lost the bag"),
+        ({"outcome": "COLLISION"}, "collided"),
+    ],
+)
+def test_each_of_these_is_not_safe(changes, fault):
+    assert judged(**changes).faults == (fault,)
+
+
+def test_a_collision_that_the_undisturbed_run_has_too_is_not_the_faults():
+    bare = (BARE[0], dataclasses.replace(BARE[1], outcome="COLLISION"))
+    found = judge([bare, (TRIAL, dataclasses.replace(GOOD, outcome="COLLISION"))])
+    assert found[1].faults == ()
+
+
+@pytest.mark.parametrize(
+    "changes", [{"named": False}, {"evidence": dataclasses.replace(SEEN, to_state=None)}, {"evidence": None}]
+)
+def test_what_nobody_named_or_the_bag_does_not_show_is_not_reported(changes):
+    assert not judged(**changes).is_reported
+
+
+def test_a_fault_that_came_too_late_is_no_run():
+    assert judged(injected=False) is None
+
+
+def test_the_row_tells_how_many_and_how_soon():
+    late = dataclasses.replace(GOOD, evidence=dataclasses.replace(SEEN, to_state=0.4))
+    rows = campaign_rows(judge([BARE, (TRIAL, GOOD), (Trial(FAULT, "lockstep", 1.0, 1), late)]))
+    assert [row["fault"] for row in rows] == ["no fault", "killed"]
+    row = rows[1]
+    assert (row["runs"], row["safe"], row["reported"], row["lost_messages"]) == (2, 2, 2, 4)
+    assert (row["must_declare"], row["within_3_ticks"]) == (2, 1)
+    assert row["seconds_to_state"] == pytest.approx(0.25)
+    assert row["seconds_to_state_max"] == pytest.approx(0.4)
+    assert all(len(line) == len(HEADING) for line in table(rows))
+
+
+def test_what_was_kept_is_what_was_found():
+    assert Disturbed.parse(GOOD.as_dict()) == GOOD
+    assert Disturbed.parse(dataclasses.replace(GOOD, evidence=None).as_dict()).evidence is None
