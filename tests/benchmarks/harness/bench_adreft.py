@@ -17,6 +17,7 @@ from harness.benchmark_content import build_content, case_table, differences, du
 from harness.benchmark_files import read_json, write_benchmark
 from harness.benchmark_run import FORMAT, RESULTS, Measured, drive, find_jobs, read_results
 from harness.benchmark_tables import headline
+from harness.beside import beside
 from harness.contenders import BenchmarkPlan, read_plan
 from harness.options import CACHED_WORK, COLUMNS, COMMITTED, PLANS
 from harness.policy_benchmarks import Choice, find_benchmarks
@@ -156,7 +157,7 @@ def _measure(plan: BenchmarkPlan, config: Path, choice: Choice, options: _Option
     if options.out is not None:
         stem = _stem(plan, choice)
         if stem == "adreft":
-            content |= _beside(options.out)
+            content |= beside(options.out)
         if stem == "adreft":
             content["not_run"] += _not_asked_for(plan, choice)
         write_benchmark(options.out, stem, content, case_table(measured))
@@ -165,21 +166,6 @@ def _measure(plan: BenchmarkPlan, config: Path, choice: Choice, options: _Option
     else:
         _show(content)
     return 0
-
-
-def _beside(folder: Path) -> dict[str, Any]:
-    """What other commands have measured of the same methods and left in the folder; None where one has not."""
-    parts: dict[str, tuple[str, ...]] = {
-        "adreft-ordinary.json": ("ordinary", "curve", "at_time_lost"),
-        "adreft-controls.json": ("controls", "bound"),
-    }
-    found: dict[str, Any] = {}
-    for name, keys in parts.items():
-        path = folder / name
-        content = read_json(path) if path.is_file() else {}
-        found |= {key: content.get(key) for key in keys}
-    path = folder / "adreft-robustness.json"
-    return found | {"robustness": read_json(path) if path.is_file() else None}
 
 
 def _verify(plan: BenchmarkPlan, config: Path, choice: Choice, options: _Options) -> int:

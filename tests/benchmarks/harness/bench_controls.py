@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from harness.benchmark_content import dump_json
+from harness.beside import renew
 from harness.contenders import read_plan, resolve
 from harness.control_jobs import FORMAT, ControlJob, ControlResult, run_controls
 from harness.grid import Setting
@@ -108,6 +109,7 @@ def controls(given: ControlOptions, *, as_json: bool) -> None:
         write_texts(
             given.out, {f"{STEM}.json": dump_json(content) + "\n", f"{STEM}.md": f"# Controls\n\n{text}\n\n{made}\n"}
         )
+        renew(given.out)
     if as_json:
         click.echo(dump_json(content))
         return

@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from harness.benchmark_content import dump_json
+from harness.beside import renew
 from harness.contenders import BenchmarkPlan, read_plan, resolve
 from harness.grid import TABLE_SEED, Figures, Setting, alone, drive_all, random_drives
 from harness.options import CACHED_WORK, COLUMNS, PLANS
@@ -156,6 +157,7 @@ def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
             given.out,
             {f"{STEM}.json": dump_json(content) + "\n", f"{STEM}.md": f"# Ordinary driving\n\n{text}\n\n{made}\n"},
         )
+        renew(given.out)
     if as_json:
         click.echo(dump_json(content))
         return

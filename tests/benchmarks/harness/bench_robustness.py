@@ -12,6 +12,7 @@ from rich.progress import Progress, TaskID
 
 from harness.benchmark_content import dump_json
 from harness.benchmark_tables import robustness_table
+from harness.beside import renew
 from harness.contenders import BenchmarkPlan, Contender, resolve
 from harness.options import COLUMNS
 from harness.policy_benchmarks import Choice
@@ -71,6 +72,7 @@ def run_robustness(
     if out is not None:
         titles = {name: {"title": method.title, "group": method.group} for name, method in plan.methods.items()}
         write_robustness(out, content, titles)
+        renew(out)
     if as_json:
         click.echo(dump_json(content))
         return 0
