@@ -112,7 +112,7 @@ def test_without_a_name_whoever_is_there_alone_first_is_obeyed():
 
 
 @pytest.mark.parametrize("kind", [EventsExecutor, SingleThreadedExecutor])
-def test_over_dds_only_the_writer_is_heard_and_the_other_is_named(domain, capfd, kind):
+def test_over_dds_only_the_writer_is_heard_and_the_other_is_named(domain, kind):
     made = []
 
     def node(name):
@@ -147,7 +147,6 @@ def test_over_dds_only_the_writer_is_heard_and_the_other_is_named(domain, capfd,
         until(lambda: len(got) > number + 2, mine, 0.2)
         assert {message.throttle for message in got} == {0.1, 0.2}
         assert "/intruder publishes too, and is not obeyed; only policy_node is" in one.warning
-        assert one.warning in capfd.readouterr().err
     finally:
         executor.shutdown()
         for each, context in made:

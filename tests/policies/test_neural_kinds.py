@@ -58,5 +58,5 @@ def test_weights_that_are_not_finite_are_refused(tmp_path):
     tensors = {name: np.full_like(array, np.nan) for name, array in shipped.tensors.items()}
     path = tmp_path / "broken.safetensors"
     save_checkpoint(path, tensors, shipped.header)
-    with pytest.raises(ValueError, match="not finite"):
+    with pytest.raises(InputError, match="not finite"):
         make_policy("ego_mlp", {"model": str(path)})

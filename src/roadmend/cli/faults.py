@@ -22,15 +22,15 @@ _CODE = ("roadmend.faults.trial", "roadmend.nodes.launcher", "roadmend.nodes.rep
 
 @click.command(
     cls=ExampleCommand,
-    examples=["roadmend faults --out disturbed", "roadmend faults --config mine.yaml --seeds 20 --out disturbed"],
+    examples=["roadmend faults --out disturbed", "roadmend faults --config mine.yaml --count 20 --out disturbed"],
     resumes="",
 )
 @settings_file("The campaign.  [default: config/faults/campaign.yaml]")
-@click.option("--seeds", type=click.IntRange(1, 1000), help="Runs of every row.  [default: the campaign's]")
+@click.option("--count", type=click.IntRange(1, 1000), help="Runs of every row.  [default: the campaign's]")
 @click.option("--fault", "names", multiple=True, help="Rows of the campaign alone; may be repeated.  [default: all]")
 @RESULT_FOLDER
 @JSON
-def faults(file: Path | None, seeds: int | None, names: tuple[str, ...], out: Path, *, as_json: bool) -> int:
+def faults(file: Path | None, count: int | None, names: tuple[str, ...], out: Path, *, as_json: bool) -> int:
     """Disturb the running graph and judge what comes of it.
 
     Each run starts 'roadmend run' as anybody would, sends a signal to one of its nodes at a moment drawn by the seed, and
@@ -44,8 +44,8 @@ def faults(file: Path | None, seeds: int | None, names: tuple[str, ...], out: Pa
             if name not in known:
                 raise click.BadParameter(f"there is no {name!r}; choose of {', '.join(known)}", param_hint="--fault")
         campaign = campaign.model_copy(update={"faults": tuple(f for f in campaign.faults if f.name in names)})
-    if seeds is not None:
-        campaign = campaign.model_copy(update={"seeds": seeds})
+    if count is not None:
+        campaign = campaign.model_copy(update={"seeds": count})
     trials = list(trials_of(campaign))
     settings = campaign.model_dump(mode="json", exclude={"faults", "seeds", "clocks", "rates"})
     runs: list[tuple[Trial, Disturbed]] = []
@@ -63,7 +63,7 @@ def faults(file: Path | None, seeds: int | None, names: tuple[str, ...], out: Pa
     rows = campaign_rows(judged)
     content: dict[str, Any] = {
         "format": _FORMAT,
-        "provenance": provenance("./roadmend faults" + (f" --seeds {seeds}" if seeds else "")),
+        "provenance": provenance("./roadmend faults" + (f" --count {count}" if count else "")),
         "campaign": campaign.model_dump(mode="json"),
         "rows": rows,
         "too_late": sum(not disturbed.injected for _, disturbed in runs),
