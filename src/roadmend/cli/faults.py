@@ -67,7 +67,8 @@ def faults(file: Path | None, count: int | None, names: tuple[str, ...], out: Pa
         "campaign": campaign.model_dump(mode="json"),
         "rows": rows,
         "too_late": sum(not disturbed.injected for _, disturbed in runs),
-        "runs": [trial.as_dict() | disturbed.as_dict() for trial, disturbed in runs],
+        # What was said names temporary folders; it stays in runs.jsonl.
+        "runs": [trial.as_dict() | disturbed.as_dict() | {"stderr": None} for trial, disturbed in runs],
     }
     write_report(out, "faults", "Faults in the running graph", content, table(rows))
     if as_json:
