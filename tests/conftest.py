@@ -1,5 +1,6 @@
 """The order of the tests: long ones first, so that the last worker at work has only short ones left. And code of users."""
 
+import gc
 import itertools
 import sys
 
@@ -38,3 +39,5 @@ def domain(monkeypatch):
         monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
         monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         yield number
+        # What rclpy holds in cycles stays in the domain until it is collected, and the next test may get the same one.
+        gc.collect()

@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from roadmend.cli import output
-from roadmend.nodes.launcher import GraphOptions, run_graph
+from roadmend.nodes.graph_options import GraphOptions
+from roadmend.nodes.launcher import run_graph
 from roadmend.recording.reader import BagReader
 from roadmend.recording.writer import BagWriter
 from roadmend.world.families import sample_scenario

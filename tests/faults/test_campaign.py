@@ -6,7 +6,7 @@ import pytest
 
 from roadmend.core.errors import InputError
 from roadmend.core.resources import config_folder
-from roadmend.faults.campaign import BARE, Campaign, Fault, load_campaign, trials_of
+from roadmend.faults.campaign import BARE, Fault, FaultCampaign, load_campaign, trials_of
 
 KILLED = {"name": "killed", "node": "policy", "signal": "KILL"}
 
@@ -44,7 +44,7 @@ def test_what_no_campaign_can_be_is_refused_in_one_line(tmp_path, text, what):
 
 
 def test_every_row_is_run_on_every_clock_and_the_undisturbed_one_first():
-    campaign = Campaign(faults=(Fault(**KILLED),), seeds=2, rates=(1.0, 5.0))
+    campaign = FaultCampaign(faults=(Fault(**KILLED),), seeds=2, rates=(1.0, 5.0))
     places = [(trial.row, trial.clock, trial.rate, trial.seed) for trial in trials_of(campaign)]
     assert places == [
         (row, clock, rate, seed)

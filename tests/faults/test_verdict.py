@@ -4,19 +4,19 @@ import dataclasses
 
 import pytest
 
-from roadmend.faults.campaign import Fault, Trial
+from roadmend.faults.campaign import Fault, FaultTrial
 from roadmend.faults.evidence import Evidence
 from roadmend.faults.trial import Disturbed
 from roadmend.faults.verdict import HEADING, campaign_rows, judge, table
 
 FAULT = Fault(name="killed", node="policy", signal="KILL", declared="STALE_COMMAND", exits=(1,))
 BARE = (
-    Trial(None, "lockstep", 1.0, 0),
+    FaultTrial(None, "lockstep", 1.0, 0),
     Disturbed(True, 0, "GOAL", False, False, (), True, False, Evidence(100, 0), ()),
 )
 SEEN = Evidence(100, 2, silence=1.0, to_state=0.1, to_standstill=1.5)
 GOOD = Disturbed(True, 1, "GOAL", True, False, (), True, False, SEEN, ())
-TRIAL = Trial(FAULT, "lockstep", 1.0, 0)
+TRIAL = FaultTrial(FAULT, "lockstep", 1.0, 0)
 
 
 def judged(**changes):
@@ -64,7 +64,7 @@ def test_a_fault_that_came_too_late_is_no_run():
 
 def test_the_row_tells_how_many_and_how_soon():
     late = dataclasses.replace(GOOD, evidence=dataclasses.replace(SEEN, to_state=0.4))
-    rows = campaign_rows(judge([BARE, (TRIAL, GOOD), (Trial(FAULT, "lockstep", 1.0, 1), late)]))
+    rows = campaign_rows(judge([BARE, (TRIAL, GOOD), (FaultTrial(FAULT, "lockstep", 1.0, 1), late)]))
     assert [row["fault"] for row in rows] == ["no fault", "killed"]
     row = rows[1]
     assert (row["runs"], row["safe"], row["reported"], row["lost_messages"]) == (2, 2, 2, 4)

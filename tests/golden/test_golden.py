@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from roadmend.nodes.launcher import GraphOptions, run_graph
+from roadmend.nodes.graph_options import GraphOptions
+from roadmend.nodes.launcher import run_graph
 from roadmend.world.scenario_file import save_scenario
 
 _spec = importlib.util.spec_from_file_location("physics", Path(__file__).with_name("physics.py"))

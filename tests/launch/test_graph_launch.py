@@ -13,7 +13,7 @@ import pytest
 import yaml
 
 from roadmend.cli.run import run as run_command
-from roadmend.nodes.launcher import NODES
+from roadmend.nodes.graph_options import NODES
 
 REPOSITORY = Path(__file__).parents[2]
 FILE = REPOSITORY / "src" / "launch" / "graph.launch.py"

@@ -1,6 +1,9 @@
 """Scenarios small enough for tests of the graph."""
 
 import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.node import Node
 
 from roadmend.world.families import sample_scenario
 from roadmend.world.scenario_file import save_scenario
@@ -17,3 +20,20 @@ def scenario_file(tmp_path):
         return path
 
     return write
+
+
+@pytest.fixture
+def node(domain):
+    """Makes nodes that are no programs of ours, each in a context of its own, as a process has it."""
+    made = []
+
+    def make(name):
+        context = Context()
+        rclpy.init(context=context, domain_id=domain)
+        made.append((Node(name, context=context), context))
+        return made[-1][0]
+
+    yield make
+    for one, context in made:
+        one.destroy_node()
+        context.try_shutdown()

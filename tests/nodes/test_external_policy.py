@@ -9,16 +9,14 @@ import time
 from pathlib import Path
 
 import pytest
-import rclpy
-from rclpy.context import Context
-from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from roadmend_msgs import msg
 from std_msgs.msg import String
 
 from roadmend.nodes import qos
 from roadmend.nodes.announcement import Announcement, account
-from roadmend.nodes.launcher import GraphOptions, run_graph
+from roadmend.nodes.graph_options import GraphOptions
+from roadmend.nodes.launcher import run_graph
 from roadmend.nodes.policy_watch import NO_TRAJECTORY
 from roadmend.recording import topics
 from roadmend.recording.reader import BagReader
@@ -68,23 +66,6 @@ def run(domain, scenario_file, tmp_path):
     for one in started:
         one.process.terminate()
         one.process.communicate(timeout=60)
-
-
-@pytest.fixture
-def node(domain):
-    """Makes nodes that are no programs of ours, each in a context of its own, as a process has it."""
-    made = []
-
-    def make(name):
-        context = Context()
-        rclpy.init(context=context, domain_id=domain)
-        made.append((Node(name, context=context), context))
-        return made[-1][0]
-
-    yield make
-    for one, context in made:
-        one.destroy_node()
-        context.try_shutdown()
 
 
 @pytest.fixture

@@ -18,7 +18,8 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 from std_msgs.msg import Float64
 
 from roadmend.core.errors import InputError
-from roadmend.nodes.launcher import GraphOptions, run_graph
+from roadmend.nodes.graph_options import GraphOptions
+from roadmend.nodes.launcher import run_graph
 from roadmend.recording.definitions import find
 
 pytestmark = pytest.mark.graph

@@ -14,7 +14,8 @@ import pytest
 
 from roadmend.core.errors import InputError
 from roadmend.nodes import launcher
-from roadmend.nodes.launcher import GraphOptions, run_graph
+from roadmend.nodes.graph_options import GraphOptions
+from roadmend.nodes.launcher import run_graph
 from roadmend.policies.registry import make_policy
 from roadmend.recording.info import bag_info
 from roadmend.recording.reader import BagReader

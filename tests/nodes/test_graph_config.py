@@ -8,7 +8,7 @@ import yaml
 from rclpy.parameter import Parameter
 
 from roadmend.nodes.foxglove import FoxgloveParameters
-from roadmend.nodes.launcher import NODES
+from roadmend.nodes.graph_options import NODES
 from roadmend.nodes.policy import PolicyNode
 from roadmend.nodes.recorder import RecorderParameters
 from roadmend.nodes.repair import RepairNode

@@ -12,7 +12,8 @@ from rich.console import Console
 
 from roadmend.cli.run import show_results
 from roadmend.core.errors import InputError
-from roadmend.nodes.launcher import GraphOptions, run_graph
+from roadmend.nodes.graph_options import GraphOptions
+from roadmend.nodes.launcher import run_graph
 from roadmend.policies.registry import make_policy
 from roadmend.recording.reader import BagReader
 from roadmend.repair.registry import make_repairer

@@ -10,7 +10,9 @@ import pytest
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.nodes import launcher
 from roadmend.nodes.children import Child
-from roadmend.nodes.launcher import BAD_INPUT, RESTARTS_MAX, GraphOptions, _as_yaml, _GraphRun, _raise, run_graph
+from roadmend.nodes.graph_options import NODES, GraphOptions, NodeEntry
+from roadmend.nodes.launcher import BAD_INPUT, _as_yaml, _GraphRun, _raise, run_graph
+from roadmend.nodes.supervisor import RESTARTS_MAX
 
 
 @pytest.fixture
@@ -128,7 +130,7 @@ def test_the_recorder_is_waited_for_and_without_observers_nobody_is(run, tmp_pat
 
 
 def test_one_line_adds_a_node_that_every_run_starts(tmp_path, monkeypatch):
-    monkeypatch.setattr(launcher, "NODES", (*launcher.NODES, launcher.NodeEntry("beacon")))
+    monkeypatch.setattr(launcher, "NODES", (*NODES, NodeEntry("beacon")))
     run = _GraphRun(GraphOptions(Path("s.yaml"), record=False), None, tmp_path, 7, lambda *_: None)
     assert (run._nodes[-1].name, run._nodes[-1].module) == ("beacon_node", "roadmend.nodes.beacon")
     assert any("beacon_node" in word for word in run._sim.arguments)

@@ -200,6 +200,14 @@ POSSIBLE = {  # transition asked for over the service -> state in which it can b
 IMPOSSIBLE = (0, 8, 9, 10, 60, 99, 255)  # create, destroy, what callbacks return, and what is no transition at all
 
 
+def put_away(executor, *nodes):
+    for one in nodes:
+        executor.remove_node(one)
+        one.destroy_node()
+    executor.shutdown()
+    rclpy.try_shutdown()
+
+
 @pytest.mark.parametrize("state", STATES)
 def test_every_transition_in_every_state_is_made_or_refused_over_the_service_and_the_node_stays(
     domain, tmp_path, state
@@ -247,11 +255,7 @@ def test_every_transition_in_every_state_is_made_or_refused_over_the_service_and
         assert state_of(node) == "finalized"
         assert not ask(Transition.TRANSITION_CONFIGURE)
     finally:
-        for one in (node, other):
-            executor.remove_node(one)
-            one.destroy_node()
-        executor.shutdown()
-        rclpy.try_shutdown()
+        put_away(executor, node, other)
 
 
 def test_a_method_that_breaks_while_it_is_made_is_a_refusal_too(bench, monkeypatch, capfd):
@@ -853,8 +857,4 @@ def test_over_dds_it_answers_while_active_and_sends_nothing_while_inactive(domai
         assert until(lambda: len(got) > 1)
         assert messages.stamp_of(got[-1].header) == 100_000_000
     finally:
-        for one in (node, other):
-            executor.remove_node(one)
-            one.destroy_node()
-        executor.shutdown()
-        rclpy.try_shutdown()
+        put_away(executor, node, other)

@@ -18,7 +18,8 @@ from std_srvs.srv import Trigger
 
 from roadmend.nodes import replay as module
 from roadmend.nodes.children import Child, stop
-from roadmend.nodes.launcher import GraphOptions, run_graph
+from roadmend.nodes.graph_options import GraphOptions
+from roadmend.nodes.launcher import run_graph
 from roadmend.recording import messages
 from roadmend.recording.codec import encode
 from roadmend.recording.definitions import Definition, find

@@ -3,11 +3,8 @@
 import time
 
 import pytest
-import rclpy
-from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.experimental import EventsExecutor
-from rclpy.node import Node
 from roadmend_msgs.msg import Command
 
 from roadmend.nodes import qos
@@ -112,15 +109,7 @@ def test_without_a_name_whoever_is_there_alone_first_is_obeyed():
 
 
 @pytest.mark.parametrize("kind", [EventsExecutor, SingleThreadedExecutor])
-def test_over_dds_only_the_writer_is_heard_and_the_other_is_named(domain, kind):
-    made = []
-
-    def node(name):
-        context = Context()
-        rclpy.init(context=context, domain_id=domain)
-        made.append((Node(name, context=context), context))
-        return made[-1][0]
-
+def test_over_dds_only_the_writer_is_heard_and_the_other_is_named(node, kind):
     reader, ours, theirs = node("reader"), node("policy_node"), node("intruder")
     executor = kind(context=reader.context)
     executor.add_node(reader)
@@ -149,6 +138,3 @@ def test_over_dds_only_the_writer_is_heard_and_the_other_is_named(domain, kind):
         assert "/intruder publishes too, and is not obeyed; only policy_node is" in one.warning
     finally:
         executor.shutdown()
-        for each, context in made:
-            each.destroy_node()
-            context.try_shutdown()

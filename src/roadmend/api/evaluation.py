@@ -19,8 +19,8 @@ from roadmend.core.journal import Journal, Key
 from roadmend.core.markdown import table_text
 from roadmend.measures.driver import driver_key
 from roadmend.measures.evaluation import TRIVIAL, Driven, EvaluationTrial, drive_with, run_trials, seed_of
+from roadmend.measures.evaluation_figures import TITLE, evaluation_rows, meanings
 from roadmend.measures.evaluation_figures import evaluate as figures_of
-from roadmend.measures.evaluation_figures import evaluation_rows, meanings
 from roadmend.measures.fitting import fitting
 from roadmend.reports.result_files import provenance, write_report
 from roadmend.world.scenario import Scenario
@@ -32,7 +32,6 @@ Progress = Callable[[int, int], None]  # of how many are done, of how many
 Given = TypeVar("Given")
 
 _FORMAT = "roadmend-evaluation-work/1"
-_TITLE = "Policies with and without repair"
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,8 +85,8 @@ class EvaluationReport:
         made = provenance(f"python {Path(sys.argv[0]).name or '-'}")
         plain = self._plain()
         content = {"provenance": made, "policies": self.figures, "faults": self.faults, "episodes": plain}
-        write_report(Path(folder), "evaluation", _TITLE, content, self.rows)
-        return write_page(Path(folder), _TITLE, self.rows, meanings().split("; "), plain, self.faults, made)
+        write_report(Path(folder), "evaluation", TITLE, content, self.rows)
+        return write_page(Path(folder), TITLE, self.rows, meanings().split("; "), plain, self.faults, made)
 
     def _plain(self) -> list[dict[str, Any]]:
         return [

@@ -11,7 +11,8 @@ from roadmend.cli.output import wide_console
 from roadmend.cli.run import print_results, run_with_status
 from roadmend.core.errors import RoadmendError
 from roadmend.core.resources import config_folder
-from roadmend.nodes.launcher import GraphOptions, RunResult
+from roadmend.nodes.graph_options import GraphOptions
+from roadmend.nodes.run_result import RunResult
 
 _METHODS = ("none", "adreft")
 

@@ -1,7 +1,7 @@
 """``roadmend evaluate``: policies times repair methods times scenarios."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -16,11 +16,10 @@ from roadmend.cli.output import counting, show_rows
 from roadmend.cli.scenario import FAMILY_NAME
 from roadmend.cli.sumo_options import DRIVES, TIME_LIMIT, WARM_UP, WARM_UP_OPTION, egos, sumocfg, time_limit
 from roadmend.core.errors import InputError
-from roadmend.core.extras import extra_missing
 from roadmend.core.journal import Journal
 from roadmend.measures.evaluation import run_trials, trials_of
+from roadmend.measures.evaluation_figures import TITLE, evaluation_rows, meanings, network_rows
 from roadmend.measures.evaluation_figures import evaluate as figures_of
-from roadmend.measures.evaluation_figures import evaluation_rows, meanings, network_rows
 from roadmend.measures.fitting import fitting, fitting_account
 from roadmend.repair.registry import METHOD_REGISTRY
 from roadmend.reports.result_files import provenance, write_report
@@ -30,7 +29,6 @@ from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import drawn_scenarios, load_scenarios
 
 _FORMAT = "roadmend-evaluation-work/1"
-_TITLE = "Policies with and without repair"
 
 
 @click.command(
@@ -107,7 +105,8 @@ def evaluate(
     some episodes could not be driven, and 2 if none could.
     """
     asked = _Asked(**chosen)  # type: ignore[arg-type] # as the options have it
-    write_page = _page_writer() if with_page else None
+    if with_page:  # before hours of driving, not after them: it needs an extra
+        from roadmend.reports.evaluation_page import write_page  # noqa: PLC0415
     trials = trials_of(_scenarios(asked), policies, methods, futures, is_tuned=tuned)
     accounts = _accounts(policies, methods) if tuned else {}
     for line in filter(None, (line for told in accounts.values() for line in told.values())):
@@ -131,9 +130,9 @@ def evaluate(
     ]
     rows = evaluation_rows(figures)
     network = network_rows(figures) if asked.sumocfg else []
-    write_report(out, "evaluation", _TITLE, content, rows, network)
-    if write_page:
-        write_page(out, _TITLE, rows, meanings().split("; "), content["episodes"], faults, content["provenance"])
+    write_report(out, "evaluation", TITLE, content, rows, network)
+    if with_page:
+        write_page(out, TITLE, rows, meanings().split("; "), content["episodes"], faults, content["provenance"])
     if as_json:
         click.echo(json.dumps(content, indent=2))
     elif content["episodes"]:
@@ -146,19 +145,6 @@ def evaluate(
     if not content["episodes"]:
         return 2
     return 1 if faults else 0
-
-
-def _page_writer() -> Callable[..., Path]:
-    """What writes the page, asked for before hours of driving and not after them.
-
-    Raises:
-        InputError: what draws pages is not installed.
-    """
-    try:
-        from roadmend.reports.evaluation_page import write_page  # noqa: PLC0415 - needs the extra
-    except ModuleNotFoundError as error:
-        raise extra_missing(error) from None
-    return write_page
 
 
 def _accounts(policies: Sequence[str], methods: Sequence[str]) -> dict[str, dict[str, str]]:

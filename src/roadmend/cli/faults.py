@@ -11,7 +11,7 @@ from roadmend.cli.options import JSON, RESULT_FOLDER, settings_file
 from roadmend.cli.output import counting, show_rows
 from roadmend.core.journal import Journal, entry_key
 from roadmend.core.resources import config_folder
-from roadmend.faults.campaign import Trial, load_campaign, trials_of
+from roadmend.faults.campaign import FaultTrial, load_campaign, trials_of
 from roadmend.faults.trial import Disturbed, disturb
 from roadmend.faults.verdict import campaign_rows, judge, table
 from roadmend.reports.result_files import provenance, write_report
@@ -48,7 +48,7 @@ def faults(file: Path | None, count: int | None, names: tuple[str, ...], out: Pa
         campaign = campaign.model_copy(update={"seeds": count})
     trials = list(trials_of(campaign))
     settings = campaign.model_dump(mode="json", exclude={"faults", "seeds", "clocks", "rates"})
-    runs: list[tuple[Trial, Disturbed]] = []
+    runs: list[tuple[FaultTrial, Disturbed]] = []
     with Journal(out / "runs.jsonl", _FORMAT, owns_folder=True) as journal, counting() as progress:
         task = progress.add_task("runs", total=len(trials))
         for trial in trials:

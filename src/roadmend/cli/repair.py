@@ -15,6 +15,7 @@ from roadmend.cli.output import show_rows
 from roadmend.cli.ros_arguments import ROS_ARGUMENTS, ros_arguments
 from roadmend.core.errors import RoadmendError
 from roadmend.nodes.repair_launcher import RepairGraphOptions, RepairRun, run_repair
+from roadmend.nodes.run_result import gap_of
 from roadmend.recording import topics
 from roadmend.recording.foreign_commands import COMMAND_FORMS
 from roadmend.recording.foreign_objects import OBJECT_READERS
@@ -107,10 +108,7 @@ def repair(given: StackOptions) -> None:
     result = run_repair(options, lambda text: print(f"roadmend: {text}", file=sys.stderr))
     _show(result, as_json=given.as_json)
     if result.lost_messages:
-        print(
-            f"roadmend: {result.bag}: {result.lost_messages} messages were lost on their way to the recorder",
-            file=sys.stderr,
-        )
+        print(f"roadmend: {gap_of(result.bag, result.lost_messages)}", file=sys.stderr)
     for trouble in (result.method_error, result.recording_error, "; ".join(result.faults)):
         if trouble:
             raise RoadmendError(trouble)

@@ -11,6 +11,7 @@ import click
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.options import PATH, options_of
 from roadmend.cli.ros_arguments import ROS_ARGUMENTS, ros_arguments
+from roadmend.nodes.loopback import reach
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,7 @@ def replay(given: ReplayOptions) -> int:
     extra = ros_arguments(given.ros_arguments)
     from roadmend.nodes.replay import main  # noqa: PLC0415 - rclpy is for this command alone
 
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    os.environ.update(reach())
     parameters: dict[str, Any] = {
         "bag": str(given.bag),
         "rate": given.rate,

@@ -19,7 +19,9 @@ from roadmend.cli.output import OUTCOME_STYLES, Waiting, wide_console
 from roadmend.cli.ros_arguments import ROS_ARGUMENTS, ros_arguments
 from roadmend.cli.sumo_options import TIME_LIMIT, WARM_UP, WARM_UP_OPTION, egos, sumocfg, time_limit
 from roadmend.core.errors import InputError, RoadmendError
-from roadmend.nodes.launcher import GraphOptions, InterruptedRunError, RunResult, run_graph
+from roadmend.nodes.graph_options import GraphOptions
+from roadmend.nodes.launcher import run_graph
+from roadmend.nodes.run_result import InterruptedRunError, RunResult, gap_of
 from roadmend.nodes.supervisor import LOCKSTEP_SILENCE_S, REALTIME_SILENCE_S, START_S
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import drawn_scenarios, load_scenario, save_scenario, scenario_of_configuration
@@ -188,7 +190,7 @@ def run(given: RunOptions) -> int:
         click.echo(f"roadmend: {each}", err=True)
     for result in results:
         if result.lost_messages:
-            click.echo(f"roadmend: {_gap(result)}", err=True)
+            click.echo(f"roadmend: {gap_of(result.bag, result.lost_messages)}", err=True)
     for result in results:
         for trouble in (result.policy_error, result.method_error, result.recording_error, "; ".join(result.faults)):
             if trouble:
@@ -196,11 +198,6 @@ def run(given: RunOptions) -> int:
     if not results:
         return 2
     return 1 if faults else 0
-
-
-def _gap(result: RunResult) -> str:
-    """What the bag lacks, in a line."""
-    return f"{result.bag}: {result.lost_messages} messages were lost on their way to the recorder"
 
 
 def _scenarios(given: RunOptions) -> list[Scenario]:

@@ -39,7 +39,7 @@ class Fault(Parameters):
         return self
 
 
-class Campaign(Parameters):
+class FaultCampaign(Parameters):
     """Faults times clocks times rates times seeds."""
 
     faults: tuple[Fault, ...] = Field(min_length=1, description="a row of the table each")
@@ -62,7 +62,7 @@ class Campaign(Parameters):
 
 
 @dataclass(frozen=True)
-class Trial:
+class FaultTrial:
     """One run of a campaign."""
 
     fault: Fault | None  # None: undisturbed
@@ -80,19 +80,19 @@ class Trial:
         return vars(self) | {"fault": self.fault.model_dump(mode="json") if self.fault else None}
 
 
-def load_campaign(path: Path) -> Campaign:
+def load_campaign(path: Path) -> FaultCampaign:
     """A campaign from its YAML file.
 
     Raises:
         InputError: the file cannot be read, or says what no campaign can.
     """
-    return read_settings(path, Campaign, "see config/faults")
+    return read_settings(path, FaultCampaign, "see config/faults")
 
 
-def trials_of(campaign: Campaign) -> Iterator[Trial]:
+def trials_of(campaign: FaultCampaign) -> Iterator[FaultTrial]:
     """All runs: undisturbed ones first, on the clocks and at the rates of the others."""
     for fault in (None, *campaign.faults):
         for clock in campaign.clocks:
             for rate in campaign.rates if clock == "realtime" else (1.0,):
                 for seed in range(campaign.seeds):
-                    yield Trial(fault, clock, rate, seed)
+                    yield FaultTrial(fault, clock, rate, seed)

@@ -17,7 +17,7 @@ from typing import Any
 
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
-from roadmend.faults.campaign import Campaign, Trial
+from roadmend.faults.campaign import FaultCampaign, FaultTrial
 from roadmend.faults.evidence import Evidence, read_evidence
 from roadmend.faults.processes import command_of, end_all, left_of, node_process
 from roadmend.recording.recovery import recover
@@ -27,7 +27,6 @@ from roadmend.world.scenario_file import save_scenario
 _POLL_S = 0.02
 _START_S = 120.0  # patience until the vehicle drives [s]
 _LOCKSTEP_SPEED = 15.0  # simulated seconds a second, about; a fault that comes too late is told, see `injected`
-_DRIVING_BYTES = 40_000  # of a bag: more than what is said before the first tick
 _GONE_S = 5.0  # who has been told to end may need so long [s]
 _OWNED = "mine.txt"  # stands for what was in the folder before
 
@@ -76,7 +75,7 @@ class Disturbed:
         return cls(**{**entry, **texts, "evidence": evidence})
 
 
-def disturb(campaign: Campaign, trial: Trial) -> Disturbed:
+def disturb(campaign: FaultCampaign, trial: FaultTrial) -> Disturbed:
     """Run the graph, put the fault into it, and look at everything that is left.
 
     Raises:
@@ -96,7 +95,7 @@ def disturb(campaign: Campaign, trial: Trial) -> Disturbed:
             end_all(f"TMPDIR={temporary}")
 
 
-def _start(campaign: Campaign, trial: Trial, folder: Path) -> subprocess.Popen[str]:
+def _start(campaign: FaultCampaign, trial: FaultTrial, folder: Path) -> subprocess.Popen[str]:
     family = campaign.families[trial.seed % len(campaign.families)]
     scenario = folder / "scenario.yaml"
     save_scenario(sample_scenario(family, campaign.first_scenario + trial.seed), scenario)
@@ -111,7 +110,9 @@ def _start(campaign: Campaign, trial: Trial, folder: Path) -> subprocess.Popen[s
         return subprocess.Popen(command, stdout=out, stderr=err, text=True, env=environ, start_new_session=True)
 
 
-def _watch(process: subprocess.Popen[str], campaign: Campaign, trial: Trial, folder: Path, before: bytes) -> Disturbed:
+def _watch(
+    process: subprocess.Popen[str], campaign: FaultCampaign, trial: FaultTrial, folder: Path, before: bytes
+) -> Disturbed:
     injected = trial.fault is None or _inject(process, campaign, trial, folder)
     code: int | None
     try:
@@ -147,14 +148,14 @@ def _watch(process: subprocess.Popen[str], campaign: Campaign, trial: Trial, fol
     )
 
 
-def _inject(process: subprocess.Popen[str], campaign: Campaign, trial: Trial, folder: Path) -> bool:
+def _inject(process: subprocess.Popen[str], campaign: FaultCampaign, trial: FaultTrial, folder: Path) -> bool:
     """Send the signal at a moment drawn by the seed; returns whether it came while the vehicle drove."""
     fault = trial.fault
     assert fault is not None
     drawn = random.Random(f"{fault.name}/{trial.clock}/{trial.rate}/{trial.seed}").uniform(0.0, campaign.latest)
     speed = _LOCKSTEP_SPEED if trial.clock == "lockstep" else trial.rate
     until = time.monotonic() + _START_S
-    while not _drives(folder / "bags" / "bag"):
+    while not any((folder / "tmp").glob("roadmend-run-*/sim.driving")):
         if process.poll() is not None or time.monotonic() > until:
             return False
         time.sleep(_POLL_S)
@@ -173,11 +174,6 @@ def _inject(process: subprocess.Popen[str], campaign: Campaign, trial: Trial, fo
     return True
 
 
-def _drives(bag: Path) -> bool:
-    """Whether the bag has grown as it does only while the vehicle moves."""
-    return any(path.stat().st_size > _DRIVING_BYTES for path in bag.glob("*.mcap"))
-
-
 def _result(path: Path) -> Mapping[str, Any]:
     """What ``roadmend run --json`` told of its one episode; empty if it told nothing."""
     with contextlib.suppress(OSError, json.JSONDecodeError, LookupError, TypeError):
@@ -185,7 +181,7 @@ def _result(path: Path) -> Mapping[str, Any]:
     return {}
 
 
-def _evidence(folder: Path, trial: Trial, duration: float | None) -> tuple[Evidence | None, bool]:
+def _evidence(folder: Path, trial: FaultTrial, duration: float | None) -> tuple[Evidence | None, bool]:
     """What the bag shows, and whether it had to be recovered for that."""
     fault = trial.fault
     node, declared = (fault.node, fault.declared) if fault else (None, None)

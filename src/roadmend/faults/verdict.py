@@ -6,7 +6,7 @@ from statistics import median
 from typing import Any
 
 from roadmend.core.tick import INTERVAL
-from roadmend.faults.campaign import Fault, Trial
+from roadmend.faults.campaign import Fault, FaultTrial
 from roadmend.faults.trial import Disturbed, collided
 
 STATE_TICKS = 3  # within which the state must be declared
@@ -39,20 +39,20 @@ class Judged:
         is_new_collision: whether it collided where the undisturbed run does not.
     """
 
-    trial: Trial
+    trial: FaultTrial
     disturbed: Disturbed
     faults: tuple[str, ...]
     is_reported: bool
     is_new_collision: bool
 
 
-def judge(runs: Sequence[tuple[Trial, Disturbed]]) -> list[Judged]:
+def judge(runs: Sequence[tuple[FaultTrial, Disturbed]]) -> list[Judged]:
     """Judge the runs of a campaign, each against the undisturbed one of its clock, rate and seed."""
     bare = {_place(trial): disturbed for trial, disturbed in runs if trial.fault is None}
     return [_judged(trial, disturbed, bare.get(_place(trial))) for trial, disturbed in runs if disturbed.injected]
 
 
-def _judged(trial: Trial, disturbed: Disturbed, bare: Disturbed | None) -> Judged:
+def _judged(trial: FaultTrial, disturbed: Disturbed, bare: Disturbed | None) -> Judged:
     fault, faults = trial.fault, []
     if disturbed.exit_code is None:
         faults.append("hung")
@@ -134,5 +134,5 @@ def _number(value: float | None) -> str:
     return "\N{EN DASH}" if value is None else f"{value:.2f}"
 
 
-def _place(trial: Trial) -> tuple[str, float, int]:
+def _place(trial: FaultTrial) -> tuple[str, float, int]:
     return trial.clock, trial.rate, trial.seed

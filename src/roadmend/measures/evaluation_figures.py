@@ -12,6 +12,7 @@ from roadmend.measures.case_result import CaseResult
 from roadmend.measures.evaluation import ALONE, Driven
 from roadmend.measures.registry import MEASURES, NETWORK, Column, MethodEpisodes
 
+TITLE = "Policies with and without repair"
 _DASH = "\N{EN DASH}"
 _INTERVAL = "95 %"
 

@@ -16,13 +16,11 @@ from roadmend.core.errors import InputError, RoadmendError
 from roadmend.nodes.children import Child, stop
 from roadmend.nodes.domain import own_domain
 from roadmend.nodes.fault import read_fault
-from roadmend.nodes.graph_options import NODES, SUMMARY, GraphOptions, NodeEntry, Place
+from roadmend.nodes.graph_options import NODES, SUMMARY, GraphOptions, Place
 from roadmend.nodes.loopback import reach
 from roadmend.nodes.ros_arguments import SHARED, check_addressees, check_taken, shared_parameters
 from roadmend.nodes.run_result import InterruptedRunError, RunResult, announcement_of, read_result
-from roadmend.nodes.supervisor import RESTARTS_MAX, START_S, Supervisor
-
-__all__ = ["NODES", "RESTARTS_MAX", "GraphOptions", "InterruptedRunError", "NodeEntry", "RunResult", "run_graph"]
+from roadmend.nodes.supervisor import START_S, Supervisor
 
 POLL_S = 0.05
 STOP_S = 2.8  # everything is gone this long after an interrupt [s]

@@ -98,6 +98,11 @@ def _silent_end(bitten: int, stale: int) -> list[str]:
     return []
 
 
+def gap_of(bag: str, lost: int) -> str:
+    """What a bag lacks, in one line for people."""
+    return f"{bag}: {lost} messages were lost on their way to the recorder"
+
+
 def announcement_of(content: Mapping[str, Any]) -> Announcement:
     """From plain values."""
     return Announcement(content["node"], content["label"], content["values"])

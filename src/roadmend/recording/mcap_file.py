@@ -32,7 +32,7 @@ from roadmend.core.errors import InputError
 from roadmend.recording.chunk import RECORD_HEAD, RECORD_LIMIT, ChunkReader, DamagedError, exactly
 
 _FOOTER_SIZE = RECORD_HEAD.size + 20  # [bytes]
-_HELD_MAX = 2 * RECORD_LIMIT  # [bytes] of chunks whose times overlap, which are in memory together
+HELD_MAX = 2 * RECORD_LIMIT  # [bytes] of chunks whose times overlap, which are in memory together
 _IN_SUMMARY: dict[int, Any] = {
     Opcode.ATTACHMENT_INDEX: AttachmentIndex,
     Opcode.CHANNEL: Channel,
@@ -84,7 +84,7 @@ class McapFile:
             topics: the topics to read; all if missing.
         """
         summary = self._indexed
-        held = 0
+        held = 0  # [bytes] of the messages that are due
         due: list[tuple[int, int, int, int, Found]] = []  # what stands before the last makes it unique
         chunks = sorted(summary.chunk_indexes, key=lambda one: (one.message_start_time, one.chunk_start_offset))
         if not chunks:
@@ -96,18 +96,18 @@ class McapFile:
                 if names.isdisjoint(topics):
                     continue
             while due and due[0][0] < index.message_start_time:
-                yield heapq.heappop(due)[-1]
-            held = 0 if not due else held
-            records = self._chunk(index.chunk_start_offset)
-            held += sum(len(content) for _, content in records)
-            if held > _HELD_MAX:
-                what = f"more than {held >> 20} MB of it overlap in time"
-                raise InputError(self._where, what, "rewrite it with 'roadmend bag recover'")
-            for number, (opcode, content) in enumerate(records):
+                found = heapq.heappop(due)[-1]
+                held -= len(found[2].data)
+                yield found
+            for number, (opcode, content) in enumerate(self._chunk(index.chunk_start_offset)):
                 if opcode == Opcode.MESSAGE:
                     found = self._found(content)
                     if topics is None or found[1].topic in topics:
+                        held += len(found[2].data)
                         heapq.heappush(due, (found[2].log_time, index.chunk_start_offset, place, number, found))
+            if held > HELD_MAX:
+                what = f"more than {held >> 20} MB of it overlap in time"
+                raise InputError(self._where, what, "rewrite it with 'roadmend bag recover'")
         while due:
             yield heapq.heappop(due)[-1]
 

@@ -21,7 +21,8 @@ from harness.processes import node_environment
 from roadmend.core.errors import RoadmendError
 from roadmend.core.tick import INTERVAL
 from roadmend.nodes.domain import own_domain
-from roadmend.nodes.launcher import GraphOptions, run_graph
+from roadmend.nodes.graph_options import GraphOptions
+from roadmend.nodes.launcher import run_graph
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.reports.result_files import provenance
