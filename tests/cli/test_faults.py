@@ -12,6 +12,7 @@ repair: rss
 families: [S3]
 seeds: 1
 clocks: [lockstep]
+earliest: 0.5
 latest: 1.0
 faults:
   - {name: policy killed, node: policy, signal: KILL, declared: STALE_COMMAND, exits: [1]}

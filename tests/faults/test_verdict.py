@@ -58,6 +58,13 @@ def test_what_nobody_named_or_the_bag_does_not_show_is_not_reported(changes):
     assert not judged(**changes).is_reported
 
 
+def test_in_real_time_nobody_is_taken_away_without_a_tick_that_shows_it():
+    quiet = dataclasses.replace(GOOD, evidence=Evidence(100, 0))
+    realtime, lockstep = (judge([(FaultTrial(FAULT, clock, 1.0, 0), quiet)])[0] for clock in ("realtime", "lockstep"))
+    assert lockstep.is_reported
+    assert not realtime.is_reported
+
+
 def test_a_fault_that_came_too_late_is_no_run():
     assert judged(injected=False) is None
 

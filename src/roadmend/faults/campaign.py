@@ -50,7 +50,8 @@ class FaultCampaign(Parameters):
     seeds: int = Field(3, ge=1, le=1000, description="runs of every row at every clock and rate")
     clocks: tuple[Literal["lockstep", "realtime"], ...] = Field(("lockstep", "realtime"), min_length=1)
     rates: tuple[float, ...] = Field((1.0,), min_length=1, description="of the real-time clock")
-    latest: float = Field(3.0, gt=0.0, description="[s] simulated: a fault comes at most this long after the start")
+    earliest: float = Field(1.0, ge=0.0, description="[s] simulated: a fault comes at least this long after the start")
+    latest: float = Field(4.0, gt=0.0, description="[s] simulated: and at most this long")
     patience: float = Field(120.0, gt=0.0, description="[s] of wall time after which a run counts as hung")
 
     @model_validator(mode="after")
@@ -58,6 +59,8 @@ class FaultCampaign(Parameters):
         names = [fault.name for fault in self.faults]
         if len({*names, BARE}) <= len(names):
             raise ValueError(f"faults: two of one name, or one named {BARE!r}")
+        if self.latest < self.earliest:
+            raise ValueError(f"latest: before the earliest, {self.earliest:g} s")
         return self
 
 

@@ -152,7 +152,9 @@ def _inject(process: subprocess.Popen[str], campaign: FaultCampaign, trial: Faul
     """Send the signal at a moment drawn by the seed; returns whether it came while the vehicle drove."""
     fault = trial.fault
     assert fault is not None
-    drawn = random.Random(f"{fault.name}/{trial.clock}/{trial.rate}/{trial.seed}").uniform(0.0, campaign.latest)
+    drawn = random.Random(f"{fault.name}/{trial.clock}/{trial.rate}/{trial.seed}").uniform(
+        campaign.earliest, campaign.latest
+    )
     speed = _LOCKSTEP_SPEED if trial.clock == "lockstep" else trial.rate
     until = time.monotonic() + _START_S
     while not any((folder / "tmp").glob("roadmend-run-*/sim.driving")):

@@ -68,16 +68,19 @@ def _judged(trial: FaultTrial, disturbed: Disturbed, bare: Disturbed | None) -> 
     is_new = collided(disturbed) and (bare is None or not collided(bare))
     if is_new:
         faults.append("collided")
-    return Judged(trial, disturbed, tuple(faults), fault is None or _is_reported(fault, disturbed), is_new)
+    return Judged(trial, disturbed, tuple(faults), fault is None or _is_reported(fault, trial.clock, disturbed), is_new)
 
 
-def _is_reported(fault: Fault, disturbed: Disturbed) -> bool:
+def _is_reported(fault: Fault, clock: str, disturbed: Disturbed) -> bool:
     """Whether standard error names the node, and the bag shows the state wherever a tick was not answered."""
     if fault.named and not disturbed.named:
         return False
     evidence = disturbed.evidence
     if fault.declared is None or evidence is None or evidence.silence is None:
-        return evidence is not None or fault.declared is None
+        # In lockstep the simulator waits, so that who is soon back has left no tick unanswered; in real time nobody
+        # can be taken away without one.
+        must_show = fault.declared is not None and clock == "realtime" and fault.resume is None
+        return not must_show and (evidence is not None or fault.declared is None)
     return evidence.to_state is not None
 
 
