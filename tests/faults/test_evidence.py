@@ -69,3 +69,10 @@ def test_ticks_that_are_missing_in_the_middle_or_at_the_end_are_lost_twice_an_eg
     ticks = [tick(place) for place in range(30) if place not in {7, 8}]
     assert evidence_of(ticks, None, None, None).lost == 4
     assert evidence_of(ticks, None, None, 39 * 0.05).lost == 4 + 20
+
+
+def test_a_state_of_ticks_that_were_answered_late_is_declared_all_the_same():
+    status = [RepairStatus.STALE_COMMAND if 10 <= place < 20 else RepairStatus.PASS for place in range(30)]
+    late = [tick(place, status=status[place]) for place in range(30)]
+    assert evidence_of(late, "policy", "STALE_COMMAND", None).is_declared
+    assert not evidence_of([tick(place) for place in range(30)], "policy", "STALE_COMMAND", None).is_declared

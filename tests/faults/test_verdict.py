@@ -14,7 +14,7 @@ BARE = (
     FaultTrial(None, "lockstep", 1.0, 0),
     Disturbed(True, 0, "GOAL", False, False, (), True, False, Evidence(100, 0), ()),
 )
-SEEN = Evidence(100, 2, silence=1.0, to_state=0.1, to_standstill=1.5)
+SEEN = Evidence(100, 2, is_declared=True, silence=1.0, to_state=0.1, to_standstill=1.5)
 GOOD = Disturbed(True, 1, "GOAL", True, False, (), True, False, SEEN, ())
 TRIAL = FaultTrial(FAULT, "lockstep", 1.0, 0)
 
@@ -52,7 +52,7 @@ def test_a_collision_that_the_undisturbed_run_has_too_is_not_the_faults():
 
 
 @pytest.mark.parametrize(
-    "changes", [{"named": False}, {"evidence": dataclasses.replace(SEEN, to_state=None)}, {"evidence": None}]
+    "changes", [{"named": False}, {"evidence": dataclasses.replace(SEEN, is_declared=False)}, {"evidence": None}]
 )
 def test_what_nobody_named_or_the_bag_does_not_show_is_not_reported(changes):
     assert not judged(**changes).is_reported

@@ -18,6 +18,8 @@ class Evidence:
 
     Attributes:
         ticks: in the bag.
+        is_declared: whether the state or event that was asked for stands anywhere behind the first answer. Who was away
+            for a while may have answered each tick in the end, late.
         lost: messages of the simulator that are not in it although it drove on, one ego and one object list a tick.
         silence: simulated time of the first tick that the node did not answer [s]; None if it answered all, or need not.
         to_state: simulated time from there until the state or event was declared [s]; None if it never was.
@@ -26,6 +28,7 @@ class Evidence:
 
     ticks: int
     lost: int
+    is_declared: bool = False
     silence: float | None = None
     to_state: float | None = None
     to_standstill: float | None = None
@@ -59,8 +62,12 @@ def evidence_of(bag: Iterable[BagTick], node: str | None, declared: str | None, 
     expected = round(max(span, (duration or 0.0)) / INTERVAL) + 1
     lost = 2 * expected - len(seen) - sum(tick.objects is not None for tick in seen)
     silence = _first_silent(seen, node)
+    begun = next((tick.stamp for tick in seen if tick.command is not None and tick.driven is not None), None)
+    is_declared = declared is not None and any(
+        begun is not None and tick.stamp > begun and _declares(tick, declared) for tick in ticks
+    )
     if silence is None or declared is None:
-        return Evidence(len(seen), max(0, lost), None if silence is None else silence * _NS)
+        return Evidence(len(seen), max(0, lost), is_declared, None if silence is None else silence * _NS)
     shown = next((tick.stamp for tick in ticks if tick.stamp >= silence and _declares(tick, declared)), None)
     stood = next(
         (tick.stamp for tick in seen if tick.stamp >= silence and tick.ego is not None and tick.ego.speed < 0.1),
@@ -69,6 +76,7 @@ def evidence_of(bag: Iterable[BagTick], node: str | None, declared: str | None, 
     return Evidence(
         len(seen),
         max(0, lost),
+        is_declared,
         silence * _NS,
         None if shown is None else (shown - silence) * _NS,
         None if stood is None else (stood - silence) * _NS,

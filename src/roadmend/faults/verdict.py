@@ -72,16 +72,20 @@ def _judged(trial: FaultTrial, disturbed: Disturbed, bare: Disturbed | None) -> 
 
 
 def _is_reported(fault: Fault, clock: str, disturbed: Disturbed) -> bool:
-    """Whether standard error names the node, and the bag shows the state wherever a tick was not answered."""
+    """Whether standard error names the node, and the bag shows the state.
+
+    In lockstep the simulator waits, so that who is soon back has left no tick unanswered and nothing to declare; in real
+    time nobody can be away without it.
+    """
     if fault.named and not disturbed.named:
         return False
     evidence = disturbed.evidence
-    if fault.declared is None or evidence is None or evidence.silence is None:
-        # In lockstep the simulator waits, so that who is soon back has left no tick unanswered; in real time nobody
-        # can be taken away without one.
-        must_show = fault.declared is not None and clock == "realtime" and fault.resume is None
-        return not must_show and (evidence is not None or fault.declared is None)
-    return evidence.to_state is not None
+    if fault.declared is None:
+        return True
+    if evidence is None:
+        return False
+    must_show = clock == "realtime" or evidence.silence is not None
+    return evidence.is_declared or not must_show
 
 
 def campaign_rows(judged: Sequence[Judged]) -> list[dict[str, Any]]:
