@@ -1,7 +1,7 @@
 """The speed limits that are posted on a sketch, and whom each is for."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -20,7 +20,8 @@ _KMH = re.compile(r"(?<![\d.])(\d{2,3})\s*k\s*(?:m\s*)?\.?\s*(?:/|p)?\s*\.?\s*h\
 _BARE = re.compile(r"(?<![\d.#/-])(\d{2})(?![\d.%/-])")
 _MISREAD = str.maketrans({"O": "0", "o": "0", "l": "1", "I": "1", "S": "5"})
 _DIGITS_MISREAD = re.compile(r"\b(?=[\dOoIlS]{2,3}\s*(?:mph|k))(?=\S*\d)[\dOoIlS]{2,3}(?=\s*(?:mph|k))")
-_PLATE = re.compile(r"\d{2}")
+_LABEL = 24  # [characters] a longer text says more than a limit
+_TRUST_UNLABELLED = 0.7
 
 
 class LimitScope(StrEnum):
@@ -49,7 +50,7 @@ _VEHICLE = re.compile(r"\bv(?:ehicle)?\s*#?\s*(\d)\b", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)
-class PostedLimit:
+class SketchLimit:
     """A speed limit on the sketch.
 
     Attributes:
@@ -69,25 +70,21 @@ class PostedLimit:
     vehicle: int | None = None
 
 
-def posted_limits(words: Sequence[SketchWord]) -> tuple[PostedLimit, ...]:
+def posted_limits(words: Sequence[SketchWord]) -> tuple[SketchLimit, ...]:
     """All limits that the words post, each once."""
-    limits: list[PostedLimit] = []
+    limits: list[SketchLimit] = []
     lines = in_lines(words)
     for index, line in enumerate(lines):
-        text = _mended(" ".join(word.text for word in line))
-        if not _SAYS_LIMIT.search(text) or _OTHER_SPEED.search(text):
-            continue
-        found = _limits_in(text, box_of(line), min(word.confidence for word in line))
-        if not found:
-            below = _below(line, lines[index + 1 :])
-            if below:
-                both = [*line, *below]
-                joined = f"{text} {_mended(' '.join(word.text for word in below))}"
-                found = _limits_in(joined, box_of(both), min(word.confidence for word in both))
-        limits.extend(found)
+        for piece in _pieces(line, lines[index + 1 :]):
+            text = _mended(" ".join(word.text for word in piece))
+            if not _OTHER_SPEED.search(text):
+                found = _limits_in(text, box_of(piece), min(word.confidence for word in piece))
+                limits.extend(found)
+                if found:
+                    break
     if not limits:
-        limits.extend(_unlabelled(lines))
-    kept: dict[tuple[int, LimitScope, int | None], PostedLimit] = {}
+        limits.extend(_unlabelled(words))
+    kept: dict[tuple[int, LimitScope, int | None], SketchLimit] = {}
     for limit in limits:
         key = (limit.mph, limit.scope, limit.vehicle)
         if key not in kept or kept[key].confidence < limit.confidence:
@@ -95,11 +92,23 @@ def posted_limits(words: Sequence[SketchWord]) -> tuple[PostedLimit, ...]:
     return tuple(kept.values())
 
 
+def _pieces(line: list[SketchWord], below: Sequence[list[SketchWord]]) -> Iterator[list[SketchWord]]:
+    """Where a line may post a limit, narrowest first: a phrase, what follows it in its row, what stands under it."""
+    for place, word in enumerate(line):
+        if _SAYS_LIMIT.search(word.text):
+            yield [word]
+            yield line[place : place + 2]
+            yield line[place:]
+            under = _below([word], below)
+            if under:
+                yield [word, *under]
+
+
 def _mended(text: str) -> str:
     return _DIGITS_MISREAD.sub(lambda match: match[0].translate(_MISREAD), text)
 
 
-def _limits_in(text: str, box: Box, seen: float) -> list[PostedLimit]:
+def _limits_in(text: str, box: Box, seen: float) -> list[SketchLimit]:
     """A line may post several: "70 mph for cars, 55 mph for trucks"; km/h beside mph is the same limit again."""
     miles = [(match.start(), match.end(), int(match[1])) for match in _MPH.finditer(text)]
     metric = [int(match[1]) for match in _KMH.finditer(text)]
@@ -130,11 +139,11 @@ def _in_miles(kilometres: int) -> int:
     return _STEP * round(kilometres / KM_PER_MILE / _STEP)
 
 
-def _one(value: int, piece: str, text: str, box: Box, confidence: float) -> list[PostedLimit]:
+def _one(value: int, piece: str, text: str, box: Box, confidence: float) -> list[SketchLimit]:
     if not _LOWEST <= value <= _HIGHEST or value % _STEP:
         return []
     scope, vehicle = _scope(piece)
-    return [PostedLimit(value, scope, box, text, min(1.0, confidence), vehicle)]
+    return [SketchLimit(value, scope, box, text, min(1.0, confidence), vehicle)]
 
 
 def _scope(text: str) -> tuple[LimitScope, int | None]:
@@ -159,11 +168,11 @@ def _below(line: Sequence[SketchWord], others: Sequence[list[SketchWord]]) -> li
     return []
 
 
-def _unlabelled(lines: Sequence[list[SketchWord]]) -> list[PostedLimit]:
-    """"35 MPH" alone: nobody says that it is a limit, so it is one only where there is no other speed."""
-    found: list[PostedLimit] = []
-    for line in lines:
-        text = _mended(" ".join(word.text for word in line))
-        if _MPH.search(text) and len(text) < 24 and not _OTHER_SPEED.search(text):
-            found.extend(_limits_in(text, box_of(line), 0.7 * min(word.confidence for word in line)))
+def _unlabelled(words: Sequence[SketchWord]) -> list[SketchLimit]:
+    """'35 MPH' alone: nobody says that it is a limit, so it is one only where there is no other speed."""
+    found: list[SketchLimit] = []
+    for word in words:
+        text = _mended(word.text)
+        if _MPH.search(text) and len(text) < _LABEL and not _OTHER_SPEED.search(text):
+            found.extend(_limits_in(text, word.box, _TRUST_UNLABELLED * word.confidence))
     return found if len({limit.mph for limit in found}) == 1 else []

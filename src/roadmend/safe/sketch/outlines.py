@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import cv2
@@ -13,18 +13,14 @@ from roadmend.safe.claims import Box
 from roadmend.safe.sketch.picture import Mask, SketchPicture
 from roadmend.safe.sketch.words import SketchWord
 
-_HUES = {  # [2 deg] from, to; red goes round
-    "red": ((0, 11), (168, 180)),
-    "orange": ((11, 24),),
-    "green": ((36, 86),),
-    "blue": ((86, 136),),
-}
 _LENGTH = (0.012, 0.34)  # [of the diagonal] of a vehicle
 _ASPECT = (1.45, 5.5)  # length by width of a vehicle, a truck with its trailer among them
 _FILLED = 0.72  # [of its rectangle] that a vehicle fills
 _ALIKE = (0.6, 1.9)  # length by that of a typical vehicle of the sketch, for what has no colour
-_GREY_FILL = (120, 228)  # [grey level]
-_REACHES = (5, 3, 1)  # [times the narrowest] over which pieces of a colour are joined
+_BODY = 228  # [grey level] darker may be a body
+_TOGETHER = 0.6  # [of a rectangle] that two vehicles in it fill, the pieces of one do not
+_TINT = 0.08  # [of a body] that lines of a colour cover
+_SLENDER = 3.4  # length by width, of what has no colour
 _LETTERHEAD = ("nhtsa", "case number", "www.")
 
 
@@ -37,6 +33,14 @@ class Paint(StrEnum):
     BLUE = "blue"
     GREY = "grey"
     BLACK = "black"
+
+
+_HUES = {  # [2 deg] from, to; red goes round
+    Paint.RED: ((0, 11), (168, 180)),
+    Paint.ORANGE: ((11, 24),),
+    Paint.GREEN: ((36, 86),),
+    Paint.BLUE: ((86, 136),),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,19 +90,59 @@ def find_outlines(picture: SketchPicture, words: Sequence[SketchWord]) -> tuple[
     found: list[Outline] = []
     for paint in (Paint.RED, Paint.BLUE, Paint.GREEN, Paint.ORANGE):
         mask = cv2.bitwise_and(_hue_mask(picture, _HUES[paint]), cv2.bitwise_not(writing))
-        # Widest first: a body with white windows is one vehicle, not three; where that joins two vehicles into what
-        # has not the shape of one, the narrower ones keep them apart.
-        for times in _REACHES:
-            found.extend(_new(_rectangles(_closed(mask, times * reach | 1), picture, paint), found))
-    grey = cv2.inRange(picture.grey, np.array(_GREY_FILL[0]), np.array(_GREY_FILL[1]))
-    filled = cv2.morphologyEx(np.asarray(grey), cv2.MORPH_OPEN, np.ones((4, 4), np.uint8))
-    found.extend(_new(_rectangles(_closed(_mask(filled), 4 * reach + 1), picture, Paint.GREY), found))
-    black = cv2.bitwise_and(picture.thin_ink, cv2.bitwise_not(cv2.bitwise_or(picture.coloured, writing)))
-    typical = float(np.median([outline.length for outline in found])) if found else None
-    for outline in _new(_rectangles(_closed(_mask(black), 3), picture, Paint.BLACK), found):
-        if typical is None or _ALIKE[0] < outline.length / typical < _ALIKE[1]:
-            found.append(outline)
-    return tuple(sorted(found, key=lambda outline: -outline.length))
+        found.extend(_new(_joined(_mask(mask), (1, 3, 5), reach, picture, paint), found))
+    body = cv2.morphologyEx((picture.grey < _BODY).astype(np.uint8), cv2.MORPH_OPEN, np.ones((4, 4), np.uint8))
+    body = cv2.bitwise_and(np.asarray(body * np.uint8(255)), cv2.bitwise_not(writing))
+    found.extend(_alike(_new(_joined(_mask(body), (1, 3, 5), reach, picture, Paint.GREY), found), found))
+    black = cv2.bitwise_and(picture.thin_ink, cv2.bitwise_not(writing))
+    found.extend(_alike(_new(_joined(_mask(black), (1, 2), 3, picture, Paint.BLACK), found), found))
+    sentences = [word.centre for word in words if sum(letter.isalnum() for letter in word.text) > 3]
+    vehicles = [outline for outline in found if not any(outline.holds(centre) for centre in sentences)]
+    return tuple(sorted(vehicles, key=lambda outline: -outline.length))
+
+
+def _alike(outlines: Iterable[Outline], known: Sequence[Outline]) -> list[Outline]:
+    """Those as long as the vehicles that are known: signs and arrow heads are drawn in black and grey too."""
+    if not known:
+        return list(outlines)
+    typical = float(np.median([outline.length for outline in known]))
+    return [
+        outline
+        for outline in outlines
+        if _ALIKE[0] < outline.length / typical < _ALIKE[1] and outline.length < _SLENDER * outline.width
+    ]
+
+
+def _joined(
+    mask: Mask, times: Sequence[int], reach: int, picture: SketchPicture, paint: Paint
+) -> list[Outline]:
+    """The vehicles of a mask whose pieces are joined over narrow gaps, and over wider ones.
+
+    A body with white windows comes in pieces, and only the widest joins them; two vehicles close to each other are
+    joined by it too, and come as two that fill most of what they are in together.
+    """
+    found: list[Outline] = []
+    for factor in times:
+        for wide in _rectangles(_closed(mask, factor * reach | 1), picture, paint):
+            inside = [outline for outline in found if wide.holds(outline.centre)]
+            pieces = sum(outline.length * outline.width for outline in inside)
+            if len(inside) >= 2 and pieces > _TOGETHER * wide.length * wide.width:
+                continue
+            found = [outline for outline in found if outline not in inside]
+            found.append(_painted(wide, picture) if paint is Paint.GREY else wide)
+    return found
+
+
+def _painted(outline: Outline, picture: SketchPicture) -> Outline:
+    """A body in grey whose lines have a colour is of that colour."""
+    inside = np.zeros(picture.grey.shape, np.uint8)
+    cv2.fillPoly(inside, [outline.corners().round().astype(np.int32)], 255)
+    whole = int(cv2.countNonZero(inside))
+    for paint, hues in _HUES.items():
+        coloured = int(cv2.countNonZero(cv2.bitwise_and(_hue_mask(picture, hues), inside)))
+        if coloured > _TINT * whole:
+            return replace(outline, paint=paint)
+    return outline
 
 
 def _writing_mask(picture: SketchPicture, words: Sequence[SketchWord]) -> Mask:

@@ -65,7 +65,7 @@ def read_words(picture: SketchPicture) -> tuple[SketchWord, ...]:
     if scale > 1.0:
         image = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC)
     with _LOCK:
-        found = _engine()(np.ascontiguousarray(image))
+        found = _engine()(np.ascontiguousarray(image), use_det=True, use_cls=True, use_rec=True)
     if found.boxes is None or found.txts is None or found.scores is None:
         return ()
     words = [
