@@ -28,6 +28,7 @@ _CLEAR = 2.5  # [times] that the vote for a number outweighs the next one
 _TRUST_IN_PAINT = 0.8  # what is left of the confidence where only the colour says it
 _CONVENTION = {Paint.RED: 1, Paint.BLUE: 2}  # NHTSA's: where no number can be read
 _TRUST_IN_CONVENTION = 0.5
+_SPECK = 6  # [pixels] smaller pieces are dirt
 _DARK = 110  # [grey level]
 _WHITE = 225  # [grey level]
 
@@ -138,7 +139,7 @@ def _turned_glyphs(picture: SketchPicture, outline: Outline) -> list[Pixels]:
     middle = (moved - moved.mean(axis=0)) * 0.86 + moved.mean(axis=0)
     cv2.fillPoly(inside, [middle.round().astype(np.int32)], 255)
     for mask in _contrasts(patch, outline.paint):
-        glyph = _glyph_box(cv2.bitwise_and(mask, inside), outline)  # type: ignore[arg-type]
+        glyph = _glyph_box(cv2.bitwise_and(mask, inside), outline)
         if glyph is not None:
             left, top, right, bottom = glyph
             paper = np.where(mask[..., None] > 0, 0, 255).astype(np.uint8).repeat(3, axis=2)
@@ -164,15 +165,23 @@ def _contrasts(patch: Pixels, paint: Paint) -> list[Mask]:
 
 
 def _glyph_box(mask: Mask, outline: Outline) -> tuple[int, int, int, int] | None:
-    """Around the largest piece that has the size of a number."""
+    """Around the largest piece that has the size of a letter, and the one beside it: "V1" are two."""
     count, _, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
     low, high = (share * outline.width for share in _GLYPH_SIZE)
-    best: tuple[int, int, int, int] | None = None
-    most = 0
+    pieces = []
     for label in range(1, count):
         left, top, width, height, area = (int(value) for value in stats[label])
-        if low < max(width, height) < high and area > max(6, most) and area < 0.8 * width * height + 8:
-            best, most = (left, top, left + width, top + height), area
+        if low < max(width, height) < high and _SPECK < area < 0.8 * width * height + 8:
+            pieces.append((area, (left, top, left + width, top + height)))
+    if not pieces:
+        return None
+    _, best = max(pieces)
+    size = max(best[2] - best[0], best[3] - best[1])
+    for _, piece in pieces:
+        other = max(piece[2] - piece[0], piece[3] - piece[1])
+        apart = math.dist(((best[0] + best[2]) / 2, (best[1] + best[3]) / 2), ((piece[0] + piece[2]) / 2, (piece[1] + piece[3]) / 2))
+        if piece is not best and 0.6 < other / size < 1.6 and apart < 1.1 * size:
+            return min(best[0], piece[0]), min(best[1], piece[1]), max(best[2], piece[2]), max(best[3], piece[3])
     return best
 
 

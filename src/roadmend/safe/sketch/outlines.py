@@ -167,7 +167,7 @@ def _hue_mask(picture: SketchPicture, ranges: Iterable[tuple[int, int]]) -> Mask
     inside = np.zeros(hue.shape, np.bool_)
     for low, high in ranges:
         inside |= (hue >= low) & (hue < high)
-    return cv2.bitwise_and(picture.coloured, _mask(inside.astype(np.uint8) * np.uint8(255)))  # type: ignore[return-value]
+    return cv2.bitwise_and(picture.coloured, _mask(inside.astype(np.uint8) * np.uint8(255)))
 
 
 def _closed(mask: Mask, reach: int) -> Mask:

@@ -38,6 +38,14 @@ class SketchReading:
     poses: Sequence[VehiclePose]
     approaches: Mapping[int, Approach]
 
+    def account(self) -> str:
+        """What was read, in a sentence's length; what was not, too."""
+        numbers = sorted({pose.number for pose in self.poses if pose.number is not None})
+        vehicles = f"vehicles {', '.join(map(str, numbers))}" if numbers else "no vehicle's number"
+        limits = f"{len(self.limits)} posted limits" if len(self.limits) != 1 else "1 posted limit"
+        north = "north" if self.north is not None else "no north"
+        return f"read: {len(self.words)} words, {limits}, {vehicles}, {north}; lanes were not"
+
 
 @lru_cache(maxsize=4)  # an extraction and then its page read the same sketch
 def read_sketch(sketch: Image) -> SketchReading:

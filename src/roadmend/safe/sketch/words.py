@@ -6,12 +6,15 @@ import threading
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
+import rapidocr
 from rapidocr import RapidOCR
 
+from roadmend.core.errors import InputError
 from roadmend.safe.claims import Box
 from roadmend.safe.sketch.picture import Pixels, SketchPicture
 
@@ -25,6 +28,7 @@ _SETTINGS = {
     "EngineConfig.onnxruntime.intra_op_num_threads": 1,
     "EngineConfig.onnxruntime.inter_op_num_threads": 1,
 }
+_MEND = "install the release that config/requirements/sketch.txt names"
 _WIDE = re.compile(r"[\uff01-\uff5e]")  # full-width forms, which the library's alphabet has too
 
 
@@ -55,7 +59,15 @@ class SketchWord:
 
 @cache
 def _engine() -> RapidOCR:
-    return RapidOCR(params=_SETTINGS)
+    """The library with the models of its own wheel: named, so that it never looks for others on the network."""
+    folder = Path(rapidocr.__file__).parent / "models"
+    models = {}
+    for step in ("Det", "Cls", "Rec"):
+        files = sorted(folder.glob(f"*_{step.lower()}_*.onnx"))
+        if len(files) != 1:
+            raise InputError("rapidocr", f"has {len(files)} models for {step} in its wheel, not one", _MEND)
+        models[f"{step}.model_path"] = str(files[0])
+    return RapidOCR(params={**_SETTINGS, **models})
 
 
 def read_words(picture: SketchPicture) -> tuple[SketchWord, ...]:
