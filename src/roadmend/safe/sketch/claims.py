@@ -69,9 +69,7 @@ def way_of(reading: SketchReading, approach: Approach) -> SketchWay | None:
     return SketchWay(position, min(1.0, confidence))
 
 
-def _limit_claims(
-    reading: SketchReading, cast: Cast, ways: dict[int, SketchWay]
-) -> Iterator[Claim]:
+def _limit_claims(reading: SketchReading, cast: Cast, ways: dict[int, SketchWay]) -> Iterator[Claim]:
     for place, member in enumerate(cast):
         way = ways.get(member.number)
         fitting = [

@@ -11,12 +11,20 @@ from roadmend.safe.sketch.words import SketchWord, box_of, in_lines
 _LABELLED = re.compile(r"\b(?:weather|time|light(?:ing)?|conditions?)\s*[:=]", re.IGNORECASE)
 _WORDS = re.compile(r"[a-z]+", re.IGNORECASE)
 _HOURS = re.compile(r"(?<!\d)([01]\d|2[0-3]):?([0-5]\d)\s*(?:hours|hrs|h\b)", re.IGNORECASE)
-_TIMES = {"daylight": Time.DAYTIME, "dawn": Time.DAYTIME, "dusk": Time.DAYTIME, "dark": Time.NIGHTTIME,
-          "night": Time.NIGHTTIME, "nighttime": Time.NIGHTTIME, "daytime": Time.DAYTIME}  # fmt: skip
-_WEATHERS = {"clear": Weather.CLEAR, "sunny": Weather.SUNNY, "cloudy": Weather.CLOUDY, "overcast": Weather.OVERCAST,
-             "rain": Weather.RAINY, "raining": Weather.RAINY, "rainy": Weather.RAINY, "snow": Weather.SNOWY,
-             "snowing": Weather.SNOWY, "snowy": Weather.SNOWY, "fog": Weather.FOGGY, "foggy": Weather.FOGGY,
-             "windy": Weather.WINDY}  # fmt: skip
+_TIMES = {
+    **dict.fromkeys(("daylight", "daytime", "dawn", "dusk"), Time.DAYTIME),
+    **dict.fromkeys(("dark", "night", "nighttime"), Time.NIGHTTIME),
+}
+_WEATHERS = {
+    **dict.fromkeys(("rain", "raining", "rainy"), Weather.RAINY),
+    **dict.fromkeys(("snow", "snowing", "snowy"), Weather.SNOWY),
+    **dict.fromkeys(("fog", "foggy"), Weather.FOGGY),
+    "clear": Weather.CLEAR,
+    "sunny": Weather.SUNNY,
+    "cloudy": Weather.CLOUDY,
+    "overcast": Weather.OVERCAST,
+    "windy": Weather.WINDY,
+}
 _SURFACES = frozenset({"dry", "wet", "icy", "asphalt", "bituminous", "concrete"})
 _DAY, _NIGHT = range(8, 17), frozenset({21, 22, 23, 0, 1, 2, 3, 4})  # [h] in every season
 _SAID, _BY_CLOCK = 0.9, 0.85

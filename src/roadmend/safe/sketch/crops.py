@@ -22,9 +22,9 @@ def level_crop(picture: SketchPicture, outline: Outline, width: int, height: int
     """
     rear_left, front_left, rear_right = outline.corners()[[3, 0, 2]]
     along, aside = margin * (front_left - rear_left), margin * (rear_right - rear_left)
-    source = np.stack(
-        [rear_left - along - aside, front_left + along - aside, rear_right - along + aside]
-    ).astype(np.float32)
+    source = np.stack([rear_left - along - aside, front_left + along - aside, rear_right - along + aside]).astype(
+        np.float32
+    )
     target = np.array([[0, 0], [width - 1, 0], [0, height - 1]], np.float32)
     enlarging = (width - 1) / max(1.0, outline.length * (1 + 2 * margin)) > 1
     crop = cv2.warpAffine(

@@ -118,8 +118,8 @@ def _limits_in(text: str, box: Box, seen: float) -> list[SketchLimit]:
             return []
         return _one(values.pop(), text, text, box, 0.9 * seen)
     if not miles:
-        begin = _SAYS_LIMIT.search(text)
-        bare = _BARE.findall(text[begin.start() :]) if begin is not None else []
+        said = _SAYS_LIMIT.search(text)
+        bare = _BARE.findall(text[said.start() :]) if said is not None else []
         return _one(int(bare[0]), text, text, box, 0.85 * seen) if len(bare) == 1 else []
     agreed = len(metric) == len(miles) and all(
         any(abs(value - kilometres / KM_PER_MILE) < _ROUNDED for kilometres in metric) for _, _, value in miles

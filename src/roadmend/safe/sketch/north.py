@@ -44,9 +44,7 @@ class NorthMark:
     confidence: float
 
 
-def find_north(
-    picture: SketchPicture, words: Sequence[SketchWord], arrows: Sequence[DrawnArrow]
-) -> NorthMark | None:
+def find_north(picture: SketchPicture, words: Sequence[SketchWord], arrows: Sequence[DrawnArrow]) -> NorthMark | None:
     """The mark of north; None where there is none, or several that disagree."""
     marks = _discs(picture) or _letters(picture, words, arrows)
     if not marks:
@@ -108,9 +106,7 @@ def _arrow_in(picture: SketchPicture, x: float, y: float, radius: float) -> Nort
     return NorthMark(math.remainder(heading, 360.0), box, _CERTAIN)
 
 
-def _letters(
-    picture: SketchPicture, words: Sequence[SketchWord], arrows: Sequence[DrawnArrow]
-) -> list[NorthMark]:
+def _letters(picture: SketchPicture, words: Sequence[SketchWord], arrows: Sequence[DrawnArrow]) -> list[NorthMark]:
     marks = []
     for word in words:
         if not _LETTER.fullmatch(word.text.strip()):

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 
 import cv2
@@ -33,13 +33,11 @@ _DARK = 110  # [grey level]
 _WHITE = 225  # [grey level]
 
 
-def numbers_of(
-    picture: SketchPicture, outlines: Sequence[Outline], words: Sequence[SketchWord]
-) -> list[Number | None]:
+def numbers_of(picture: SketchPicture, outlines: Sequence[Outline], words: Sequence[SketchWord]) -> list[Number | None]:
     """The number of each outline, where there is one to be had."""
     named = _named(words)
     own = [_worded(outline, words) for outline in outlines]
-    votes: dict[Paint, Counter[int]] = defaultdict(Counter)
+    votes: dict[Paint, dict[int, float]] = defaultdict(lambda: defaultdict(float))
     for outline, number in zip(outlines, own, strict=True):
         if number is not None:
             votes[outline.paint][number[0]] += _WRITTEN_VOTE
@@ -62,10 +60,10 @@ def _named(words: Sequence[SketchWord]) -> frozenset[int]:
 
 def _is_overruled(outline: Outline, number: Number | None, painted: Mapping[Paint, Number]) -> bool:
     """A colour is one vehicle's; a glyph that reads otherwise than its like was misread. Grey and black are anybody's."""
-    if number is None:
-        return True
+    if outline.paint in {Paint.GREY, Paint.BLACK}:
+        return False
     majority = painted.get(outline.paint)
-    return majority is not None and majority[0] != number[0] and outline.paint not in {Paint.GREY, Paint.BLACK}
+    return number is None or (majority is not None and majority[0] != number[0])
 
 
 def _worded(outline: Outline, words: Sequence[SketchWord]) -> Number | None:
@@ -81,13 +79,13 @@ def _worded(outline: Outline, words: Sequence[SketchWord]) -> Number | None:
 
 
 def _by_paint(
-    votes: Mapping[Paint, Counter[float]], paints: set[Paint], named: frozenset[int]
+    votes: Mapping[Paint, Mapping[int, float]], paints: set[Paint], named: frozenset[int]
 ) -> dict[Paint, Number]:
     """The number of each colour: heaviest vote first, and no number twice."""
     found: dict[Paint, Number] = {}
     heaviest = sorted(votes.items(), key=lambda item: -max(item[1].values()))
     for paint, counted in heaviest:
-        (number, weight), *others = counted.most_common()
+        (number, weight), *others = sorted(counted.items(), key=lambda vote: -vote[1])
         clear = not others or weight >= _CLEAR * others[0][1]
         taken = number in {known for known, _ in found.values()}
         if clear and (not taken or weight >= _WRITTEN_VOTE):
@@ -179,7 +177,9 @@ def _glyph_box(mask: Mask, outline: Outline) -> tuple[int, int, int, int] | None
     size = max(best[2] - best[0], best[3] - best[1])
     for _, piece in pieces:
         other = max(piece[2] - piece[0], piece[3] - piece[1])
-        apart = math.dist(((best[0] + best[2]) / 2, (best[1] + best[3]) / 2), ((piece[0] + piece[2]) / 2, (piece[1] + piece[3]) / 2))
+        apart = math.dist(
+            ((best[0] + best[2]) / 2, (best[1] + best[3]) / 2), ((piece[0] + piece[2]) / 2, (piece[1] + piece[3]) / 2)
+        )
         if piece is not best and 0.6 < other / size < 1.6 and apart < 1.1 * size:
             return min(best[0], piece[0]), min(best[1], piece[1]), max(best[2], piece[2]), max(best[3], piece[3])
     return best

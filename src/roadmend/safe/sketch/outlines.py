@@ -113,9 +113,7 @@ def _alike(outlines: Iterable[Outline], known: Sequence[Outline]) -> list[Outlin
     ]
 
 
-def _joined(
-    mask: Mask, times: Sequence[int], reach: int, picture: SketchPicture, paint: Paint
-) -> list[Outline]:
+def _joined(mask: Mask, times: Sequence[int], reach: int, picture: SketchPicture, paint: Paint) -> list[Outline]:
     """The vehicles of a mask whose pieces are joined over narrow gaps, and over wider ones.
 
     A body with white windows comes in pieces, and only the widest joins them; two vehicles close to each other are
@@ -167,7 +165,7 @@ def _hue_mask(picture: SketchPicture, ranges: Iterable[tuple[int, int]]) -> Mask
     inside = np.zeros(hue.shape, np.bool_)
     for low, high in ranges:
         inside |= (hue >= low) & (hue < high)
-    return cv2.bitwise_and(picture.coloured, _mask(inside.astype(np.uint8) * np.uint8(255)))
+    return _mask(cv2.bitwise_and(picture.coloured, inside.astype(np.uint8) * np.uint8(255)))
 
 
 def _closed(mask: Mask, reach: int) -> Mask:

@@ -25,8 +25,20 @@ SHORTEST = 16  # [pixels] what is smaller is no drawing
 _INK = 165  # [grey level] darker is drawn, lighter is paper: thin grey lines reach 200, but so do the blurs of JPEG
 _THIN_INK = 215
 _COLOURED = 30  # [levels] between the strongest and the weakest of red, green and blue, from here on it is a colour
-_UNREADABLE = (OSError, SyntaxError, ValueError, LookupError, TypeError, ArithmeticError, RuntimeError, struct.error,
-               zlib.error, MemoryError, PIL.Image.DecompressionBombError, Warning)  # fmt: skip
+_UNREADABLE = (
+    OSError,
+    SyntaxError,
+    ValueError,
+    LookupError,
+    TypeError,
+    ArithmeticError,
+    RuntimeError,
+    struct.error,
+    zlib.error,
+    MemoryError,
+    PIL.Image.DecompressionBombError,
+    Warning,
+)
 
 
 @dataclass(frozen=True)

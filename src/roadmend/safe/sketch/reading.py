@@ -59,7 +59,9 @@ def read_sketch(sketch: Image) -> SketchReading:
     arrows = find_arrows(picture)
     outlines = find_outlines(picture, words)
     poses = [
-        VehiclePose(outline, *(number or (None, 0.0)), triangle_front(picture, outline))
+        VehiclePose(
+            outline, number[0] if number else None, number[1] if number else 0.0, triangle_front(picture, outline)
+        )
         for outline, number in zip(outlines, numbers_of(picture, outlines, words), strict=True)
     ]
     return SketchReading(
