@@ -84,6 +84,9 @@ class Manoeuvre(StrEnum):
     RUN_OFF = "Run off the Road"
 
 
+STANDING = frozenset({Manoeuvre.STOP, Manoeuvre.PARKED})
+
+
 class Time(StrEnum):
     """Time of day; dawn and dusk have light and are Daytime."""
 

@@ -119,7 +119,7 @@ class _Walker:
         starts = {mention.first: mention for mention in mentions}
         self.sentence, self.clause, self.pending = sentence, None, None
         self.head: list[Item] = []
-        self.main: Actor | None = None
+        self.of_head: list[tuple[Item, Actor]] = []
         place = 0
         while place < len(items):
             group = self._group(items, place, starts)
@@ -145,10 +145,10 @@ class _Walker:
     def _flush(self) -> None:
         if self.pending is not None and self.head:
             span = Span(self.pending.span.start, self.head[-1].span.end) if self.pending.span.start < self.head[-1].span.end else self.head[-1].span
-            clause = Clause(self.sentence, self.pending, None, head=list(self.head), span=span, is_denied=False)
+            clause = Clause(self.sentence, self.pending, None, others=self.of_head, head=list(self.head), span=span)
             self.clauses.append(clause)
             self.focus = self.pending
-        self.pending = None
+        self.pending, self.of_head = None, []
 
     def _group(self, items: Sequence[Item], place: int, starts: dict[int, Mention]) -> tuple[Actor, int] | None:
         """A noun group that begins here: a vehicle, a part of one, or a part whose owner is open."""
@@ -180,8 +180,11 @@ class _Walker:
         vehicles = mention.vehicles
         here = self.clause.subject if self.clause is not None else self.pending
         focus = here or self.focus
+        after = items[mention.last + 1] if mention.last + 1 < len(items) else None
         if vehicles:
             pass
+        elif mention.kind is MentionKind.IT and mention.last > mention.first and after is not None and after.is_a("ahead", "behind"):
+            vehicles = ()  # "the vehicle in front of him"
         elif mention.kind is MentionKind.BOTH:
             vehicles = tuple(range(self.count)) if self.count <= 3 else (0, 1)  # noqa: PLR2004 - pairs, and "all three"
         elif mention.kind is MentionKind.OTHER:
@@ -220,7 +223,6 @@ class _Walker:
         else:
             self._flush()
             self.pending, self.clause, self.head = actor, None, []
-            self.main = self.main or actor
         if actor.vehicles:
             self.last = actor
 
@@ -229,9 +231,7 @@ class _Walker:
             self.clause.others.append((preposition, actor))
         elif self.pending is not None:
             self.head.append(preposition)
-            self._of_head.append((preposition, actor))
-        if not actor.vehicles and self.clause is None and self.pending is None:
-            return
+            self.of_head.append((preposition, actor))
 
     def _takes_object(self, clause: Clause, actor: Actor) -> bool:
         drives = clause.verb is not None and clause.verb.lemma in {"drive", "operate", "ride"}
@@ -244,7 +244,6 @@ class _Walker:
             return False
         joined = Actor((*self.last.vehicles, *(each for each in actor.vehicles if each not in self.last.vehicles)), None, self.last.is_person, Span(self.last.span.start, actor.span.end))
         if self.pending is not None and self.pending.span == self.last.span:
-            self.paired = (self.pending, actor)
             self.pending = joined
         elif self.clause is not None and self.clause.object is not None and self.clause.object.span == self.last.span and not _has_verb_next(items, last + 1):
             self.clause.object = joined
@@ -260,16 +259,17 @@ class _Walker:
         item = items[place]
         verb = item.verb
         assert verb is not None  # noqa: S101 - the caller has looked
-        before = items[place - 1] if place else None
         old = self.clause
         governed: frozenset[str] = frozenset()
         if self.pending is not None:
             subject: Actor | None = self.pending
         elif old is not None and self._is_reduced(items, place, verb, old):
             subject = self.last
+        elif old is not None and old.kind in {"see", "say"} and old.object is not None and items[place - 1].is_a("auxiliary", "negation"):
+            subject = old.object  # "he saw that the car was stopped"
         else:
             subject = old.subject if old is not None else self.focus
-            if old is not None and old.kind in _GOVERNING | {"stop", "slow"} and not any(each.low in ",;" for each in old.tail) and not any(actor.span.end > item.span.start for _, actor in old.others):
+            if old is not None and old.kind in _GOVERNING | {"stop", "slow", "park"} and not any(each.low in ",;" or each.is_a("conjunction") for each in old.tail) and not any(actor.span.end > item.span.start for _, actor in old.others):
                 governed = old.governed | {old.kind}
                 if old.is_denied and old.kind in {"intend", "begin", "do"}:
                     governed |= {"avoid"}
@@ -285,11 +285,9 @@ class _Walker:
         if could_not:
             clause.is_denied = True
         if old is None or self.pending is not None:
-            clause.others.extend(self._of_head)
-        self._of_head = []
+            clause.others.extend(self.of_head)
+        self.of_head = []
         self.clauses.append(clause)
-        if old is not None and self.pending is None and old.tail and old.tail[-1].span.end <= item.span.start and before is not None:
-            pass
         self.clause, self.pending, self.head = clause, None, []
         if subject is not None and subject.vehicles:
             self.focus = subject
@@ -299,13 +297,11 @@ class _Walker:
         if self.last is None or place == 0:
             return False
         at = place - 1
-        while at and (items[at].low in {",", "also", "still", "being"} or not items[at].kinds) and items[at].low != ",":
+        while at and items[at].low in {"also", "still", "being", "then", "likewise"}:
             at -= 1
         adjacent = items[at].span.end == self.last.span.end
         is_subject = old.subject is not None and old.subject.span == self.last.span
         return adjacent and not is_subject and verb.form in {"ing", "both", "participle"}
-
-    _of_head: list[tuple[Item, Actor]] = []
 
 
 def _is_end(items: Sequence[Item], place: int) -> bool:

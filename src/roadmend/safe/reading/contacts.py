@@ -11,7 +11,7 @@ from roadmend.safe.reading.tokens import Item
 
 _STRUCK_BY = frozenset({"by"})
 _INTO = frozenset({"into", "with", "against", "vs", "versus", "along", "between", "on", "in", "of"})
-_AGAIN = frozenset({"again", "second", "sideslap", "then", "subsequently"})
+_PUSHES = frozenset({"push", "shove", "knock", "propel", "throw", "force", "send", "drive", "deflect", "redirect"})
 
 
 def read_contacts(text: Text) -> tuple[ContactClaim, ...]:
@@ -44,6 +44,10 @@ def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
     words = [*clause.head, *clause.tail]
     kind = clause.kind
     if not clause.is_real and not (clause.governed & {"avoid"} and clause.governed & {"fail"}):
+        return
+    pushed = _pushed(clause, count)
+    if pushed is not None:
+        yield pushed
         return
     if clause.is_denied or (kind not in STRIKES | {"collide"} and not _is_told(clause, words)):
         return
@@ -88,6 +92,19 @@ def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
             yield _contact(strikers[0], other, mine, theirs, clause, words, confidence)
 
 
+def _pushed(clause: Clause, count: int) -> ContactClaim | None:
+    """One vehicle that is pushed into another: "shoved it into an SUV"."""
+    if clause.verb is None or clause.verb.lemma not in _PUSHES or clause.subject is None:
+        return None
+    into = next((actor for lead, actor in clause.others if lead.low == "into" and actor.vehicles), None)
+    moved = clause.object.vehicles if clause.object is not None else clause.subject.vehicles
+    if into is None or not moved or moved[0] == into.vehicles[0]:
+        return None
+    struck_side = into.part.side if into.part is not None else None
+    mine = Side.FRONT if struck_side is Side.REAR else None
+    return ContactClaim(moved[0], into.vehicles[0], mine, struck_side, 0, 0.85, ClaimSource.SUMMARY, "the one was pushed into the other", clause.span)
+
+
 def _is_told(clause: Clause, words: list[Item]) -> bool:
     """Whether a clause without a verb of contact tells of one: "V1 was involved in a crash with V2", "V2 front vs V1 side"."""
     if any(lead.low in {"vs", "versus"} for lead, _ in clause.others):
@@ -102,8 +119,10 @@ def _contact(striking: int, struck: int, mine: Part | None, theirs: Part | None,
     one, other = mine.side if mine is not None else None, theirs.side if theirs is not None else None
     if clause.kind == "strike_rear" or any(item.low in {"from behind", "from the rear"} for item in words):
         one, other = one or Side.FRONT, other or Side.REAR
+    elif other is Side.REAR and clause.kind != "strike_swipe":
+        one = one or Side.FRONT
     elif any(item.is_a("head_on") for item in words):
         one, other = one or Side.FRONT, other or Side.FRONT
-    elif clause.kind == "strike_side" or (other is not None and one is None and clause.kind == "strike"):
+    elif clause.kind == "strike_side" or (other is not None and one is None and clause.kind == "strike" and not clause.is_passive):
         one = one or Side.FRONT
     return ContactClaim(striking, struck, one, other, 0, confidence, ClaimSource.SUMMARY, f"the text says that they touched ({clause.verb.lemma if clause.verb else 'told'})", clause.span)

@@ -59,9 +59,10 @@ def crash_places(clauses: Sequence[Clause]) -> dict[int, bool]:
     """By place of a clause: whether vehicles have touched before it."""
     touched, found = False, {}
     for place, clause in enumerate(clauses):
-        found[place] = touched or clause.kind == "after"
+        found[place] = touched or (clause.kind == "after" and clause.verb is not None and clause.verb.lemma != "face")
         if clause.is_real and (clause.kind in STRIKES or clause.kind == "collide") and clause.subject is not None and clause.subject.vehicles:
-            touched = touched or clause.object is not None or clause.is_passive or clause.kind == "collide" or bool(clause.others)
+            several = clause.kind != "collide" or len(clause.subject.vehicles) > 1
+            touched |= clause.object is not None or (several and (clause.is_passive or bool(clause.others) or clause.kind == "collide"))
     return found
 
 

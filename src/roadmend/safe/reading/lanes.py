@@ -38,6 +38,8 @@ class LaneCount:
 def read_lanes(text: Text) -> Iterator[Claim]:
     """The claims of a text about the number of its lanes; the largest road of a place counts."""
     counts = [count for sentence in text.sentences for count in _of_sentence(sentence)]
+    middle = {sentence.index for sentence in text.sentences if any(item.is_a("middle_lane") for item in sentence.items)}
+    counts += [LaneCount(1, "", "center", is_each=False, is_divided=False, span=Span(0, 0), sentence=index) for index in middle if not any(each.kind == "center" and each.sentence == index for each in counts)]
     totals: list[tuple[int, float, str, Span]] = []
     for count in counts:
         if count.kind == "road":
@@ -80,7 +82,7 @@ def _by_way(counts: Sequence[LaneCount]) -> list[tuple[int, float, str, Span]]:
             found.append((sum(known.values()) + extra, 0.9, "the text counts the lanes of both directions", spans[0]))
         elif sum(known.values()) > 0:
             own = next(iter(known.values()))
-            found.append((2 * own, 0.5, "the text counts the lanes of one direction, and the other is taken to have as many", spans[0]))
+            found.append((2 if own == 1 else own, 0.6, "the text counts the lanes of one direction alone", spans[0]))
     return found
 
 
@@ -105,7 +107,7 @@ def _bare(counts: Sequence[LaneCount], text: Text) -> list[tuple[int, float, str
         return []
     most = max(plain, key=lambda each: each.number)
     one_way = any(item.is_a("one_way") for sentence in text.sentences for item in sentence.items)
-    turning = sum(each.number for each in counts if each.kind in {"turn", "center"} and each.way == "" and each.sentence == most.sentence)
+    turning = sum(each.number for each in counts if each.kind in {"turn", "center"} and each.way == "" and each.sentence == most.sentence and each.span.end)
     is_single = most.number == 1 and not one_way
     total = 2 if is_single else most.number + (turning if most.number > 1 else 0)
     return [(total, 0.55 if not most.is_divided else 0.4, "the text counts lanes and does not say of which direction", most.span)]
@@ -117,6 +119,8 @@ def _of_sentence(sentence: Sentence) -> Iterator[LaneCount]:
     place = 0
     while place < len(items):
         number = items[place].kinds.get("number")
+        if items[place].low == "a" and place + 2 < len(items) and (items[place + 1].is_a("lane") and items[place + 2].is_a("each")):
+            number = 1
         if not isinstance(number, int) or not 1 <= number <= 12 or items[place].is_a("time"):  # noqa: PLR2004
             place += 1
             continue
@@ -148,7 +152,7 @@ def _lane_after(items: Sequence[Item], place: int) -> int | None:
 
 
 def _count(items: Sequence[Item], place: int, lane: int, sentence: Sentence, *, is_divided: bool) -> LaneCount | None:
-    number = int(items[place].kinds["number"])
+    number = int(items[place].kinds.get("number", 1))
     between = items[place + 1 : lane]
     stop = next((at for at, each in enumerate(between) if each.low == "and" and any(one.is_a("number") for one in between[at:])), len(between))
     own = between[:stop]
@@ -206,6 +210,9 @@ def _implied(text: Text) -> Iterator[Claim]:
     """Two lanes, where there is one to come towards and no word of more."""
     for sentence in text.sentences:
         for item in sentence.items:
-            if item.is_a("undivided", "two_way", "centerline", "wrong", "each") and len(item.low) > 4:  # noqa: PLR2004
+            if item.is_a("one_way"):
+                yield claim("num_lanes", 1, 0.5, "no lanes are counted, and the road is one-way", item.span)
+                return
+            if item.is_a("undivided", "two_way", "centerline", "wrong") and len(item.low) > 4:  # noqa: PLR2004
                 yield claim("num_lanes", 2, 0.5, f"no lanes are counted, but the text speaks of {item.low}", item.span)
                 return

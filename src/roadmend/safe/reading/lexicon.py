@@ -19,7 +19,7 @@ Senses = Mapping[str, Any]  # kind of word -> what it means; a word may be of se
 LONGEST = 7  # words in a phrase
 _FUZZY_FROM = 6  # letters
 _VOWELS = "aeiou"
-_PREFIXES = frozenset({"rear", "t", "side", "u", "broad", "tail", "back", "lane", "double", "re"})
+_PREFIXES = frozenset({"rear", "t", "side", "u", "broad", "tail", "lane", "double", "re"})
 _SHORT = 4  # letters of a verb that doubles its last one: "stop", "skid"
 _CLASSES = {
     "sedan": DslModel.SEDAN,
@@ -177,7 +177,11 @@ def names() -> Mapping[str, tuple[NameSense, ...]]:
 def _long_words() -> Mapping[str, tuple[str, ...]]:
     """Single words of the tables that are long enough to be told when mistyped, by each way to leave a letter out."""
     ways: dict[str, list[str]] = {}
-    words = {key for key in senses() if len(key) >= _FUZZY_FROM and key.isalpha()}
+    words = {
+        key
+        for key, kinds in senses().items()
+        if key.isalpha() and len(key) >= _FUZZY_FROM + 2 * bool({"time", "weather"} & kinds.keys())
+    }
     words |= {
         key
         for key, each in names().items()

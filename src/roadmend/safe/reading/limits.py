@@ -45,7 +45,8 @@ def read_limits(text: Text) -> tuple[PostedLimit, ...]:
 
 def _of_sentence(sentence: Sentence, text: Text, *, is_metric: bool) -> Iterator[PostedLimit]:
     items = sentence.items
-    words = [place for place, item in enumerate(items) if item.is_a("limit")]
+    says = any(item.verb is not None and item.verb.kind == "say" for item in items)
+    words = [place for place, item in enumerate(items) if item.is_a("limit") or (says and item.low in {"sign", "signs"})]
     used: set[int] = set()
     for place, item in enumerate(items):
         number = item.kinds.get("number")
@@ -54,10 +55,10 @@ def _of_sentence(sentence: Sentence, text: Text, *, is_metric: bool) -> Iterator
         unit = items[place + 1].kinds.get("mph") if place + 1 < len(items) else None
         nearest = min((abs(place - word) for word in words), default=99)
         zone = place + 1 < len(items) and items[place + 1].low in {"zone", "limit"} or (place + 2 < len(items) and unit and items[place + 2].low in {"zone", "limit", "road"})
-        if nearest > _REACH + (10 if unit else 0) and not zone:
-            if not (unit and _is_road_fact(items, place)):
-                continue
-        if unit is None and not zone and (nearest > _REACH or number % 5 or place + 1 < len(items) and items[place + 1].is_a("lane", "thing", "body", "time") or not _is_bare_limit(items, place, words)):
+        is_fact = _is_road_fact(items, place) and (unit is not None or (number % 5 == 0 and place > 0 and items[place - 1].low == ","))
+        if nearest > _REACH + (10 if unit else 0) and not zone and not is_fact:
+            continue
+        if unit is None and not zone and not is_fact and (nearest > _REACH or number % 5 or place + 1 < len(items) and items[place + 1].is_a("lane", "thing", "body", "time") or not _is_bare_limit(items, place, words)):
             continue
         if any(each.is_a("advisory", "speed") for each in items[max(0, place - 4) : place]) and not any(each.is_a("limit") for each in items[max(0, place - 3) : place]) and not zone:
             follows = any(each.is_a("limit") for each in items[place + 1 : place + 8])
@@ -81,7 +82,7 @@ def _is_bare_limit(items: Sequence[Item], place: int, words: Sequence[int]) -> b
 def _is_road_fact(items: Sequence[Item], place: int) -> bool:
     """Whether a speed stands among facts about the road: "2 lane rd, 45 mph"."""
     near = items[max(0, place - 5) : place]
-    return any(each.is_a("lane", "road", "divided", "each", "two_way") for each in near) and not any(each.verb is not None and each.verb.kind not in {"own"} for each in near)
+    return any(each.is_a("lane", "road", "divided", "each", "two_way", "middle_lane") for each in near) and not any(each.verb is not None and each.verb.kind not in {"own"} for each in near)
 
 
 def _in_mph(items: Sequence[Item], place: int, unit: str) -> tuple[int, int]:
@@ -117,14 +118,26 @@ def _place(items: Sequence[Item], place: int, last: int, sentence: Sentence, tex
         vehicles = frozenset(
             vehicle
             for mention in text.spoken.mentions[sentence.index]
-            if part[0].span.start <= mention.span.start < part[-1].span.end and mention.description is not None
+            if part[0].span.start <= mention.span.start < part[-1].span.end
+            and mention.description is not None
+            and _belongs(items, mention.first, mention.last)
             for vehicle in mention.vehicles
         )
         lanes = next((each.kinds["number"] for each, following in zip(part, part[1:], strict=False) if each.is_a("number") and following.is_a("lane")), None)
-        names = frozenset(each.low for each, following in zip(part, [*part[1:], None], strict=False) if each.text[:1].isupper() and each.is_a("ordinal") or (each.text[:1].isupper() and not each.kinds and not each.text.isupper() and each.span.start > sentence.span.start) or (each.text[:1].isupper() and not each.kinds and following is not None and (following.is_a("road") or following.is_a("auxiliary"))))
+        names = frozenset(_name(each) for each, following in zip(part, [*part[1:], None], strict=False) if each.text[:1].isupper() and each.is_a("ordinal") or (each.text[:1].isupper() and not each.kinds and not each.text.isupper() and each.span.start > sentence.span.start) or (each.text[:1].isupper() and not each.kinds and following is not None and (following.is_a("road") or following.is_a("auxiliary"))))
         if found or vehicles or lanes or names:
             return found, vehicles, names, lanes
     return frozenset(), frozenset(), frozenset(), None
+
+
+def _name(item: Item) -> str:
+    """A road's name; "4th" and "Fourth" are one."""
+    return str(item.kinds.get("ordinal", item.low))
+
+
+def _belongs(items: Sequence[Item], first: int, last: int) -> bool:
+    """Whether a limit is said to be this vehicle's: "for V2", "V2's limit"."""
+    return (first > 0 and items[first - 1].low == "for") or (last + 1 < len(items) and items[last + 1].low == "'s")
 
 
 def claim_limits(text: Text, limits: Sequence[PostedLimit]) -> Iterator[Claim]:
@@ -138,9 +151,11 @@ def claim_limits(text: Text, limits: Sequence[PostedLimit]) -> Iterator[Claim]:
                 confidence = limit.confidence if vehicle in limit.vehicles else 0.35
             elif limit.names & mine:
                 confidence = limit.confidence
-            elif limit.names and (limit.names & others or len(limits) > 1):
+            elif limit.names and limit.names & others:
+                confidence = 0.3 if mine else 0.62
+            elif limit.names and mine and len({each.mph for each in limits}) > 1:
                 confidence = 0.3
-            elif limit.ways or limit.lanes:
+            elif (limit.ways or limit.lanes) and not limit.names:
                 continue
             else:
                 confidence = limit.confidence - (0.2 if len({each.mph for each in limits}) > 1 else 0.0)
@@ -155,7 +170,7 @@ def _roads_of_vehicles(text: Text) -> dict[int, frozenset[str]]:
             continue
         words = [*clause.head, *clause.tail]
         for place, item in enumerate(words):
-            if item.low in {"on", "along", "down", "off"} and place + 1 < len(words) and words[place + 1].text[:1].isupper():
+            if item.low in {"on", "along", "down", "off"} and place + 1 < len(words) and (words[place + 1].text[:1].isupper() or words[place + 1].is_a("ordinal")):
                 for vehicle in clause.subject.vehicles:
-                    found.setdefault(vehicle, set()).add(words[place + 1].low)
+                    found.setdefault(vehicle, set()).add(_name(words[place + 1]))
     return {vehicle: frozenset(names) for vehicle, names in found.items()}

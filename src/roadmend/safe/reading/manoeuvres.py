@@ -24,7 +24,8 @@ def read_manoeuvres(text: Text) -> Iterator[Claim]:
             if afterwards[place] and what == "manoeuvre" and value is Manoeuvre.RUN_OFF:
                 continue
             for vehicle in clause.subject.vehicles:
-                yield claim(of_vehicle(vehicle, what), value, weakened(confidence, is_after=afterwards[place]), reason, span)
+                sure = confidence if clause.subject.span.start >= clause.sentence.span.start else 0.6 * confidence
+                yield claim(of_vehicle(vehicle, what), value, weakened(sure, is_after=afterwards[place]), reason, span)
     for row in text.spoken.mentions:
         for mention in row:
             for trait in mention.traits:
@@ -41,7 +42,7 @@ def _of_clause(clause: Clause) -> Iterator[tuple[str, Action | Manoeuvre, float,
         hand, confidence, span = turn
         meant = bool(clause.governed & {"intend"}) or clause.kind in {"intend", "stop"}
         waits = bool(clause.governed & {"stop"}) or clause.kind == "stop"
-        confidence = min(confidence, 0.75 if waits else 0.88 if meant else 1.0)
+        confidence = min(confidence, 0.86 if waits else 0.92 if meant else 1.0)
         yield "action", _TURNS[hand.value], confidence, "it is said to turn that way" if not meant else "it is said to mean to turn that way", span
     words = [*clause.head, *clause.tail]
     kind, meant = clause.kind, bool(clause.governed & {"intend", "avoid"})
@@ -90,6 +91,11 @@ def _turn(clause: Clause) -> tuple[Side, float, Span] | None:
                 break
             if item.is_a("hand") and (clause.kind == "turn" or (clause.kind == "do" and _is_bare(clause.tail, place))):
                 return Side(item.kinds["hand"]), 0.96, Span(clause.span.start, item.span.end)
+    if clause.kind in {"travel", "emerge"} and clause.verb is not None and clause.verb.lemma in {"go", "head", "pull"}:
+        for place, item in enumerate(clause.tail[:2]):
+            after = clause.tail[place + 1] if place + 1 < len(clause.tail) else None
+            if item.is_a("hand") and (after is None or after.low not in {"of", "lane"}) and not any(each.low in {"the", "from", "to"} for each in clause.tail[:place]):
+                return Side(item.kinds["hand"]), 0.85, item.span
     if clause.kind == "after":
         return None
     for place, item in enumerate(items):

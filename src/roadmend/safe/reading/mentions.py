@@ -88,7 +88,8 @@ def find_mentions(sentences: Sequence[Sentence]) -> Spoken:
                     mention.description, is_new=mention.is_new, is_headline=is_headline
                 )
     own = spoken.roll.own()
-    for row in found:
+    for sentence, row in zip(sentences, found, strict=True):
+        _seat(sentence, row)
         for mention in row:
             if mention.kind is MentionKind.SELF:
                 mention.vehicles = own
@@ -110,6 +111,15 @@ def _own(sentence: Sentence, row: Sequence[Mention]) -> None:
             last = between[-1] if between else None
             if last is not None and (last.low in {"in", "driving", "drove"}) and len(between) < _REACH:
                 other.description = replace(other.description, is_own=True)
+
+
+def _seat(sentence: Sentence, row: Sequence[Mention]) -> None:
+    """Put a person into the vehicle that it is said to sit in: "he's in a Dodge Ram"."""
+    for one, other in zip(row, row[1:], strict=False):
+        if one.kind in {MentionKind.ONE, MentionKind.PERSON} and not one.vehicles and other.description is not None:
+            between = sentence.items[one.last + 1 : other.first]
+            if between and between[-1].low in {"in", "driving", "drove", "operating"} and len(between) <= 3:  # noqa: PLR2004
+                one.vehicles = other.vehicles
 
 
 def _couple(sentence: Sentence, row: Sequence[Mention]) -> None:
@@ -265,7 +275,7 @@ def _is_head(items: Sequence[Item], place: int) -> bool:
     before = items[place - 1] if place else None
     after = items[place + 1] if place + 1 < len(items) else None
     if item.is_a("body") and not item.is_a("axlewords"):
-        if before is not None and before.kinds.get("number") in range(2, 20) and (after is None or not after.is_a("name", "body")):
+        if before is not None and before.kinds.get("number") in range(2, 20) and not (place > 1 and (items[place - 2].is_a("thing") or items[place - 2].low == "#")) and (after is None or not after.is_a("name", "body")):
             return False  # "a 3-car crash"
         if item.low == "trailer" and (before is None or not (before.kinds.get("determiner") == "the" or before.low == "'s")):
             return False  # a truck's, not a vehicle of its own
@@ -352,7 +362,7 @@ def _pronoun(items: Sequence[Item], place: int) -> Mention | None:
         return Mention(place, last, _span(items, place, last), MentionKind.OTHER, is_person=items[last].is_a("person"))
     if kind == "both":
         last = place + 1 if after is not None and (after.kinds.get("thing") == "vehicles" or after.low in {"drivers", "vehicles", "cars", "trucks"}) else place
-        return Mention(place, last, _span(items, place, last), MentionKind.BOTH) if item.low != "both" or last > place or after is None or not after.is_a("road", "determiner", "junction", "lane", "bound", "compass", "hand") else None
+        return Mention(place, last, _span(items, place, last), MentionKind.BOTH) if item.low not in {"both", "all"} or (item.low == "all" and after is not None and after.is_a("bound", "auxiliary", "verb")) or last > place or after is None or not after.is_a("road", "determiner", "junction", "lane", "bound", "compass", "hand") else None
     if kind in {"it", "one", "its"}:
         return Mention(place, place, here, {"it": MentionKind.IT, "one": MentionKind.ONE, "its": MentionKind.POSSESSIVE}[kind], is_person=kind == "one") if not (item.low == "this" or (item.low == "that")) else None
     if item.kinds.get("thing") == "vehicles" and place and items[place - 1].is_a("determiner"):
@@ -364,6 +374,8 @@ def _pronoun(items: Sequence[Item], place: int) -> Mention | None:
         traits = tuple(each for each in items[first:place] if each.is_a("bound", "oncoming", "parked", "stationary"))
         is_new = items[first].kinds.get("determiner") == "a"
         return Mention(first, place, _span(items, first, place), MentionKind.NAMED, is_new=is_new, traits=traits, description=Description(words="vehicle", span=here, is_definite=not is_new, marks=frozenset(each.low for each in traits)))
+    if item.kinds.get("person") == "other":
+        return Mention(place, place, here, MentionKind.PERSON, is_person=True, is_new=True)
     if item.kinds.get("person") in {"driver", "someone"} and len(item.low) > 2:  # noqa: PLR2004
         first = place - 1 if place and items[place - 1].is_a("determiner") else place
         return Mention(first, place, _span(items, first, place), MentionKind.PERSON, is_person=True, is_new=items[first].kinds.get("determiner") == "a")

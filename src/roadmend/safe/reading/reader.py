@@ -22,7 +22,7 @@ from roadmend.safe.dsl import (
     Time,
     Weather,
 )
-from roadmend.safe.reading.clauses import read_clauses
+from roadmend.safe.reading.clauses import STRIKES, read_clauses
 from roadmend.safe.reading.contacts import read_contacts
 from roadmend.safe.reading.facts import AXES, Text, claim, of_vehicle
 from roadmend.safe.reading.lanes import read_lanes
@@ -36,7 +36,7 @@ from roadmend.safe.reading.tokens import read_sentences
 from roadmend.safe.reading.ways import read_ways
 
 _LEAST_WAY = 0.42  # probability below which a direction is left open; four of them are a quarter each
-_LEAST = 0.3
+_LEAST = 0.5  # probability of a manoeuvre that is more than driving on
 _NO_VALUE = Judged(None, 0.0, (), None, ())
 _CODES = ("critical precrash", "critical pre crash", "critical pre-crash", "critical reason", "associated factor", "was coded")
 
@@ -52,6 +52,7 @@ class SummaryClaims:
         contacts: those of the claims that tell of a contact.
         limits: posted ones.
         left_out: places in the cast of vehicles that touched nothing.
+        others: who else was struck: "pedestrian", "animal".
     """
 
     text: Text
@@ -60,6 +61,7 @@ class SummaryClaims:
     contacts: tuple[ContactClaim, ...]
     limits: tuple[PostedLimit, ...]
     left_out: tuple[int, ...]
+    others: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +114,7 @@ def read_claims(summary: str) -> SummaryClaims | None:
         )
         for vehicle in spoken.roll.vehicles
     )
-    return SummaryClaims(text, cast, tuple(claims), contacts, limits, _outside(text, contacts))
+    return SummaryClaims(text, cast, tuple(claims), contacts, limits, _outside(text, contacts), _others(text))
 
 
 def _numbered(number: int | None) -> tuple[str, ...]:
@@ -124,6 +126,18 @@ def _models(text: Text) -> Iterator[Claim]:
         body, confidence, span = vehicle.description.body()
         if body is not None:
             yield claim(of_vehicle(vehicle.place, "model"), body, confidence, f"it is called {vehicle.description.words}", span)
+
+
+def _others(text: Text) -> tuple[str, ...]:
+    """Who was struck and is no vehicle."""
+    found = {
+        item.kinds["walker"]
+        for clause in text.clauses
+        if clause.is_real and clause.kind in STRIKES | {"collide"}
+        for item in [*clause.head, *clause.tail[:5]]
+        if item.is_a("walker")
+    }
+    return tuple(sorted(found))
 
 
 def _outside(text: Text, contacts: Sequence[ContactClaim]) -> tuple[int, ...]:
@@ -155,7 +169,7 @@ def assemble(said: SummaryClaims, more: Sequence[AnyClaim] = ()) -> ReportReadin
     """
     count = len(said.cast)
     kept = [place for place in range(count) if place not in said.left_out]
-    claims = [*said.claims, *more]
+    claims = [*said.claims, *(_on_ramp(each) for each in more)]
     claims = [each for each in claims if not _speaks_of(each, said.left_out)]
     judged = dict(solve(claims, count))
     road_type = judged["road_type"]
@@ -185,6 +199,13 @@ def assemble(said: SummaryClaims, more: Sequence[AnyClaim] = ()) -> ReportReadin
     contacts = [each for each in claims if isinstance(each, ContactClaim)]
     scenario = CrashScenario(road, tuple(vehicles), DescribedEnvironment(time.value, weather.value), tuple(_collisions(contacts, numbers)))
     return ReportReading(scenario, findings, tuple(said.cast[place].number for place in said.left_out))
+
+
+def _on_ramp(each: AnyClaim) -> AnyClaim:
+    """Where roads merge, the language has no direction but a road: to the solver that is a field of its own."""
+    if isinstance(each, Claim) and each.value in {Position.ON_RAMP, Position.MAIN_ROAD}:
+        return replace(each, path=each.path.replace("initial_position", "on_ramp"), value=each.value is Position.ON_RAMP)
+    return each
 
 
 def _speaks_of(each: AnyClaim, places: Sequence[int]) -> bool:
@@ -227,7 +248,8 @@ def _limit(said: SummaryClaims, known: Judged, place: int, heading: Position | N
             ways = _ways_of_lanes(said, limit.lanes)
             confidence = 0.9 if ways and heading in ways else 0.15 if ways and len(values) > 1 else confidence
         claims.append(claim(of_vehicle(place, "speed_limit_mph"), limit.mph, confidence, "the limit posted for its way", limit.span))
-    return judge(claims)
+    found = judge(claims)
+    return found if found.confidence > _LEAST_WAY else replace(found, value=None)
 
 
 def _same_axis(heading: Position, ways: Iterable[Position]) -> bool:

@@ -22,6 +22,7 @@ def read_roads(text: Text) -> Iterator[Claim]:
         yield from _stems(items)
         yield from _corner(items)
     yield from _of_clauses(text)
+    yield from _on_stem(text)
 
 
 def _of_word(items: Sequence[Item], place: int, item: Item) -> Iterator[Claim]:
@@ -53,6 +54,8 @@ def _of_word(items: Sequence[Item], place: int, item: Item) -> Iterator[Claim]:
     elif item.is_a("divided") or item.kinds.get("road") == "divided":
         if not denied:
             yield claim("is_divided", value=True, confidence=0.9 if item.is_a("divided") else 0.7, reason=f"the text says {item.low}", where=item.span)
+    if item.is_a("signal", "stop_sign", "yield_sign") and not denied and item.low not in {"signal", "lights", "signals", "signaled"}:
+        yield claim("road_type", RoadType.INTERSECTION, 0.62, f"the text speaks of a {item.low}", item.span)
     for name, control in (("stop_sign", Control.STOP_SIGN), ("yield_sign", Control.YIELD_SIGN), ("signal", Control.SIGNAL), ("uncontrolled", Control.NONE)):
         if item.is_a(name) and not denied and item.low not in {"signal", "lights", "signals"}:
             yield claim("control", control, 0.85, f"the text speaks of a {item.low}", item.span)
@@ -61,6 +64,8 @@ def _of_word(items: Sequence[Item], place: int, item: Item) -> Iterator[Claim]:
 def _stems(items: Sequence[Item]) -> Iterator[Claim]:
     """A road that ends, and on which side it lies."""
     for place, item in enumerate(items):
+        if item.low in {"crosses", "crossed by", "intersects"} and place and (items[place - 1].is_a("road", "number") or items[place - 1].text[:1].isupper()):
+            yield claim("road_type", RoadType.INTERSECTION, 0.85, "a road crosses there", item.span)
         verb = item.low in {"joins", "comes in", "meets", "enters", "ends", "tees", "joining", "dead ends", "intersects", "met", "joined", "comes", "terminates", "branches"} or item.is_a("ends") or item.kinds.get("junction") == "tee"
         if not verb:
             continue
@@ -75,6 +80,31 @@ def _stems(items: Sequence[Item]) -> Iterator[Claim]:
             yield claim("road_type", RoadType.T_INTERSECTION, 0.85, "a road ends there", item.span)
         if item.low in {"ends", "ends there"} and any(each.is_a("road") for each in items[:place]):
             yield claim("road_type", RoadType.T_INTERSECTION, 0.8, "a road ends there", item.span)
+
+
+def _on_stem(text: Text) -> Iterator[Claim]:
+    """Vehicles that come along the road that ends at a T, or cross the road that goes through."""
+    ending: dict[str, Span] = {}
+    for sentence in text.sentences:
+        for place, item in enumerate(sentence.items):
+            if item.is_a("ends") or item.low in {"ends", "dead ends", "joins", "comes in"}:
+                near = sentence.items[max(0, place - 3) : place]
+                name = next((each for each in reversed(near) if each.text[:1].isupper() and not each.is_a("determiner", "road", "pronoun")), None)
+                if name is not None:
+                    ending[name.low] = item.span
+    for clause in text.clauses:
+        if clause.subject is None or len(clause.subject.vehicles) != 1 or clause.kind not in {"", "travel", "approach", "emerge", "turn", "stop"}:
+            continue
+        path = f"vehicles[{clause.subject.vehicles[0]}].on_stem"
+        words = [*clause.head, *clause.tail]
+        for place, item in enumerate(words):
+            led = any(each.low in {"on", "along", "down", "of", "off", "from"} for each in words[max(0, place - 2) : place])
+            if item.low in ending and led:
+                yield claim(path, value=True, confidence=0.9, reason="it comes along the road that ends there", where=item.span)
+            elif item.is_a("ends") and item.low.startswith(("ends", "ended", "dead", "terminates")) and any(each.is_a("road", "relative") for each in words[:place]):
+                yield claim(path, value=True, confidence=0.85, reason="it comes along a road that ends", where=item.span)
+            elif item.is_a("axis") and clause.kind == "approach" and clause.verb is not None and clause.verb.lemma in {"cross", "travel", "go"} and any(each.is_a("lane") for each in words[place : place + 3]):
+                yield claim(path, value=True, confidence=0.75, reason="it crosses the road that goes through", where=item.span)
 
 
 def _corner(items: Sequence[Item]) -> Iterator[Claim]:
@@ -104,6 +134,8 @@ def _of_clauses(text: Text) -> Iterator[Claim]:
             place = words.index(ramp)
             led = {each.low for each in words[max(0, place - 5) : place]}
             enters = bool(led & {"onto", "into", "toward", "towards", "to"}) and not led & {"from", "on", "along", "of"}
+            from_it = bool(led & {"from", "on", "along", "by", "via", "down", "using"}) or (not enters and "lane" in led)
+            enters |= clause.kind == "approach" and not from_it
             weight = 0.35 if enters else 0.9 if ramp.kinds["ramp"] == "on" else 0.75
             for vehicle in clause.subject.vehicles[:1]:
                 if weight > ramps.get(vehicle, (0.0, clause.span))[0]:

@@ -19,7 +19,7 @@ from roadmend.safe.dsl import Action, Compass, Position, RoadType, Side
 _ACTIONS = (Action.MOVE_FORWARD, Action.TURN_LEFT, Action.TURN_RIGHT)
 _HAND = {Action.MOVE_FORWARD: None, Action.TURN_LEFT: Side.LEFT, Action.TURN_RIGHT: Side.RIGHT}
 _MOST_TOGETHER = 4  # vehicles whose scenes are enumerated together
-_STRAIGHT_ON = 1.6  # [nats] vehicles go straight on unless something says otherwise
+_STRAIGHT_ON = 1.0  # [nats] vehicles go straight on unless something says otherwise
 _AGAIN = 0.25  # how much a second claim of the same source for the same value adds, of its own weight
 _MISSING_LEG = 2.5  # [nats] that nobody comes from or goes where a T has no road
 _JUNCTIONS = (RoadType.INTERSECTION, RoadType.T_INTERSECTION)
@@ -167,8 +167,10 @@ class _Scene:
 
     def _roads(self) -> dict[RoadType, float]:
         said = _evidence(self.claims.get("road_type", []))
-        weights = {road: said.get(road, 0.0) - 1.5 for road in _ROADS}
-        weights[RoadType.STRAIGHT] += 1.5
+        weights = {road: said.get(road, 0.0) - 0.9 for road in _ROADS}
+        weights[RoadType.STRAIGHT] += 0.9
+        if max(said.get(road, 0.0) for road in _JUNCTIONS) > 0:
+            weights[RoadType.STRAIGHT] -= max(0.0, said.get(RoadType.STRAIGHT, 0.0))  # straight roads cross, too
         if RoadType.T_INTERSECTION in said and RoadType.INTERSECTION in said:
             weights[RoadType.INTERSECTION] -= min(said[RoadType.INTERSECTION], said[RoadType.T_INTERSECTION], 2.5)  # a T is one
         if said.get(RoadType.CURVE, 0.0) > 0 and said.get(RoadType.STRAIGHT, 0.0) > 0:
@@ -195,7 +197,7 @@ class _Scene:
         scores: list[tuple[tuple[_Way, ...], float]] = []
         pairs = {(one, other): self._pair_table(one, other, road) for one, other in itertools.combinations(range(len(group)), 2) if self._tied(group[one], group[other])} if len(group) > 1 else {}
         tables = {key: {} for key in pairs}
-        options = [[(way, self.unary[vehicle][way] + _on_road(way, road, stem, self._plays_turn(vehicle))) for way in self.unary[vehicle]] for vehicle in group]
+        options = [[(way, self.unary[vehicle][way] + _on_road(way, road, stem) + self._on_stem(vehicle, way, stem)) for way in self.unary[vehicle]] for vehicle in group]
         for chosen in itertools.product(*options):
             weight = sum(each[1] for each in chosen)
             for (one, other), links in pairs.items():
@@ -218,8 +220,13 @@ class _Scene:
                 fields.append((path, {value: math.log(max(share, 1e-300)) + top - total for value, share in values.items()}))
         return total, fields
 
-    def _plays_turn(self, vehicle: int) -> bool:
-        return bool(self._of(vehicle, "action"))
+    def _on_stem(self, vehicle: int, way: _Way, stem: Compass | None) -> float:
+        """What it weighs that a vehicle is said to come along the road that ends."""
+        weight = _evidence(self._of(vehicle, "on_stem")).get(True, 0.0)
+        if stem is None or not weight:
+            return 0.0
+        runs_through = way.action is Action.MOVE_FORWARD and origin_of(way.heading) is stem
+        return (weight if origin_of(way.heading) is stem else -weight) + (_MISSING_LEG * 0.7 if runs_through else 0.0)
 
     def _tied(self, one: int, other: int) -> bool:
         return any({each.first, each.second} == {one, other} for each in self.relations) or any({each.striking, each.struck} == {one, other} for each in self.contacts)
@@ -268,11 +275,11 @@ def _holds(kind: Relation, mine: Position, theirs: Position) -> bool:
     return theirs is turned(mine, Side.LEFT)
 
 
-def _on_road(way: _Way, road: RoadType, stem: Compass | None, is_said: bool) -> float:
+def _on_road(way: _Way, road: RoadType, stem: Compass | None) -> float:
     """How well a way fits a road: turns want a junction, and a T has one leg less."""
     weight = 0.0
     if way.action is not Action.MOVE_FORWARD and road not in _JUNCTIONS:
-        weight -= 1.0
+        weight -= 0.5
     if stem is not None:
         missing = TOWARDS[_towards(stem)]
         weight -= _MISSING_LEG if origin_of(way.heading) is missing else 0.0
@@ -293,7 +300,7 @@ def _contact_weight(mine: _Way, theirs: _Way, front: Side | None, side: Side | N
     crossing = not same and not facing
     turns = mine.action is not Action.MOVE_FORWARD or theirs.action is not Action.MOVE_FORWARD
     if crossing:
-        weight += 0.3 if road in _JUNCTIONS else -1.2
+        weight += 0.3 if road in _JUNCTIONS else -2.2
     if facing and not turns and road in _JUNCTIONS:
         weight -= 0.4
     if front is Side.FRONT and side is Side.REAR:

@@ -147,10 +147,14 @@ def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
     for length in range(min(LONGEST, len(tokens) - place), 0, -1):
         taken = tokens[place : place + length]
         letters = [squeeze(token.low) for token in taken]
-        key = "".join(letters) if letters[0] and letters[-1] else ""
+        key = "".join(letters) if letters[0] and letters[-1] and taken[-1].low != "'s" else ""
         if length > 1 and len(key) < _JOINED and not all(token.is_glued for token in taken[1:]):
             continue
         kinds = dict(senses().get(key, {}))
+        if length > 2 and not kinds and _starts_verb(taken[0]):  # noqa: PLR2004 - "ran straight into"
+            kept = [taken[0], *(token for token in taken[1:] if "adverb" not in senses().get(squeeze(token.low), {}))]
+            kinds = dict(senses().get("".join(squeeze(token.low) for token in kept), {})) if len(kept) > 1 else {}
+            kinds = kinds if "verb" in kinds and taken[-1] is kept[-1] else {}
         named = names().get(key, ()) if key and _may_be_name(taken) else ()
         if named:
             kinds["name"] = named
@@ -167,6 +171,10 @@ def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
             kinds["name"] = names()[mended]
         return 1, kinds
     return 1, {}
+
+
+def _starts_verb(token: Token) -> bool:
+    return "verb" in senses().get(squeeze(token.low), {})
 
 
 def _may_be_name(taken: Sequence[Token]) -> bool:

@@ -21,6 +21,8 @@ def read_ways(text: Text) -> Iterator[Claim | DirectionClaim]:
     afterwards = crash_places(text.clauses)
     for place, clause in enumerate(text.clauses):
         yield from _of_clause(clause, is_after=afterwards[place])
+        yield from _from_driveway(clause)
+        yield from _of_place(clause, text.count)
         yield from _relations(clause, text.count)
     for row in text.spoken.mentions:
         for mention in row:
@@ -31,8 +33,14 @@ def read_ways(text: Text) -> Iterator[Claim | DirectionClaim]:
 
 
 def _of_clause(clause: Clause, *, is_after: bool) -> Iterator[Claim]:
-    if clause.subject is None or not clause.subject.vehicles or clause.kind == "after" and clause.verb is not None and clause.verb.lemma != "face":
+    if clause.subject is None or not clause.subject.vehicles:
         return
+    if clause.kind == "after" and clause.verb is not None and clause.verb.lemma == "face" and (not is_after or clause.governed & {"stop", "park"}):
+        for item in clause.tail[:3]:
+            way = direction(item)
+            if way is not None:
+                for vehicle in clause.subject.vehicles:
+                    yield claim(of_vehicle(vehicle, "initial_position"), way, 0.9, "it is said to face that way", item.span)
     for items, is_head in ((clause.head, True), (clause.tail, False)):
         for place, item in enumerate(items):
             way = direction(item)
@@ -64,6 +72,12 @@ def _meaning(clause: Clause, items: Sequence[Item], place: int, *, is_head: bool
     after = items[place + 1] if place + 1 < len(items) else None
     if kind in STRIKES | {"collide"} and not is_head:
         return None
+    if item.low in {"sb", "s b"} and after is not None and after.low in {"used", "worn", "on", "in use", "not"}:
+        return None  # a seat belt
+    if any(each.is_a("ends") or each.low in {"joins", "enters", "tees"} for each in items[max(0, place - 6) : place]):
+        return None  # a road that comes from there
+    if any(each.is_a("weather") for each in items[max(0, place - 3) : place]):
+        return None  # "winds from the south"
     if kind == "after":
         return None
     if after is not None and (after.low in _NOT_A_WAY or (after.is_a("shoulder") and not item.is_a("bound"))):
@@ -108,6 +122,32 @@ def _meaning(clause: Clause, items: Sequence[Item], place: int, *, is_head: bool
 _REASONS["heading_on"] = "it meant to go on that way"
 
 
+def _of_place(clause: Clause, count: int) -> Iterator[Claim]:
+    """Where the crash was: "the crash occurred in the northbound lanes of a divided road"."""
+    if clause.kind not in {"collide", ""} or (clause.subject is not None and clause.subject.vehicles and clause.kind == ""):
+        return
+    if len(clause.subject.vehicles if clause.subject is not None else ()) > 1 or clause.object is not None or clause.others:
+        return
+    ways = {direction(item) for item in clause.tail if item.is_a("bound")}
+    if len(ways) == 1 and not any(item.is_a("axis", "junction") for item in clause.tail):
+        item = next(item for item in clause.tail if item.is_a("bound"))
+        for vehicle in range(count):
+            yield claim(of_vehicle(vehicle, "initial_position"), direction(item), 0.68, "the crash was on that side of the road", item.span)
+
+
+def _from_driveway(clause: Clause) -> Iterator[Claim]:
+    """Who comes out of a driveway on the east side of a street heads west."""
+    words = [*clause.head, *clause.tail]
+    if clause.subject is None or clause.kind not in {"emerge", "travel", "reverse"} or not any(item.is_a("driveway") for item in words):
+        return
+    backs = clause.kind == "reverse" or any(item.verb is not None and item.verb.kind == "reverse" for item in words)
+    for item, after in zip(words, words[1:], strict=False):
+        way = direction(item)
+        if way is not None and item.is_a("compass") and after.low in {"side", "edge"} and not backs:
+            for vehicle in clause.subject.vehicles[:1]:
+                yield claim(of_vehicle(vehicle, "initial_position"), opposite(way), 0.85, f"it comes from the {item.low} side", item.span)
+
+
 def _relations(clause: Clause, count: int) -> Iterator[DirectionClaim]:
     subject = clause.subject
     if subject is None or not subject.vehicles or clause.is_denied:
@@ -120,7 +160,8 @@ def _relations(clause: Clause, count: int) -> Iterator[DirectionClaim]:
         if not actor.vehicles or actor.vehicles[0] == mine:
             continue
         if lead.is_a("ahead", "behind") and clause.kind in {"", "travel", "stop", "slow", "follow", "approach", "park", "change_lane", "own"} and (not lead.is_a("path") or clause.kind in {"", "stop", "slow", "travel", "park"}):
-            yield relation(mine, actor.vehicles[0], Relation.SAME, 0.85, f"the one was {lead.low} the other", lead.span)
+            if clause.verb is None or clause.verb.lemma != "come":
+                yield relation(mine, actor.vehicles[0], Relation.SAME, 0.85 if not lead.is_a("path") else 0.78, f"the one was {lead.low} the other", lead.span)
         elif lead.is_a("beside") and clause.kind in {"", "travel", "stop"}:
             yield relation(mine, actor.vehicles[0], Relation.SAME, 0.75, f"the one was {lead.low} the other", lead.span)
         elif lead.is_a("oncoming"):
