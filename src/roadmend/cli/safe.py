@@ -32,7 +32,7 @@ from roadmend.safe.driving import CrashTestJob, CrashTestResult, Task
 from roadmend.safe.extraction_run import Extracted, extract_reports
 from roadmend.safe.planning import do_all, plan
 from roadmend.safe.report import find_reports
-from roadmend.safe.sketch_text import is_sketch_read
+from roadmend.safe.sketch_claims import is_sketch_read
 from roadmend.safe.stage_one import StageOneOptions
 from roadmend.world.scenario_file import load_scenario
 

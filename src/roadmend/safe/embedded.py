@@ -2,20 +2,18 @@
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from enum import StrEnum
 from typing import Any
 
 from roadmend.language.chat import Image
 from roadmend.safe.claims import AnyClaim, Box, Cast, Claim, Span
-from roadmend.safe.dsl import CrashScenario
 from roadmend.safe.extraction import Extraction, ExtractionError, FieldEvidence, Step, Watch, unwatched
 from roadmend.safe.reading.reader import ReportReading, SummaryClaims, assemble, read_claims
 from roadmend.safe.reading.scene import Judged
 from roadmend.safe.report import CrashReport
-from roadmend.safe.sketch_text import SketchText, posted_limit, read_sketch
+from roadmend.safe.sketch_claims import SketchClaims, claims_of_sketch
 
-ReadSketch = Callable[[Image, Cast], Sequence[AnyClaim]]
+ReadSketch = Callable[[Image, Cast], SketchClaims]
 
 _WORDS = re.compile(r"[^\W\d_]+")
 _ENGLISH = """
@@ -25,7 +23,6 @@ be been when while after before both one two i my he she we you they there then 
 _SHORTHAND = frozenset("nb sb eb wb veh v unit vs op rd st psl mph ln hwy driver front rear left right".split())
 _FUNCTION_WORDS = frozenset(_WORDS.findall(_ENGLISH)) | _SHORTHAND
 _LEAST_ENGLISH = 0.2  # share of function words; in English prose it is near one half
-_TRUST_IN_SKETCH = 0.6
 _FEWEST_WORDS = 12  # below that, shares say nothing
 _IN_DOUBT = 0.7  # a field below that is named in the notes
 _SECOND = 0.1  # a second reading that is told
@@ -35,14 +32,10 @@ class EmbeddedExtractor:
     """Reads the summary, and of the sketch what its reader makes claims of; one scene has to satisfy both.
 
     Args:
-        read: gives the words of a sketch, for a posted limit about which the summary is silent.
-        read_sketch: makes claims of a sketch, given the summary's cast; in place of ``read`` where it is given.
+        read_sketch: makes claims of a sketch, given the summary's cast.
     """
 
-    def __init__(
-        self, read: Callable[[Image], SketchText] = read_sketch, read_sketch: ReadSketch | None = None
-    ) -> None:
-        self.read = read
+    def __init__(self, read_sketch: ReadSketch = claims_of_sketch) -> None:
         self.read_sketch = read_sketch
 
     def extract(self, report: CrashReport, watch: Watch = unwatched) -> Extraction:
@@ -61,36 +54,14 @@ class EmbeddedExtractor:
             raise ExtractionError("the summary speaks of no vehicle; is it the report of a crash?")
         more: Sequence[AnyClaim] = ()
         sketch = "there is none"
-        if report.sketch is not None and self.read_sketch is not None:
-            more = self.read_sketch(report.sketch, said.cast)
-            sketch = f"read: it made {len(more)} claims"
+        if report.sketch is not None:
+            seen = self.read_sketch(report.sketch, said.cast)
+            more, sketch = seen.claims, seen.note
         reading = assemble(said, more)
         evidence = {name: _evidence(finding, report.summary) for name, finding in reading.findings.items()}
         notes = [*report.notes, *_limits(said, reading), *_doubts(reading.findings)]
         notes += [f"vehicle {number} touched nothing and was left out" for number in reading.left_out]
-        scenario = reading.scenario
-        if report.sketch is not None and self.read_sketch is None:
-            scenario, evidence, sketch = self._words(report.sketch, scenario, evidence)
-        return Extraction(scenario, evidence, sketch, tuple(notes))
-
-    def _words(
-        self, image: Image, scenario: CrashScenario, evidence: dict[str, FieldEvidence]
-    ) -> tuple[CrashScenario, dict[str, FieldEvidence], str]:
-        """Give the vehicles a limit that is written on the sketch, where the summary has none."""
-        if all(vehicle.speed_limit_mph is not None for vehicle in scenario.vehicles):
-            note = "not read: this backend looks for nothing but speed limits there, and the summary has them"
-            return scenario, evidence, note
-        written = self.read(image)
-        limit = posted_limit(written.text or "")
-        if limit is None:
-            return scenario, evidence, written.note
-        found = FieldEvidence(limit, None, _TRUST_IN_SKETCH, f"the sketch says {limit} mph")
-        vehicles, filled = list(scenario.vehicles), dict(evidence)
-        for index, vehicle in enumerate(scenario.vehicles):
-            if vehicle.speed_limit_mph is None:
-                vehicles[index] = replace(vehicle, speed_limit_mph=limit)
-                filled[f"vehicles[{index}].speed_limit_mph"] = found
-        return replace(scenario, vehicles=tuple(vehicles)), filled, written.note
+        return Extraction(reading.scenario, evidence, sketch, tuple(notes))
 
 
 def _limits(said: SummaryClaims, reading: ReportReading) -> Iterator[str]:
