@@ -5,6 +5,7 @@ import math
 import cv2
 import numpy as np
 
+from roadmend.core.appearance import VEHICLE_COLOURS
 from roadmend.safe.claims import Box
 from roadmend.safe.sketch.conditions import conditions
 from roadmend.safe.sketch.picture import Pixels
@@ -12,7 +13,6 @@ from roadmend.safe.sketch.reading import SketchReading
 
 Colour = tuple[int, int, int]  # RGB
 
-_VEHICLES: tuple[Colour, ...] = ((196, 30, 150), (0, 110, 220), (20, 140, 60), (210, 110, 0))  # by number, from 1
 _UNKNOWN: Colour = (120, 120, 120)
 _LIMIT: Colour = (0, 130, 0)
 _CONDITION: Colour = (120, 60, 200)
@@ -35,14 +35,14 @@ def drawn_over(reading: SketchReading) -> bytes:
         _boxed(canvas, condition.box, condition.value.value, _CONDITION, line)
     first = {id(approach.pose) for approach in reading.approaches.values()}
     for pose in reading.poses:
-        colour = _UNKNOWN if pose.number is None else _VEHICLES[(pose.number - 1) % len(_VEHICLES)]
+        colour = _UNKNOWN if pose.number is None else _vehicle(pose.number)
         corners = pose.outline.corners().round().astype(np.int32)
         cv2.polylines(canvas, [corners], True, colour, 2 * line if id(pose) in first else line, cv2.LINE_AA)
         if pose.number is not None:
             _label(canvas, f"V{pose.number}", (pose.outline.box().right + 2, pose.outline.box().top), colour, line)
     for number, approach in reading.approaches.items():
         outline = approach.pose.outline
-        _arrow(canvas, outline.centre, approach.heading, 1.1 * outline.length, _VEHICLES[(number - 1) % 4], 2 * line)
+        _arrow(canvas, outline.centre, approach.heading, 1.1 * outline.length, _vehicle(number), 2 * line)
     if reading.north is not None:
         box = reading.north.box
         middle = (box.left + box.right) / 2, (box.top + box.bottom) / 2
@@ -75,6 +75,11 @@ def _arrow(
     way = math.radians(heading)
     end = begin[0] + length * math.cos(way), begin[1] - length * math.sin(way)
     cv2.arrowedLine(canvas, _corner(*begin), _corner(*end), colour, line, cv2.LINE_AA, tipLength=0.25)
+
+
+def _vehicle(number: int) -> Colour:
+    colour = VEHICLE_COLOURS[(number - 1) % len(VEHICLE_COLOURS)]
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
 
 
 def _corner(x: float, y: float) -> tuple[int, int]:
