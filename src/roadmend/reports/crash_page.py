@@ -60,7 +60,7 @@ def page_of_crash(account: CrashAccount) -> str:
         sketch_note=account.sketch_note,
         doubts=list(_doubts(account.fields)),
         gaps=[row["name"] for row in rows if row["value"] == "" and row["name"] != "stem_direction"],
-        notes=account.notes,
+        notes=[note for note in account.notes if note.partition(" is in doubt")[0] not in account.fields],
         films=list(account.films),
         colours=VEHICLE_COLOURS,
     )

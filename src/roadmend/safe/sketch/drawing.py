@@ -31,8 +31,11 @@ def drawn_over(reading: SketchReading) -> bytes:
     line = max(1, round(reading.picture.diagonal / 900))
     for limit in reading.limits:
         _boxed(canvas, limit.box, f"{limit.mph} mph", _LIMIT, line)
+    named: dict[Box, list[str]] = {}
     for condition in conditions(reading.words):
-        _boxed(canvas, condition.box, condition.value.value, _CONDITION, line)
+        named.setdefault(condition.box, []).append(condition.value.value)
+    for box, values in named.items():
+        _boxed(canvas, box, ", ".join(values), _CONDITION, line, is_below=True)
     first = {id(approach.pose) for approach in reading.approaches.values()}
     for pose in reading.poses:
         colour = _UNKNOWN if pose.number is None else _vehicle(pose.number)
@@ -55,9 +58,9 @@ def drawn_over(reading: SketchReading) -> bytes:
     return bytes(data)
 
 
-def _boxed(canvas: Pixels, box: Box, text: str, colour: Colour, line: int) -> None:
+def _boxed(canvas: Pixels, box: Box, text: str, colour: Colour, line: int, *, is_below: bool = False) -> None:
     cv2.rectangle(canvas, _corner(box.left, box.top), _corner(box.right, box.bottom), colour, line, cv2.LINE_AA)
-    _label(canvas, text, (box.left, box.top), colour, line)
+    _label(canvas, text, (box.left, box.bottom + 16 * line if is_below else box.top), colour, line)
 
 
 def _label(canvas: Pixels, text: str, at: tuple[float, float], colour: Colour, line: int) -> None:

@@ -19,7 +19,7 @@ _FILLED = 0.72  # [of its rectangle] that a vehicle fills
 _ALIKE = (0.6, 1.9)  # length by that of a typical vehicle of the sketch, for what has no colour
 _BODY = 228  # [grey level] darker may be a body
 _TOGETHER = 0.6  # [of a rectangle] that two vehicles in it fill, the pieces of one do not
-_TINT = 0.08  # [of a body] that lines of a colour cover
+_TINT = 0.12  # [of a body] that lines of a colour cover
 _SLENDER = 3.4  # length by width, of what has no colour
 _LETTERHEAD = ("nhtsa", "case number", "www.")
 
