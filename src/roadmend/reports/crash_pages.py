@@ -7,11 +7,12 @@ from typing import Any
 from roadmend.core.errors import RoadmendError
 from roadmend.core.whole_file import write_text
 from roadmend.reports.crash_film import film_of_start
-from roadmend.reports.crash_page import load_account, page_of_crash
+from roadmend.reports.crash_page import account_of_extraction, load_account, page_of_crash
 from roadmend.safe.construction import CrashRole, draw_scenario
 from roadmend.safe.dsl import CrashScenario
 from roadmend.safe.dsl_file import load_crash_scenario
-from roadmend.safe.report import load_report
+from roadmend.safe.extraction import Extraction
+from roadmend.safe.report import CrashReport, load_report
 
 
 def write_crash_pages(reports: Sequence[Path], out: Path) -> list[Path]:
@@ -32,6 +33,20 @@ def write_crash_pages(reports: Sequence[Path], out: Path) -> list[Path]:
         write_text(page, page_of_crash(load_account(report, out, _start_of(report.case, crash))))
         written.append(page)
     return written
+
+
+def write_crash_page(report: CrashReport, extraction: Extraction, out: Path) -> Path:
+    """Write CASE.html of a report that was just read, with its scenes as they are built.
+
+    Raises:
+        InputError: the folder cannot be written.
+    """
+    films = _start_of(report.case, extraction.scenario)
+    page = out / f"{report.case}.html"
+    write_text(
+        page, page_of_crash(account_of_extraction(report.case, report.summary, report.sketch, extraction, films))
+    )
+    return page
 
 
 def _start_of(case: str, crash: CrashScenario) -> list[dict[str, Any]]:
