@@ -3,7 +3,9 @@
     python tests/benchmarks/made_up_crashes.py --seed 4107 --count 90 > scenes.json
 
 A scene is only a starting point: each text in `crash_texts/` was written by hand from one, and its oracle says what the
-text says. Sides of vehicles follow from the headings, for traffic that keeps to the right.
+text says. There null means that the text leaves the fact out, and `alternatives` lists by path what else a careful
+reader may say. Vehicles are numbered from 1, in the order of the text. Sides (front, rear, left, right) follow from the
+headings, for traffic that keeps to the right; where nothing but a fixed object is struck, there are no collisions.
 """
 
 import argparse
