@@ -155,6 +155,8 @@ class TestGoals:
         assert parse_crash_scenario(kept.read_text(), ".json", "") == parse_crash_scenario(result.crash, ".yaml", "")
         assert kept.parent == folder / "out"
         assert [load_scenario(Path(file)).origin.vehicle for file in result.scenarios] == [1, 1, 2, 2]
+        assert Path(result.page) == folder / "out" / "told.html"
+        assert "<title>told" in Path(result.page).read_text(encoding="utf-8")
         assert "sketch: there is none" in result.notes
 
     def test_a_path_is_read_and_not_built(self, client, folder):

@@ -18,6 +18,7 @@ from roadmend.cli.output import counting, show_rows, wide_console
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import write_texts
 from roadmend.language.exchange import add_usages
+from roadmend.reports.crash_pages import write_crash_pages
 from roadmend.reports.crash_tests import (
     REPRODUCTION_TITLES,
     TEST_TITLES,
@@ -31,8 +32,8 @@ from roadmend.safe.crash_test_summary import summarise_reproductions, summarise_
 from roadmend.safe.driving import CrashTestJob, CrashTestResult, Task
 from roadmend.safe.extraction_run import Extracted, extract_reports
 from roadmend.safe.planning import do_all, plan
-from roadmend.safe.report import find_reports
-from roadmend.safe.sketch_text import is_sketch_read
+from roadmend.safe.report import case_of, find_reports
+from roadmend.safe.sketch_claims import is_sketch_read
 from roadmend.safe.stage_one import StageOneOptions
 from roadmend.world.scenario_file import load_scenario
 
@@ -96,6 +97,9 @@ class ExtractOptions:
     no_validation: Annotated[
         bool, click.option("--no-validation", is_flag=True, help="With a model: take its answers unchecked.")
     ]
+    page: Annotated[
+        bool, click.option("--page", is_flag=True, help="Write CASE.html too: what was read from where, for a browser.")
+    ]
     workers: Annotated[int, WORKERS]
     as_json: Annotated[bool, JSON]
 
@@ -127,6 +131,9 @@ def extract(given: ExtractOptions) -> int:
             done.append(extracted)
             progress.advance(task)
     done.sort(key=lambda extracted: extracted.case)
+    if given.page:
+        read = {extracted.case for extracted in done if extracted.scenario is not None}
+        write_crash_pages([path for path in paths if case_of(path) in read], given.out)
     usage = add_usages(extracted.usage for extracted in done)
     if given.as_json:
         total = {model: asdict(usage) for model, usage in usage.items()}

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, replace
 
 from roadmend.core.errors import InputError
-from roadmend.safe.dsl import Action, CrashScenario, DescribedVehicle, DslModel, Manoeuvre, Side
+from roadmend.safe.dsl import STANDING, Action, CrashScenario, DescribedVehicle, DslModel, Manoeuvre, Side
 from roadmend.safe.layout import Layout, Way, lay_out
 from roadmend.safe.open_questions import answer, open_questions
 from roadmend.safe.staging import Relation, goes_first, relation_of
@@ -155,7 +155,7 @@ class _Stage:
         vehicle, way = self._crash.vehicles[index], self._way(index)
         body = BODIES[self._kind(index)]
         now = world.Trigger(time=0.0)
-        waits = vehicle.manoeuvre is Manoeuvre.STOP
+        waits = vehicle.manoeuvre in STANDING
         if waits and not (self._layout.is_junction and relation is Relation.CROSSING):
             lane = self._ego_spot.lane if relation is Relation.SAME else self._lane(index)
             front = way.meeting + _PARKED_AHEAD + 3.0 * self._of(index, "delay")
@@ -255,7 +255,7 @@ class _Stage:
         if vehicle.manoeuvre is Manoeuvre.ENTER_THE_WRONG_WAY:
             return True
         ahead = all(each.action is Action.MOVE_FORWARD for each in self._crash.vehicles)
-        return ahead and Manoeuvre.ENTER_THE_WRONG_WAY not in others and vehicle.manoeuvre is not Manoeuvre.STOP
+        return ahead and Manoeuvre.ENTER_THE_WRONG_WAY not in others and vehicle.manoeuvre not in STANDING
 
     def _actor(self, index: int, spot: _Spot, manoeuvres: list[world.Manoeuvre]) -> world.Vehicle:
         way, kind = self._way(index), self._kind(index)

@@ -4,7 +4,7 @@ import itertools
 from dataclasses import dataclass
 
 from roadmend.safe.compass import wrap_degrees
-from roadmend.safe.dsl import CrashScenario, DescribedCollision, Manoeuvre, RoadType, Side
+from roadmend.safe.dsl import STANDING, CrashScenario, DescribedCollision, Manoeuvre, RoadType, Side
 from roadmend.safe.layout import Layout
 from roadmend.safe.staging import collisions_of
 from roadmend.safe.trial import Contact
@@ -14,7 +14,15 @@ _BEFORE_THE_LINE = 0.5  # [m] before its stop line a vehicle still counts as in 
 _STANDING = 1.0  # [m/s] at most of a vehicle that had stopped on the other's way
 _SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)  # of a turn that may be done at the contact
 # What no policy does on its own account, so that it cannot take the place of who did.
-_NOT_PLAYED = {Manoeuvre.ENTER_THE_WRONG_WAY, Manoeuvre.CHANGING_LANE}
+_NOT_PLAYED = {
+    Manoeuvre.ENTER_THE_WRONG_WAY,
+    Manoeuvre.CHANGING_LANE,
+    Manoeuvre.OVERTAKE,
+    Manoeuvre.U_TURN,
+    Manoeuvre.REVERSE,
+    Manoeuvre.PARKED,
+    Manoeuvre.RUN_OFF,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +69,7 @@ def judge(crash: CrashScenario, layout: Layout, ego: int, contact: Contact) -> V
         return Verdict(
             is_described=False, reason=f"they met at {contact.angle:.0f} deg, which the manoeuvres do not explain"
         )
-    stands = crash.vehicles[ego].manoeuvre is Manoeuvre.STOP and own.route[0] == their.route[0]
+    stands = crash.vehicles[ego].manoeuvre in STANDING and own.route[0] == their.route[0]
     if stands and contact.ego_speed > _STANDING:
         return Verdict(is_described=False, reason="the report's vehicle had stopped, the ego had not")
     if crash.collisions and not any(_same_striker(each, ego, contact) for each in partners):

@@ -15,7 +15,7 @@ from roadmend.language.exchange import ENDING, Usage, dump_exchanges, usage_of
 from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.dsl_file import load_crash_scenario, save_crash_scenario
 from roadmend.safe.extraction import Extraction, ExtractionError, Extractor
-from roadmend.safe.report import load_report
+from roadmend.safe.report import case_of, load_report
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +69,7 @@ def extract_reports(
 
 
 def _extract_one(path: Path, extractor: Extractor, settings: Sequence[str], out: Path) -> Extracted:
-    case = path.stem if path.is_file() else path.resolve().name
+    case = case_of(path)
     try:
         report = load_report(path)
     except InputError as error:
