@@ -41,8 +41,9 @@ class Server:
     """Answers each request with the next of the answers, the last one again and again.
 
     Args:
-        answers: each a body (a dict, or bytes as they are), or (status, headers, body), or a function of the request's
-            body that gives one of these, or WAIT for none before the client has given up.
+        answers: each a body (a dict, bytes as they are, or a list of bytes that come one after the other, with
+            pauses), or (status, headers, body), or a function of the request's body that gives one of these, or WAIT
+            for none before the client has given up.
     """
 
     def __init__(self, answers):
@@ -73,14 +74,18 @@ def serving(*answers):
             status, headers, content = server.answer(
                 {name.lower(): value for name, value in self.headers.items()}, body
             )
-            data = content if isinstance(content, bytes) else json.dumps(content).encode()
+            chunks = content if isinstance(content, list) else [content]
+            chunks = [chunk if isinstance(chunk, bytes) else json.dumps(chunk).encode() for chunk in chunks]
+            length = str(sum(map(len, chunks)))
             try:
                 self.send_response(status)
-                for name, value in {"Content-Type": "application/json", **headers}.items():
+                for name, value in {"Content-Type": "application/json", "Content-Length": length, **headers}.items():
                     self.send_header(name, value)
-                self.send_header("Content-Length", str(len(data)))
                 self.end_headers()
-                self.wfile.write(data)
+                for chunk in chunks:
+                    self.wfile.write(chunk)
+                    if len(chunks) > 1:
+                        server.release.wait(0.02)
             except OSError:
                 pass  # the client has given up
 

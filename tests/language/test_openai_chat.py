@@ -45,7 +45,7 @@ def test_what_is_sent_and_what_comes_back(caplog):
         reply = model(url, input_price=2.0, output_price=10.0).ask(REQUEST)
     (sent,) = server.requests
     assert sent["model"] == "test"
-    assert sent["messages"][0] == {"role": "system", "content": [{"type": "text", "text": "Be brief."}]}
+    assert sent["messages"][0] == {"role": "system", "content": "Be brief."}
     image = sent["messages"][1]["content"][1]["image_url"]["url"]
     assert image == "data:image/png;base64," + base64.b64encode(b"picture").decode()
     assert sent["response_format"]["json_schema"] == {"name": "answer", "strict": True, "schema": SCHEMA}
