@@ -1,0 +1,200 @@
+"""A model's answers held against what is known without it: a fluent liar must not pass.
+
+Witnesses are the embedded reader with what it read of text and sketch, the model's own meta message, the numbers that
+stand in the text, and the geometry of the scene. They are taken as independent, so the odds of a value are the product
+of theirs. Words of the report never become a part of an objection, which a model reads as an instruction.
+"""
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from roadmend.safe.dsl import CrashScenario, Position
+from roadmend.safe.encoder import MetaMessage
+from roadmend.safe.extraction import Extraction, Testimony
+from roadmend.safe.reading_alignment import COLLISIONS, VEHICLES, AlignedField, agree, aligned_fields, flat
+from roadmend.safe.report import CrashReport
+from roadmend.safe.scene_contradictions import contradictions
+
+ANSWER, READER, META, TEXT, GEOMETRY = (
+    "the model's answer",
+    "the embedded reader",
+    "the meta message",
+    "the numbers of the text",
+    "the geometry of the scene",
+)
+TRUST: Mapping[str, float] = {  # where a source gives no confidence of its own
+    ANSWER: 0.8,  # the paper's share of reports whose actors GPT-4o gets right
+    READER: 0.75,
+    META: 0.6,  # the same model
+    TEXT: 0.75,
+    GEOMETRY: 0.7,
+}
+ASKED_BELOW = 0.75  # belief in a field under which the model is asked again
+HEARD_FROM = 0.5  # confidence of a witness under which nothing is a dispute
+_KMH = 1.609344  # [km/h] in a mile an hour
+_NUMBER = re.compile(r"\d+")
+_TENS = re.compile(r"\b(?:twen|thir|for|fif|six|seven|eigh|nine)ty\b|\bhundred\b", re.IGNORECASE)
+_RAMPS = {Position.MAIN_ROAD, Position.ON_RAMP}
+
+
+@dataclass(frozen=True, slots=True)
+class FieldCheck:
+    """A field of an answer and what all witnesses say of it.
+
+    Attributes:
+        field: as the JSON form calls it; "vehicles" and "collisions" stand for how many there are.
+        said: by whom; the answer first.
+    """
+
+    field: str
+    said: tuple[Testimony, ...]
+
+    @property
+    def answered(self) -> Any:
+        """The answer's value."""
+        return self.said[0].value
+
+    @property
+    def against(self) -> list[Testimony]:
+        """Those who speak against the answer's value and have to be heard."""
+        return [
+            each for each in self.said if each.confidence >= HEARD_FROM and not self._speaks_for(each, self.answered)
+        ]
+
+    @property
+    def kept(self) -> Any:
+        """The value with the best odds; the answer's where no other has better ones."""
+        values = [self.answered, *(each.value for each in self.said[1:] if each.value is not None)]
+        return max(values, key=self.belief)  # the first of equals
+
+    def belief(self, value: Any) -> float:
+        """From 0 to 1, in a value."""
+        odds = 0.0  # their logarithm
+        for each in self.said:
+            sure = min(max(each.confidence, 0.02), 0.98)  # nobody is beyond all doubt
+            weight = math.log(sure / (1.0 - sure))
+            odds += weight if self._speaks_for(each, value) else -weight
+        return 1.0 / (1.0 + math.exp(-odds))
+
+    def objection(self) -> str | None:
+        """What to tell the model; None where the answer is believed."""
+        if not self.against or self.belief(self.answered) >= ASKED_BELOW:
+            return None
+        told = [each.ground if each.value is None else f"{each.source} says {each.value}" for each in self.against]
+        answered = "null" if self.answered is None else self.answered
+        return f"{self.field}: you answered {answered}; {'; '.join(told)}"
+
+    def _speaks_for(self, each: Testimony, value: Any) -> bool:
+        if each.value is None and each.source != ANSWER:  # all that it says is that the answer is wrong
+            return not agree(self.field, value, self.answered)
+        return agree(self.field, each.value, value)
+
+
+def unchecked(scenario: CrashScenario) -> Iterator[FieldCheck]:
+    """The fields of a scenario, with nobody but the answer that speaks of them."""
+    for field, value in flat(scenario).items():
+        yield FieldCheck(field, (Testimony(ANSWER, value, TRUST[ANSWER]),))
+
+
+class AnswerCheck:
+    """What speaks for and against the answers about one report.
+
+    Args:
+        report: that they are about.
+        reading: the embedded reader's; None where it could not read it.
+        unread: why it could not.
+    """
+
+    def __init__(self, report: CrashReport, reading: Extraction | None, unread: str = "") -> None:
+        self.report = report
+        self.reading = reading
+        self.unread = unread
+
+    def of_meta(self, meta: MetaMessage) -> list[FieldCheck]:
+        """The fields of a meta message that are disputed."""
+        if self.reading is None:
+            return []
+        answered = dict(_of_meta(meta))
+        read = {name: AlignedField(value, name) for name, value in flat(self.reading.scenario).items()}
+        checks = []
+        for field, value in answered.items():
+            if field != VEHICLES and field.startswith(VEHICLES) and answered[VEHICLES] != read[VEHICLES].value:
+                continue
+            said = (Testimony(ANSWER, value, TRUST[ANSWER]), *self._reader(field, value, read))
+            checks.append(FieldCheck(field, said))
+        return [check for check in checks if check.against]
+
+    def of_scenario(self, scenario: CrashScenario, meta: MetaMessage | None) -> list[FieldCheck]:
+        """Every field of a scenario with what is said of it."""
+        answered = flat(scenario)
+        told = dict(_of_meta(meta)) if meta is not None else {}
+        read = self._read(scenario)
+        against: dict[str, list[Testimony]] = {}
+        for each in contradictions(scenario):
+            for field in each.fields:
+                against.setdefault(field, []).append(Testimony(GEOMETRY, None, TRUST[GEOMETRY], each.reason))
+        checks = []
+        for field in {**answered, **read}:
+            value = answered.get(field)
+            said = [Testimony(ANSWER, value, TRUST[ANSWER])]
+            said += self._reader(field, value, read)
+            said += self._meta(field, value, told, answered)
+            said += against.get(field, [])
+            said += self._numbers(field, value)
+            checks.append(FieldCheck(field, tuple(said)))
+        return checks
+
+    def _read(self, scenario: CrashScenario) -> dict[str, AlignedField]:
+        if self.reading is None:
+            return {}
+        return aligned_fields(scenario, self.reading.scenario, self.report.summary)
+
+    def _reader(self, field: str, answered: Any, read: Mapping[str, AlignedField]) -> Iterator[Testimony]:
+        if self.reading is None or field not in read:
+            return
+        value = read[field].value
+        if value is None or (field == COLLISIONS and value == 0):
+            return  # what it did not find it says nothing of
+        if field.endswith("manoeuvre") and answered is None:
+            return  # the answer keeps to the paper's words
+        evidence = self.reading.evidence.get(read[field].field)
+        if evidence is None or evidence.confidence is None:
+            yield Testimony(READER, value, TRUST[READER])
+        else:
+            yield Testimony(READER, value, evidence.confidence, evidence.reason, evidence.sentence)
+
+    def _meta(
+        self, field: str, answered: Any, told: Mapping[str, Any], all_answered: Mapping[str, Any]
+    ) -> Iterator[Testimony]:
+        value = told.get(field)
+        if value is None:
+            return
+        if field.endswith("initial_position"):
+            if told[VEHICLES] != all_answered[VEHICLES] or (value in _RAMPS) != (answered in _RAMPS):
+                return
+        yield Testimony(META, value, TRUST[META], "answered before")
+
+    def _numbers(self, field: str, value: Any) -> Iterator[Testimony]:
+        """A limit is a number, and one that stands neither in the text nor perhaps in the sketch was made up."""
+        if not field.endswith("speed_limit_mph") or value is None or _TENS.search(self.report.summary):
+            return
+        if self.report.sketch is not None:
+            return
+        numbers = {int(match[0][:6]) for match in _NUMBER.finditer(self.report.summary)}
+        if not any(abs(number - limit) <= slack for number in numbers for limit, slack in _limits(value)):
+            yield Testimony(TEXT, None, TRUST[TEXT], "the text has no such number")
+
+
+def _limits(mph: float) -> Sequence[tuple[float, float]]:
+    return ((mph, 0.5), (mph * _KMH, 2.5))
+
+
+def _of_meta(meta: MetaMessage) -> Iterator[tuple[str, Any]]:
+    yield "road_type", meta.road_type.value
+    yield VEHICLES, len(meta.directions)
+    for index, direction in enumerate(meta.directions):
+        if direction is not None:
+            yield f"{VEHICLES}[{index}].initial_position", direction.value
