@@ -22,6 +22,23 @@ def completion(content, **changes):
     } | changes
 
 
+def parts(body):
+    """The parts of a request's messages, in their order."""
+    for message in body["messages"]:
+        content = message["content"]
+        yield from [{"type": "text", "text": content}] if isinstance(content, str) else content
+
+
+def texts(body):
+    """The texts of a request's messages."""
+    return [part["text"] for part in parts(body) if part["type"] == "text"]
+
+
+def images(body):
+    """The pictures of a request's messages."""
+    return [part for part in parts(body) if part["type"] == "image_url"]
+
+
 def embeddings(encode):
     """Answers a request for embeddings with what a function makes of each text; in reverse, for the index counts."""
 

@@ -12,7 +12,8 @@ from roadmend.sera.language_analyser import LanguageAnalyser
 from roadmend.sera.pattern import Where, Who, Why
 
 from .recorded import incident
-from .speaking import KEY, speaking, texts
+from ..language.server import texts  # noqa: TID252 - one server for all rooms
+from .speaking import KEY, speaking
 
 NOWHERE = {
     "family": None,

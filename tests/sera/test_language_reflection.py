@@ -11,7 +11,8 @@ from roadmend.sera.pattern import FailurePattern
 from roadmend.sera.recommendation import recommend
 
 from .banks import cut_in, entry
-from .speaking import speaking, texts
+from ..language.server import texts  # noqa: TID252 - one server for all rooms
+from .speaking import speaking
 
 CUT_IN = FailurePattern("cut-in", "a truck cuts in at a highway exit in rain")
 SNOW = FailurePattern("snow", "snow at a highway exit")

@@ -94,7 +94,13 @@ class ExtractOptions:
         bool, click.option("--no-prompt-generation", is_flag=True, help="With a model: ask without the knowledge base.")
     ]
     no_validation: Annotated[
-        bool, click.option("--no-validation", is_flag=True, help="With a model: take its answers unchecked.")
+        bool, click.option("--no-validation", is_flag=True, help="With a model: do not let it check its answers.")
+    ]
+    no_cross_check: Annotated[
+        bool,
+        click.option(
+            "--no-cross-check", is_flag=True, help="With a model: hold its answers against nothing but its own validation."
+        ),
     ]
     workers: Annotated[int, WORKERS]
     as_json: Annotated[bool, JSON]
@@ -108,7 +114,9 @@ def extract(given: ExtractOptions) -> int:
     A report is a folder with summary.txt and perhaps a sketch (sketch.jpg, .png), or a text file. Reports that an
     earlier call with the same settings has done are not done again.
     """
-    options = StageOneOptions(not given.no_prompt_generation, not given.no_validation, given.language.attempts)
+    options = StageOneOptions(
+        not given.no_prompt_generation, not given.no_validation, not given.no_cross_check, given.language.attempts
+    )
     paths = find_reports(given.reports)
     extractor = open_extractor(
         given.language.backend, BackendOptions(options, given.language.settings, given.language.recording)
@@ -139,7 +147,7 @@ def extract(given: ExtractOptions) -> int:
 
 def _show_extracted(done: Sequence[Extracted], out: Path) -> None:
     table = Table(
-        "report", "road", "lanes", "vehicles", "environment", "left open", box=None, pad_edge=False, header_style="bold"
+        "report", "road", "lanes", "vehicles", "environment", "left open", "disputed", box=None, pad_edge=False, header_style="bold"
     )
     for extracted in done:
         scenario = extracted.scenario
@@ -153,7 +161,7 @@ def _show_extracted(done: Sequence[Extracted], out: Path) -> None:
         environment = " ".join(str(scenario["env"][name] or "?") for name in ("time", "weather"))
         road = " ".join(filter(None, (scenario["road_type"] or "?", scenario["stem_direction"])))
         lanes = str(scenario["num_lanes"] or "?")
-        table.add_row(escape(extracted.case), road, lanes, vehicles, environment, str(len(extracted.open_fields)))
+        table.add_row(escape(extracted.case), road, lanes, vehicles, environment, str(len(extracted.open_fields)), str(len(extracted.disputed_fields)))
     wide_console().print(table)
     failed = sum(extracted.error is not None for extracted in done)
     known = sum(not extracted.is_new for extracted in done)

@@ -1,25 +1,29 @@
 """A model's answers held against what is known without it: a fluent liar must not pass.
 
 Witnesses are the embedded reader with what it read of text and sketch, the model's own meta message, the numbers that
-stand in the text, and the geometry of the scene. They are taken as independent, so the odds of a value are the product
-of theirs. Words of the report never become a part of an objection, which a model reads as an instruction.
+stand in the text, and the geometry of the scene. They are taken as independent: a value is as probable as the product of
+what each gives it, and each gives what its confidence leaves to the other values a field can have in equal parts. The
+meta message, being of the same model, can speak against an answer but not for it. Words of the report never become a part
+of an objection, which a model reads as an instruction.
 """
 
-import math
+import functools
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from roadmend.safe.answer_schema import answer_schema
 from roadmend.safe.dsl import CrashScenario, Position
 from roadmend.safe.encoder import MetaMessage
-from roadmend.safe.extraction import Extraction, Testimony
+from roadmend.safe.extraction import Extraction, Witness
 from roadmend.safe.reading_alignment import COLLISIONS, VEHICLES, AlignedField, agree, aligned_fields, flat
 from roadmend.safe.report import CrashReport
 from roadmend.safe.scene_contradictions import contradictions
 
-ANSWER, READER, META, TEXT, GEOMETRY = (
+ANSWER, SILENCE, READER, META, TEXT, GEOMETRY = (
     "the model's answer",
+    "the model's null",
     "the embedded reader",
     "the meta message",
     "the numbers of the text",
@@ -27,14 +31,17 @@ ANSWER, READER, META, TEXT, GEOMETRY = (
 )
 TRUST: Mapping[str, float] = {  # where a source gives no confidence of its own
     ANSWER: 0.8,  # the paper's share of reports whose actors GPT-4o gets right
+    SILENCE: 0.6,
     READER: 0.75,
     META: 0.6,  # the same model
     TEXT: 0.75,
     GEOMETRY: 0.7,
 }
 ASKED_BELOW = 0.75  # belief in a field under which the model is asked again
-HEARD_FROM = 0.5  # confidence of a witness under which nothing is a dispute
+HEARD_FROM = 2.0  # times that a witness finds its value more probable than any other one, to be heard
+_CHOICES = {"num_lanes": 6, "speed_limit_mph": 10, "striking": 2, "struck": 2, VEHICLES: 4, COLLISIONS: 4}  # of numbers
 _KMH = 1.609344  # [km/h] in a mile an hour
+_OTHER = object()  # a value that nobody names
 _NUMBER = re.compile(r"\d+")
 _TENS = re.compile(r"\b(?:twen|thir|for|fif|six|seven|eigh|nine)ty\b|\bhundred\b", re.IGNORECASE)
 _RAMPS = {Position.MAIN_ROAD, Position.ON_RAMP}
@@ -50,7 +57,7 @@ class FieldCheck:
     """
 
     field: str
-    said: tuple[Testimony, ...]
+    said: tuple[Witness, ...]
 
     @property
     def answered(self) -> Any:
@@ -58,10 +65,13 @@ class FieldCheck:
         return self.said[0].value
 
     @property
-    def against(self) -> list[Testimony]:
+    def against(self) -> list[Witness]:
         """Those who speak against the answer's value and have to be heard."""
         return [
-            each for each in self.said if each.confidence >= HEARD_FROM and not self._speaks_for(each, self.answered)
+            each
+            for each in self.said[1:]
+            if not self._speaks_for(each, self.answered)
+            and (each.value is None or each.confidence >= HEARD_FROM * self._of_others(each.confidence))
         ]
 
     @property
@@ -72,12 +82,30 @@ class FieldCheck:
 
     def belief(self, value: Any) -> float:
         """From 0 to 1, in a value."""
-        odds = 0.0  # their logarithm
+        named = {value: None, self.answered: None} | {each.value: None for each in self.said if each.value is not None}
+        values: list[Any] = []
+        for each in named:  # those that say the same count once
+            if not any(agree(self.field, each, known) for known in values):
+                values.append(each)
+        weights = [self._weight(each) for each in values]
+        rest = max(choices(self.field) - len(values), 0) * self._weight(_OTHER)
+        return self._weight(value) / (sum(weights) + rest)
+
+    def _weight(self, value: Any) -> float:
+        """How probable all make a value together, but for a factor."""
+        product = 1.0
         for each in self.said:
             sure = min(max(each.confidence, 0.02), 0.98)  # nobody is beyond all doubt
-            weight = math.log(sure / (1.0 - sure))
-            odds += weight if self._speaks_for(each, value) else -weight
-        return 1.0 / (1.0 + math.exp(-odds))
+            is_for = self._speaks_for(each, value)
+            if each.value is None and each.source != ANSWER:
+                product *= sure if is_for else 1.0 - sure
+            else:
+                product *= sure if is_for else self._of_others(sure)
+        return product
+
+    def _of_others(self, confidence: float) -> float:
+        """What a confidence in one value leaves to each other one."""
+        return (1.0 - confidence) / max(choices(self.field) - 1, 1)
 
     def objection(self) -> str | None:
         """What to tell the model; None where the answer is believed."""
@@ -87,16 +115,39 @@ class FieldCheck:
         answered = "null" if self.answered is None else self.answered
         return f"{self.field}: you answered {answered}; {'; '.join(told)}"
 
-    def _speaks_for(self, each: Testimony, value: Any) -> bool:
+    def _speaks_for(self, each: Witness, value: Any) -> bool:
         if each.value is None and each.source != ANSWER:  # all that it says is that the answer is wrong
             return not agree(self.field, value, self.answered)
         return agree(self.field, each.value, value)
 
 
+@functools.cache
+def choices(field: str) -> int:
+    """How many values a field can have, in effect."""
+    name = field.rpartition(".")[2]
+    return _CHOICES.get(name) or _words(answer_schema()).get(name, 2)
+
+
+def _words(schema: Mapping[str, Any]) -> dict[str, int]:
+    """By field, how many words a schema has for it."""
+    found = {}
+    for name, content in schema.get("properties", {}).items():
+        if "enum" in content:
+            found[name] = sum(word is not None for word in content["enum"])
+        found |= _words(content.get("items", content))
+    return found
+
+
 def unchecked(scenario: CrashScenario) -> Iterator[FieldCheck]:
     """The fields of a scenario, with nobody but the answer that speaks of them."""
     for field, value in flat(scenario).items():
-        yield FieldCheck(field, (Testimony(ANSWER, value, TRUST[ANSWER]),))
+        yield FieldCheck(field, (_answer(field, value),))
+
+
+def _answer(field: str, value: Any) -> Witness:
+    """Not to have found a thing is easier than to have found what is not there."""
+    is_silent = value is None or (field == COLLISIONS and value == 0)
+    return Witness(ANSWER, value, TRUST[SILENCE if is_silent else ANSWER])
 
 
 class AnswerCheck:
@@ -123,7 +174,7 @@ class AnswerCheck:
         for field, value in answered.items():
             if field != VEHICLES and field.startswith(VEHICLES) and answered[VEHICLES] != read[VEHICLES].value:
                 continue
-            said = (Testimony(ANSWER, value, TRUST[ANSWER]), *self._reader(field, value, read))
+            said = (_answer(field, value), *self._reader(field, value, read))
             checks.append(FieldCheck(field, said))
         return [check for check in checks if check.against]
 
@@ -132,14 +183,14 @@ class AnswerCheck:
         answered = flat(scenario)
         told = dict(_of_meta(meta)) if meta is not None else {}
         read = self._read(scenario)
-        against: dict[str, list[Testimony]] = {}
+        against: dict[str, list[Witness]] = {}
         for each in contradictions(scenario):
             for field in each.fields:
-                against.setdefault(field, []).append(Testimony(GEOMETRY, None, TRUST[GEOMETRY], each.reason))
+                against.setdefault(field, []).append(Witness(GEOMETRY, None, TRUST[GEOMETRY], each.reason))
         checks = []
         for field in {**answered, **read}:
             value = answered.get(field)
-            said = [Testimony(ANSWER, value, TRUST[ANSWER])]
+            said = [_answer(field, value)]
             said += self._reader(field, value, read)
             said += self._meta(field, value, told, answered)
             said += against.get(field, [])
@@ -152,7 +203,7 @@ class AnswerCheck:
             return {}
         return aligned_fields(scenario, self.reading.scenario, self.report.summary)
 
-    def _reader(self, field: str, answered: Any, read: Mapping[str, AlignedField]) -> Iterator[Testimony]:
+    def _reader(self, field: str, answered: Any, read: Mapping[str, AlignedField]) -> Iterator[Witness]:
         if self.reading is None or field not in read:
             return
         value = read[field].value
@@ -162,22 +213,23 @@ class AnswerCheck:
             return  # the answer keeps to the paper's words
         evidence = self.reading.evidence.get(read[field].field)
         if evidence is None or evidence.confidence is None:
-            yield Testimony(READER, value, TRUST[READER])
+            yield Witness(READER, value, TRUST[READER])
         else:
-            yield Testimony(READER, value, evidence.confidence, evidence.reason, evidence.sentence)
+            yield Witness(READER, value, evidence.confidence, evidence.reason, evidence.sentence)
 
     def _meta(
         self, field: str, answered: Any, told: Mapping[str, Any], all_answered: Mapping[str, Any]
-    ) -> Iterator[Testimony]:
+    ) -> Iterator[Witness]:
         value = told.get(field)
         if value is None:
             return
         if field.endswith("initial_position"):
             if told[VEHICLES] != all_answered[VEHICLES] or (value in _RAMPS) != (answered in _RAMPS):
                 return
-        yield Testimony(META, value, TRUST[META], "answered before")
+        if not agree(field, value, answered):
+            yield Witness(META, value, TRUST[META], "answered before")
 
-    def _numbers(self, field: str, value: Any) -> Iterator[Testimony]:
+    def _numbers(self, field: str, value: Any) -> Iterator[Witness]:
         """A limit is a number, and one that stands neither in the text nor perhaps in the sketch was made up."""
         if not field.endswith("speed_limit_mph") or value is None or _TENS.search(self.report.summary):
             return
@@ -185,7 +237,7 @@ class AnswerCheck:
             return
         numbers = {int(match[0][:6]) for match in _NUMBER.finditer(self.report.summary)}
         if not any(abs(number - limit) <= slack for number in numbers for limit, slack in _limits(value)):
-            yield Testimony(TEXT, None, TRUST[TEXT], "the text has no such number")
+            yield Witness(TEXT, None, TRUST[TEXT], "the text has no such number")
 
 
 def _limits(mph: float) -> Sequence[tuple[float, float]]:

@@ -19,14 +19,14 @@ class ExtractionError(RoadmendError):
 
 
 @dataclass(frozen=True, slots=True)
-class Testimony:
+class Witness:
     """What one source says of a field.
 
     Attributes:
         source: who says it.
         value: of the field, as the JSON form has it; None where the source only says that another value is wrong.
         confidence: from 0 to 1.
-        ground: what the source goes by; never words of the report.
+        ground: what the source goes by.
         sentence: of the report that it goes by, where there is one.
     """
 
@@ -53,7 +53,7 @@ class FieldEvidence:
     sentence: str | None
     confidence: float | None
     reason: str
-    disputed: tuple[Testimony, ...] = ()
+    disputed: tuple[Witness, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,7 +37,7 @@ def agree(field: str, one: Any, other: Any) -> bool:
     if one is None or other is None:
         return False
     if field.endswith("speed_limit_mph"):
-        return bool(abs(one - other) <= _LIMIT_SLACK)
+        return all(isinstance(each, int | float) for each in (one, other)) and bool(abs(one - other) <= _LIMIT_SLACK)
     return field == "env.weather" and any({one, other} <= alike for alike in _ALIKE)
 
 
@@ -53,7 +53,7 @@ def flat(scenario: CrashScenario) -> dict[str, Any]:
             for index, value in enumerate(content):
                 walk(value, f"{name}[{index}]")
         else:
-            fields[name] = content
+            fields[name] = tuple(map(tuple, content)) if isinstance(content, list) else content  # points of a way
 
     walk(dump_data(scenario), "")
     return fields

@@ -84,6 +84,7 @@ def _of_stem(scenario: CrashScenario) -> Iterator[Contradiction]:
     stem = scenario.road.stem
     if scenario.road.road_type is not RoadType.T_INTERSECTION or stem is None:
         return
+    is_alone = len(scenario.vehicles) == 1  # and may well have run on where no road is
     missing = _facing(stem)
     for index, vehicle in enumerate(scenario.vehicles):
         position = vehicle.initial_position
@@ -93,7 +94,7 @@ def _of_stem(scenario: CrashScenario) -> Iterator[Contradiction]:
         if origin_of(position) is missing:
             reason = f"{position} comes from the {missing}, where a T-intersection with its stem in the {stem} has no leg"
             yield Contradiction(("stem_direction", place), reason)
-        elif vehicle.action in TURN and isinstance(vehicle.action, Action):
+        elif isinstance(vehicle.action, Action) and not is_alone:
             if TOWARDS[turned(position, _OF_TURNS.get(vehicle.action))] is missing:
                 reason = f"{position} with {vehicle.action} leads {missing}, where a stem in the {stem} leaves no leg"
                 yield Contradiction(("stem_direction", place, f"vehicles[{index}].action"), reason)

@@ -152,15 +152,18 @@ def _count_honest(tally: Tally, each: KnownReport, found: Extraction | None) -> 
     if found is None:
         tally.asked_again += 1
         return
-    answered = flat(each.truth)
+    answered = {name: value for name, value in flat(each.truth).items() if _is_known(name, each)}
+    alarms = [name for name, evidence in found.evidence.items() if evidence.disputed and _is_known(name, each)]
     tally.fields += len(answered)
-    tally.alarms += sum(bool(evidence.disputed) for evidence in found.evidence.values())
+    tally.alarms += len(alarms)
     values = flat(found.scenario)
-    tally.spoiled += sum(
-        value is not None and not _is_right(name, values, each) for name, value in answered.items()
-    )
+    tally.spoiled += sum(not _is_right(name, values, each) for name in answered)
     asked = Counter(exchange.request["purpose"] for exchange in found.exchanges)
-    tally.asked_again += asked["meta_message"] > 1 or asked["scenario"] > 1
+    tally.asked_again += bool(alarms) and (asked["meta_message"] > 1 or asked["scenario"] > 1)
+
+
+def _is_known(name: str, each: KnownReport) -> bool:
+    return name.split(".")[0].split("[")[0] in each.knows
 
 
 def always_objecting(known: Sequence[KnownReport], seed: int) -> Tally:
@@ -170,8 +173,9 @@ def always_objecting(known: Sequence[KnownReport], seed: int) -> Tally:
         planted = lies(each.truth, each.others, f"{seed} {each.report.case}")
         tally.planted.update(lie.kind for lie in planted)
         tally.caught.update(lie.kind for lie in planted)
-        tally.fields += len(flat(each.truth))
-        tally.alarms += len(flat(each.truth))
+        fields = sum(_is_known(name, each) for name in flat(each.truth))
+        tally.fields += fields
+        tally.alarms += fields
         tally.reports += 1
         tally.asked_again += 1
     return tally

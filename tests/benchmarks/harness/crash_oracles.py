@@ -26,11 +26,13 @@ class KnownReport:
         report: without its sketch.
         truth: what its text says; open where it says nothing.
         others: by field, further values that are right as well.
+        knows: the parts of the language that the truth is told in; of others it says neither that they are open.
     """
 
     report: CrashReport
     truth: CrashScenario
     others: Mapping[str, Sequence[Any]] = field(default_factory=dict)
+    knows: frozenset[str] = frozenset(_KNOWN)
 
 
 def sample_reports() -> list[KnownReport]:
@@ -76,4 +78,5 @@ def _known(report: CrashReport, path: Path) -> KnownReport:
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise InputError(str(path), f"is no oracle: {error}", "give the scenario language as JSON") from None
     # The summary alone: what a sketch shows no text can be held against.
-    return KnownReport(CrashReport(report.case, report.summary), truth, content.get("alternatives") or {})
+    report = CrashReport(report.case, report.summary)
+    return KnownReport(report, truth, content.get("alternatives") or {}, frozenset(content) & frozenset(_KNOWN))
