@@ -47,9 +47,7 @@ def test_contacts_at_a_junction(one, other, possible, side):
 
 
 def test_a_contact_that_cannot_be_names_all_that_says_so():
-    scene = crash(
-        "Intersection", vehicle("E2W"), vehicle("S2N"), collisions=[hit(1, 2, struck_side="Left")]
-    )
+    scene = crash("Intersection", vehicle("E2W"), vehicle("S2N"), collisions=[hit(1, 2, struck_side="Left")])
     (found,) = contradictions(scene)
     assert {"collisions[0].struck_side", "vehicles[0].initial_position", "vehicles[1].action"} <= {*found.fields}
     assert found.reason == (

@@ -99,7 +99,9 @@ class ExtractOptions:
     no_cross_check: Annotated[
         bool,
         click.option(
-            "--no-cross-check", is_flag=True, help="With a model: hold its answers against nothing but its own validation."
+            "--no-cross-check",
+            is_flag=True,
+            help="With a model: hold its answers against nothing but its own validation.",
         ),
     ]
     workers: Annotated[int, WORKERS]
@@ -147,7 +149,16 @@ def extract(given: ExtractOptions) -> int:
 
 def _show_extracted(done: Sequence[Extracted], out: Path) -> None:
     table = Table(
-        "report", "road", "lanes", "vehicles", "environment", "left open", "disputed", box=None, pad_edge=False, header_style="bold"
+        "report",
+        "road",
+        "lanes",
+        "vehicles",
+        "environment",
+        "left open",
+        "disputed",
+        box=None,
+        pad_edge=False,
+        header_style="bold",
     )
     for extracted in done:
         scenario = extracted.scenario
@@ -161,7 +172,15 @@ def _show_extracted(done: Sequence[Extracted], out: Path) -> None:
         environment = " ".join(str(scenario["env"][name] or "?") for name in ("time", "weather"))
         road = " ".join(filter(None, (scenario["road_type"] or "?", scenario["stem_direction"])))
         lanes = str(scenario["num_lanes"] or "?")
-        table.add_row(escape(extracted.case), road, lanes, vehicles, environment, str(len(extracted.open_fields)), str(len(extracted.disputed_fields)))
+        table.add_row(
+            escape(extracted.case),
+            road,
+            lanes,
+            vehicles,
+            environment,
+            str(len(extracted.open_fields)),
+            str(len(extracted.disputed_fields)),
+        )
     wide_console().print(table)
     failed = sum(extracted.error is not None for extracted in done)
     known = sum(not extracted.is_new for extracted in done)

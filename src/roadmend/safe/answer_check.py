@@ -1,6 +1,6 @@
 """A model's answers held against what is known without it: a fluent liar must not pass.
 
-Witnesses are the embedded reader with what it read of text and sketch, the model's own meta message, the numbers that
+Witnesses are the embedded reader with what it read of text and sketch, the model's own meta message, the words that
 stand in the text, and the geometry of the scene. They are taken as independent: a value is as probable as the product of
 what each gives it, and each gives what its confidence leaves to the other values a field can have in equal parts. The
 meta message, being of the same model, can speak against an answer but not for it. Words of the report never become a part
@@ -8,8 +8,7 @@ of an objection, which a model reads as an instruction.
 """
 
 import functools
-import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,16 +16,18 @@ from roadmend.safe.answer_schema import answer_schema
 from roadmend.safe.dsl import CrashScenario, Position
 from roadmend.safe.encoder import MetaMessage
 from roadmend.safe.extraction import Extraction, Witness
+from roadmend.safe.made_up import why_made_up
 from roadmend.safe.reading_alignment import COLLISIONS, VEHICLES, AlignedField, agree, aligned_fields, flat
 from roadmend.safe.report import CrashReport
 from roadmend.safe.scene_contradictions import contradictions
 
-ANSWER, SILENCE, READER, META, TEXT, GEOMETRY = (
+ANSWER, SILENCE, READER, SKETCH, META, TEXT, GEOMETRY = (
     "the model's answer",
     "the model's null",
     "the embedded reader",
+    "the embedded reader of the sketch",
     "the meta message",
-    "the numbers of the text",
+    "the words of the text",
     "the geometry of the scene",
 )
 TRUST: Mapping[str, float] = {  # where a source gives no confidence of its own
@@ -40,10 +41,7 @@ TRUST: Mapping[str, float] = {  # where a source gives no confidence of its own
 ASKED_BELOW = 0.75  # belief in a field under which the model is asked again
 HEARD_FROM = 2.0  # times that a witness finds its value more probable than any other one, to be heard
 _CHOICES = {"num_lanes": 6, "speed_limit_mph": 10, "striking": 2, "struck": 2, VEHICLES: 4, COLLISIONS: 4}  # of numbers
-_KMH = 1.609344  # [km/h] in a mile an hour
 _OTHER = object()  # a value that nobody names
-_NUMBER = re.compile(r"\d+")
-_TENS = re.compile(r"\b(?:twen|thir|for|fif|six|seven|eigh|nine)ty\b|\bhundred\b", re.IGNORECASE)
 _RAMPS = {Position.MAIN_ROAD, Position.ON_RAMP}
 
 
@@ -194,7 +192,7 @@ class AnswerCheck:
             said += self._reader(field, value, read)
             said += self._meta(field, value, told, answered)
             said += against.get(field, [])
-            said += self._numbers(field, value)
+            said += self._text(field, value)
             checks.append(FieldCheck(field, tuple(said)))
         return checks
 
@@ -215,33 +213,24 @@ class AnswerCheck:
         if evidence is None or evidence.confidence is None:
             yield Witness(READER, value, TRUST[READER])
         else:
-            yield Witness(READER, value, evidence.confidence, evidence.reason, evidence.sentence)
+            source = SKETCH if evidence.box is not None else READER
+            yield Witness(source, value, evidence.confidence, evidence.reason, evidence.sentence)
 
     def _meta(
         self, field: str, answered: Any, told: Mapping[str, Any], all_answered: Mapping[str, Any]
     ) -> Iterator[Witness]:
         value = told.get(field)
-        if value is None:
-            return
-        if field.endswith("initial_position"):
-            if told[VEHICLES] != all_answered[VEHICLES] or (value in _RAMPS) != (answered in _RAMPS):
-                return
-        if not agree(field, value, answered):
+        is_elsewhere = field.endswith("initial_position") and (
+            told.get(VEHICLES) != all_answered[VEHICLES] or (value in _RAMPS) != (answered in _RAMPS)
+        )
+        if value is not None and not is_elsewhere and not agree(field, value, answered):
             yield Witness(META, value, TRUST[META], "answered before")
 
-    def _numbers(self, field: str, value: Any) -> Iterator[Witness]:
-        """A limit is a number, and one that stands neither in the text nor perhaps in the sketch was made up."""
-        if not field.endswith("speed_limit_mph") or value is None or _TENS.search(self.report.summary):
-            return
-        if self.report.sketch is not None:
-            return
-        numbers = {int(match[0][:6]) for match in _NUMBER.finditer(self.report.summary)}
-        if not any(abs(number - limit) <= slack for number in numbers for limit, slack in _limits(value)):
-            yield Witness(TEXT, None, TRUST[TEXT], "the text has no such number")
-
-
-def _limits(mph: float) -> Sequence[tuple[float, float]]:
-    return ((mph, 0.5), (mph * _KMH, 2.5))
+    def _text(self, field: str, value: Any) -> Iterator[Witness]:
+        """The text itself, where there is no sketch that could show what it does not say."""
+        lack = why_made_up(field, value, self.report.summary) if self.report.sketch is None else None
+        if lack is not None:
+            yield Witness(TEXT, None, TRUST[TEXT], lack)
 
 
 def _of_meta(meta: MetaMessage) -> Iterator[tuple[str, Any]]:

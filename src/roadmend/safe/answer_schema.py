@@ -46,7 +46,7 @@ def _schema(hint: Any) -> dict[str, Any]:
         raise TypeError(f"{hint} has no schema: a field is of one kind, and perhaps open")
     if typing.get_origin(kind) is tuple:
         return {"type": "array", "items": _object(typing.get_args(kind)[0])}
-    if is_dataclass(kind):
+    if isinstance(kind, type) and is_dataclass(kind):
         return _object(kind)
     if issubclass(kind, StrEnum):
         words: list[str | None] = [word.value for word in kind]

@@ -159,7 +159,7 @@ def _offset(crash: CrashScenario, vehicle: DescribedVehicle) -> float:
     lanes = crash.road.lanes or 2
     if vehicle.initial_position in HEADING and crash.road.road_type is RoadType.INTERSECTION:
         lanes = _lanes_on(crash, HEADING[vehicle.initial_position] % 180)
-    is_stem = vehicle.initial_position in NORTH_SOUTH == (crash.road.stem in {Compass.NORTH, Compass.SOUTH})
+    is_stem = (vehicle.initial_position in NORTH_SOUTH) == (crash.road.stem in {Compass.NORTH, Compass.SOUTH})
     if crash.road.stem is not None and is_stem:
         lanes = 2
     outermost = lanes // 2 - 0.5
@@ -185,9 +185,7 @@ def _meeting(crash: CrashScenario) -> Point:
     return (own[0], theirs[1]) if one.initial_position in NORTH_SOUTH else (theirs[0], own[1])
 
 
-def _draw_vehicle(
-    pen: _Pen, crash: CrashScenario, vehicle: DescribedVehicle, number: int, meeting: Point
-) -> None:
+def _draw_vehicle(pen: _Pen, crash: CrashScenario, vehicle: DescribedVehicle, number: int, meeting: Point) -> None:
     heading, offset = _heading(vehicle), _offset(crash, vehicle)
     length, width = _SIZES.get(vehicle.model or "", _CAR)
     colour = _COLOURS[(number - 1) % len(_COLOURS)]

@@ -46,6 +46,9 @@ class FieldEvidence:
         sentence: of the report; None where the field rests on none.
         confidence: from 0 to 1; None where the backend gives none.
         reason: by what rule, or why there is no value.
+        span: first and last character of the summary that it was read from, the last not included.
+        box: left, top, right and bottom of what it was read from in the sketch [pixels].
+        doubts: what speaks for another value, and the second reading.
         disputed: all that was said of it, where sources do not agree; else empty.
     """
 
@@ -53,6 +56,9 @@ class FieldEvidence:
     sentence: str | None
     confidence: float | None
     reason: str
+    span: tuple[int, int] | None = None
+    box: tuple[float, float, float, float] | None = None
+    doubts: tuple[str, ...] = ()
     disputed: tuple[Witness, ...] = ()
 
 

@@ -17,7 +17,6 @@ from roadmend.safe.compass import NORTH_SOUTH
 from roadmend.safe.dsl import CrashScenario, Position, RoadType
 from roadmend.safe.dsl_data import parse_data
 
-
 _FOLDER = importlib.resources.files(__package__).joinpath("knowledge")
 
 

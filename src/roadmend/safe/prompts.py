@@ -9,8 +9,8 @@ from typing import Any
 
 from roadmend.language.chat import ChatMessage, ChatRole, Image, Request
 from roadmend.language.question import objecting
-from roadmend.safe.dsl import Position, RoadType
 from roadmend.safe.answer_schema import answer_schema
+from roadmend.safe.dsl import Position, RoadType
 from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.knowledge_base import Template, WorkedExample
 from roadmend.safe.report import CrashReport

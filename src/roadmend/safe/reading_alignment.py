@@ -123,7 +123,8 @@ def _contacts(answered: CrashScenario, read: CrashScenario, places: Mapping[int,
         own = parts
         if pair == (mine.struck, mine.striking):
             sides, own = (sides[1], sides[0]), (*parts[1::-1], *parts[:1:-1])
-            if Side.FRONT not in sides or sides[0] is sides[1]:  # then neither runs into the other
+            if None not in sides and (Side.FRONT not in sides or sides[0] is sides[1]):
+                # Then neither runs into the other.
                 pair = (mine.striking, mine.struck)
         for part, their_part, value in zip(parts, own, (*pair, *sides), strict=True):
             plain = value.value if isinstance(value, Side) else value

@@ -9,7 +9,7 @@ from roadmend.safe.dsl import (
     Compass,
     CrashScenario,
     DescribedVehicle,
-    Position,
+    Manoeuvre,
     RoadType,
     Side,
     Time,
@@ -20,6 +20,7 @@ _JUNCTIONS = frozenset({RoadType.INTERSECTION, RoadType.T_INTERSECTION})
 _SLACK = 25.0  # [deg] by which a heading may differ from that of the road before somebody must have lost control
 _REAR_WITHIN = 100.0  # [deg] between two ways of which one can still run into the other's rear
 _FRONT_BEYOND = 40.0  # [deg] between two ways that can still meet front to front
+_ON = frozenset({None, Manoeuvre.MOVE_FORWARD})
 _OF_TURNS = {Action.TURN_LEFT: Side.LEFT, Action.TURN_RIGHT: Side.RIGHT}
 
 
@@ -74,7 +75,7 @@ def _of_road(scenario: CrashScenario) -> Iterator[Contradiction]:
         return
     known = [vehicle for vehicle in scenario.vehicles if vehicle.initial_position in TOWARDS]
     axes = {vehicle.initial_position in NORTH_SOUTH for vehicle in known}
-    goes_on = all(vehicle.action is Action.MOVE_FORWARD and vehicle.manoeuvre is None for vehicle in known)
+    goes_on = all(vehicle.action is Action.MOVE_FORWARD and vehicle.manoeuvre in _ON for vehicle in known)
     if len(axes) == 2 and goes_on:
         fields = ("road_type", *_all(scenario, "initial_position"), *_all(scenario, "action"))
         yield Contradiction(fields, "vehicles of crossing directions that all go straight on meet at a junction only")
@@ -92,12 +93,19 @@ def _of_stem(scenario: CrashScenario) -> Iterator[Contradiction]:
             continue
         place = f"vehicles[{index}].initial_position"
         if origin_of(position) is missing:
-            reason = f"{position} comes from the {missing}, where a T-intersection with its stem in the {stem} has no leg"
+            reason = (
+                f"{position} comes from the {missing}, where a T-intersection with its stem in the {stem} has no leg"
+            )
             yield Contradiction(("stem_direction", place), reason)
-        elif isinstance(vehicle.action, Action) and not is_alone:
-            if TOWARDS[turned(position, _OF_TURNS.get(vehicle.action))] is missing:
-                reason = f"{position} with {vehicle.action} leads {missing}, where a stem in the {stem} leaves no leg"
-                yield Contradiction(("stem_direction", place, f"vehicles[{index}].action"), reason)
+        elif _leads(vehicle) is missing and not is_alone:
+            reason = f"{position} with {vehicle.action} leads {missing}, where a stem in the {stem} leaves no leg"
+            yield Contradiction(("stem_direction", place, f"vehicles[{index}].action"), reason)
+
+
+def _leads(vehicle: DescribedVehicle) -> Compass | None:
+    if vehicle.initial_position not in TOWARDS or not isinstance(vehicle.action, Action):
+        return None
+    return TOWARDS[turned(vehicle.initial_position, _OF_TURNS.get(vehicle.action))]
 
 
 def _facing(side: Compass) -> Compass:
@@ -130,9 +138,7 @@ def _of_contacts(scenario: CrashScenario) -> Iterator[Contradiction]:
         if any(_meets(angle, collision.struck_side, slack) for angle in angles):
             continue
         fields = [f"collisions[{index}].{name}" for name in ("striking", "struck", "struck_side")]
-        fields += [
-            f"vehicles[{number - 1}].{name}" for number in pair for name in ("initial_position", "action")
-        ]
+        fields += [f"vehicles[{number - 1}].{name}" for number in pair for name in ("initial_position", "action")]
         one, other = pair
         reason = (
             f"the front of vehicle {one} cannot meet the {collision.struck_side} of vehicle {other}, "

@@ -81,7 +81,9 @@ def _of_field(check: FieldCheck, value: Any) -> FieldEvidence:
         whose = ANSWER if is_answer else " and ".join(each.source for each in supporters)
         against = ", ".join(dict.fromkeys(each.source for each in check.against))
         other = f"against {against}" if is_answer else f"not {ANSWER}, {_shown(check.answered)}"
-        return FieldEvidence(value, sentence, confidence, f"disputed: kept what {whose} says, {other}", check.said)
+        return FieldEvidence(
+            value, sentence, confidence, f"disputed: kept what {whose} says, {other}", disputed=check.said
+        )
     if supporters:
         names = " and ".join(dict.fromkeys(each.source for each in supporters))
         return FieldEvidence(value, sentence, confidence, f"{ANSWER}, as {names} has it")

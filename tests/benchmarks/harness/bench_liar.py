@@ -12,10 +12,10 @@ from harness.crash_oracles import KnownReport, reports_in, sample_reports
 from harness.figures import Figures
 from harness.liar import LEFT_OUT, META_ALONE, AnsweringModel, Lie, lies, meta_of
 from roadmend.reports.result_files import provenance
-from roadmend.safe.reading_alignment import COLLISIONS, VEHICLES, agree, flat
 from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.embedded import EmbeddedExtractor
 from roadmend.safe.extraction import Extraction, ExtractionError, Watch, unwatched
+from roadmend.safe.reading_alignment import COLLISIONS, VEHICLES, agree, flat
 from roadmend.safe.report import CrashReport
 from roadmend.safe.stage_one import LanguageExtractor, StageOneOptions
 
@@ -96,9 +96,7 @@ def measure(known: Sequence[KnownReport], *, cross_check: bool, reads: bool, see
     tally, reader = Tally(), _ReadOnce(reads=reads)
 
     def extract(report: CrashReport, scenario: Mapping[str, Any], meta: Mapping[str, Any]) -> Extraction | None:
-        extractor = LanguageExtractor(
-            AnsweringModel(scenario, meta), StageOneOptions(cross_check=cross_check), reader
-        )
+        extractor = LanguageExtractor(AnsweringModel(scenario, meta), StageOneOptions(cross_check=cross_check), reader)
         try:
             return extractor.extract(report)
         except ExtractionError:
@@ -144,7 +142,7 @@ def _places(lied: str) -> set[str]:
     """Where a lie about a field may come to light."""
     if lied == VEHICLES:
         return {VEHICLES, COLLISIONS}
-    return {lied.split(".")[0], COLLISIONS} if lied.startswith(COLLISIONS) else {lied}
+    return {lied.split(".", maxsplit=1)[0], COLLISIONS} if lied.startswith(COLLISIONS) else {lied}
 
 
 def _count_honest(tally: Tally, each: KnownReport, found: Extraction | None) -> None:
@@ -163,7 +161,7 @@ def _count_honest(tally: Tally, each: KnownReport, found: Extraction | None) -> 
 
 
 def _is_known(name: str, each: KnownReport) -> bool:
-    return name.split(".")[0].split("[")[0] in each.knows
+    return name.split(".", maxsplit=1)[0].split("[", maxsplit=1)[0] in each.knows
 
 
 def always_objecting(known: Sequence[KnownReport], seed: int) -> Tally:
@@ -183,25 +181,26 @@ def always_objecting(known: Sequence[KnownReport], seed: int) -> Tally:
 
 @click.command()
 @click.argument("folders", nargs=-1, type=click.Path(path_type=Path, exists=True, file_okay=False))
+@click.option("--names", default="*", show_default=True, help="Pattern of the names of those in FOLDERS.")
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1), help="Of the lies.")
 @click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Folder for liar.json and liar.md.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def liar(folders: tuple[Path, ...], seed: int, out: Path | None, *, as_json: bool) -> None:
+def liar(folders: tuple[Path, ...], names: str, seed: int, out: Path | None, *, as_json: bool) -> None:
     """Plant one false field at a time in right answers, and see whether the cross-check catches it.
 
     The reports are those of config/reports, and texts with an oracle beside them from FOLDERS. The model stays by its lie
     and passes itself whenever it is asked for a validation.
     """
-    known = [*sample_reports(), *(each for folder in folders for each in reports_in(folder))]
+    known = [*sample_reports(), *(each for folder in folders for each in reports_in(folder, names))]
     tallies = {
         "validation by the model alone": measure(known, cross_check=False, reads=False, seed=seed),
         "cross-check without the reader": measure(known, cross_check=True, reads=False, seed=seed),
         FULL: measure(known, cross_check=True, reads=True, seed=seed),
         _ALWAYS: always_objecting(known, seed),
     }
-    names = " ".join(folder.name for folder in folders)
+    given = [str(folder) for folder in folders] + (["--names", f"'{names}'"] if names != "*" else [])
     content = {
-        "provenance": provenance(f"./roadmend bench liar {names} --seed {seed}".replace("  ", " ")),
+        "provenance": provenance(" ".join(["./roadmend bench liar", *given, f"--seed {seed}"])),
         "reports": len(known),
         "checks": {name: tally.as_dict() for name, tally in tallies.items()},
     }
@@ -219,7 +218,10 @@ def _rows(tallies: Mapping[str, Tally]) -> list[list[str]]:
     add("told apart from the honest answer", lambda each: _share(each.told_apart, each.as_dict()["planted"]))
     for kind in sorted(kind for kind in tallies[FULL].planted if kind != LEFT_OUT):
         add(f"caught: {kind}", lambda each, kind=kind: f"{each.caught[kind]} of {each.planted[kind]}")  # type: ignore[misc]
-    add("caught: fields left out that the report states", lambda each: f"{each.caught[LEFT_OUT]} of {each.planted[LEFT_OUT]}")
+    add(
+        "caught: fields left out that the report states",
+        lambda each: f"{each.caught[LEFT_OUT]} of {each.planted[LEFT_OUT]}",
+    )
     add("honest answers: fields in dispute", lambda each: _share(each.alarms, each.fields))
     add("honest answers: fields replaced by something false", lambda each: _share(each.spoiled, each.fields))
     add("honest answers: reports asked about again", lambda each: _share(each.asked_again, each.reports))

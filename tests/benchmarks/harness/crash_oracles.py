@@ -38,23 +38,25 @@ class KnownReport:
 def sample_reports() -> list[KnownReport]:
     """Those of config/reports."""
     folder = config_folder() / "reports"
-    return [
-        _known(load_report(folder / path.stem), path) for path in sorted(_SAMPLES.glob("*.json"))
-    ]
+    return [_known(load_report(folder / path.stem), path) for path in sorted(_SAMPLES.glob("*.json"))]
 
 
-def reports_in(folder: Path) -> list[KnownReport]:
+def reports_in(folder: Path, pattern: str = "*") -> list[KnownReport]:
     """Texts with an oracle beside them (NAME.txt, NAME.oracle.json), or folders with summary.txt and oracle.json.
+
+    Args:
+        folder: where they are.
+        pattern: of the names.
 
     Raises:
         InputError: there is none, or an oracle is damaged.
     """
     found = [
         _known(load_report(path), path.with_suffix(".oracle.json"))
-        for path in sorted(folder.glob("*.txt"))
+        for path in sorted(folder.glob(f"{pattern}.txt"))
         if path.with_suffix(".oracle.json").is_file()
     ]
-    found += [_known(load_report(path.parent), path) for path in sorted(folder.glob("*/oracle.json"))]
+    found += [_known(load_report(path.parent), path) for path in sorted(folder.glob(f"{pattern}/oracle.json"))]
     if not found:
         raise InputError(str(folder), "holds no report with an oracle", "put NAME.oracle.json beside NAME.txt")
     return found

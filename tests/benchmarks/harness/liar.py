@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from roadmend.language.chat import Reply, Request
-from roadmend.safe.reading_alignment import COLLISIONS, VEHICLES, agree, flat
 from roadmend.safe.answer_schema import answer_schema
 from roadmend.safe.dsl import CrashScenario, Position, RoadType, Side
 from roadmend.safe.dsl_data import dump_data, parse_data
+from roadmend.safe.reading_alignment import COLLISIONS, VEHICLES, agree, flat
 
 BOTH, SCENARIO_ALONE, META_ALONE = "in both answers", "in the scenario alone", "in the meta message alone"
 LEFT_OUT = "left out"
@@ -100,11 +100,11 @@ def lies(truth: CrashScenario, others: Mapping[str, Sequence[Any]], seed: str) -
             places = ((BOTH, false, meta), (SCENARIO_ALONE, false, honest), (META_ALONE, data, meta))
             found += [Lie(kind, field, *place) for place in places]
     for field, value in flat(truth).items():
-        if field not in {VEHICLES, COLLISIONS, "road_type"} and _kind(field) and value is not None:
-            if not any(agree(field, None, other) for other in others.get(field, ())):
-                without = copy.deepcopy(data)
-                put(without, field, None)
-                found.append(Lie(LEFT_OUT, field, SCENARIO_ALONE, without, honest))
+        may_be_open = any(agree(field, None, other) for other in others.get(field, ()))
+        if _kind(field) and field != "road_type" and value is not None and not may_be_open:
+            without = copy.deepcopy(data)
+            put(without, field, None)
+            found.append(Lie(LEFT_OUT, field, SCENARIO_ALONE, without, honest))
     return found
 
 
@@ -153,7 +153,7 @@ def _values(field: str, value: Any) -> Sequence[Any]:
         return [side.value for side in Side]
     schema = answer_schema()["properties"]
     part = {"vehicles": schema["vehicles"]["items"]["properties"], "env": schema["env"]["properties"]}
-    words = part.get(field.split("[")[0].split(".")[0], schema)[name]["enum"]
+    words = part.get(field.split("[", maxsplit=1)[0].split(".", maxsplit=1)[0], schema)[name]["enum"]
     return [word for word in words if word is not None]
 
 
@@ -164,9 +164,7 @@ def _with(data: dict[str, Any], field: str, value: Any) -> dict[str, Any] | None
         data["stem_direction"] = None
         for vehicle in data["vehicles"]:
             on_ramp = vehicle["initial_position"] in _RAMPS
-            if value == RoadType.MERGING and not on_ramp:
-                vehicle["initial_position"] = None
-            elif value != RoadType.MERGING and on_ramp:
+            if (value == RoadType.MERGING and not on_ramp) or (value != RoadType.MERGING and on_ramp):
                 vehicle["initial_position"] = None
     try:
         parse_data(data, "a lie")
