@@ -21,9 +21,10 @@ from roadmend.safe.reading_alignment import COLLISIONS, VEHICLES, AlignedField, 
 from roadmend.safe.report import CrashReport
 from roadmend.safe.scene_contradictions import contradictions
 
-ANSWER, SILENCE, READER, SKETCH, META, TEXT, GEOMETRY = (
+ANSWER, SILENCE, ALONE, READER, SKETCH, META, TEXT, GEOMETRY = (
     "the model's answer",
     "the model's null",
+    "the model's answer, of which a reader of the same text finds nothing",
     "the embedded reader",
     "the embedded reader of the sketch",
     "the meta message",
@@ -33,6 +34,7 @@ ANSWER, SILENCE, READER, SKETCH, META, TEXT, GEOMETRY = (
 TRUST: Mapping[str, float] = {  # where a source gives no confidence of its own
     ANSWER: 0.8,  # the paper's share of reports whose actors GPT-4o gets right
     SILENCE: 0.6,
+    ALONE: 0.6,
     READER: 0.75,
     META: 0.6,  # the same model
     TEXT: 0.75,
@@ -142,10 +144,10 @@ def unchecked(scenario: CrashScenario) -> Iterator[FieldCheck]:
         yield FieldCheck(field, (_answer(field, value),))
 
 
-def _answer(field: str, value: Any) -> Witness:
-    """Not to have found a thing is easier than to have found what is not there."""
+def _answer(field: str, value: Any, *, is_alone: bool = False) -> Witness:
+    """The model's own word; not to have found a thing is easier than to have found what is not there."""
     is_silent = value is None or (field == COLLISIONS and value == 0)
-    return Witness(ANSWER, value, TRUST[SILENCE if is_silent else ANSWER])
+    return Witness(ANSWER, value, TRUST[SILENCE if is_silent else ALONE if is_alone else ANSWER])
 
 
 class AnswerCheck:
@@ -188,8 +190,8 @@ class AnswerCheck:
         checks = []
         for field in {**answered, **read}:
             value = answered.get(field)
-            said = [_answer(field, value)]
-            said += self._reader(field, value, read)
+            heard = [*self._reader(field, value, read)]
+            said = [_answer(field, value, is_alone=self.reading is not None and not heard), *heard]
             said += self._meta(field, value, told, answered)
             said += against.get(field, [])
             said += self._text(field, value)

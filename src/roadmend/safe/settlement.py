@@ -87,7 +87,8 @@ def _of_field(check: FieldCheck, value: Any) -> FieldEvidence:
     if supporters:
         names = " and ".join(dict.fromkeys(each.source for each in supporters))
         return FieldEvidence(value, sentence, confidence, f"{ANSWER}, as {names} has it")
-    return FieldEvidence(value, None, confidence, f"{ANSWER} alone, see the exchanges")
+    alone = f"{ANSWER} alone, see the exchanges"
+    return FieldEvidence(value, None, confidence, alone if value is not None else f"{ANSWER}: it is not said")
 
 
 def _shown(value: Any) -> str:

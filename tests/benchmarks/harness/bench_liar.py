@@ -10,8 +10,9 @@ import click
 
 from harness.crash_oracles import KnownReport, reports_in, sample_reports
 from harness.figures import Figures
-from harness.liar import LEFT_OUT, META_ALONE, AnsweringModel, Lie, lies, meta_of
+from harness.liar import APART, INVENTED, LEFT_OUT, META_ALONE, AnsweringModel, Lie, lies, meta_of
 from roadmend.reports.result_files import provenance
+from roadmend.safe.answer_check import ALONE, TRUST
 from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.embedded import EmbeddedExtractor
 from roadmend.safe.extraction import Extraction, ExtractionError, Watch, unwatched
@@ -51,6 +52,7 @@ class Tally:
     planted: Counter[str] = field(default_factory=Counter)  # by kind
     caught: Counter[str] = field(default_factory=Counter)
     told_apart: int = 0  # of the caught ones, where the same field of the honest answer is not in doubt
+    told: int = 0  # inventions that are in dispute or said to rest on the model alone
     mended: int = 0  # lies in whose place the truth was kept
     fields: int = 0  # of honest answers
     alarms: int = 0  # of them disputed
@@ -58,21 +60,24 @@ class Tally:
     reports: int = 0
     asked_again: int = 0  # of them about honest answers
 
-    def rate(self, kinds: Callable[[str], bool]) -> float | None:
-        """Share of caught lies [%] of some kinds."""
-        planted = sum(count for kind, count in self.planted.items() if kinds(kind))
-        caught = sum(count for kind, count in self.caught.items() if kinds(kind))
+    def rate(self) -> float | None:
+        """Share of caught lies [%], but for the kinds that are counted by themselves."""
+        planted = sum(count for kind, count in self.planted.items() if kind not in APART)
+        caught = sum(count for kind, count in self.caught.items() if kind not in APART)
         return 100.0 * caught / planted if planted else None
 
     def as_dict(self) -> dict[str, Any]:
         """What JSON can hold."""
         return {
-            "planted": sum(self.planted.values()) - self.planted[LEFT_OUT],
-            "caught": sum(self.caught.values()) - self.caught[LEFT_OUT],
+            "planted": sum(count for kind, count in self.planted.items() if kind not in APART),
+            "caught": sum(count for kind, count in self.caught.items() if kind not in APART),
             "told_apart": self.told_apart,
-            "caught_rate": self.rate(lambda kind: kind != LEFT_OUT),
+            "caught_rate": self.rate(),
             "left_out": self.planted[LEFT_OUT],
             "left_out_caught": self.caught[LEFT_OUT],
+            "invented": self.planted[INVENTED],
+            "invented_caught": self.caught[INVENTED],
+            "invented_told": self.told,
             "mended": self.mended,
             "by_kind": {kind: [self.caught[kind], self.planted[kind]] for kind in sorted(self.planted)},
             "honest_fields": self.fields,
@@ -111,7 +116,9 @@ def measure(known: Sequence[KnownReport], *, cross_check: bool, reads: bool, see
             found = extract(each.report, lie.scenario, lie.meta)
             if found is None or _is_caught(lie, found, each):
                 tally.caught[lie.kind] += 1
-                tally.told_apart += lie.kind != LEFT_OUT and in_doubt is not None and not in_doubt & _places(lie.field)
+                tally.told_apart += lie.kind not in APART and in_doubt is not None and not in_doubt & _places(lie.field)
+            if lie.kind == INVENTED:
+                tally.told += found is None or _is_caught(lie, found, each) or _is_alone(lie.field, found)
             if found is not None and lie.where != META_ALONE:
                 tally.mended += _is_right(lie.field, flat(found.scenario), each)
     return tally
@@ -130,6 +137,11 @@ def _is_caught(lie: Lie, found: Extraction, each: KnownReport) -> bool:
     if _doubted(found) & _places(lie.field):
         return True
     return lie.where != META_ALONE and _is_right(lie.field, flat(found.scenario), each)
+
+
+def _is_alone(name: str, found: Extraction) -> bool:
+    confidence = found.evidence[name].confidence
+    return confidence is not None and confidence <= TRUST[ALONE]
 
 
 def _doubted(found: Extraction) -> set[str]:
@@ -171,6 +183,7 @@ def always_objecting(known: Sequence[KnownReport], seed: int) -> Tally:
         planted = lies(each.truth, each.others, f"{seed} {each.report.case}")
         tally.planted.update(lie.kind for lie in planted)
         tally.caught.update(lie.kind for lie in planted)
+        tally.told += sum(lie.kind == INVENTED for lie in planted)
         fields = sum(_is_known(name, each) for name in flat(each.truth))
         tally.fields += fields
         tally.alarms += fields
@@ -216,12 +229,17 @@ def _rows(tallies: Mapping[str, Tally]) -> list[list[str]]:
     add("false fields planted", lambda each: str(each.as_dict()["planted"]))
     add("caught", lambda each: _percent(each.as_dict()["caught_rate"]))
     add("told apart from the honest answer", lambda each: _share(each.told_apart, each.as_dict()["planted"]))
-    for kind in sorted(kind for kind in tallies[FULL].planted if kind != LEFT_OUT):
+    for kind in sorted(kind for kind in tallies[FULL].planted if kind not in APART):
         add(f"caught: {kind}", lambda each, kind=kind: f"{each.caught[kind]} of {each.planted[kind]}")  # type: ignore[misc]
     add(
         "caught: fields left out that the report states",
         lambda each: f"{each.caught[LEFT_OUT]} of {each.planted[LEFT_OUT]}",
     )
+    add(
+        "invented where the report says nothing: caught",
+        lambda each: f"{each.caught[INVENTED]} of {each.planted[INVENTED]}",
+    )
+    add("invented: caught, or said to be the model's alone", lambda each: f"{each.told} of {each.planted[INVENTED]}")
     add("honest answers: fields in dispute", lambda each: _share(each.alarms, each.fields))
     add("honest answers: fields replaced by something false", lambda each: _share(each.spoiled, each.fields))
     add("honest answers: reports asked about again", lambda each: _share(each.asked_again, each.reports))

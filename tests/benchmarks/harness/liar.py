@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from roadmend.core.errors import InputError
 from roadmend.language.chat import Reply, Request
 from roadmend.safe.answer_schema import answer_schema
 from roadmend.safe.dsl import CrashScenario, Position, RoadType, Side
@@ -14,7 +15,8 @@ from roadmend.safe.dsl_data import dump_data, parse_data
 from roadmend.safe.reading_alignment import COLLISIONS, VEHICLES, agree, flat
 
 BOTH, SCENARIO_ALONE, META_ALONE = "in both answers", "in the scenario alone", "in the meta message alone"
-LEFT_OUT = "left out"
+LEFT_OUT, INVENTED = "left out", "invented"
+APART = frozenset({LEFT_OUT, INVENTED})  # kinds that are counted by themselves
 _RAMPS = (Position.ON_RAMP.value, Position.MAIN_ROAD.value)
 _KINDS = {  # of fields, by the end of their names
     "road_type": "road type",
@@ -81,7 +83,9 @@ def meta_of(data: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def lies(truth: CrashScenario, others: Mapping[str, Sequence[Any]], seed: str) -> list[Lie]:
-    """One lie about each field that a report states, those about meta messages in each place, and one omission a field.
+    """One lie about each field that a report states, those about meta messages in each place, and further ones.
+
+    Further, each field that is stated is left out once, and one that is not is invented.
 
     Args:
         truth: what the report says; open where it says nothing.
@@ -105,7 +109,24 @@ def lies(truth: CrashScenario, others: Mapping[str, Sequence[Any]], seed: str) -
             without = copy.deepcopy(data)
             put(without, field, None)
             found.append(Lie(LEFT_OUT, field, SCENARIO_ALONE, without, honest))
+    for field, false in _inventions(truth, others, random_):
+        found.append(Lie(INVENTED, field, SCENARIO_ALONE, false, honest))
     return found
+
+
+def _inventions(
+    truth: CrashScenario, others: Mapping[str, Sequence[Any]], random_: random.Random
+) -> Iterator[tuple[str, dict[str, Any]]]:
+    for field, value in flat(truth).items():
+        if value is not None or not _kind(field) or field in others or field.endswith("manoeuvre"):
+            continue
+        choices = [*_values(field, None)]
+        random_.shuffle(choices)
+        for choice in choices:
+            false = _with(dump_data(truth), field, choice)
+            if false is not None:
+                yield field, false
+                break
 
 
 def put(data: Any, field: str, value: Any) -> None:
@@ -143,9 +164,9 @@ def _values(field: str, value: Any) -> Sequence[Any]:
     """What may stand in a field, and could be taken for true."""
     name = field.rpartition(".")[2]
     if name == "num_lanes":
-        return [lanes for lanes in (1, 2, 3, 4, 5, 6) if lanes != value]
+        return (1, 2, 3, 4, 5, 6)
     if name == "speed_limit_mph":
-        return [limit for limit in _LIMITS if abs(limit - value) >= 5]
+        return [limit for limit in _LIMITS if value is None or abs(limit - value) >= 5]
     if name == "initial_position":
         is_ramp = value in _RAMPS
         return [word.value for word in Position if (word.value in _RAMPS) == is_ramp]
@@ -168,7 +189,7 @@ def _with(data: dict[str, Any], field: str, value: Any) -> dict[str, Any] | None
                 vehicle["initial_position"] = None
     try:
         parse_data(data, "a lie")
-    except ValueError:
+    except InputError:
         return None
     return data
 
