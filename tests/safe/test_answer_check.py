@@ -56,6 +56,10 @@ def check(scenario, read=None, meta=META_MESSAGE, summary=SUMMARY, sketch=None):
     return {each.field: each for each in checks}
 
 
+def settled_with(scenario, read, meta=META_MESSAGE, summary=SUMMARY):
+    return settle(scenario, [*check(scenario, read, meta, summary).values()], read, summary)
+
+
 def objections(checks):
     return {name: told for name, each in checks.items() if (told := each.objection()) is not None}
 
@@ -63,7 +67,7 @@ def objections(checks):
 def test_a_right_answer_meets_no_objection():
     checks = check(TRUTH, reading())
     assert objections(checks) == {}
-    settled, evidence = settle(TRUTH, [*checks.values()], reading())
+    settled, evidence = settle(TRUTH, [*checks.values()], reading(), SUMMARY)
     assert settled == TRUTH
     assert not any(each.disputed for each in evidence.values())
     assert evidence["num_lanes"].confidence > 0.95
@@ -74,7 +78,7 @@ def test_a_right_answer_meets_no_objection():
 
 def test_an_answer_that_nobody_else_speaks_of_is_alone():
     checks = check(TRUTH, None, meta=None)
-    _, evidence = settle(TRUTH, [*checks.values()], None)
+    _, evidence = settle(TRUTH, [*checks.values()], None, SUMMARY)
     assert evidence["num_lanes"] == FieldEvidence(4, None, 0.8, "the model's answer alone, see the exchanges")
     assert next(iter(unchecked(TRUTH))).said[0].source == ANSWER
 
@@ -100,12 +104,12 @@ def test_a_false_field_is_told_and_the_reader_that_is_surer_is_kept_to(field, ch
     false = changed(**change)
     checks = check(false, reading())
     assert field in objections(checks)
-    settled, evidence = settle(false, [*checks.values()], reading())
+    settled, evidence = settle(false, [*checks.values()], reading(), SUMMARY)
     assert flat(settled)[field] == flat(TRUTH)[field] or field == "env.time"
     disputed = evidence[field]
     assert {ANSWER, READER} <= {each.source for each in disputed.disputed}
     assert {flat(false).get(field), flat(TRUTH)[field]} <= {each.value for each in disputed.disputed}
-    _, honest = settle(TRUTH, [*check(TRUTH, reading()).values()], reading())
+    _, honest = settled_with(TRUTH, reading())
     assert field not in honest or disputed.confidence < honest[field].confidence
     assert disputed.reason.startswith("disputed: kept what ")
 
@@ -114,7 +118,7 @@ def test_where_the_reader_is_less_sure_the_answer_is_kept_and_still_disputed():
     false = changed(num_lanes=2)
     checks = check(false, reading(num_lanes=0.7))
     assert "num_lanes: you answered 2; the embedded reader says 4" in objections(checks)["num_lanes"]
-    settled, evidence = settle(false, [*checks.values()], reading())
+    settled, evidence = settle(false, [*checks.values()], reading(), SUMMARY)
     assert settled.road.lanes == 2
     assert evidence["num_lanes"].reason == "disputed: kept what the model's answer says, against the embedded reader"
     assert 0.5 < evidence["num_lanes"].confidence < 0.8
@@ -220,10 +224,30 @@ class TestCounts:
         false = parse_data(data | {"vehicles": data["vehicles"][:1], "collisions": [], "num_lanes": 2}, "false")
         told = objections(check(false, reading()))
         assert {"vehicles", "collisions", "num_lanes"} <= told.keys()
-        settled, evidence = settle(false, [*check(false, reading()).values()], reading())
+        settled, evidence = settled_with(false, reading())
         assert settled == TRUTH
         assert evidence["vehicles"].value == 2
         assert {each.value for each in evidence["vehicles"].disputed} == {1, 2}
+        assert evidence.keys() >= flat(settled).keys()
+        assert "the embedded reader's" in evidence["vehicles[1].model"].reason
+
+    def test_contacts_of_vehicles_in_another_order_get_their_numbers(self):
+        data = dump_data(TRUTH)
+        unnumbered = "A sedan going west at 40 mph hit the right side of a pickup going north in the sun."
+        read = reading(
+            parse_data(
+                data
+                | {
+                    "vehicles": data["vehicles"][::-1],
+                    "collisions": [data["collisions"][0] | {"striking": 2, "struck": 1}],
+                },
+                "read",
+            )
+        )
+        without = changed(collisions=[])
+        settled, evidence = settled_with(without, read, summary=unnumbered)
+        assert settled == TRUTH
+        assert evidence["collisions"].disputed
 
     def test_positions_that_no_road_has_together_are_put_in_one_by_one(self):
         merging = reading(
@@ -240,7 +264,7 @@ class TestCounts:
             **{"vehicles[0].initial_position": 0.3, "vehicles[1].initial_position": 0.3},
         )
         checks = check(TRUTH, merging, None)
-        settled, evidence = settle(TRUTH, [*checks.values()], merging)
+        settled, evidence = settle(TRUTH, [*checks.values()], merging, SUMMARY)
         assert settled.road.road_type == "Intersection"
         assert settled.road.lanes == 6
         assert evidence["road_type"].disputed
@@ -268,5 +292,5 @@ def test_points_in_place_of_an_action_are_a_value_too():
     points = changed(vehicles__0__action=[[0, 0], [9, 1]])
     checks = check(points, reading())
     assert "vehicles[0].action" in objections(checks)
-    settled, _ = settle(points, [*checks.values()], reading())
+    settled, _ = settle(points, [*checks.values()], reading(), SUMMARY)
     assert settled.vehicles[0].action == "Move Forward"

@@ -2,11 +2,11 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import permutations
 from typing import Any
 
-from roadmend.safe.dsl import CrashScenario, Side, Weather
+from roadmend.safe.dsl import CrashScenario, DescribedCollision, Side, Weather
 from roadmend.safe.dsl_data import dump_data
 
 VEHICLES, COLLISIONS = "vehicles", "collisions"  # as fields: how many there are
@@ -77,6 +77,16 @@ def aligned_fields(answered: CrashScenario, read: CrashScenario, summary: str) -
         elif not name.startswith(f"{COLLISIONS}["):
             found[name] = AlignedField(value, name)
     return found | _contacts(answered, read, places)
+
+
+def renumbered_collisions(answered: CrashScenario, read: CrashScenario, summary: str) -> tuple[DescribedCollision, ...]:
+    """The contacts of a reading between vehicles that the answer has too, in its numbers; arguments as above."""
+    places = _places(answered, read, is_numbered=bool(_NUMBERED.search(summary)))
+    return tuple(
+        replace(each, striking=places[each.striking - 1] + 1, struck=places[each.struck - 1] + 1)
+        for each in read.collisions
+        if {each.striking - 1, each.struck - 1} <= places.keys()
+    )
 
 
 def _places(answered: CrashScenario, read: CrashScenario, *, is_numbered: bool) -> dict[int, int]:

@@ -1,49 +1,66 @@
 """What is kept of an answer that has been checked, with what each field rests on and what speaks against it."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from roadmend.core.errors import InputError
-from roadmend.safe.answer_check import ANSWER, FieldCheck
-from roadmend.safe.dsl import CrashScenario
+from roadmend.safe.answer_check import ANSWER, READER, TRUST, FieldCheck
+from roadmend.safe.dsl import CrashScenario, DescribedRoadNetwork
 from roadmend.safe.dsl_data import dump_data, parse_data
 from roadmend.safe.extraction import Extraction, FieldEvidence
-from roadmend.safe.reading_alignment import COLLISIONS, VEHICLES, agree, flat
+from roadmend.safe.reading_alignment import COLLISIONS, VEHICLES, agree, flat, renumbered_collisions
 
 _WHOLE = (VEHICLES, COLLISIONS)
 
 
 def settle(
-    scenario: CrashScenario, checks: Sequence[FieldCheck], reading: Extraction | None
+    scenario: CrashScenario, checks: Sequence[FieldCheck], reading: Extraction | None, summary: str
 ) -> tuple[CrashScenario, dict[str, FieldEvidence]]:
-    """Keep of every field the value with the best odds, and say so.
+    """Keep of every field the likeliest value, and say so.
+
+    Where the embedded reader is to be believed in how many vehicles there were, all of its vehicles and their contacts
+    are kept, for its numbers are not those of the answer.
 
     Args:
         scenario: the answer.
         checks: of its fields.
         reading: what the embedded reader made of the report.
+        summary: of the report.
     """
-    read = reading.scenario if reading is not None else None
     wanted = {check.field: check.kept for check in checks if not agree(check.field, check.kept, check.answered)}
-    settled = _with(scenario, wanted, read)
+    if reading is not None and VEHICLES in wanted:
+        read = reading.scenario
+        scenario = _replaced(scenario, vehicles=read.vehicles, collisions=read.collisions, road=read.road)
+        wanted = {field: value for field, value in wanted.items() if not field.startswith((VEHICLES, COLLISIONS))}
+    elif reading is not None and COLLISIONS in wanted:
+        theirs = renumbered_collisions(scenario, reading.scenario, summary)
+        scenario = _replaced(scenario, collisions=theirs)
+        wanted = {field: value for field, value in wanted.items() if not field.startswith(COLLISIONS)}
+    settled = _with(scenario, wanted)
     if settled is None:  # together they make no scenario, such as positions of another kind of road
         settled = scenario
         for field, value in wanted.items():
-            settled = _with(settled, {field: value}, read) or settled
-    return settled, _evidence(settled, checks)
+            settled = _with(settled, {field: value}) or settled
+    return settled, _evidence(settled, checks, reading)
 
 
-def _with(scenario: CrashScenario, wanted: Mapping[str, Any], read: CrashScenario | None) -> CrashScenario | None:
+def _replaced(scenario: CrashScenario, road: DescribedRoadNetwork | None = None, **parts: Any) -> CrashScenario:
+    """A scenario with other parts, and another road if they are not on this one; as it was if that is none."""
+    choices: list[dict[str, Any]] = [parts, parts if road is None else {**parts, "road": road}]
+    for choice in choices:
+        try:
+            return replace(scenario, **choice)
+        except ValueError:
+            continue
+    return scenario
+
+
+def _with(scenario: CrashScenario, wanted: Mapping[str, Any]) -> CrashScenario | None:
     """A scenario with other values; None if the language does not have such a one."""
     data = dump_data(scenario)
-    theirs = dump_data(read) if read is not None else {}
-    for field in sorted(wanted, key=lambda name: name not in _WHOLE):  # others stand within these
-        if field in _WHOLE:
-            data[field] = theirs.get(field, [])
-            if field == VEHICLES:
-                data[COLLISIONS] = theirs.get(COLLISIONS, [])
-        else:
-            _put(data, field, wanted[field])
+    for field, value in wanted.items():
+        _put(data, field, value)
     try:
         return parse_data(data, ANSWER)
     except InputError:
@@ -60,15 +77,19 @@ def _put(data: Any, field: str, value: Any) -> None:
     data[last] = value
 
 
-def _evidence(settled: CrashScenario, checks: Sequence[FieldCheck]) -> dict[str, FieldEvidence]:
-    values = flat(settled)
+def _evidence(
+    settled: CrashScenario, checks: Sequence[FieldCheck], reading: Extraction | None
+) -> dict[str, FieldEvidence]:
+    known = {check.field: check for check in checks}
+    read = reading.evidence if reading is not None else {}
     found = {}
-    for check in checks:
-        value = values.get(check.field)
-        is_counted = check.field in _WHOLE
-        if (is_counted and not check.against) or (not is_counted and check.field not in values):
-            continue
-        found[check.field] = _of_field(check, value)
+    for field, value in flat(settled).items():
+        if field in known and (field not in _WHOLE or known[field].against):
+            found[field] = _of_field(known[field], value)
+        elif field not in _WHOLE:  # of a vehicle or a contact that the answer does not have
+            reason = f"{READER}'s, which was kept to in how many there are"
+            theirs = read.get(field, FieldEvidence(value, None, TRUST[READER], ""))
+            found[field] = replace(theirs, value=value, reason=reason)
     return found
 
 

@@ -82,7 +82,7 @@ class LanguageExtractor:
         except LanguageError as error:
             raise ExtractionError(str(error), tuple(model.exchanges)) from None
         checks = check.of_scenario(scenario, meta) if check is not None else [*unchecked(scenario)]
-        settled, evidence = settle(scenario, checks, check.reading if check is not None else None)
+        settled, evidence = settle(scenario, checks, check.reading if check is not None else None, report.summary)
         notes = (*report.notes, *self._notes(check, evidence))
         return Extraction(settled, evidence, _sketch(report, model), notes, tuple(model.exchanges))
 
