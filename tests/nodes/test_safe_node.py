@@ -171,7 +171,7 @@ class TestGoals:
         _, result, steps = client.ask(told=7, summary=SUMMARY, name="told", backend="replay")
         assert result.error == ""
         assert steps == [
-            ("cross-check", 1, 1),
+            ("read", 1, 1),
             ("meta_message", 1, 3),
             ("validation", 1, 3),
             ("meta_message", 2, 3),

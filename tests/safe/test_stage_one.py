@@ -216,6 +216,40 @@ def test_an_endpoint_without_pictures_is_asked_with_the_summary_alone():
     assert dump_data(extraction.scenario) == TRUTH
 
 
+def test_an_endpoint_of_many_quirks_is_as_good_as_another():
+    """It takes no schema, pictures, temperature or system role, thinks aloud, and puts its answers into fences."""
+    wrong = json.dumps(scenario(num_lanes=9))
+
+    def quirky(body):
+        said = json.dumps(body["messages"])
+        for name, is_there in {
+            "response_format": "response_format" in body,
+            "image_url": "image_url" in said,
+            "temperature": "temperature" in body,
+            "System role": '"system"' in said,
+        }.items():
+            if is_there:
+                return 400, {}, {"error": {"message": f"{name} is not supported"}}
+        is_scenario = "Turn the crash report" in said and "Someone was asked" not in said
+        answer = PASS if "Someone was asked" in said else scenario() if is_scenario else META
+        return completion(f"<think>Perhaps {wrong}?</think>\nHere it is:\n```json\n{json.dumps(answer)}\n```")
+
+    extraction, requests = run(quirky)
+    assert dump_data(extraction.scenario) == TRUTH
+    assert len(requests) == 5 + 4
+    assert all(set(exchange.reply.left_out) >= {"temperature 0"} for exchange in extraction.exchanges)
+
+
+def test_a_key_that_the_endpoint_repeats_is_not_kept(tmp_path):
+    key = "sk-very-secret-4711"
+    brain = Brain(answers=[scenario() | {"analysis": f"Bearer {key}"}])
+    with serving(brain) as (_, url):
+        model = OpenAIModel(OpenAISettings(base_url=url, model="test", api_key=key, attempts=1))
+        extraction = LanguageExtractor(model, StageOneOptions()).extract(REPORT)
+    assert "Bearer [key]" in dump_exchanges(extraction.exchanges)
+    assert key not in dump_exchanges(extraction.exchanges)
+
+
 def test_without_prompt_generation_there_is_no_example():
     brain = Brain()
     extraction, requests = run(brain, prompt_generation=False)

@@ -87,9 +87,8 @@ class LanguageExtractor:
         return Extraction(settled, evidence, _sketch(report, model), notes, tuple(model.exchanges))
 
     def _check(self, report: CrashReport, watch: Watch) -> AnswerCheck:
-        watch(Step("cross-check"))
         try:
-            return AnswerCheck(report, self.reader.extract(report))
+            return AnswerCheck(report, self.reader.extract(report, watch))
         except ExtractionError as error:
             return AnswerCheck(report, None, str(error))
 
