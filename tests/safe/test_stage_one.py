@@ -185,6 +185,7 @@ class TestALiar:
         assert brain.asked[:3] == ["meta_message", "meta_message", "validation"]
         assert "road_type: you answered Curve" in texts(requests[1])[-1]
         assert dump_data(extraction.scenario) == TRUTH
+        assert "a crash on a road of type T-intersection" in "".join(texts(requests[3]))  # as the reader has it
         told = {(each.source, each.value) for each in extraction.evidence["road_type"].disputed}
         assert ("the meta message", "Curve") in told
 

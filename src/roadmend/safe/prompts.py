@@ -37,6 +37,9 @@ Write your reasoning into "analysis" first."""
 _MEANINGS: Mapping[str, str] = {
     "num_lanes": "lanes of the road in all, both directions; at a junction those of the larger road",
     "stem_direction": "the side of the stem of a T-intersection; null for other roads",
+    "is_divided": "true where a median or a barrier keeps the two directions apart, false where nothing does",
+    "bend": "the side to which a curve bends, as the first vehicle sees it; null for other roads",
+    "control": "what orders the traffic where the vehicles meet",
     "vehicles": "those that touched, in the order of their numbers, each with",
     "initial_position": "before anything went wrong",
     "speed_limit_mph": "the limit posted for it in mph, not its speed",
@@ -141,10 +144,19 @@ def extraction_request(
         return Request("scenario", _conversation(_EXTRACTION_SYSTEM, task, None, report, objections), EXTRACTION_SCHEMA)
     template, example = found
     guidance = f"\n\nHow to analyse a crash on a road of type {template.road_type}:\n{template.guidance}"
-    answer = {"analysis": example.analysis, "scenario": dump_data(example.answer)}
+    answer = {"analysis": example.analysis, "scenario": _complete(dump_data(example.answer), answer_schema())}
     worked = _worked(example, answer)
     task = _EXTRACTION_TASK.format(language=_LANGUAGE, guidance=guidance)
     return Request("scenario", _conversation(_EXTRACTION_SYSTEM, task, worked, report, objections), EXTRACTION_SCHEMA)
+
+
+def _complete(content: Any, schema: Mapping[str, Any]) -> Any:
+    """An example with every field that an answer has to have, in its order; null where the example leaves it out."""
+    if content is None:
+        return None
+    if "properties" in schema:
+        return {name: _complete(content.get(name), each) for name, each in schema["properties"].items()}
+    return [_complete(each, schema["items"]) for each in content] if "items" in schema else content
 
 
 def validation_request(report: CrashReport, question: Request, answer: str) -> Request:

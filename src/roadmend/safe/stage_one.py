@@ -12,7 +12,7 @@ from roadmend.language.question import ATTEMPTS, ask_until_accepted
 from roadmend.safe.answer_check import AnswerCheck, FieldCheck, unchecked
 from roadmend.safe.dsl import RoadType
 from roadmend.safe.embedded import EmbeddedExtractor
-from roadmend.safe.encoder import encode_meta, encode_scenario, encode_verdict
+from roadmend.safe.encoder import MetaMessage, encode_meta, encode_scenario, encode_verdict
 from roadmend.safe.extraction import Extraction, ExtractionError, Extractor, FieldEvidence, Step, Watch, unwatched
 from roadmend.safe.knowledge_base import retrieve
 from roadmend.safe.prompts import extraction_request, meta_request, validation_request
@@ -72,7 +72,7 @@ class LanguageExtractor:
                     encode_meta,
                     check.of_meta if check is not None else _undoubted,
                 )
-                found = retrieve(meta.road_type, meta.directions)
+                found = retrieve(_road_type(meta, check), meta.directions)
             scenario = steps.run(
                 "the scenario",
                 lambda objections: extraction_request(report, found, objections),
@@ -104,6 +104,12 @@ class LanguageExtractor:
         disputed = [name for name, found in evidence.items() if found.disputed]
         if disputed:
             yield f"disputed: {', '.join(disputed)}"
+
+
+def _road_type(meta: MetaMessage, check: AnswerCheck | None) -> RoadType:
+    """By which to look into the knowledge base: the likeliest one."""
+    doubted = check.of_meta(meta) if check is not None else ()
+    return next((RoadType(each.kept) for each in doubted if each.field == "road_type"), meta.road_type)
 
 
 def _undoubted(_: object) -> list[FieldCheck]:
