@@ -1,5 +1,6 @@
 """The schema that a model answers by holds all that the language holds."""
 
+import json
 from dataclasses import replace
 from enum import StrEnum
 
@@ -7,8 +8,9 @@ import pytest
 from hypothesis import given, settings
 
 from roadmend.safe.answer_schema import _schema, answer_schema
-from roadmend.safe.dsl import CrashScenario, Manoeuvre, Position, Side
+from roadmend.safe.dsl import Manoeuvre, Position, RoadType, Side
 from roadmend.safe.dsl_data import dump_data, parse_data
+from roadmend.safe.knowledge_base import templates
 from roadmend.safe.prompts import EXTRACTION_SCHEMA, VALIDATION_SCHEMA, extraction_request
 from roadmend.safe.report import CrashReport
 
@@ -100,12 +102,19 @@ def test_the_prompt_explains_every_word():
         assert f"{name}:" in task
 
 
+@pytest.mark.parametrize("road_type", RoadType)
+def test_the_examples_are_answers_as_they_are_asked_for(road_type):
+    for example in templates()[road_type].examples:
+        request = extraction_request(CrashReport("case", "V1 hit V2."), (templates()[road_type], example), ())
+        answer = json.loads(request.messages[3].parts[0].split("The answer:\n")[1])
+        assert faults(answer, EXTRACTION_SCHEMA) == []
+        assert [*answer["scenario"]] == [*answer_schema()["properties"]]
+        assert parse_data(answer["scenario"], "answer") == example.answer
+
+
 def test_a_type_that_it_does_not_know_is_told_at_once():
     with pytest.raises(TypeError, match="has no schema"):
         _schema(bytes)
     with pytest.raises(TypeError, match="one kind"):
         _schema(int | str)
     assert _schema(StrEnum("Word", ["A"]))["enum"] == ["a"]
-    assert CrashScenario.__dataclass_fields__.keys() == {
-        "road", "vehicles", "environment", "collisions", "extras",
-    }  # fmt: skip
