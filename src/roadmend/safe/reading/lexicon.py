@@ -6,6 +6,7 @@ A phrase is found by its letters alone, so that "rear-ended", "rear ended" and "
 
 import functools
 import importlib.resources
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -72,7 +73,7 @@ class BodySense:
 
 def squeeze(text: str) -> str:
     """The letters and figures by which a phrase is found."""
-    return "".join(each for each in text.lower() if each not in " -'’.")
+    return re.sub(r"[ \-'.]", "", text.lower())
 
 
 def read_table(name: str) -> Any:
@@ -102,6 +103,14 @@ def senses() -> Mapping[str, Senses]:
             for phrase in phrases:
                 found.setdefault(squeeze(phrase), {}).setdefault("body", BodySense(model, confidence))
     return MappingProxyType(found)
+
+
+@functools.cache
+def verb_heads() -> frozenset[str]:
+    """First words of the verbs of more than one word, in all forms: "smashed" of "smashed into"."""
+    entries = [(kind, entry) for kind, entries in read_table("verbs").items() for entry in entries if " " in entry]
+    phrases = (phrase for kind, entry in entries for phrase, _ in _conjugate(kind, entry))
+    return frozenset(phrase.split(" ", 1)[0] for phrase in phrases)
 
 
 def _surroundings(tables: Mapping[str, Any]) -> Iterator[tuple[str, str, str, float]]:
@@ -137,7 +146,7 @@ def _conjugate(kind: str, entry: str) -> Iterator[tuple[str, VerbSense]]:
 
 def _doubles(lemma: str) -> bool:
     """Whether the last letter is said twice: "stopped"; not so "parked", "slowed", "reared"."""
-    if not 2 < len(lemma) <= _SHORT or lemma[-1] in f"{_VOWELS}wxy" or lemma[-2] not in _VOWELS:  # noqa: PLR2004
+    if not 2 < len(lemma) <= _SHORT or lemma[-1] in f"{_VOWELS}wxy" or lemma[-2] not in _VOWELS:
         return False
     return lemma[-3] not in _VOWELS
 
@@ -162,7 +171,7 @@ def names() -> Mapping[str, tuple[NameSense, ...]]:
             for model in () if field == "make" else map(str, models):
                 body = _CLASSES[field]
                 key = squeeze(model)
-                sense = NameSense(make, model.lower(), body, key in everyday or key.isdigit() or len(key) <= 2)  # noqa: PLR2004
+                sense = NameSense(make, model.lower(), body, key in everyday or key.isdigit() or len(key) <= 2)
                 if "body" not in senses().get(key, {}):  # "van" is a van, of whatever make
                     found.setdefault(key, {}).setdefault((make, model.lower()), sense)
                 for way in ways:
@@ -180,7 +189,7 @@ def _long_words() -> Mapping[str, tuple[str, ...]]:
     words = {
         key
         for key, kinds in senses().items()
-        if key.isalpha() and len(key) >= _FUZZY_FROM + 2 * bool({"time", "weather"} & kinds.keys())
+        if key.isalpha() and len(key) >= _FUZZY_FROM + bool({"time", "weather"} & kinds.keys())
     }
     words |= {
         key
@@ -219,5 +228,10 @@ def _is_slip(word: str, meant: str) -> bool:
         longer, shorter = sorted((word, meant), key=len, reverse=True)
         return any(longer[:place] + longer[place + 1 :] == shorter for place in range(len(longer)))
     wrong = [place for place, (one, other) in enumerate(zip(word, meant, strict=True)) if one != other]
-    swapped = len(wrong) == 2 and wrong[1] == wrong[0] + 1 and word[wrong[0]] == meant[wrong[1]] and word[wrong[1]] == meant[wrong[0]]  # noqa: PLR2004
+    swapped = (
+        len(wrong) == 2
+        and wrong[1] == wrong[0] + 1
+        and word[wrong[0]] == meant[wrong[1]]
+        and word[wrong[1]] == meant[wrong[0]]
+    )
     return len(wrong) == 1 or swapped
