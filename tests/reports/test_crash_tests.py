@@ -54,6 +54,8 @@ def test_the_page_has_the_table_of_the_markdown_and_a_picture_of_each_crash(tmp_
     assert (tmp_path / "pictures" / "sketch-head-on.png").read_bytes() == b"sketch"
     assert "modular as vehicle 2: no lane &amp; no way</li>" in files["report.html"]
     assert "not read: summary.txt: is empty" in files["report.html"]
+    assert '<a href="pages/head-on.html">head-on</a>' in files["report.html"]
+    assert sorted(name for name in files if name.startswith("pages/")) == ["pages/head-on.html"]
     assert "Not read:\n\n- empty: summary.txt: is empty\n" in files["report.md"]
     assert r"hit <b> \| it |" in files["report.md"]
 

@@ -146,3 +146,8 @@ def test_an_empty_sheet():
 def test_what_was_read_is_drawn_over():
     data = drawn_over(read_sketch(crossing().compass(850, 110, 60, 90).sketch()))
     assert data.startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("size", [(16, 900), (900, 16)])
+def test_a_narrow_strip_takes_no_longer_than_a_sheet(size):
+    assert read_sketch(Drawing(*size).sketch()).words == ()

@@ -21,6 +21,7 @@ from roadmend.safe.sketch.picture import Pixels, SketchPicture
 _TRUSTED = 0.5  # [of 1] a word that the library is less sure of is none
 _SHORT_SIDE = 1100  # [pixels] a smaller sketch is enlarged: below, numbers on vehicles are lost
 _MOST_ENLARGED = 2.0
+_SLENDER = 3.0  # longer by shorter side of what the library gets at most
 _LOCK = threading.Lock()  # the library keeps state between its steps
 # One thread: reports are read side by side, and sums in one order give one result.
 _SETTINGS = {
@@ -76,6 +77,11 @@ def read_words(picture: SketchPicture) -> tuple[SketchWord, ...]:
     image: Any = picture.colours[..., ::-1]
     if scale > 1.0:
         image = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC)
+    # The library enlarges until the shorter side is 736 pixels: a narrow strip would take gigabytes.
+    least = math.ceil(max(image.shape[:2]) / _SLENDER)
+    below, beside = (max(0, least - side) for side in image.shape[:2])
+    if below or beside:
+        image = cv2.copyMakeBorder(image, 0, below, 0, beside, cv2.BORDER_CONSTANT, value=(255, 255, 255))
     with _LOCK:
         found = _engine()(np.ascontiguousarray(image), use_det=True, use_cls=True, use_rec=True)
     if found.boxes is None or found.txts is None or found.scores is None:
@@ -135,5 +141,6 @@ def _narrowed(text: str) -> str:
 
 def _box_around(corners: Any, picture: SketchPicture) -> Box:
     left, top = (max(0.0, math.floor(value)) for value in corners.min(axis=0))
+    left, top = min(left, float(picture.width)), min(top, float(picture.height))
     right, bottom = corners.max(axis=0)
     return Box(left, top, max(left, min(float(right), picture.width)), max(top, min(float(bottom), picture.height)))
