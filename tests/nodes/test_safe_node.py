@@ -46,6 +46,7 @@ TRUTH = {
         {"model": "SUV", "initial_position": "S2N", "action": "Move Forward", "speed_limit_mph": 35},
     ],
     "env": {"time": "Daytime", "weather": "Rainy"},
+    "collisions": [{"striking": 1, "struck": 2, "striking_side": "Front", "struck_side": "Rear"}],
 }
 ANSWERS = {
     "meta_message": {
@@ -169,9 +170,10 @@ class TestGoals:
         assert Path(result.crash_file).name == "night.json"
 
     def test_a_model_is_asked_again_where_its_answer_did_not_pass(self, client):
-        _, result, steps = client.ask(told=6, summary=SUMMARY, name="told", backend="replay")
+        _, result, steps = client.ask(told=7, summary=SUMMARY, name="told", backend="replay")
         assert result.error == ""
         assert steps == [
+            ("read", 1, 1),
             ("meta_message", 1, 3),
             ("validation", 1, 3),
             ("meta_message", 2, 3),

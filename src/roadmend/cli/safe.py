@@ -95,7 +95,15 @@ class ExtractOptions:
         bool, click.option("--no-prompt-generation", is_flag=True, help="With a model: ask without the knowledge base.")
     ]
     no_validation: Annotated[
-        bool, click.option("--no-validation", is_flag=True, help="With a model: take its answers unchecked.")
+        bool, click.option("--no-validation", is_flag=True, help="With a model: do not let it check its answers.")
+    ]
+    no_cross_check: Annotated[
+        bool,
+        click.option(
+            "--no-cross-check",
+            is_flag=True,
+            help="With a model: hold its answers against nothing but its own validation.",
+        ),
     ]
     page: Annotated[
         bool, click.option("--page", is_flag=True, help="Write CASE.html too: what was read from where, for a browser.")
@@ -112,7 +120,9 @@ def extract(given: ExtractOptions) -> int:
     A report is a folder with summary.txt and perhaps a sketch (sketch.jpg, .png), or a text file. Reports that an
     earlier call with the same settings has done are not done again.
     """
-    options = StageOneOptions(not given.no_prompt_generation, not given.no_validation, given.language.attempts)
+    options = StageOneOptions(
+        not given.no_prompt_generation, not given.no_validation, not given.no_cross_check, given.language.attempts
+    )
     paths = find_reports(given.reports)
     extractor = open_extractor(
         given.language.backend, BackendOptions(options, given.language.settings, given.language.recording)
@@ -146,7 +156,16 @@ def extract(given: ExtractOptions) -> int:
 
 def _show_extracted(done: Sequence[Extracted], out: Path) -> None:
     table = Table(
-        "report", "road", "lanes", "vehicles", "environment", "left open", box=None, pad_edge=False, header_style="bold"
+        "report",
+        "road",
+        "lanes",
+        "vehicles",
+        "environment",
+        "left open",
+        "disputed",
+        box=None,
+        pad_edge=False,
+        header_style="bold",
     )
     for extracted in done:
         scenario = extracted.scenario
@@ -160,7 +179,15 @@ def _show_extracted(done: Sequence[Extracted], out: Path) -> None:
         environment = " ".join(str(scenario["env"][name] or "?") for name in ("time", "weather"))
         road = " ".join(filter(None, (scenario["road_type"] or "?", scenario["stem_direction"])))
         lanes = str(scenario["num_lanes"] or "?")
-        table.add_row(escape(extracted.case), road, lanes, vehicles, environment, str(len(extracted.open_fields)))
+        table.add_row(
+            escape(extracted.case),
+            road,
+            lanes,
+            vehicles,
+            environment,
+            str(len(extracted.open_fields)),
+            str(len(extracted.disputed_fields)),
+        )
     wide_console().print(table)
     failed = sum(extracted.error is not None for extracted in done)
     known = sum(not extracted.is_new for extracted in done)

@@ -261,27 +261,3 @@ def _join(parent: str, name: str) -> str:
 def _shown(value: object) -> str:
     text = json.dumps(value, default=str)
     return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def answer_schema() -> dict[str, Any]:
-    """JSON schema of a scenario as a language model is to answer it: the paper's grammar and nothing else."""
-
-    def words(kind: type[StrEnum]) -> dict[str, Any]:
-        return {"type": ["string", "null"], "enum": [*(word.value for word in kind), None]}
-
-    def fields(**properties: Any) -> dict[str, Any]:
-        return {"type": "object", "properties": properties, "required": [*properties], "additionalProperties": False}
-
-    vehicle = fields(
-        model=words(DslModel),
-        initial_position=words(Position),
-        action=words(Action),
-        speed_limit_mph={"type": ["number", "null"]},
-    )
-    return fields(
-        road_type=words(RoadType),
-        num_lanes={"type": ["integer", "null"]},
-        stem_direction=words(Compass),
-        vehicles={"type": "array", "items": vehicle},
-        env=fields(time=words(Time), weather=words(Weather)),
-    )
