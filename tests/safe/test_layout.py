@@ -81,7 +81,7 @@ def test_a_stem_that_is_open_suits_the_vehicles():
 def test_a_turn_on_a_straight_road_gets_it_a_side_road():
     layout = layout_of(ALL["driveway"])
     assert layout.is_junction
-    assert "side road" in layout.adapted[0]
+    assert "driveway" in layout.adapted[0]
 
 
 def test_merging_has_a_ramp_and_half_of_the_main_roads_lanes():

@@ -104,6 +104,13 @@ class Stage:
             actors.append(_actor(f"v{index + 1}", self._kind(index), self._way(index), spot, manoeuvres))
         return actors
 
+    @property
+    def adapted(self) -> tuple[str, ...]:
+        """What was added that the report does not name."""
+        if self._waits and self._is_hit_from_behind():
+            return ("a vehicle stands before the ego, which had stopped",)
+        return ()
+
     def _is_hit_from_behind(self) -> bool:
         """Whether who meets the ego goes its way: then it may stand in a queue without that being in between."""
         ways = [way for index, way in enumerate(self._layout.ways) if index != self._ego]

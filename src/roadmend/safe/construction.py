@@ -70,6 +70,6 @@ def build_scenario(role: CrashRole, drawn: Parameters, name: str, seed: int) -> 
         actors=stage.actors(),
         environment=environment,
         origin=world.ReportOrigin(
-            report=role.report, vehicle=role.number, sampled=dict(drawn), adapted=list(layout.adapted)
+            report=role.report, vehicle=role.number, sampled=dict(drawn), adapted=[*layout.adapted, *stage.adapted]
         ),
     )

@@ -97,9 +97,8 @@ def reproduce(role: CrashRole, policy: str, budget: int, seed: int = 0) -> Crash
             if found is None or _weight(own) < _weight(found.own):
                 found = _Found(scenario, trial, own)
             if own.is_reproduced:
-                return CrashReproduction(
-                    role.report, role.number, policy, episode + 1, scenario, trial.summary.text, trial, own
-                )
+                said = trial.summary.text
+                return CrashReproduction(role.report, role.number, policy, episode + 1, scenario, said, trial, own)
             gap = _DIFFERENT * _weight(own)  # the wrong crash is a step to the right one if little of it is wrong
         elif math.isfinite(gap):
             said = f"no contact; the nearest was {min(gap, best[0]) if best else gap:.1f} m"
