@@ -43,15 +43,19 @@ def score(readings: Mapping[str, Reading], oracles: Mapping[str, Oracle], *, tex
         oracles: what is right, by case.
         text_only: use the oracles' ``text_only_overrides``, which say what the summary tells without the sketch.
     """
-    marks = [mark(readings[case], oracles[case], text_only=text_only) for case in sorted({*readings} & {*oracles})]
-    if not marks:
+    right = [
+        dict.fromkeys(CATEGORIES, False)
+        if readings[case] is None
+        else by_category(mark(readings[case], oracles[case], text_only=text_only))
+        for case in sorted({*readings} & {*oracles})
+    ]
+    if not right:
         return None
-    right = [by_category(each) for each in marks]
 
     def share(names: Sequence[str]) -> float:
         return round(100.0 * sum(all(each[name] for name in names) for each in right) / len(right), 1)
 
-    return Scores(len(marks), share(["road"]), share(["actors"]), share(["env"]), share(CATEGORIES))
+    return Scores(len(right), share(["road"]), share(["actors"]), share(["env"]), share(CATEGORIES))
 
 
 def mark(reading: Reading, oracle: Oracle, *, text_only: bool) -> dict[str, bool]:
