@@ -5,8 +5,9 @@ import random
 
 import pytest
 
-from roadmend.safe.layout import MPH, lay_out
+from roadmend.safe.layout import lay_out
 from roadmend.safe.open_questions import answer, open_questions
+from roadmend.safe.ways import MPH
 from roadmend.world.network import network_file
 from roadmend.world.road_network import read_network
 from roadmend.world.space import sample

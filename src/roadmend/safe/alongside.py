@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from roadmend.safe.dsl import CrashScenario, DescribedCollision, Side
-from roadmend.safe.layout import Way
 from roadmend.safe.manoeuvre_words import comes_sideways, stands, to_the_left
 from roadmend.safe.spots import GAP, Casting, Spot
 from roadmend.safe.staging import collision_between, goes_first
+from roadmend.safe.ways import Way
 from roadmend.world import scenario as world
 from roadmend.world.network import LANE_WIDTH
 from roadmend.world.space import Value

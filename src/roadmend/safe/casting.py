@@ -6,11 +6,11 @@ from dataclasses import replace
 from roadmend.core.errors import InputError
 from roadmend.safe.alongside import Neighbour
 from roadmend.safe.dsl import Action, CrashScenario, DslModel, Side
-from roadmend.safe.layout import Layout, Way, centre_line
 from roadmend.safe.manoeuvre_words import crosses_over, goes_backwards, runs_off, stands, turns_round
 from roadmend.safe.own_lines import backwards_line, u_turn_line
 from roadmend.safe.spots import Casting, Spot, make_room
 from roadmend.safe.staging import Relation, relation_of
+from roadmend.safe.ways import Layout, Way, centre_line
 from roadmend.world import scenario as world
 from roadmend.world.drivers import BODIES
 from roadmend.world.ego import GRAVITY
@@ -90,7 +90,7 @@ class Stage:
         if self._waits and self._is_hit_from_behind():
             ahead = self._queue_head()
             spots.append(ahead)
-            still = [world.Heedless(when=world.Trigger(time=0.0), speed=0.0)]
+            still: list[world.Manoeuvre] = [world.Heedless(when=world.Trigger(time=0.0), speed=0.0)]
             actors.append(_actor(WAITED_FOR, "car", self._way(self._ego), ahead, still))
         for index in range(len(self._crash.vehicles)):
             if index == self._ego:

@@ -9,8 +9,8 @@ from roadmend.safe.compass import BEARING, HEADING, TURN
 from roadmend.safe.contact import Part
 from roadmend.safe.crash_record import CrashRecord, RecordedCollision, RecordedVehicle
 from roadmend.safe.dsl import Action, CrashScenario, DescribedVehicle, Position, RoadType, Side
-from roadmend.safe.layout import Layout
 from roadmend.safe.staging import collisions_of, first_collision
+from roadmend.safe.ways import Layout
 
 _PART = {side: Part(side.value.lower()) for side in Side}
 # What no policy does on its own account, so that it cannot take the place of who did.

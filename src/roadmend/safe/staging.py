@@ -4,7 +4,7 @@ from enum import Enum
 
 from roadmend.safe.compass import wrap_degrees
 from roadmend.safe.dsl import CrashScenario, DescribedCollision, Side
-from roadmend.safe.layout import Way
+from roadmend.safe.ways import Way
 
 
 class Relation(Enum):

@@ -21,7 +21,7 @@ class Drifter:
 
         ``before`` is what led it until now, if anything did.
         """
-        self.driven = SteeredVehicle(vehicle, None, grip, None if before is None else before.driven)
+        self.driven: SteeredVehicle = SteeredVehicle(vehicle, None, grip, None if before is None else before.driven)
         self._drift, self._time = drift, time
         self._beside = self.driven.beside
         self._speed = self.driven.body.speed
@@ -43,7 +43,7 @@ class Drifter:
     def _offset(self, time: float) -> float:
         """Metres to the left of the lane at a time; quintic: no step in place, direction or curvature."""
         share = min(max((time - self._time) / self._over, 0.0), 1.0)
-        return self._beside + self._drift.offset * share**3 * (10.0 + share * (-15.0 + 6.0 * share))
+        return float(self._beside + self._drift.offset * share**3 * (10.0 + share * (-15.0 + 6.0 * share)))
 
 
 class Follower:
@@ -51,7 +51,7 @@ class Follower:
 
     def __init__(self, vehicle: str, follow: Follow, grip: float, before: "Drifter | Follower | None" = None) -> None:
         """Begin with the pose and speed that the vehicle has, on a road that transmits ``grip`` [m/s2]."""
-        self.driven = SteeredVehicle(
+        self.driven: SteeredVehicle = SteeredVehicle(
             vehicle, line_through(follow.points), grip, None if before is None else before.driven
         )
         self._follow = follow

@@ -5,7 +5,7 @@ is followed by pure pursuit (Coulter 1992). SUMO is told each tick where the bod
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import libsumo
@@ -76,11 +76,10 @@ class SteeredVehicle:
         """
         self.vehicle = vehicle
         self._half = 0.5 * libsumo.vehicle.getLength(vehicle)
-        if before is not None:
-            self.body, known = before.body, before.line
-        else:
-            self.body, known = _body_of(vehicle, self._half, grip), None
-        self.line = line or known or lane_line(vehicle)
+        self.body: SteeredBody = before.body if before is not None else _body_of(vehicle, self._half, grip)
+        if line is None:
+            line = before.line if before is not None else lane_line(vehicle)
+        self.line: Stage = line
         self.position, self.beside = self.line.project(
             self.body.x, self.body.y, 0.5 * self.line.length, self.line.length
         )
@@ -138,7 +137,7 @@ def lane_line(vehicle: str) -> Stage:
     return line_through(libsumo.lane.getShape(libsumo.vehicle.getLaneID(vehicle)))
 
 
-def line_through(points: "list[tuple[float, float]] | tuple[tuple[float, float], ...]") -> Stage:
+def line_through(points: Sequence[tuple[float, float]]) -> Stage:
     """A line through points [m]."""
     import numpy as np  # noqa: PLC0415 - only a manoeuvre off the lanes needs it
 
