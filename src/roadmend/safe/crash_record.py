@@ -8,7 +8,8 @@ whom, with which part, coming from and going to where, and on which road::
       "collisions": [{"striking": 2, "struck": 1, "striking_part": "front", "struck_part": "left"}, ...],
       "doubt": []}, "annotator": "..."}
 
-``from`` is the direction of travel before the crash and ``to`` the one that the vehicle meant to take, as points of the
+A record may also carry the scenario that a careful reader takes from the report, as ``oracle``; of it, the judge goes by
+the alternatives of the road's type alone. ``from`` is the direction of travel before the crash and ``to`` the one that the vehicle meant to take, as points of the
 compass. What is null is not known, and not asked of anybody.
 """
 
@@ -150,6 +151,8 @@ class _Reader:
         events = self._list(crash.get("collisions"), "crash.collisions")
         collisions = [self._collision(each, f"crash.collisions[{place}]") for place, each in enumerate(events)]
         roads, stem = self._road(crash.get("road"))
+        also = (whole.get("oracle") or {}).get("alternatives", {}).get("road_type", [])
+        roads = tuple(dict.fromkeys([*roads, *(each for each in also if each in ROADS)])) if roads else ()
         return CrashRecord(
             str(whole.get("case", case)),
             roads,

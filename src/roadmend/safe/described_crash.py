@@ -14,7 +14,7 @@ from roadmend.safe.ways import Layout
 
 _PART = {side: Part(side.value.lower()) for side in Side}
 # What no policy does on its own account, so that it cannot take the place of who did.
-_NOT_PLAYED = ("enter the wrong way", "changing lane", "u-turn", "revers", "back", "park", "run off", "run-off")
+_NOT_PLAYED = ("enter the wrong way", "changing lane", "overtak", "u-turn", "revers", "back", "run off")
 
 
 def why_not_played(crash: CrashScenario, ego: int) -> str:

@@ -6,6 +6,7 @@ import numpy as np
 
 from roadmend.safe.compass import BEARING, SIDE_AT, TURN
 from roadmend.safe.dsl import Action, Compass, CrashScenario, DescribedVehicle, RoadType
+from roadmend.safe.manoeuvre_words import leaves_driveway
 from roadmend.safe.stated import control_of, median_of
 from roadmend.safe.ways import Layout, Way, lanes_each_way, limit_of
 from roadmend.world.network import network_file
@@ -57,7 +58,7 @@ def lay_out_junction(crash: CrashScenario, drawn: Parameters, headings: list[int
                 lanes_out=out if out != into else None,
                 speed_limit=max(own or [min(limit_of(v) for v in crash.vehicles)]),
                 length=_ARM_LENGTH,
-                major=bool(accesses) or _same_axis(side, sources[0]) == (drawn["control"] == "first_major"),
+                major=_is_major(crash, side, sources[0], drawn, with_accesses=bool(accesses)),
                 median=median_of(crash) if is_larger else 0.0,
             )
         )
@@ -71,6 +72,15 @@ def lay_out_junction(crash: CrashScenario, drawn: Parameters, headings: list[int
         for source, to, heading, vehicle in zip(sources, exits, headings, crash.vehicles, strict=True)
     )
     return Layout(network, ways, is_junction=True, adapted=tuple(adapted))
+
+
+def _is_major(crash: CrashScenario, side: Compass, first: Compass, drawn: Parameters, *, with_accesses: bool) -> bool:
+    """Whether an arm has the right of way: all but driveways; the road that goes through; else as drawn."""
+    if with_accesses:
+        return True
+    if crash.road.stem is not None and control_of(crash) is not None:
+        return side is not crash.road.stem
+    return _same_axis(side, first) == (drawn["control"] == "first_major")
 
 
 def _same_axis(one: Compass, other: Compass) -> bool:
@@ -109,7 +119,7 @@ def _sides(
 def _through_road(crash: CrashScenario, sources: list[Compass]) -> Compass:
     """A side of the road that goes through where others only have driveways: who does not turn is on it."""
     for vehicle, source in zip(crash.vehicles, sources, strict=True):
-        if vehicle.action is Action.MOVE_FORWARD:
+        if vehicle.action is Action.MOVE_FORWARD and not leaves_driveway(vehicle.manoeuvre):
             return source
     return sources[0]
 

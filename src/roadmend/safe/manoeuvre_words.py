@@ -6,7 +6,8 @@ _STANDS = re.compile(r"\b(stop|stopped|stopping|park|parked|standing|stationary)
 _LEFT = re.compile(r"\b(left)\b")
 _RIGHT = re.compile(r"\b(right)\b")
 _SIDEWAYS = re.compile(r"\b(chang\w* lanes?|lane chang\w*|drift\w*|merg\w*|overtak\w*|pass(es|ing)?|swerv\w*|cut\w*)\b")
-_WRONG_WAY = re.compile(r"\bwrong way\b|\bdrift\w*|\bcross\w*( the)?( cent\w+)\b|\bover the cent\w+\b")
+_DRIVEWAY = re.compile(r"\bdriveway\b")
+_WRONG_WAY = re.compile(r"\bwrong way\b|\bovertak\w*|\bdrift\w*|\bcross\w*( the)?( cent\w+)\b|\bover the cent\w+\b")
 _RUNS_OFF = re.compile(r"\brun\w*.?off\b|\bleav\w*( the)? road\b")
 _U_TURN = re.compile(r"\bu.?turn\w*\b")
 _BACKWARDS = re.compile(r"\b(revers\w*|back(ing|ed|s)?( up| out)?)\b")
@@ -30,6 +31,11 @@ def crosses_over(words: str | None) -> bool:
 def runs_off(words: str | None) -> bool:
     """Whether it leaves the road."""
     return _said(_RUNS_OFF, words)
+
+
+def leaves_driveway(words: str | None) -> bool:
+    """Whether it comes from a property."""
+    return _said(_DRIVEWAY, words)
 
 
 def turns_round(words: str | None) -> bool:

@@ -1,9 +1,10 @@
-"""What a report says of its roads beyond the scenario language, so that nothing of it is drawn at random.
+"""What a report says of its roads beyond the paper's language, so that nothing of it is drawn at random.
 
-The fields are extras of the language, all optional:
+Fields of the language come first (``bend``, ``is_divided`` and ``control`` of the road, where it has them); a file of
+one's own may say the same, and more, in extras:
 
 - of the crash: ``x-bend`` ("left" or "right", as vehicle 1 sees it), ``x-median`` (metres, or true for one of a usual
-  width), ``x-divided`` (true), ``x-control`` ("traffic light", "stop sign", "all-way stop", "yield" or "none"), and
+  width), ``x-divided`` (true), ``x-control`` ("signal", "stop sign", "all-way stop", "yield sign" or "none"), and
   ``x-heading`` (point of the compass to which the main road of a merging leads);
 - of a vehicle: ``x-lane`` (from the right, 1 is the rightmost; or "left", "middle", "right").
 """
@@ -14,13 +15,13 @@ from typing import Any
 from roadmend.safe.dsl import Compass, CrashScenario, Side
 
 _MEDIAN = 6.0  # [m] of one whose width nobody says
+_WIDEST = 60.0  # [m]
+_LEFTMOST = 99  # lane, from the right, of a road as wide as any
 _CONTROLS = {
     "traffic light": "traffic_light",
-    "traffic signal": "traffic_light",
     "signal": "traffic_light",
     "stop sign": "priority_stop",
     "all-way stop": "allway_stop",
-    "yield": "priority",
     "yield sign": "priority",
     "none": "right_before_left",
 }
@@ -28,21 +29,23 @@ _CONTROLS = {
 
 def bend_side(crash: CrashScenario) -> Side | None:
     """To which side the road bends for vehicle 1; None where that is not said."""
-    word = _word(crash.extras, "x-bend")
-    return {"left": Side.LEFT, "right": Side.RIGHT}.get(word)
+    told = getattr(crash.road, "bend", None) or _word(crash.extras, "x-bend").capitalize()
+    return {side.value: side for side in (Side.LEFT, Side.RIGHT)}.get(str(told))
 
 
 def median_of(crash: CrashScenario) -> float:
     """What lies between the two directions [m]; 0 where nothing is said to."""
     told = crash.extras.get("x-median")
     if isinstance(told, int | float) and not isinstance(told, bool):
-        return min(max(float(told), 0.0), 60.0)
-    return _MEDIAN if told is True or crash.extras.get("x-divided") is True else 0.0
+        return min(max(float(told), 0.0), _WIDEST)
+    is_divided = getattr(crash.road, "is_divided", None) or told is True or crash.extras.get("x-divided") is True
+    return _MEDIAN if is_divided else 0.0
 
 
 def control_of(crash: CrashScenario) -> str | None:
     """The junction's control, in the words of a road network; None where it is not said."""
-    return _CONTROLS.get(_word(crash.extras, "x-control").replace("_", " "))
+    told = getattr(crash.road, "control", None) or _word(crash.extras, "x-control")
+    return _CONTROLS.get(str(told).lower())
 
 
 def main_heading(crash: CrashScenario) -> Compass | None:
@@ -59,7 +62,7 @@ def lanes_of(crash: CrashScenario) -> dict[int, int]:
         if isinstance(told, int) and not isinstance(told, bool) and told >= 1:
             found[index] = told - 1
         elif isinstance(told, str):
-            place = {"right": 0, "middle": 1, "left": 99}.get(told.strip().lower())
+            place = {"right": 0, "middle": 1, "left": _LEFTMOST}.get(told.strip().lower())
             if place is not None:
                 found[index] = place
     return found
