@@ -24,6 +24,7 @@ _WEIGHTS = {Dimension.WHO: 3.0, Dimension.ORDER: 2.0, Dimension.PHYSICAL: 2.0}  
 _NEAR = 1.5  # [m] between two places that count as the same when a meeting is looked for
 _FRESH = 4  # every so many episodes one is drawn anew
 _STEP = 0.15  # share of a dimension's range that a change moves it by, as a standard deviation
+_OTHER_PART = 0.5  # [s] the same, from a contact on the wrong part: as long as a car takes to pass a place
 _JITTER = 0.25  # [s] standard deviation around the delay that a film says would have led to a meeting
 
 
@@ -136,7 +137,8 @@ def _next(
         shift = _shift(trial, f"v{index + 1}")
         if shift is not None:
             name = f"v{index + 1}.delay"
-            point[name] = round(float(point[name]) + shift + generator.gauss(0.0, _JITTER), 3)
+            jitter = _JITTER if trial.contact is None else _OTHER_PART
+            point[name] = round(float(point[name]) + shift + generator.gauss(0.0, jitter), 3)
             point[f"v{index + 1}.heed"] = "none"
             aimed = True
     moved = [name for name in space if generator.random() < (0.1 if aimed else 0.4)]
