@@ -43,7 +43,7 @@ setup(
     name=NAME,
     version=VERSION,
     packages=find_packages(include=[NAME, NAME + ".*"]),
-    package_data={"": ["py.typed", "*.pyi", "*.json", "*.md", "*.txt", "*.yaml", "*.xml", "templates/*.html"]},
+    package_data={"": ["py.typed", "*.pyi", "*.json", "*.md", "*.png", "*.txt", "*.yaml", "*.xml", "templates/*.html"]},
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/" + NAME]),
         ("share/" + NAME, ["package.xml"]),

@@ -27,7 +27,16 @@ def test_bench_writes_the_figures_with_the_papers_beside(tmp_path):
     (tmp_path / "records").mkdir()
     (tmp_path / "records" / "head-on.json").write_text(json.dumps(RECORD), encoding="utf-8")
     options = ["--policy", "modular", "--samples", "1", "--budget", "12", "--workers", "1"]
-    options += ["--records", f"{tmp_path}/records", "--work", f"{tmp_path}/work", "--out", f"{tmp_path}/bench"]
+    options += [
+        "--records",
+        f"{tmp_path}/records",
+        "--texts",
+        f"{tmp_path}/texts",
+        "--work",
+        f"{tmp_path}/work",
+        "--out",
+        f"{tmp_path}/bench",
+    ]
     assert main(["safe", str(report), *options]) == 0
     content = json.loads((tmp_path / "bench" / "safe.json").read_text(encoding="utf-8"))
     read = content["extraction"]["other"]
@@ -40,7 +49,7 @@ def test_bench_writes_the_figures_with_the_papers_beside(tmp_path):
     assert (found["reports"], found["built"], found["reproduced"]) == (1, 1, 1)
     own = found["policies"]["modular"]
     assert (own["by_own_reading"], own["shown"], own["collisions"], own["unphysical"]) == (1, 1, 1, 0)
-    assert content["ablations"]["search"]["reproduction"]["modular"]["episodes"] == 1
+    assert content["ablations"]["search"]["reproduction"]["modular"]["episodes"] in {1, 2}  # a draw for each role
     assert content["records"] == {
         "records": 1,
         "single_vehicle": 0,

@@ -35,6 +35,16 @@ def test_a_folder_of_reports(tmp_path, capsys):
     assert evidence["notes"] == ["the report has no sketch"]
 
 
+def test_pages_are_written_where_they_are_wanted(tmp_path, capsys):
+    read(capsys, REPORTS / "t-intersection", "--out", tmp_path)
+    assert not (tmp_path / "t-intersection.html").exists()
+    _, done = read(capsys, REPORTS / "t-intersection", "--out", tmp_path, "--page")
+    assert [each["is_new"] for each in done] == [False]  # a page is made of what was kept, too
+    page = (tmp_path / "t-intersection.html").read_text(encoding="utf-8")
+    assert 'data-fields="stem_direction"' in page or 'data-field="stem_direction"' in page
+    assert "as built, not driven" in page
+
+
 def test_a_second_call_does_what_is_left(tmp_path, capsys):
     read(capsys, REPORTS, "--out", tmp_path)
     (tmp_path / "curve.json").unlink()
@@ -75,9 +85,6 @@ def test_reports_that_are_none_do_not_stop_the_others(tmp_path, capsys):
 
 def test_a_run_with_a_model_is_kept_without_the_key_and_replayed(tmp_path, capsys, monkeypatch):
     scenario = dump_data(read_summary((REPORTS / "curve" / "summary.txt").read_text()).scenario)
-    del scenario["collisions"]
-    for vehicle in scenario["vehicles"]:
-        del vehicle["manoeuvre"]
     answers = {
         "meta_message": {
             "analysis": "",
@@ -134,6 +141,7 @@ class TestUsage:
             ):
                 monkeypatch.setenv("OPENAI_BASE_URL", url)
                 given = ("--out", tmp_path / "out", "--backend", "openai", "--settings", settings, "--attempts", "2")
+                given += ("--no-cross-check",)
                 assert main(["safe", "extract", *map(str, (REPORTS, *given, *more))]) == 1
             return capsys.readouterr().out
 

@@ -22,6 +22,23 @@ def completion(content, **changes):
     } | changes
 
 
+def parts(body):
+    """The parts of a request's messages, in their order."""
+    for message in body["messages"]:
+        content = message["content"]
+        yield from [{"type": "text", "text": content}] if isinstance(content, str) else content
+
+
+def texts(body):
+    """The texts of a request's messages."""
+    return [part["text"] for part in parts(body) if part["type"] == "text"]
+
+
+def images(body):
+    """The pictures of a request's messages."""
+    return [part for part in parts(body) if part["type"] == "image_url"]
+
+
 def embeddings(encode):
     """Answers a request for embeddings with what a function makes of each text; in reverse, for the index counts."""
 
@@ -41,8 +58,9 @@ class Server:
     """Answers each request with the next of the answers, the last one again and again.
 
     Args:
-        answers: each a body (a dict, or bytes as they are), or (status, headers, body), or a function of the request's
-            body that gives one of these, or WAIT for none before the client has given up.
+        answers: each a body (a dict, bytes as they are, or a list of bytes that come one after the other, with
+            pauses), or (status, headers, body), or a function of the request's body that gives one of these, or WAIT
+            for none before the client has given up.
     """
 
     def __init__(self, answers):
@@ -73,14 +91,18 @@ def serving(*answers):
             status, headers, content = server.answer(
                 {name.lower(): value for name, value in self.headers.items()}, body
             )
-            data = content if isinstance(content, bytes) else json.dumps(content).encode()
+            chunks = content if isinstance(content, list) else [content]
+            chunks = [chunk if isinstance(chunk, bytes) else json.dumps(chunk).encode() for chunk in chunks]
+            length = str(sum(map(len, chunks)))
             try:
                 self.send_response(status)
-                for name, value in {"Content-Type": "application/json", **headers}.items():
+                for name, value in {"Content-Type": "application/json", "Content-Length": length, **headers}.items():
                     self.send_header(name, value)
-                self.send_header("Content-Length", str(len(data)))
                 self.end_headers()
-                self.wfile.write(data)
+                for chunk in chunks:
+                    self.wfile.write(chunk)
+                    if len(chunks) > 1:
+                        server.release.wait(0.02)
             except OSError:
                 pass  # the client has given up
 

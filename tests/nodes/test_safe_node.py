@@ -46,6 +46,7 @@ TRUTH = {
         {"model": "SUV", "initial_position": "S2N", "action": "Move Forward", "speed_limit_mph": 35},
     ],
     "env": {"time": "Daytime", "weather": "Rainy"},
+    "collisions": [{"striking": 1, "struck": 2, "striking_side": "Front", "struck_side": "Rear"}],
 }
 ANSWERS = {
     "meta_message": {
@@ -155,6 +156,8 @@ class TestGoals:
         assert parse_crash_scenario(kept.read_text(), ".json", "") == parse_crash_scenario(result.crash, ".yaml", "")
         assert kept.parent == folder / "out"
         assert [load_scenario(Path(file)).origin.vehicle for file in result.scenarios] == [1, 1, 2, 2]
+        assert Path(result.page) == folder / "out" / "told.html"
+        assert "<title>told" in Path(result.page).read_text(encoding="utf-8")
         assert "sketch: there is none" in result.notes
 
     def test_a_path_is_read_and_not_built(self, client, folder):
@@ -167,9 +170,10 @@ class TestGoals:
         assert Path(result.crash_file).name == "night.json"
 
     def test_a_model_is_asked_again_where_its_answer_did_not_pass(self, client):
-        _, result, steps = client.ask(told=6, summary=SUMMARY, name="told", backend="replay")
+        _, result, steps = client.ask(told=7, summary=SUMMARY, name="told", backend="replay")
         assert result.error == ""
         assert steps == [
+            ("read", 1, 1),
             ("meta_message", 1, 3),
             ("validation", 1, 3),
             ("meta_message", 2, 3),

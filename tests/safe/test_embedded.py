@@ -3,11 +3,13 @@
 import pytest
 
 from roadmend.language.chat import Image
+from roadmend.safe.claims import Claim, ClaimSource
+from roadmend.safe.dsl import Position
 from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.embedded import EmbeddedExtractor
 from roadmend.safe.extraction import ExtractionError
 from roadmend.safe.report import CrashReport
-from roadmend.safe.sketch_text import SketchText
+from roadmend.safe.sketch_claims import SketchClaims
 
 SUMMARY = (
     "V1, a 2012 Honda Civic, was traveling north on a straight two-lane road. V2, a 2001 Ford F-150, was traveling south. "
@@ -18,9 +20,13 @@ SUMMARY = (
 SKETCH = Image(b"...", "image/png")
 
 
-def extract(summary, sketch=None, words=None):
-    reader = EmbeddedExtractor(lambda _: SketchText(words, "not read" if words is None else "read"))
+def extract(summary, sketch=None, claims=()):
+    reader = EmbeddedExtractor(lambda _, cast: SketchClaims(claims, f"read: {len(cast)} vehicles are looked for"))
     return reader.extract(CrashReport("case", summary, sketch))
+
+
+def seen(path, value, confidence=0.9):
+    return Claim(path, value, confidence, ClaimSource.SKETCH, f"the sketch says {value}")
 
 
 @pytest.mark.parametrize(
@@ -63,20 +69,20 @@ def limits(extraction):
 
 def test_what_becomes_of_the_sketch_is_said():
     assert extract(SUMMARY).sketch == "there is none"
-    assert extract(SUMMARY, SKETCH).sketch == "not read"
-    assert extract(SUMMARY, SKETCH, "a tree").sketch == "read"
-    with_limit = extract(f"{SUMMARY} The speed limit was 45 mph.", SKETCH, "Speed limit 35 mph")
-    assert with_limit.sketch.startswith("not read: ")
-    assert limits(with_limit) == [45, 45]
+    assert extract(SUMMARY, SKETCH).sketch == "read: 2 vehicles are looked for"
+    assert EmbeddedExtractor().extract(CrashReport("case", SUMMARY, SKETCH)).sketch.startswith("not read: ")
 
 
 def test_the_sketch_gives_the_limit_that_the_summary_leaves_open():
-    extraction = extract(SUMMARY, SKETCH, "NORTH\nSpeed Limit = 35 mph (56 kmph)")
-    assert limits(extraction) == [35, 35]
-    assert extraction.evidence["vehicles[1].speed_limit_mph"].reason == "the sketch says 35 mph"
-    assert limits(extract(SUMMARY, SKETCH, "70 mph for cars, speed limit for trucks 55 mph")) == [None, None]
-    crossing = "V1, a van, drove north and V2, a van, drove east into the intersection. The limit for V2 was 45 mph."
-    assert limits(extract(crossing, SKETCH, "Speed limit 35 mph")) == [35, 45]
+    extraction = extract(SUMMARY, SKETCH, (seen("vehicles[1].speed_limit_mph", 35),))
+    assert [vehicle.speed_limit_mph for vehicle in extraction.scenario.vehicles] == [None, 35]
+    assert extraction.evidence["vehicles[1].speed_limit_mph"].reason == "the sketch says 35"
+
+
+def test_a_sketch_that_contradicts_the_summary_is_a_doubt():
+    extraction = extract(SUMMARY, SKETCH, (seen("vehicles[0].initial_position", Position.W2E, 0.6),))
+    assert extraction.scenario.vehicles[0].initial_position is Position.S2N
+    assert any("sketch" in doubt for doubt in extraction.evidence["vehicles[0].initial_position"].doubts)
 
 
 @pytest.mark.parametrize(
@@ -95,3 +101,11 @@ def test_instructions_in_a_report_change_nothing(injection):
 
 def test_the_same_report_gives_the_same_result():
     assert extract(SUMMARY) == extract(SUMMARY)
+
+
+def test_a_limit_that_the_summary_states_stands():
+    extraction = extract(
+        f"{SUMMARY} The speed limit was 45 mph.", SKETCH, (seen("vehicles[0].speed_limit_mph", 35, 0.8),)
+    )
+    assert limits(extraction) == [45, 45]
+    assert any("35" in doubt for doubt in extraction.evidence["vehicles[0].speed_limit_mph"].doubts)

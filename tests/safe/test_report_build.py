@@ -11,7 +11,7 @@ from roadmend.safe.dsl_file import load_crash_scenario
 from roadmend.safe.embedded import EmbeddedExtractor
 from roadmend.safe.extraction import Step, unwatched
 from roadmend.safe.report import report_of_text
-from roadmend.safe.report_build import build_report
+from roadmend.safe.report_build import PAGE_REGISTRY, build_report
 from roadmend.world.scenario_file import load_scenario
 
 REPORT = report_of_text(
@@ -35,6 +35,26 @@ def test_a_scenario_that_cannot_be_built_is_a_problem_and_no_end(tmp_path, monke
     built = build_report(REPORT, EmbeddedExtractor(), tmp_path, 1, 0, unwatched)
     assert built.problems == ("vehicle 1: no room",)
     assert len(built.scenarios) == 1
+
+
+def test_a_page_is_written_last_of_all(tmp_path):
+    written = []
+
+    def write_page(report, extraction, out):
+        written.append((report.case, extraction.scenario, sorted(path.name for path in out.glob("*.json"))))
+        return out / "told.html"
+
+    built = build_report(REPORT, EmbeddedExtractor(), tmp_path, 0, 0, unwatched, write_page)
+    assert built.page == tmp_path / "told.html"
+    assert written == [("told", built.extraction.scenario, ["told.evidence.json", "told.json"])]
+    assert build_report(REPORT, EmbeddedExtractor(), tmp_path, 0, 0, unwatched).page is None
+
+
+def test_a_page_is_written_by_what_is_named():
+    assert PAGE_REGISTRY.find("none").entry is None
+    assert PAGE_REGISTRY.find("roadmend.reports.crash_pages:write_crash_page").entry.__name__ == "write_crash_page"
+    with pytest.raises(InputError, match="cannot be called"):
+        PAGE_REGISTRY.find("roadmend.safe.report_build:MOST_SAMPLES")
 
 
 def test_what_watches_may_end_it(tmp_path):

@@ -18,10 +18,6 @@ def as_completion(answer):
     return completion(answer if isinstance(answer, str) else json.dumps(answer))
 
 
-def texts(body):
-    return [part["text"] for message in body["messages"] for part in message["content"]]
-
-
 @contextmanager
 def speaking(*answers):
     """A model that gives the answers one after another, the last again and again; and its server."""

@@ -11,8 +11,9 @@ from roadmend.sera.incident import IncidentPlace
 from roadmend.sera.language_analyser import LanguageAnalyser
 from roadmend.sera.pattern import Where, Who, Why
 
+from ..language.server import texts  # noqa: TID252 - one server for all rooms
 from .recorded import incident
-from .speaking import KEY, speaking, texts
+from .speaking import KEY, speaking
 
 NOWHERE = {
     "family": None,

@@ -10,8 +10,9 @@ from roadmend.sera.language_reflection import LanguageReflector
 from roadmend.sera.pattern import FailurePattern
 from roadmend.sera.recommendation import recommend
 
+from ..language.server import texts  # noqa: TID252 - one server for all rooms
 from .banks import cut_in, entry
-from .speaking import speaking, texts
+from .speaking import speaking
 
 CUT_IN = FailurePattern("cut-in", "a truck cuts in at a highway exit in rain")
 SNOW = FailurePattern("snow", "snow at a highway exit")

@@ -18,6 +18,7 @@ from roadmend.cli.output import counting, show_rows, wide_console
 from roadmend.core.errors import InputError
 from roadmend.core.whole_file import write_texts
 from roadmend.language.exchange import add_usages
+from roadmend.reports.crash_pages import write_crash_pages
 from roadmend.reports.crash_tests import (
     JUDGED_TITLES,
     REPRODUCTION_TITLES,
@@ -35,8 +36,8 @@ from roadmend.safe.driving import CrashTestJob, CrashTestResult, Task
 from roadmend.safe.extraction_run import Extracted, extract_reports
 from roadmend.safe.judging import JudgedRun, judge_results, summarise_judged
 from roadmend.safe.planning import do_all, plan
-from roadmend.safe.report import find_reports
-from roadmend.safe.sketch_text import is_sketch_read
+from roadmend.safe.report import case_of, find_reports
+from roadmend.safe.sketch_claims import is_sketch_read
 from roadmend.safe.stage_one import StageOneOptions
 from roadmend.world.scenario_file import load_scenario
 
@@ -111,7 +112,18 @@ class ExtractOptions:
         bool, click.option("--no-prompt-generation", is_flag=True, help="With a model: ask without the knowledge base.")
     ]
     no_validation: Annotated[
-        bool, click.option("--no-validation", is_flag=True, help="With a model: take its answers unchecked.")
+        bool, click.option("--no-validation", is_flag=True, help="With a model: do not let it check its answers.")
+    ]
+    no_cross_check: Annotated[
+        bool,
+        click.option(
+            "--no-cross-check",
+            is_flag=True,
+            help="With a model: hold its answers against nothing but its own validation.",
+        ),
+    ]
+    page: Annotated[
+        bool, click.option("--page", is_flag=True, help="Write CASE.html too: what was read from where, for a browser.")
     ]
     workers: Annotated[int, WORKERS]
     as_json: Annotated[bool, JSON]
@@ -125,7 +137,9 @@ def extract(given: ExtractOptions) -> int:
     A report is a folder with summary.txt and perhaps a sketch (sketch.jpg, .png), or a text file. Reports that an
     earlier call with the same settings has done are not done again.
     """
-    options = StageOneOptions(not given.no_prompt_generation, not given.no_validation, given.language.attempts)
+    options = StageOneOptions(
+        not given.no_prompt_generation, not given.no_validation, not given.no_cross_check, given.language.attempts
+    )
     paths = find_reports(given.reports)
     extractor = open_extractor(
         given.language.backend, BackendOptions(options, given.language.settings, given.language.recording)
@@ -144,6 +158,9 @@ def extract(given: ExtractOptions) -> int:
             done.append(extracted)
             progress.advance(task)
     done.sort(key=lambda extracted: extracted.case)
+    if given.page:
+        read = {extracted.case for extracted in done if extracted.scenario is not None}
+        write_crash_pages([path for path in paths if case_of(path) in read], given.out)
     usage = add_usages(extracted.usage for extracted in done)
     if given.as_json:
         total = {model: asdict(usage) for model, usage in usage.items()}
@@ -156,7 +173,16 @@ def extract(given: ExtractOptions) -> int:
 
 def _show_extracted(done: Sequence[Extracted], out: Path) -> None:
     table = Table(
-        "report", "road", "lanes", "vehicles", "environment", "left open", box=None, pad_edge=False, header_style="bold"
+        "report",
+        "road",
+        "lanes",
+        "vehicles",
+        "environment",
+        "left open",
+        "disputed",
+        box=None,
+        pad_edge=False,
+        header_style="bold",
     )
     for extracted in done:
         scenario = extracted.scenario
@@ -170,7 +196,15 @@ def _show_extracted(done: Sequence[Extracted], out: Path) -> None:
         environment = " ".join(str(scenario["env"][name] or "?") for name in ("time", "weather"))
         road = " ".join(filter(None, (scenario["road_type"] or "?", scenario["stem_direction"])))
         lanes = str(scenario["num_lanes"] or "?")
-        table.add_row(escape(extracted.case), road, lanes, vehicles, environment, str(len(extracted.open_fields)))
+        table.add_row(
+            escape(extracted.case),
+            road,
+            lanes,
+            vehicles,
+            environment,
+            str(len(extracted.open_fields)),
+            str(len(extracted.disputed_fields)),
+        )
     wide_console().print(table)
     failed = sum(extracted.error is not None for extracted in done)
     known = sum(not extracted.is_new for extracted in done)

@@ -77,3 +77,6 @@ def status_of(code: int) -> RepairStatus:
 def signal_of(code: int) -> Signal:
     """The signal with this number; OFF for a number that has no name."""
     return Signal(code) if code in SIGNAL_COLOUR else Signal.OFF
+
+
+VEHICLE_COLOURS = ("#c41e96", "#006edc", "#148c3c", "#d26e00", "#7b3fe4", "#8a6d00")  # of a crash's vehicles, from 1

@@ -50,6 +50,9 @@ CRASH = Bounds(size=1_000_000, values=20_000)
 TEXT = Bounds(size=64_000_000)
 """A text of lines that is held in memory: a corpus, exchanges with a language model, a selection."""
 
+REPLY = Bounds(size=8_000_000)
+"""What an endpoint answers to one request of a language model; a long answer has some ten thousand characters."""
+
 STREAM = Bounds(size=1 << 40)
 """A text that is read line by line and never held: an exported bank of a million scenarios."""
 

@@ -3,13 +3,16 @@
 from roadmend.core.errors import InputError
 
 EXTRAS = {  # module -> extra, as pyproject.toml has them
+    "cv2": "sketch",
     "faiss": "sera",
     "foxglove": "foxglove",
     "gymnasium": "gym",
     "jinja2": "reports",
     "matplotlib": "reports",
+    "onnxruntime": "sketch",
     "openai": "language",
     "pandas": "pandas",
+    "rapidocr": "sketch",
     "scenariogeneration": "export",
     "stable_baselines3": "rl",
     "tensorboard": "training",

@@ -85,6 +85,7 @@ class Reply:
         input_tokens: as the endpoint counts them; 0 where it does not.
         output_tokens: likewise.
         cost: [US dollars], where prices are configured.
+        left_out: what of the request the endpoint does not take and was not sent.
     """
 
     text: str
@@ -92,6 +93,7 @@ class Reply:
     input_tokens: int = 0
     output_tokens: int = 0
     cost: float | None = None
+    left_out: tuple[str, ...] = ()
 
 
 class ChatModel(Protocol):

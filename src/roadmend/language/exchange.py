@@ -117,11 +117,15 @@ def load_exchanges(path: Path) -> tuple[Exchange, ...]:
     for number, line in enumerate(lines, start=1):
         try:
             content = parse_json(line, f"{path}, line {number}")
-            reply = None if content["reply"] is None else Reply(**content["reply"])
+            reply = None if content["reply"] is None else _reply(content["reply"])
             exchanges.append(Exchange(content["digest"], content["request"], reply, content["error"]))
         except (InputError, KeyError, TypeError):
             raise InputError(f"{path}, line {number}", "is no exchange", mend) from None
     return tuple(exchanges)
+
+
+def _reply(content: Mapping[str, Any]) -> Reply:
+    return Reply(**{**content, "left_out": tuple(content.get("left_out", ()))})
 
 
 ENDING = ".exchanges.jsonl"

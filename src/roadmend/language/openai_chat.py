@@ -1,22 +1,26 @@
 """Any endpoint that speaks OpenAI's chat protocol."""
 
-import base64
 import logging
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import openai
-from openai.types.chat import ChatCompletion
 from pydantic import ConfigDict, Field, SecretStr
 
+from roadmend.core.bounds import REPLY, Bounds
 from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
 from roadmend.core.settings import check_settings
 from roadmend.core.yaml_file import read_fields
-from roadmend.language.chat import AnswerError, Image, RefusalError, Reply, Request, UnavailableError
+from roadmend.language.answer_text import json_in
+from roadmend.language.chat import AnswerError, LanguageError, RefusalError, Reply, Request, UnavailableError
+from roadmend.language.completion import FILTERED, one_line, read_completion
+from roadmend.language.endpoint_habits import EndpointHabits
+from roadmend.language.http_client import TooLargeError, bounded_client
 
 _LOGGER = logging.getLogger(__name__)
 _ENVIRONMENT = {
@@ -25,6 +29,8 @@ _ENVIRONMENT = {
     "embedding_model": "OPENAI_EMBEDDING_MODEL",
     "api_key": "OPENAI_API_KEY",
 }
+_TURNED_DOWN = frozenset({400, 404, 406, 413, 415, 422, 500, 501})  # perhaps for something that can be left out
+_SHORTEST_KEY = 8  # [characters] shorter ones are words for a server that wants none, and occur in texts
 _MEND = "see config/language/openai.yaml"
 
 
@@ -39,8 +45,20 @@ class OpenAISettings(Parameters):
     api_key: SecretStr
     timeout: float = Field(default=60.0, gt=0, le=3600, description="[s] of one attempt")
     attempts: int = Field(default=5, ge=1, le=20)
+    max_tokens: int | None = Field(default=None, ge=1, description="of one answer; None leaves it to the endpoint")
     input_price: float | None = Field(default=None, ge=0, description="[US dollars per million tokens]")
     output_price: float | None = Field(default=None, ge=0, description="[US dollars per million tokens]")
+
+    @property
+    def place(self) -> str:
+        """The endpoint as messages and records call it: without a name and a password in its address."""
+        parts = urlsplit(self.base_url)
+        return f"{parts.scheme}://{parts.netloc.rpartition('@')[2]}{parts.path}"
+
+    def without_key(self, text: str) -> str:
+        """A text of the endpoint, which may well repeat the key."""
+        key = self.api_key.get_secret_value()
+        return text.replace(key, "[key]") if len(key) >= _SHORTEST_KEY else text
 
 
 def read_openai_settings(file: Path | None, environment: Mapping[str, str] = os.environ) -> OpenAISettings:
@@ -58,23 +76,28 @@ def read_openai_settings(file: Path | None, environment: Mapping[str, str] = os.
     return check_settings(content, OpenAISettings, str(file) if file is not None else "environment", _MEND)
 
 
-def client_of(settings: OpenAISettings) -> openai.OpenAI:
+def client_of(settings: OpenAISettings, bounds: Bounds = REPLY) -> openai.OpenAI:
     """A client.
 
     Retries, growing pauses and the server's Retry-After are its own; a time-out, 408, 409, 429 and every 5xx are tried
     again.
+
+    Args:
+        settings: of the endpoint.
+        bounds: of one of its answers.
     """
     return openai.OpenAI(
         base_url=settings.base_url,
         api_key=settings.api_key.get_secret_value(),
         timeout=settings.timeout,
         max_retries=settings.attempts - 1,
+        http_client=bounded_client(settings.timeout, bounds),
     )
 
 
 @contextmanager
 def clear_errors(settings: OpenAISettings, lack: str) -> Iterator[None]:
-    """Turns the client's errors into ours, none of which holds the key.
+    """Turns the client's errors into ours, each one line, none of which holds the key.
 
     Args:
         settings: of the client.
@@ -82,30 +105,37 @@ def clear_errors(settings: OpenAISettings, lack: str) -> Iterator[None]:
 
     Raises:
         UnavailableError: no answer, as often as it was tried.
+        RefusalError: the endpoint's filter turned the request down.
         AnswerError: the answer is something else.
     """
-
-    def without_key(text: str) -> str:
-        return text.replace(settings.api_key.get_secret_value(), "[key]")
-
+    place = settings.place
     try:
         yield
     except openai.APITimeoutError:
         raise UnavailableError(
-            f"{settings.base_url} did not answer within {settings.timeout:g} s, tried {settings.attempts} times"
+            f"{place} did not answer within {settings.timeout:g} s, tried {settings.attempts} times"
         ) from None
     except openai.APIStatusError as error:
-        problem = without_key(error.message)
-        raise UnavailableError(f"{settings.base_url} answered {error.status_code}: {problem}") from None
+        problem = one_line(settings.without_key(_complaint(error)))
+        if FILTERED in str(error.body):
+            raise RefusalError(f"{place}: a content filter turned the request down: {problem}") from None
+        raise UnavailableError(f"{place} answered {error.status_code}: {problem}") from None
     except openai.APIConnectionError as error:
-        problem = without_key(str(error.__cause__ or error))
-        raise UnavailableError(f"{settings.base_url} cannot be reached: {problem}") from None
+        problem = one_line(settings.without_key(str(error.__cause__ or error)))
+        raise UnavailableError(f"{place} cannot be reached: {problem}") from None
+    except TooLargeError as error:
+        raise AnswerError(f"{place} sent {lack}: {error}") from None
     except (openai.OpenAIError, ValueError) as error:
-        raise AnswerError(f"{settings.base_url} sent {lack}: {without_key(str(error))[:200]}") from None
+        raise AnswerError(f"{place} sent {lack}: {one_line(settings.without_key(str(error)))}") from None
+
+
+def _complaint(error: openai.APIStatusError) -> str:
+    """What an endpoint says is wrong; where it is no JSON, the client leaves that out of its message."""
+    return error.message if isinstance(error.body, Mapping) else error.response.text.strip() or error.message
 
 
 class OpenAIModel:
-    """Asks an endpoint.
+    """Asks an endpoint, and remembers what it does not take.
 
     Args:
         settings: see ``OpenAISettings``.
@@ -114,64 +144,56 @@ class OpenAIModel:
     def __init__(self, settings: OpenAISettings) -> None:
         self.settings = settings
         self.client = client_of(settings)
+        self.habits = EndpointHabits()
 
     @property
     def identity(self) -> str:
         """What tells it from another model."""
-        return f"{self.settings.base_url} {self.settings.model}"
+        return f"{self.settings.place} {self.settings.model}"
 
     def ask(self, request: Request) -> Reply:
         """Ask for one completion.
 
         Raises:
-            RefusalError: the model declined.
+            RefusalError: the model or a filter declined.
             UnavailableError: no answer, as often as it was tried.
-            AnswerError: the answer is cut off, empty, or no chat completion.
+            AnswerError: the answer is cut off, empty, too large, or no chat completion.
         """
-        body: Any = {
-            "model": self.settings.model,
-            "messages": [
-                {"role": message.role.value, "content": [_part(part) for part in message.parts]}
-                for message in request.messages
-            ],
-            "response_format": {
-                "type": "json_schema",
-                "json_schema": {"name": request.purpose, "strict": True, "schema": dict(request.schema)},
-            },
-            "temperature": 0,
-        }
         with clear_errors(self.settings, "no chat completion"):
-            completion = self.client.chat.completions.create(**body)
-        return self._reply(completion, request.purpose)
-
-    def _reply(self, completion: ChatCompletion, purpose: str) -> Reply:
-        choices = getattr(completion, "choices", None)
-        if not choices or getattr(choices[0], "message", None) is None:
-            raise AnswerError(f"{self.settings.base_url} sent a completion without a choice")
-        choice = choices[0]
-        if choice.message.refusal:
-            raise RefusalError(f"the model declined: {choice.message.refusal[:200]}")
-        if choice.finish_reason == "content_filter":
-            raise RefusalError("a content filter of the endpoint withheld the answer")
-        if choice.finish_reason == "length":
-            raise AnswerError("the answer was cut off at the endpoint's limit of tokens")
-        if not choice.message.content:
-            raise AnswerError("the answer is empty")
-        usage = completion.usage
-        given, made = (usage.prompt_tokens, usage.completion_tokens) if usage is not None else (0, 0)
+            data, content_type, habits = self._send(request)
+        try:
+            completion = read_completion(data, content_type)
+            text = json_in(completion.text, request.schema)
+        except LanguageError as error:
+            raise type(error)(f"{self.settings.place}: {self.settings.without_key(str(error))}") from None
+        given, made = completion.input_tokens, completion.output_tokens
         cost = self._cost(given, made)
         price = "" if cost is None else f", {cost:.6f} US dollars"
-        _LOGGER.info("%s by %s: %d tokens in, %d out%s", purpose, completion.model, given, made, price)
-        return Reply(choice.message.content, completion.model, given, made, cost)
+        model = self.settings.without_key(completion.model) or self.settings.model
+        _LOGGER.info("%s by %s: %d tokens in, %d out%s", request.purpose, model, given, made, price)
+        return Reply(self.settings.without_key(text), model, given, made, cost, habits.left_out(request))
+
+    def _send(self, request: Request) -> tuple[bytes, str, EndpointHabits]:
+        """The body of an answer and its type, and what the endpoint took of the request."""
+        habits = self.habits
+        while True:
+            body: Any = {"model": self.settings.model, **habits.body(request, self.settings.max_tokens)}
+            try:
+                response = self.client.chat.completions.with_raw_response.create(**body).http_response
+            except openai.APIStatusError as error:
+                lesser = None
+                if error.status_code in _TURNED_DOWN and FILTERED not in str(error.body):
+                    lesser = habits.after(_complaint(error), request, self.settings.max_tokens)
+                if lesser is None:
+                    raise
+                told = one_line(self.settings.without_key(_complaint(error)))
+                _LOGGER.info("%s: %s; asked again without", self.settings.place, told)
+                habits = lesser
+                continue
+            self.habits = habits
+            return response.content, response.headers.get("content-type", ""), habits
 
     def _cost(self, given: int, made: int) -> float | None:
         if self.settings.input_price is None or self.settings.output_price is None:
             return None
         return (given * self.settings.input_price + made * self.settings.output_price) / 1e6
-
-
-def _part(part: str | Image) -> dict[str, Any]:
-    if isinstance(part, str):
-        return {"type": "text", "text": part}
-    data = base64.b64encode(part.data).decode()
-    return {"type": "image_url", "image_url": {"url": f"data:{part.media_type};base64,{data}"}}

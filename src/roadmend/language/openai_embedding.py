@@ -8,6 +8,7 @@ import numpy as np
 import openai
 from numpy.typing import NDArray
 
+from roadmend.core.bounds import TEXT
 from roadmend.language.chat import AnswerError
 from roadmend.language.openai_chat import OpenAISettings, clear_errors, client_of, read_openai_settings
 
@@ -33,7 +34,7 @@ class OpenAIEmbedding:
             InputError: the settings are unusable, or there is no key.
         """
         settings = read_openai_settings(None)
-        return cls(settings, model or settings.embedding_model, client_of(settings))
+        return cls(settings, model or settings.embedding_model, client_of(settings, TEXT))
 
     def encode(self, texts: Sequence[str]) -> NDArray[np.float32]:
         """Vectors, shape (texts, dimensions).
@@ -53,5 +54,5 @@ class OpenAIEmbedding:
         found = sorted(getattr(answer, "data", None) or [], key=lambda each: each.index)
         vectors = [each.embedding for each in found]
         if [each.index for each in found] != [*range(len(texts))] or len({len(each) for each in vectors}) != 1:
-            raise AnswerError(f"{self.settings.base_url} did not send one vector for each of {len(texts)} texts")
+            raise AnswerError(f"{self.settings.place} did not send one vector for each of {len(texts)} texts")
         return vectors

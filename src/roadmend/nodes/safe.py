@@ -17,16 +17,17 @@ from roadmend.core.errors import InputError, RoadmendError
 from roadmend.language.models import BACKEND_REGISTRY, EMBEDDED
 from roadmend.nodes.configuration import ConfigurationAnnouncer
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
-from roadmend.nodes.parameters import declare, declare_name
+from roadmend.nodes.parameters import declare, declare_name, find_named
 from roadmend.nodes.spinning import run_node
 from roadmend.safe.backends import BackendOptions, open_extractor
 from roadmend.safe.dsl_file import dump_crash_scenario
 from roadmend.safe.extraction import Step
 from roadmend.safe.report import CrashReport, find_reports, load_report, report_of_text
-from roadmend.safe.report_build import ReportBuild, build_report
+from roadmend.safe.report_build import PAGE_REGISTRY, ReportBuild, WritePage, build_report
 from roadmend.safe.stage_one import StageOneOptions
 
 PAUSE_S = 0.01  # [s] for which a goal waits for its next step before the node's other callbacks have their turn
+_PAGE = "roadmend.reports.crash_pages:write_crash_page"
 PATIENCE_S = 5.0  # [s] for the step under way when the node is told to stop
 
 
@@ -64,6 +65,9 @@ class SafeNode(Node):
         attempts = declare(
             self, "attempts", StageOneOptions().attempts, "openai, replay: executions of a step", low=1, high=20
         )
+        self._write_page = self._page_writer(
+            declare(self, "page", _PAGE, "what writes the page of a report, as package.module:function, or none")
+        )
         self._configuration = ConfigurationAnnouncer(self, "safe")
         self._configuration.announce()
         self._options = BackendOptions(
@@ -78,6 +82,16 @@ class SafeNode(Node):
             self, BuildCrashScenarios, "~/build", self._execute, cancel_callback=lambda _: CancelResponse.ACCEPT
         )
         self._diagnostics = DiagnosticsReporter(self, self._health)
+
+    def _page_writer(self, name: str) -> WritePage | None:
+        """Without the libraries of the usual page there is none; another one that was asked for has to be there."""
+        try:
+            return find_named("page", name, PAGE_REGISTRY).entry
+        except InputError as error:
+            if name != _PAGE:
+                raise
+            self.get_logger().warning(f"no pages are written: {error}")
+            return None
 
     async def _execute(self, handle: ServerGoalHandle) -> BuildCrashScenarios.Result:
         work = _GoalThread(handle.request)
@@ -120,7 +134,8 @@ class SafeNode(Node):
             BACKEND_REGISTRY.find_installed(work.goal.backend or EMBEDDED)  # a client makes the node run no code
         report = _report_of(work.goal)
         extractor = open_extractor(work.goal.backend or self._backend, self._options)
-        return build_report(report, extractor, self._output, work.goal.samples, work.goal.seed, work.watch)
+        samples, seed = work.goal.samples, work.goal.seed
+        return build_report(report, extractor, self._output, samples, seed, work.watch, self._write_page)
 
     def _health(self) -> Health:
         values = {"goals done": self._done, "goals failed": self._failed, "goals under way": len(self._threads)}
@@ -167,6 +182,7 @@ def _report_of(goal: BuildCrashScenarios.Goal) -> CrashReport:
 def _fill(result: BuildCrashScenarios.Result, built: ReportBuild, folder: Path) -> None:
     result.crash = dump_crash_scenario(built.extraction.scenario, ".yaml")
     result.crash_file = str(folder / f"{built.extracted.case}.json")
+    result.page = "" if built.page is None else str(built.page)
     result.scenarios = [str(folder / file) for file in built.scenarios]
     result.open_fields = list(built.extracted.open_fields)
     result.notes = [f"sketch: {built.extraction.sketch}", *built.extraction.notes, *built.problems]

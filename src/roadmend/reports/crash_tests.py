@@ -4,6 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +12,8 @@ from roadmend.core.errors import InputError
 from roadmend.core.markdown import table_text
 from roadmend.core.tick import INTERVAL
 from roadmend.core.whole_file import written_beside
+from roadmend.reports.crash_film import film_beside, film_of_trial, load_film, save_film
+from roadmend.reports.crash_page import account_of_case, page_of_crash
 from roadmend.reports.page import render
 from roadmend.reports.scene_layers import Trail
 from roadmend.reports.scene_picture import SceneView, draw_scene
@@ -57,12 +60,13 @@ JUDGED_TITLES = (
     "wrong records accepted",
 )
 JUDGED_RUN_TITLES = ("report", "vehicle", "policy", "by the record", "what differs")
+PAGES = "pages"  # folder in the output
 _DPI, _SPAN = 72, 60.0  # of a picture; [m] that it shows
 REPRODUCTION_TITLES = ("policy", "reports", "reproduced", "share", "of those with two vehicles or more", "episodes")
 
 
 def draw_trial(scenario: Scenario, trial: CrashTestEpisode, out: Path) -> None:
-    """Draw a built scenario at the ego's contact, else when it was nearest to somebody, into a PNG file.
+    """Draw a built scenario at the ego's contact, else when it was nearest to somebody, into a PNG file; its run beside it.
 
     Raises:
         InputError: the file cannot be written.
@@ -85,12 +89,13 @@ def draw_trial(scenario: Scenario, trial: CrashTestEpisode, out: Path) -> None:
     )
     with written_beside(out) as beside:
         draw_scene(view, _SPAN).savefig(beside, dpi=_DPI, format="png")
+    save_film(film_of_trial(scenario, trial), film_beside(out))
 
 
 def report_of_tests(
     cases: Sequence[CrashCase], tallies: Mapping[str, TestSummary], results: Sequence[CrashTestResult], out: Path
 ) -> dict[str, str]:
-    """The files of a test report; sketches are copied into the output folder."""
+    """The files of a test report, a page of each case among them; sketches are copied into the output folder."""
     rows = [(policy, *found.cells()) for policy, found in tallies.items()]
     intro = (
         "Every vehicle of a report took the place of the ego in turn. A violation is a collision, as in the paper; "
@@ -107,7 +112,7 @@ def report_of_reproductions(
     out: Path,
     judged: Sequence[JudgedRun] = (),
 ) -> dict[str, str]:
-    """The files of a reproduction report; sketches are copied into the output folder.
+    """The files of a reproduction report, a page of each case among them; sketches are copied into the folder.
 
     Args:
         cases: that were given.
@@ -192,9 +197,19 @@ def _files(
         intro=intro,
         head=table[0],
         rows=table[1:],
-        cases=[(case, _sketch(case, out), own[case.name]) for case in cases],
+        cases=[(case, _sketch(case, out), own[case.name], f"{PAGES}/{case.name}.html") for case in cases],
     )
-    return {f"{stem}.md": "\n\n".join(markdown) + "\n", f"{stem}.html": page}
+    pages = {
+        f"{PAGES}/{case.name}.html": page_of_crash(account_of_case(case, _films(own[case.name], out)))
+        for case in cases
+        if case.crash is not None
+    }
+    return {f"{stem}.md": "\n\n".join(markdown) + "\n", f"{stem}.html": page, **pages}
+
+
+def _films(results: Sequence[CrashTestResult], out: Path) -> list[dict[str, Any]]:
+    films = (load_film(film_beside(out / result.picture)) for result in results if result.picture)
+    return [film for film in films if film is not None]
 
 
 def _sketch(case: CrashCase, out: Path) -> str:

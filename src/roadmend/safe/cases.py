@@ -9,7 +9,8 @@ from roadmend.language.chat import Image
 from roadmend.safe.dsl import CrashScenario
 from roadmend.safe.dsl_file import load_crash_scenario
 from roadmend.safe.embedded import EmbeddedExtractor
-from roadmend.safe.report import find_reports, load_report
+from roadmend.safe.extraction import Extraction
+from roadmend.safe.report import CrashReport, case_of, find_reports, load_report
 
 _LANGUAGE = {".json", ".yaml", ".yml"}
 _EVIDENCE = ".evidence"  # what 'roadmend safe extract' writes beside a scenario
@@ -24,12 +25,16 @@ class CrashCase:
         crash: what it says; None if it could not be read.
         sketch: picture that belongs to it.
         problem: one line, empty where there is a crash.
+        report: that it was read from; None where it comes from a file of the scenario language.
+        extraction: what was read, with what each field rests on.
     """
 
     name: str
     crash: CrashScenario | None
     sketch: Image | None = None
     problem: str = ""
+    report: CrashReport | None = None
+    extraction: Extraction | None = None
 
 
 def gather_cases(paths: Sequence[Path]) -> list[CrashCase]:
@@ -70,11 +75,11 @@ def _from_language(path: Path) -> CrashCase:
 
 
 def _from_report(path: Path) -> CrashCase:
-    name = path.stem if path.is_file() else path.resolve().name
-    sketch = None
+    name = case_of(path)
+    report = None
     try:
         report = load_report(path)
-        sketch = report.sketch
-        return CrashCase(name, EmbeddedExtractor().extract(report).scenario, sketch)
+        extraction = EmbeddedExtractor().extract(report)
     except RoadmendError as error:
-        return CrashCase(name, None, sketch, str(error))
+        return CrashCase(name, None, report.sketch if report is not None else None, str(error), report)
+    return CrashCase(name, extraction.scenario, report.sketch, "", report, extraction)

@@ -76,6 +76,15 @@ class Manoeuvre(StrEnum):
     CHANGING_LANE = "Changing Lane"
     STOP = "Stop"
     MERGE = "Merge"
+    OVERTAKE = "Overtake"
+    U_TURN = "U-turn"
+    REVERSE = "Reverse"
+    PARKED = "Parked"
+    LEAVE_DRIVEWAY = "Leave a Driveway"
+    RUN_OFF = "Run off the Road"
+
+
+STANDING = frozenset({Manoeuvre.STOP, Manoeuvre.PARKED})
 
 
 class Time(StrEnum):
@@ -98,6 +107,15 @@ class Weather(StrEnum):
     CLEAR = "Clear"
 
 
+class Control(StrEnum):
+    """What orders the traffic where the vehicles meet."""
+
+    STOP_SIGN = "Stop sign"
+    YIELD_SIGN = "Yield sign"
+    SIGNAL = "Signal"
+    NONE = "None"
+
+
 class Side(StrEnum):
     """Side of a vehicle that takes part in a collision."""
 
@@ -115,15 +133,23 @@ class DescribedRoadNetwork:
         road_type: its shape.
         lanes: of the road in all, both directions together; at a junction those of the larger road.
         stem: where the stem of a T-intersection lies; None for every other road type.
+        is_divided: whether something keeps the two directions apart, where the report says.
+        bend: the side to which a curve bends, as the first vehicle sees it.
+        control: what orders the traffic, where the report says.
     """
 
     road_type: RoadType | None
     lanes: int | None
     stem: Compass | None = None
+    is_divided: bool | None = None
+    bend: Side | None = None
+    control: Control | None = None
 
     def __post_init__(self) -> None:
         if self.lanes is not None and not 1 <= self.lanes <= MAX_LANES:
             raise ValueError(f"num_lanes is {self.lanes}, not from 1 to {MAX_LANES}")
+        if self.bend not in {None, Side.LEFT, Side.RIGHT}:
+            raise ValueError(f"bend is {self.bend}, but a road bends to the Left or the Right")
         if self.stem is not None and self.road_type is not RoadType.T_INTERSECTION:
             raise ValueError(f"stem_direction is {self.stem}, but only a T-intersection has a stem")
 

@@ -11,6 +11,7 @@ from roadmend.safe.dsl import (
     EXTRA_PREFIX,
     Action,
     Compass,
+    Control,
     Coordinates,
     CrashScenario,
     DescribedCollision,
@@ -45,6 +46,10 @@ def dump_data(scenario: CrashScenario) -> dict[str, Any]:
             "weather": _word(scenario.environment.weather),
             **scenario.environment.extras,
         },
+    }
+    beyond = {"is_divided": scenario.road.is_divided, "bend": scenario.road.bend, "control": scenario.road.control}
+    content |= {
+        name: str(value) if isinstance(value, StrEnum) else value for name, value in beyond.items() if value is not None
     }
     if scenario.collisions:
         content["collisions"] = [_dump_collision(collision) for collision in scenario.collisions]
@@ -142,6 +147,12 @@ class _Parser:
             raise self.fail(_join(parent, name), f"{_shown(value)} is no number", "give a number, or null")
         return value
 
+    def truth(self, content: Mapping[str, Any], parent: str, name: str) -> bool | None:
+        value = content.get(name)
+        if value is not None and not isinstance(value, bool):
+            raise self.fail(_join(parent, name), f"{_shown(value)} is neither true nor false", "give one, or null")
+        return value
+
     def whole(self, content: Mapping[str, Any], parent: str, name: str) -> int | None:
         value = self.number(content, parent, name)
         if value is not None and not isinstance(value, int):
@@ -150,7 +161,7 @@ class _Parser:
 
     def scenario(self, content: object) -> CrashScenario:
         needed = ("road_type", "num_lanes", "stem_direction", "vehicles", "env")
-        fields, extras = self.mapping(content, "", needed, ("collisions",))
+        fields, extras = self.mapping(content, "", needed, ("collisions", "is_divided", "bend", "control"))
         stem = {} if fields["stem_direction"] == NOT_APPLICABLE else fields
         road_type = self.word(fields, "", "road_type", RoadType)
         lanes, compass = self.whole(fields, "", "num_lanes"), self.word(stem, "", "stem_direction", Compass)
@@ -167,7 +178,18 @@ class _Parser:
         )
         try:
             return CrashScenario(
-                DescribedRoadNetwork(road_type, lanes, compass), vehicles, environment, collisions, extras
+                DescribedRoadNetwork(
+                    road_type,
+                    lanes,
+                    compass,
+                    self.truth(fields, "", "is_divided"),
+                    self.word(fields, "", "bend", Side),
+                    self.word(fields, "", "control", Control),
+                ),
+                vehicles,
+                environment,
+                collisions,
+                extras,
             )
         except ValueError as error:
             raise self.fail(str(error).split(maxsplit=1)[0], str(error).split(maxsplit=1)[1]) from None
@@ -239,27 +261,3 @@ def _join(parent: str, name: str) -> str:
 def _shown(value: object) -> str:
     text = json.dumps(value, default=str)
     return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def answer_schema() -> dict[str, Any]:
-    """JSON schema of a scenario as a language model is to answer it: the paper's grammar and nothing else."""
-
-    def words(kind: type[StrEnum]) -> dict[str, Any]:
-        return {"type": ["string", "null"], "enum": [*(word.value for word in kind), None]}
-
-    def fields(**properties: Any) -> dict[str, Any]:
-        return {"type": "object", "properties": properties, "required": [*properties], "additionalProperties": False}
-
-    vehicle = fields(
-        model=words(DslModel),
-        initial_position=words(Position),
-        action=words(Action),
-        speed_limit_mph={"type": ["number", "null"]},
-    )
-    return fields(
-        road_type=words(RoadType),
-        num_lanes={"type": ["integer", "null"]},
-        stem_direction=words(Compass),
-        vehicles={"type": "array", "items": vehicle},
-        env=fields(time=words(Time), weather=words(Weather)),
-    )

@@ -21,6 +21,7 @@ _VEHICLE = {
     "Manoeuvre": "manoeuvre",
 }
 _ROAD = {"Road type": "road_type", "No. lanes": "num_lanes", "Stem direction": "stem_direction"}
+_ROAD_BEYOND = {"Divided": "is_divided", "Bend": "bend", "Control": "control"}
 _ENV = {"Time": "time", "Weather": "weather"}
 _COLLISION = {
     "Striking": "striking",
@@ -28,7 +29,7 @@ _COLLISION = {
     "Striking_side": "striking_side",
     "Struck_side": "struck_side",
 }
-_NUMBERS = {"num_lanes", "speed_limit_mph", "striking", "struck"}
+_JSON = {"num_lanes", "speed_limit_mph", "striking", "struck", "is_divided"}
 
 
 def dump_text(scenario: CrashScenario) -> str:
@@ -39,6 +40,7 @@ def dump_text(scenario: CrashScenario) -> str:
     for name, key in _ROAD.items():
         absent = _UNKNOWN if key != "stem_direction" or stem_applies else NOT_APPLICABLE
         lines.append(f"    <{name}>: {absent if data[key] is None else data[key]}")
+    lines += _dump_fields({key: value for key, value in data.items() if key in _ROAD_BEYOND.values()}, _ROAD_BEYOND, 4)
     lines.append("  <Actors>:")
     for number, vehicle in enumerate(data["vehicles"], start=1):
         lines += [f"    <Vehicle_{number}>:", *_dump_fields(vehicle, _VEHICLE, 6)]
@@ -60,7 +62,7 @@ def _dump_fields(content: dict[str, Any], names: dict[str, str], indent: int) ->
 
 
 def _shown(value: Any) -> str:
-    return _UNKNOWN if value is None else json.dumps(value) if isinstance(value, list) else str(value)
+    return _UNKNOWN if value is None else json.dumps(value) if isinstance(value, list | bool) else str(value)
 
 
 @dataclass(slots=True)
@@ -133,7 +135,7 @@ class _Reader:
             seen.add(entry.name)
             match entry.name:
                 case "Road network":
-                    content |= self.fields(entry, _ROAD, "")
+                    content |= self.fields(entry, _ROAD | _ROAD_BEYOND, "")
                 case "Actors":
                     content["vehicles"] = self.numbered(entry, "Vehicle", _VEHICLE, "vehicles")
                 case "Env":
@@ -180,7 +182,7 @@ class _Reader:
             if entry.value == "":
                 raise self.fail(entry, f"is empty; write {_UNKNOWN} where the report does not say")
             return None
-        if key in _NUMBERS or (key == "action" and entry.value.startswith("[")):
+        if key in _JSON or (key == "action" and entry.value.startswith("[")):
             return self.json(entry)
         return entry.value
 

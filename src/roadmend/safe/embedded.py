@@ -1,44 +1,65 @@
 """The embedded backend: rules for English, no language model, no network, the same answer every time."""
 
 import re
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from enum import StrEnum
 from typing import Any
 
 from roadmend.language.chat import Image
-from roadmend.safe.dsl import CrashScenario
+from roadmend.safe.claims import AnyClaim, Box, Cast, Claim, Span
 from roadmend.safe.extraction import Extraction, ExtractionError, FieldEvidence, Step, Watch, unwatched
-from roadmend.safe.reading.reader import read_summary
-from roadmend.safe.reading.text import Finding
+from roadmend.safe.reading.reader import ReportReading, SummaryClaims, assemble, read_claims
+from roadmend.safe.reading.scene import Judged
 from roadmend.safe.report import CrashReport
-from roadmend.safe.sketch_text import SketchText, posted_limit, read_sketch
+from roadmend.safe.sketch_claims import SketchClaims, claims_of_sketch
+
+ReadSketch = Callable[[Image, Cast], SketchClaims]
 
 _WORDS = re.compile(r"[^\W\d_]+")
 _ENGLISH = """
 the a an of to in on at and was were is are it its by from with that this for as had has which but not or into
-be been when while after before both one two
+be been when while after before both one two i my he she we you they there then his her so if just
 """
-_FUNCTION_WORDS = frozenset(_WORDS.findall(_ENGLISH))
-_LEAST_ENGLISH = 0.2  # share of function words; in English prose it is near one half
-_TRUST_IN_SKETCH = 0.6
-_FEWEST_WORDS = 12  # below that, shares say nothing
-_OTHERS = re.compile(
-    r"\b(?:struck|hit|hitting|striking|ran over|collided with|impacted|contacted)\b[^.]{0,60}?\b(pedestrians?|"
-    r"bicyclists?|cyclists?|pedalcyclists?|deer|animal|cow|horse|moose|dog|motorcyclists?|scooter)\b",
-    re.IGNORECASE,
+_SHORTHAND = frozenset(
+    [
+        "nb",
+        "sb",
+        "eb",
+        "wb",
+        "veh",
+        "v",
+        "unit",
+        "vs",
+        "op",
+        "rd",
+        "st",
+        "psl",
+        "mph",
+        "ln",
+        "hwy",
+        "driver",
+        "front",
+        "rear",
+        "left",
+        "right",
+    ]
 )
+_FUNCTION_WORDS = frozenset(_WORDS.findall(_ENGLISH)) | _SHORTHAND
+_LEAST_ENGLISH = 0.2  # share of function words; in English prose it is near one half
+_FEWEST_WORDS = 12  # below that, shares say nothing
+_IN_DOUBT = 0.6  # a field below that is named in the notes
+_SECOND = 0.1  # a second reading that is told
 
 
 class EmbeddedExtractor:
-    """Reads the summary; of the sketch no more than a posted limit about which the summary is silent.
+    """Reads the summary, and of the sketch what its reader makes claims of; one scene has to satisfy both.
 
     Args:
-        read: gives the words of a sketch.
+        read_sketch: makes claims of a sketch, given the summary's cast.
     """
 
-    def __init__(self, read: Callable[[Image], SketchText] = read_sketch) -> None:
-        self.read = read
+    def __init__(self, read_sketch: ReadSketch = claims_of_sketch) -> None:
+        self.read_sketch = read_sketch
 
     def extract(self, report: CrashReport, watch: Watch = unwatched) -> Extraction:
         """Read one report.
@@ -51,47 +72,70 @@ class EmbeddedExtractor:
         share = sum(word in _FUNCTION_WORDS for word in words) / max(len(words), 1)
         if len(words) >= _FEWEST_WORDS and share < _LEAST_ENGLISH:
             raise ExtractionError("the summary does not read as English; the openai backend may know its language")
-        reading = read_summary(report.summary)
-        if reading is None:
+        said = read_claims(report.summary)
+        if said is None:
             raise ExtractionError("the summary speaks of no vehicle; is it the report of a crash?")
-        notes = [*report.notes, *_limits(report, len(reading.scenario.vehicles))]
+        more: Sequence[AnyClaim] = ()
+        sketch = "there is none"
+        if report.sketch is not None:
+            seen = self.read_sketch(report.sketch, said.cast)
+            more, sketch = seen.claims, seen.note
+        reading = assemble(said, more)
+        evidence = {name: _evidence(finding, report.summary) for name, finding in reading.findings.items()}
+        notes = [*report.notes, *_limits(said, reading), *_doubts(reading.findings)]
         notes += [f"vehicle {number} touched nothing and was left out" for number in reading.left_out]
-        evidence = {name: _evidence(finding) for name, finding in reading.findings.items()}
-        scenario, sketch = reading.scenario, "there is none"
-        if report.sketch is not None and all(vehicle.speed_limit_mph is not None for vehicle in scenario.vehicles):
-            sketch = "not read: this backend looks for nothing but speed limits there, and the summary has them"
-        elif report.sketch is not None:
-            written = self.read(report.sketch)
-            sketch = written.note
-            limit = posted_limit(written.text or "")
-            if limit is not None:
-                found = FieldEvidence(limit, None, _TRUST_IN_SKETCH, f"the sketch says {limit} mph")
-                scenario, evidence = _with_limit(scenario, evidence, found)
-        return Extraction(scenario, evidence, sketch, tuple(notes))
+        return Extraction(reading.scenario, evidence, sketch, tuple(notes))
 
 
-def _with_limit(
-    scenario: CrashScenario, evidence: dict[str, FieldEvidence], found: FieldEvidence
-) -> tuple[CrashScenario, dict[str, FieldEvidence]]:
-    """Give the vehicles the limit of the sketch that have none from the summary."""
-    vehicles = []
-    filled = dict(evidence)
-    for index, vehicle in enumerate(scenario.vehicles):
-        is_open = vehicle.speed_limit_mph is None
-        vehicles.append(replace(vehicle, speed_limit_mph=found.value) if is_open else vehicle)
-        if is_open:
-            filled[f"vehicles[{index}].speed_limit_mph"] = found
-    return replace(scenario, vehicles=tuple(vehicles)), filled
+def _limits(said: SummaryClaims, reading: ReportReading) -> Iterator[str]:
+    for name in said.others:
+        yield f"a {name} takes part, for which the scenario language has no words"
+    if len(reading.scenario.vehicles) == 1:
+        yield "one vehicle alone: there is no other to collide with"
 
 
-def _limits(report: CrashReport, vehicles: int) -> list[str]:
-    others = {match[1].lower() for match in _OTHERS.finditer(report.summary)}
-    notes = [f"a {name} takes part, for which the scenario language has no words" for name in sorted(others)]
-    if vehicles == 1:
-        notes.append("one vehicle alone: there is no other to collide with")
-    return notes
+def _doubts(findings: Mapping[str, Judged]) -> Iterator[str]:
+    for name, finding in findings.items():
+        if finding.value is not None and finding.confidence < _IN_DOUBT and not name.endswith("manoeuvre"):
+            yield f"{name} is in doubt: {_plain(finding.value)} with confidence {finding.confidence:.2f}"
 
 
-def _evidence(finding: Finding[Any]) -> FieldEvidence:
-    value = finding.value.value if isinstance(finding.value, StrEnum) else finding.value
-    return FieldEvidence(value, finding.sentence, round(finding.confidence, 2), finding.reason)
+def _plain(value: Any) -> Any:
+    return value.value if isinstance(value, StrEnum) else value
+
+
+def _evidence(finding: Judged, summary: str) -> FieldEvidence:
+    best = finding.claims[0] if finding.claims and finding.value is not None else None
+    where = best.where if best is not None else None
+    span = (where.start, where.end) if isinstance(where, Span) else None
+    box = (where.left, where.top, where.right, where.bottom) if isinstance(where, Box) else None
+    if best is not None:
+        reason = best.reason
+    elif finding.value is not None:
+        reason = "nothing is said of it; it follows from the rest, or is the usual case"
+    else:
+        reason = "the report does not say"
+    confidence = round(finding.confidence, 2) if finding.value is not None else 0.0
+    sentence = _sentence(summary, span) if span is not None else None
+    return FieldEvidence(_plain(finding.value), sentence, confidence, reason, span, box, tuple(_against(finding)))
+
+
+def _against(finding: Judged) -> Iterator[str]:
+    told: set[Any] = set()
+    for claim in sorted(finding.against, key=lambda each: -each.confidence):
+        if claim.value not in told and claim.confidence > 0.5:
+            told.add(claim.value)
+            yield _told(claim)
+    if finding.second is not None and finding.second[1] >= _SECOND and finding.second[0] not in told:
+        yield f"second reading: {_plain(finding.second[0])} with confidence {finding.second[1]:.2f}"
+
+
+def _told(claim: Claim) -> str:
+    return f"the {claim.source.value} also speaks for {_plain(claim.value)}: {claim.reason}"
+
+
+def _sentence(summary: str, span: tuple[int, int]) -> str:
+    """The sentence, or what stands between line breaks, around a piece of the summary."""
+    start = max((match.end() for match in re.finditer(r"[.!?]\s+|\n", summary[: span[0]])), default=0)
+    end = re.search(r"[.!?](?=\s|$)|\n", summary[span[1] :])
+    return summary[start : span[1] + (end.end() if end else len(summary))].strip()

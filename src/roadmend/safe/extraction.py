@@ -19,6 +19,25 @@ class ExtractionError(RoadmendError):
 
 
 @dataclass(frozen=True, slots=True)
+class Witness:
+    """What one source says of a field.
+
+    Attributes:
+        source: who says it.
+        value: of the field, as the JSON form has it; None where the source only says that another value is wrong.
+        confidence: from 0 to 1.
+        ground: what the source goes by.
+        sentence: of the report that it goes by, where there is one.
+    """
+
+    source: str
+    value: Any
+    confidence: float
+    ground: str = ""
+    sentence: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class FieldEvidence:
     """What a field rests on.
 
@@ -27,12 +46,20 @@ class FieldEvidence:
         sentence: of the report; None where the field rests on none.
         confidence: from 0 to 1; None where the backend gives none.
         reason: by what rule, or why there is no value.
+        span: first and last character of the summary that it was read from, the last not included.
+        box: left, top, right and bottom of what it was read from in the sketch [pixels].
+        doubts: what speaks for another value, and the second reading.
+        disputed: all that was said of it, where sources do not agree; else empty.
     """
 
     value: Any
     sentence: str | None
     confidence: float | None
     reason: str
+    span: tuple[int, int] | None = None
+    box: tuple[float, float, float, float] | None = None
+    doubts: tuple[str, ...] = ()
+    disputed: tuple[Witness, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

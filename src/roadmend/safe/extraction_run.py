@@ -15,7 +15,7 @@ from roadmend.language.exchange import ENDING, Usage, dump_exchanges, usage_of
 from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.dsl_file import load_crash_scenario, save_crash_scenario
 from roadmend.safe.extraction import Extraction, ExtractionError, Extractor
-from roadmend.safe.report import load_report
+from roadmend.safe.report import case_of, load_report
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +28,7 @@ class Extracted:
         error: why, then.
         open_fields: names of the fields that the report leaves open.
         is_new: False where an earlier run had done it.
+        disputed_fields: names of those of which sources say different things.
         usage: what this run took for it, by model.
     """
 
@@ -36,6 +37,7 @@ class Extracted:
     error: str | None
     open_fields: tuple[str, ...]
     is_new: bool
+    disputed_fields: tuple[str, ...] = ()
     usage: Mapping[str, Usage] = field(default_factory=dict)
 
 
@@ -69,7 +71,7 @@ def extract_reports(
 
 
 def _extract_one(path: Path, extractor: Extractor, settings: Sequence[str], out: Path) -> Extracted:
-    case = path.stem if path.is_file() else path.resolve().name
+    case = case_of(path)
     try:
         report = load_report(path)
     except InputError as error:
@@ -93,10 +95,10 @@ def _known(out: Path, case: str, key: str) -> Extracted | None:
         scenario = load_crash_scenario(out / f"{case}.json")
         if evidence["key"] != key:
             return None
-        fields = _open_fields(evidence["fields"])
+        left_open, disputed = _open_fields(evidence["fields"]), _disputed_fields(evidence["fields"])
     except (OSError, ValueError, KeyError, TypeError, RoadmendError):
         return None  # done again, then
-    return Extracted(case, dump_data(scenario), None, fields, is_new=False)
+    return Extracted(case, dump_data(scenario), None, left_open, is_new=False, disputed_fields=disputed)
 
 
 def keep_extraction(extraction: Extraction, case: str, key: str, out: Path) -> Extracted:
@@ -125,8 +127,20 @@ def keep_extraction(extraction: Extraction, case: str, key: str, out: Path) -> E
     write_text(out / f"{case}.evidence.json", json.dumps(content, indent=1, ensure_ascii=False) + "\n")
     scenario = dump_data(extraction.scenario)
     usage = usage_of(extraction.exchanges)
-    return Extracted(case, scenario, None, _open_fields(fields), is_new=True, usage=usage)
+    return Extracted(
+        case,
+        scenario,
+        None,
+        _open_fields(fields),
+        is_new=True,
+        disputed_fields=_disputed_fields(fields),
+        usage=usage,
+    )
 
 
 def _open_fields(fields: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(name for name, evidence in fields.items() if evidence["value"] is None and name != "stem_direction")
+
+
+def _disputed_fields(fields: Mapping[str, Any]) -> tuple[str, ...]:
+    return tuple(name for name, evidence in fields.items() if evidence.get("disputed"))

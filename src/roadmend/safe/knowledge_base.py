@@ -3,7 +3,8 @@
 import functools
 import importlib.resources
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Annotated
 
 from pydantic import BeforeValidator, ConfigDict, Field, InstanceOf
@@ -11,9 +12,12 @@ from pydantic import BeforeValidator, ConfigDict, Field, InstanceOf
 from roadmend.core.parameters import Parameters
 from roadmend.core.settings import check_settings
 from roadmend.core.yaml_file import parse_yaml
+from roadmend.language.chat import Image
 from roadmend.safe.compass import NORTH_SOUTH
 from roadmend.safe.dsl import CrashScenario, Position, RoadType
 from roadmend.safe.dsl_data import parse_data
+
+_FOLDER = importlib.resources.files(__package__).joinpath("knowledge")
 
 
 class WorkedExample(Parameters):
@@ -25,6 +29,12 @@ class WorkedExample(Parameters):
     summary: str = Field(description="the report's text")
     analysis: str = Field(description="how a careful reader gets from the text to the answer")
     answer: Annotated[InstanceOf[CrashScenario], BeforeValidator(lambda content: parse_data(content, "answer"))]
+    picture: str = Field(pattern=r"^[a-z0-9-]+\.png$", description="file of its sketch, which example_sketch draws")
+
+    @cached_property
+    def sketch(self) -> Image:
+        """Its sketch."""
+        return Image(_FOLDER.joinpath(self.picture).read_bytes(), "image/png")
 
 
 class Template(Parameters):
@@ -38,11 +48,11 @@ class Template(Parameters):
 
 
 @functools.cache
-def _templates() -> dict[RoadType, Template]:
-    folder = importlib.resources.files(__package__).joinpath("knowledge")
+def templates() -> Mapping[RoadType, Template]:
+    """All that there are."""
     templates = [
         check_settings(parse_yaml(file.read_text(encoding="utf-8"), file.name), Template, file.name, "mend the file")
-        for file in folder.iterdir()
+        for file in _FOLDER.iterdir()
         if file.name.endswith(".yaml")
     ]
     return {template.road_type: template for template in templates}
@@ -55,7 +65,7 @@ def retrieve(road_type: RoadType, directions: Sequence[Position | None]) -> tupl
         road_type: the index' first part.
         directions: of the vehicles, as far as known: its second part.
     """
-    template = _templates()[road_type]
+    template = templates()[road_type]
     return template, max(template.examples, key=lambda example: _likeness(example.directions, directions))
 
 

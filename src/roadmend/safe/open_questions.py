@@ -6,13 +6,13 @@ from dataclasses import replace
 from roadmend.core.errors import InputError
 from roadmend.safe.compass import DIRECTIONS, NORTH_SOUTH, TOWARDS, heading_of, opposite, origin_of
 from roadmend.safe.dsl import (
+    STANDING,
     Action,
     Compass,
     CrashScenario,
     DescribedEnvironment,
     DescribedVehicle,
     DslModel,
-    Manoeuvre,
     Position,
     RoadType,
     Time,
@@ -74,7 +74,7 @@ def _of_vehicle(
     if vehicle.initial_position is None:
         space[f"{name}.position"] = _positions(crash, kinds)
     if vehicle.action is None:
-        may_turn = bool(_JUNCTIONS & {*kinds}) and vehicle.manoeuvre in {None, Manoeuvre.STOP}
+        may_turn = bool(_JUNCTIONS & {*kinds}) and vehicle.manoeuvre in {None, *STANDING}
         weights: dict[Value, float] = {"Move Forward": 0.7, "Turn Left": 0.2, "Turn Right": 0.1}
         space[f"{name}.action"] = Choice(weights if may_turn else {"Move Forward": 1.0})
     if vehicle.speed_limit_mph is None:

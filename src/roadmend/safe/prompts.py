@@ -4,13 +4,14 @@ A report is handed over as data: as one JSON object in a message of its own, whi
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from roadmend.language.chat import ChatMessage, ChatRole, Request
+from roadmend.language.chat import ChatMessage, ChatRole, Image, Request
 from roadmend.language.question import objecting
+from roadmend.safe.answer_schema import answer_schema
 from roadmend.safe.dsl import Position, RoadType
-from roadmend.safe.dsl_data import answer_schema, dump_data
+from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.knowledge_base import Template, WorkedExample
 from roadmend.safe.report import CrashReport
 
@@ -33,24 +34,48 @@ Step 3. Give each its driving direction in the order of the vehicles' numbers: W
 south; where roads merge, Main road or On-ramp; null where neither summary nor sketch says it.
 Write your reasoning into "analysis" first."""
 
-_DSL = """\
-The scenario language:
-  road_type: Straight | Curve | Intersection | T-intersection | Merging
-  num_lanes: lanes of the road in all, both directions; at a junction those of the larger road
-  stem_direction: North | South | East | West, the side of the stem of a T-intersection; null for other roads
-  vehicles: those that touched, in the order of their numbers, each with
-    model: Sedan | SUV | Minivan | Pickup | Semi Truck
-    initial_position: W2E | E2W | S2N | N2S | Main road | On-ramp
-    action: Move Forward | Turn Left | Turn Right
-    speed_limit_mph: the limit posted for it in mph, not its speed
-  env: time (Daytime | Nighttime), weather (Sunny | Cloudy | Overcast | Rainy | Snowy | Foggy | Windy | Clear)
-A field about which neither summary nor sketch says anything is null. Never guess."""
+_MEANINGS: Mapping[str, str] = {
+    "num_lanes": "lanes of the road in all, both directions; at a junction those of the larger road",
+    "stem_direction": "the side of the stem of a T-intersection; null for other roads",
+    "is_divided": "true where a median or a barrier keeps the two directions apart, false where nothing does",
+    "bend": "the side to which a curve bends, as the first vehicle sees it; null for other roads",
+    "control": "what orders the traffic where the vehicles meet",
+    "vehicles": "those that touched, in the order of their numbers, each with",
+    "initial_position": "before anything went wrong",
+    "speed_limit_mph": "the limit posted for it in mph, not its speed",
+    "manoeuvre": "what it did in more words than an action has",
+    "env": "light and weather",
+    "collisions": "contacts between vehicles in the order in which they happened, each with",
+    "striking": "number of the vehicle that ran into the other one, from 1",
+    "struck": "number of the other one",
+    "striking_side": "what the one hit with",
+    "struck_side": "where the other one was hit",
+}
+
+
+def _language(schema: Mapping[str, Any], indent: str = "  ") -> Iterator[str]:
+    """The lines that explain the fields of a schema."""
+    for name, content in schema["properties"].items():
+        words = " | ".join(word for word in content.get("enum", ()) if word is not None)
+        yield f"{indent}{name}: {'; '.join(filter(None, (words, _MEANINGS.get(name))))}"
+        inner = content.get("items", content)
+        if "properties" in inner:
+            yield from _language(inner, indent + "  ")
+
+
+_LANGUAGE = "\n".join(
+    (
+        "The scenario language:",
+        *_language(answer_schema()),
+        "A field about which neither summary nor sketch says anything is null. Never guess.",
+    )
+)
 
 _EXTRACTION_TASK = """\
 Turn the crash report into a scenario of the language below. Work step by step and write the steps into "analysis" before
 you give "scenario".
 
-{dsl}{guidance}"""
+{language}{guidance}"""
 
 _VALIDATION_TASK = """\
 Someone was asked the question below about the report and gave the answer below. Check every field of the answer against
@@ -100,8 +125,7 @@ def meta_request(report: CrashReport, example: WorkedExample, objections: Sequen
         "number_of_vehicles": len(example.answer.vehicles),
         "driving_directions": [vehicle.initial_position for vehicle in example.answer.vehicles],
     }
-    worked = f"{_case(example.summary)}\nThe answer:\n{json.dumps(answer)}"
-    messages = _conversation(_META_SYSTEM, _META_TASK, worked, report, objections)
+    messages = _conversation(_META_SYSTEM, _META_TASK, _worked(example, answer), report, objections)
     return Request("meta_message", messages, META_SCHEMA)
 
 
@@ -116,14 +140,23 @@ def extraction_request(
         objections: to answers given before.
     """
     if found is None:
-        task = _EXTRACTION_TASK.format(dsl=_DSL, guidance="")
+        task = _EXTRACTION_TASK.format(language=_LANGUAGE, guidance="")
         return Request("scenario", _conversation(_EXTRACTION_SYSTEM, task, None, report, objections), EXTRACTION_SCHEMA)
     template, example = found
     guidance = f"\n\nHow to analyse a crash on a road of type {template.road_type}:\n{template.guidance}"
-    answer = {"analysis": example.analysis, "scenario": dump_data(example.answer)}
-    worked = f"{_case(example.summary)}\nThe answer:\n{json.dumps(answer)}"
-    task = _EXTRACTION_TASK.format(dsl=_DSL, guidance=guidance)
+    answer = {"analysis": example.analysis, "scenario": _complete(dump_data(example.answer), answer_schema())}
+    worked = _worked(example, answer)
+    task = _EXTRACTION_TASK.format(language=_LANGUAGE, guidance=guidance)
     return Request("scenario", _conversation(_EXTRACTION_SYSTEM, task, worked, report, objections), EXTRACTION_SCHEMA)
+
+
+def _complete(content: Any, schema: Mapping[str, Any]) -> Any:
+    """An example with every field that an answer has to have, in its order; null where the example leaves it out."""
+    if content is None:
+        return None
+    if "properties" in schema:
+        return {name: _complete(content.get(name), each) for name, each in schema["properties"].items()}
+    return [_complete(each, schema["items"]) for each in content] if "items" in schema else content
 
 
 def validation_request(report: CrashReport, question: Request, answer: str) -> Request:
@@ -136,13 +169,21 @@ def validation_request(report: CrashReport, question: Request, answer: str) -> R
 
 
 def _conversation(
-    system: str, task: str, worked: str | None, report: CrashReport, objections: Sequence[str]
+    system: str, task: str, worked: tuple[str, Image] | None, report: CrashReport, objections: Sequence[str]
 ) -> tuple[ChatMessage, ...]:
     messages = [_say(ChatRole.SYSTEM, system), _say(ChatRole.USER, task)]
     if worked is not None:
-        messages += [_say(ChatRole.ASSISTANT, _READY), _say(ChatRole.USER, f"An example.\n{worked}")]
+        text, sketch = worked
+        # How to read a sketch is of use only where there is one.
+        parts = (text, sketch) if report.sketch is not None else (text,)
+        messages += [_say(ChatRole.ASSISTANT, _READY), ChatMessage(ChatRole.USER, parts)]
     messages += [_say(ChatRole.ASSISTANT, _GO_ON), _hand_over(report), *objecting(objections)]
     return tuple(messages)
+
+
+def _worked(example: WorkedExample, answer: Mapping[str, Any]) -> tuple[str, Image]:
+    case = _case(example.summary, has_sketch=True)
+    return f"An example.\n{case}\nThe answer:\n{json.dumps(answer)}", example.sketch
 
 
 def _say(role: ChatRole, text: str) -> ChatMessage:

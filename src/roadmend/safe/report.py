@@ -68,14 +68,15 @@ def find_reports(path: Path) -> tuple[Path, ...]:
     )
     if not reports:
         raise InputError(str(path), "holds no report", "a report is a .txt file, or a folder with summary.txt in it")
-    names = [_case(report) for report in reports]
+    names = [case_of(report) for report in reports]
     for name in names:
         if names.count(name) > 1:
             raise InputError(str(path), f"has two reports called {name}", "rename one of them")
     return reports
 
 
-def _case(path: Path) -> str:
+def case_of(path: Path) -> str:
+    """The name of the report at a path."""
     return path.stem if path.is_file() else path.resolve().name
 
 
@@ -95,9 +96,9 @@ def load_report(path: Path) -> CrashReport:
         raise InputError(str(path), "has no summary", "put the text of the report into summary.txt")
     text = _read_text(summary)
     if path.is_file():
-        return CrashReport(_case(path), text)
+        return CrashReport(case_of(path), text)
     sketch, notes = _read_sketch(path)
-    return CrashReport(_case(path), text, sketch, notes)
+    return CrashReport(case_of(path), text, sketch, notes)
 
 
 def report_of_text(case: str, summary: str) -> CrashReport:

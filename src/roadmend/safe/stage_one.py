@@ -1,20 +1,23 @@
-"""Stage I of SAFE with a language model: algorithm 1 of the paper."""
+"""Stage I of SAFE with a language model: algorithm 1 of the paper, and every answer held against what is known without it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from functools import partial
+from typing import TypeVar
 
-from roadmend.core.errors import InputError
-from roadmend.core.json_text import parse_json
 from roadmend.language.chat import AnswerError, ChatModel, LanguageError, Request
+from roadmend.language.endpoint_habits import PICTURES
 from roadmend.language.exchange import RecordingModel
 from roadmend.language.question import ATTEMPTS, ask_until_accepted
-from roadmend.safe.dsl import CrashScenario, Position, RoadType
-from roadmend.safe.dsl_data import dump_data, parse_data
-from roadmend.safe.extraction import Extraction, ExtractionError, FieldEvidence, Step, Watch, unwatched
+from roadmend.safe.answer_check import AnswerCheck, FieldCheck, unchecked
+from roadmend.safe.dsl import RoadType
+from roadmend.safe.embedded import EmbeddedExtractor
+from roadmend.safe.encoder import MetaMessage, encode_meta, encode_scenario, encode_verdict
+from roadmend.safe.extraction import Extraction, ExtractionError, Extractor, FieldEvidence, Step, Watch, unwatched
 from roadmend.safe.knowledge_base import retrieve
 from roadmend.safe.prompts import extraction_request, meta_request, validation_request
 from roadmend.safe.report import CrashReport
+from roadmend.safe.settlement import settle
 
 Answer = TypeVar("Answer")
 
@@ -26,20 +29,14 @@ class StageOneOptions:
     Attributes:
         prompt_generation: ask with the template and the example that the knowledge base has for such a road.
         validation: let the model check each answer against the report.
+        cross_check: hold each answer against the embedded reader, the meta message and the geometry of the scene.
         attempts: how often a step is executed before the report is given up.
     """
 
     prompt_generation: bool = True
     validation: bool = True
+    cross_check: bool = True
     attempts: int = ATTEMPTS
-
-
-@dataclass(frozen=True, slots=True)
-class MetaMessage:
-    """What the knowledge base is searched with."""
-
-    road_type: RoadType
-    directions: tuple[Position | None, ...]
 
 
 class LanguageExtractor:
@@ -48,11 +45,13 @@ class LanguageExtractor:
     Args:
         model: that answers.
         options: see ``StageOneOptions``.
+        reader: that needs no model, which answers are held against.
     """
 
-    def __init__(self, model: ChatModel, options: StageOneOptions) -> None:
+    def __init__(self, model: ChatModel, options: StageOneOptions, reader: Extractor | None = None) -> None:
         self.model = model
         self.options = options
+        self.reader = reader or EmbeddedExtractor()
 
     def extract(self, report: CrashReport, watch: Watch = unwatched) -> Extraction:
         """Extract one report.
@@ -62,27 +61,72 @@ class LanguageExtractor:
         """
         model = RecordingModel(self.model)
         steps = _CheckedSteps(model, report, self.options, watch)
+        check = self._check(report, watch) if self.options.cross_check else None
+        meta, found = None, None
         try:
             if self.options.prompt_generation:
                 _, example = retrieve(RoadType.T_INTERSECTION, ())
-                meta = steps.run("the meta message", lambda o: meta_request(report, example, o), encode_meta)
-                found = retrieve(meta.road_type, meta.directions)
-            else:
-                found = None
-            scenario = steps.run("the scenario", lambda o: extraction_request(report, found, o), encode_scenario)
+                meta = steps.run(
+                    "the meta message",
+                    lambda objections: meta_request(report, example, objections),
+                    encode_meta,
+                    check.of_meta if check is not None else _undoubted,
+                )
+                found = retrieve(_road_type(meta, check), meta.directions)
+            scenario = steps.run(
+                "the scenario",
+                lambda objections: extraction_request(report, found, objections),
+                encode_scenario,
+                partial(check.of_scenario, meta=meta) if check is not None else _undoubted,
+            )
         except LanguageError as error:
             raise ExtractionError(str(error), tuple(model.exchanges)) from None
-        sketch = "read: sent to the model beside the summary" if report.sketch is not None else "there is none"
-        notes = [*report.notes]
+        checks = check.of_scenario(scenario, meta) if check is not None else [*unchecked(scenario)]
+        settled, evidence = settle(scenario, checks, check.reading if check is not None else None, report.summary)
+        notes = (*report.notes, *self._notes(check, evidence))
+        return Extraction(settled, evidence, _sketch(report, model), notes, tuple(model.exchanges))
+
+    def _check(self, report: CrashReport, watch: Watch) -> AnswerCheck:
+        try:
+            return AnswerCheck(report, self.reader.extract(report, watch))
+        except ExtractionError as error:
+            return AnswerCheck(report, None, str(error))
+
+    def _notes(self, check: AnswerCheck | None, evidence: Mapping[str, FieldEvidence]) -> Iterator[str]:
         if not self.options.prompt_generation:
-            notes.append("asked without the knowledge base")
+            yield "asked without the knowledge base"
         if not self.options.validation:
-            notes.append("answers were not validated")
-        return Extraction(scenario, _evidence(scenario), sketch, tuple(notes), tuple(model.exchanges))
+            yield "answers were not validated"
+        if check is None:
+            yield "answers were not cross-checked"
+        elif check.reading is None:
+            yield f"answers were cross-checked without the embedded reader: {check.unread}"
+        disputed = [name for name, found in evidence.items() if found.disputed]
+        if disputed:
+            yield f"disputed: {', '.join(disputed)}"
+
+
+def _road_type(meta: MetaMessage, check: AnswerCheck | None) -> RoadType:
+    """By which to look into the knowledge base: the likeliest one."""
+    doubted = check.of_meta(meta) if check is not None else ()
+    return next((RoadType(each.kept) for each in doubted if each.field == "road_type"), meta.road_type)
+
+
+def _undoubted(_: object) -> list[FieldCheck]:
+    return []
+
+
+def _sketch(report: CrashReport, model: RecordingModel) -> str:
+    if report.sketch is None:
+        return "there is none"
+    replies = [exchange.reply for exchange in model.exchanges if exchange.reply is not None]
+    if any(PICTURES in reply.left_out for reply in replies):
+        return "not read: the endpoint takes no pictures, the model was asked with the summary alone"
+    return "read: sent to the model beside the summary"
 
 
 class _CheckedSteps:
-    """Executes a step until its answer can be encoded and passes, within a bound."""
+    """Executes a step until its answer can be encoded, stands up to what is known, and passes, within a bound."""
 
     def __init__(self, model: ChatModel, report: CrashReport, options: StageOneOptions, watch: Watch) -> None:
         self.model = model
@@ -90,8 +134,20 @@ class _CheckedSteps:
         self.options = options
         self.watch = watch
 
-    def run(self, what: str, ask: Callable[[Sequence[str]], Request], encode: Callable[[str], Answer]) -> Answer:
+    def run(
+        self,
+        what: str,
+        ask: Callable[[Sequence[str]], Request],
+        encode: Callable[[str], Answer],
+        doubt: Callable[[Answer], list[FieldCheck]],
+    ) -> Answer:
+        """The answer to a step.
+
+        A model that stays by a doubted answer although it was told the reason is not asked for ever: the answer goes on
+        to the validation, and the doubt into the result.
+        """
         attempt, attempts = 0, self.options.attempts
+        told: list[str] = []
 
         def next_request(objections: Sequence[str]) -> Request:
             nonlocal attempt
@@ -101,7 +157,12 @@ class _CheckedSteps:
             return request
 
         def judge(request: Request, text: str) -> tuple[Answer, list[str]]:
+            nonlocal told
             answer = encode(text)
+            doubts = [objection for check in doubt(answer) if (objection := check.objection()) is not None]
+            if doubts and doubts != told and attempt < attempts:
+                told = doubts
+                return answer, doubts
             if not self.options.validation:
                 return answer, []
             self.watch(Step("validation", attempt, attempts))
@@ -119,74 +180,3 @@ class _CheckedSteps:
         if verdict == "Pass":
             return []
         return problems or ["the validator said Fail and no reason"]
-
-
-def encode_meta(text: str) -> MetaMessage:
-    """Turn an answer into a meta message.
-
-    Raises:
-        AnswerError: a field is missing, unknown, or has a value that the language does not have.
-    """
-    fields = _object(text, {"analysis", "road_type", "number_of_vehicles", "driving_directions"})
-    directions, count = fields["driving_directions"], fields["number_of_vehicles"]
-    if not isinstance(directions, list) or count != len(directions):
-        raise AnswerError(f"driving_directions has not one entry for each of the {count} vehicles")
-    if not directions:
-        raise AnswerError("number_of_vehicles is 0; a crash has at least one")
-    try:
-        return MetaMessage(
-            RoadType(fields["road_type"]), tuple(None if each is None else Position(each) for each in directions)
-        )
-    except ValueError as error:
-        raise AnswerError(str(error)) from None
-
-
-def encode_scenario(text: str) -> CrashScenario:
-    """Turn an answer into a scenario: the information encoder.
-
-    Raises:
-        AnswerError: a field is missing, unknown, or has a value that the language does not have.
-    """
-    fields = _object(text, {"analysis", "scenario"})
-    try:
-        return parse_data(fields["scenario"], "the answer")
-    except InputError as error:
-        raise AnswerError(f"{error.where}: {error.what}") from None
-
-
-def encode_verdict(text: str) -> tuple[str, list[str]]:
-    """Turn an answer into the validator's verdict and objections.
-
-    Raises:
-        AnswerError: it is none.
-    """
-    fields = _object(text, {"verdict", "problems"})
-    verdict, problems = fields["verdict"], fields["problems"]
-    if verdict not in {"Pass", "Fail"} or not isinstance(problems, list):
-        raise AnswerError(f"verdict {verdict!r} is neither Pass nor Fail")
-    return verdict, [str(problem) for problem in problems]
-
-
-def _object(text: str, names: set[str]) -> dict[str, Any]:
-    try:
-        content = parse_json(text, "answer")
-    except InputError:
-        raise AnswerError("the answer is broken JSON") from None
-    if not isinstance(content, dict):
-        raise AnswerError("the answer is no JSON object")
-    if content.keys() != names:
-        wrong = ", ".join(sorted(content.keys() ^ names))
-        raise AnswerError(f"fields are missing or unknown: {wrong}")
-    return content
-
-
-def _evidence(scenario: CrashScenario) -> dict[str, FieldEvidence]:
-    data = dump_data(scenario)
-    values = {name: data[name] for name in ("road_type", "num_lanes", "stem_direction")}
-    for index, vehicle in enumerate(data["vehicles"]):
-        values |= {f"vehicles[{index}].{name}": value for name, value in vehicle.items()}
-    values |= {f"env.{name}": value for name, value in data["env"].items()}
-    return {
-        name: FieldEvidence(value, None, None, "the model's answer, see the exchanges")
-        for name, value in values.items()
-    }

@@ -1,6 +1,6 @@
 """What a report says of its roads beyond the paper's language, so that nothing of it is drawn at random.
 
-Fields of the language come first (``bend``, ``is_divided`` and ``control`` of the road, where it has them); a file of
+Fields of the language come first (``bend``, ``is_divided`` and ``control`` of the road); a file of
 one's own may say the same, and more, in extras:
 
 - of the crash: ``x-bend`` ("left" or "right", as vehicle 1 sees it), ``x-median`` (metres, or true for one of a usual
@@ -29,8 +29,8 @@ _CONTROLS = {
 
 def bend_side(crash: CrashScenario) -> Side | None:
     """To which side the road bends for vehicle 1; None where that is not said."""
-    told = getattr(crash.road, "bend", None) or _word(crash.extras, "x-bend").capitalize()
-    return {side.value: side for side in (Side.LEFT, Side.RIGHT)}.get(str(told))
+    told = crash.road.bend or _word(crash.extras, "x-bend").capitalize()
+    return {side.value: side for side in (Side.LEFT, Side.RIGHT)}.get(told)
 
 
 def median_of(crash: CrashScenario) -> float:
@@ -38,14 +38,14 @@ def median_of(crash: CrashScenario) -> float:
     told = crash.extras.get("x-median")
     if isinstance(told, int | float) and not isinstance(told, bool):
         return min(max(float(told), 0.0), _WIDEST)
-    is_divided = getattr(crash.road, "is_divided", None) or told is True or crash.extras.get("x-divided") is True
+    is_divided = crash.road.is_divided or told is True or crash.extras.get("x-divided") is True
     return _MEDIAN if is_divided else 0.0
 
 
 def control_of(crash: CrashScenario) -> str | None:
     """The junction's control, in the words of a road network; None where it is not said."""
-    told = getattr(crash.road, "control", None) or _word(crash.extras, "x-control")
-    return _CONTROLS.get(str(told).lower())
+    told = crash.road.control or _word(crash.extras, "x-control")
+    return _CONTROLS.get(told.lower())
 
 
 def main_heading(crash: CrashScenario) -> Compass | None:

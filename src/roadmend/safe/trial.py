@@ -48,6 +48,11 @@ class CrashTestEpisode:
         return own[0] if own else self.film.nearest()
 
 
+def ego_name_of(scenario: Scenario) -> str:
+    """What the report calls the vehicle in whose place the policy drives; "ego" where there is no report."""
+    return f"v{scenario.origin.vehicle}" if scenario.origin is not None else "ego"
+
+
 def run_trial(scenario: Scenario, policy: str) -> CrashTestEpisode:
     """Drive a scenario with a policy, without repair.
 
@@ -55,8 +60,7 @@ def run_trial(scenario: Scenario, policy: str) -> CrashTestEpisode:
         InputError: the scenario cannot be run, or there is no such policy.
         SimulationError: SUMO failed, or the ego touches somebody before it moves.
     """
-    number = scenario.origin.vehicle if scenario.origin is not None else 0
-    film = Film(f"v{number}")
+    film = Film(ego_name_of(scenario))
     with Simulation(scenario) as simulation:
 
         def see(tick: Tick) -> None:

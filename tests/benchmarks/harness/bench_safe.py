@@ -118,6 +118,12 @@ class _Bench:
     type=click.Choice(["solver", "sketch"]),
     help="Also measure without a part. Without the search is always measured.",
 )
+@click.option(
+    "--texts",
+    default=_TEXTS,
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Folder of measured-NAME.txt in other words than NHTSA's, each with its NAME.oracle.json. The committed ones.",
+)
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
 @WORKERS
 @click.option(
@@ -134,6 +140,7 @@ def safe(
     samples: int,
     budget: int,
     without: tuple[str, ...],
+    texts: Path,
     seed: int,
     workers: int,
     work: Path | None,
@@ -160,9 +167,9 @@ def safe(
     oracles = gather_oracles(reports, records)
     text, sketch = bench.read(sketch=False), bench.read(sketch=True)
     extraction = measure_extraction(text, sketch, oracles, bench.halves)
-    texts = sorted(_TEXTS.glob(_MEASURED))
-    if texts:
-        extraction["other_registers"] = measure_registers(bench.read(sketch=False, paths=texts), _TEXTS)
+    measured = sorted(texts.glob(_MEASURED))
+    if measured:
+        extraction["other_registers"] = measure_registers(bench.read(sketch=False, paths=measured), texts)
     cases = bench.cases(sketch)
     tested = bench.test(cases)
     found = bench.reproduce(cases, "search", budget)

@@ -14,7 +14,7 @@ from roadmend.safe.cases import CrashCase
 from roadmend.safe.dsl_data import dump_data, parse_data
 from roadmend.safe.embedded import EmbeddedExtractor
 from roadmend.safe.report import CrashReport, load_report
-from roadmend.safe.sketch_text import is_sketch_read
+from roadmend.safe.sketch_claims import is_sketch_read
 
 _FORMAT = "roadmend-bench-reading/1"
 _SOLVER = "solver"  # argument of the extractor that leaves its consistency solver out

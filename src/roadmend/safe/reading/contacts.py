@@ -1,177 +1,198 @@
-"""Who hit whom, and with which sides."""
+"""Who touched whom, in which order, and with which sides."""
 
-import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import replace
 
-from roadmend.safe.compass import opposite, turned
-from roadmend.safe.dsl import Position, Side
-from roadmend.safe.reading.clauses import Clause
-from roadmend.safe.reading.directions import Headings
-from roadmend.safe.reading.text import Finding
+from roadmend.safe.claims import ClaimSource, ContactClaim
+from roadmend.safe.dsl import Side
+from roadmend.safe.reading.clauses import STRIKES, Actor, Clause, Part
+from roadmend.safe.reading.facts import Text
+from roadmend.safe.reading.tokens import Item
 
-_SIDES = (
-    (Side.LEFT, r"left|driver'?s?[- ]side"),
-    (Side.RIGHT, r"right|passenger'?s?[- ]side"),
-    (Side.FRONT, r"front(?:al)?|head-?on|nose"),
-    (Side.REAR, r"rear|back|tail|trailer"),
-)
-_CORNER = re.compile(
-    r"\b(?:left|right)[- ](front|rear)(?:al)?\b(?! (?:door|quarter|fender))|\b(front|rear)[- ](?:left|right)\b"
-)
-_HIT = re.compile(
-    r"\b(?:(?P<into>struck|hit|impacted|contacted|collided with|made contact with|ran into|crashed into|rear-ended|"
-    r"sideswiped|t-boned|broadsided|rammed|slammed into|clipped|strikes|hits|impacts|contacts|collides with|"
-    r"rear-ends)|(?P<to>(?<=to )(?:strike|hit|impact|contact|collide with|rear-end)|striking|hitting|impacting|"
-    r"contacting|colliding with|rear-ending|sideswiping|crashing into))\b"
-)
-_PASSIVE = re.compile(r"\b(?:was|were|being|got|is|been)\s+(?:\w+ly\s+|then\s+|also\s+|subsequently\s+)?$")
-_REFERENCE = re.compile(r"\bv(\d)\b")
-_APPOSED = re.compile(r"(?<=\bv\d), (?:an?|the) [^,;]{2,60},")
-_WITH = re.compile(r"\bwith (?:the |its |his |her )?(.{0,60})")
-_TOGETHER = re.compile(
-    r"\bv(\d) and v(\d)\b[^;.]{0,30}\b(?:collided|impacted|struck each|hit each|made contact)\b(?P<how>[^.;]{0,60})"
-)
-_TOLD = re.compile(r"\b(?:stated|said|reported) (?:that )?(?:he|she)")
-_FRONT_OF_NECESSITY = re.compile(r"rear-end|t-boned|broadsided")
+_STRUCK_BY = frozenset({"by"})
+_INTO = frozenset({"into", "with", "against", "vs", "versus", "along", "between", "on", "in", "of"})
+_MOVES = frozenset({"drift", "travel", "emerge", "change_lane", "turn", "reverse", "depart", "continue"})
+_PUSHES = frozenset({"push", "shove", "knock", "propel", "throw", "force", "send", "drive", "deflect", "redirect"})
 
 
-@dataclass(frozen=True, slots=True)
-class ContactStatement:
-    """Two vehicles touch.
-
-    Attributes:
-        striking: number of the one that runs into the other.
-        struck: the other one's.
-        striking_side: None where it is not said.
-        struck_side: None where it is not said.
-        sentence: that says so, as the report puts it.
-    """
-
-    striking: int
-    struck: int
-    striking_side: Side | None
-    struck_side: Side | None
-    sentence: str
-
-    @property
-    def sides(self) -> str:
-        """For instance "front-rear"."""
-        return f"{self.striking_side or ''}-{self.struck_side or ''}".lower()
+def read_contacts(text: Text) -> tuple[ContactClaim, ...]:
+    """The contacts of a text, in their order; each pair once, unless it is said to have touched again."""
+    found: list[ContactClaim] = []
+    for clause in text.clauses:
+        for contact in _of_clause(clause, text.count):
+            known = next(
+                (
+                    place
+                    for place, each in enumerate(found)
+                    if {each.striking, each.struck} == {contact.striking, contact.struck}
+                ),
+                None,
+            )
+            if known is None:
+                found.append(contact)
+            else:
+                found[known] = _joined(found[known], contact)
+    strong = [each for each in found if each.confidence > 0.5] or found
+    return tuple(replace(each, order=place) for place, each in enumerate(strong))
 
 
-def read_contacts(clauses: Sequence[Clause], numbers: Sequence[int]) -> tuple[ContactStatement, ...]:
-    """The contacts between vehicles in the order of the report, each pair of vehicles once."""
-    contacts: dict[frozenset[int], ContactStatement] = {}
-    for clause in clauses:
-        if _TOLD.search(clause.text):
-            continue
-        for contact in (*_hits(clause), *_together(clause)):
-            pair = frozenset((contact.striking, contact.struck))
-            if len(pair) == 2 and pair <= set(numbers):
-                known = contacts.get(pair)
-                if known is None or (known.struck_side is None and contact.struck_side is not None):
-                    contacts[pair] = contact
-    return tuple(contacts.values())
+def _joined(one: ContactClaim, other: ContactClaim) -> ContactClaim:
+    """Two statements about one contact: the surer says who struck, each fills in what the other leaves open."""
+    first, second = (other, one) if other.confidence > one.confidence + 0.1 else (one, other)
+    same = first.striking == second.striking
+    return replace(
+        first,
+        striking_side=first.striking_side or (second.striking_side if same else second.struck_side),
+        struck_side=first.struck_side or (second.struck_side if same else second.striking_side),
+        confidence=min(0.97, first.confidence + 0.02),
+    )
 
 
-def _hits(clause: Clause) -> list[ContactStatement]:
-    contacts = []
-    for verb in _HIT.finditer(clause.text):
-        before, after = clause.text[: verb.start()], clause.text[verb.end() :]
-        after = _HIT.split(after)[0]
-        earlier, later = list(_REFERENCE.finditer(before)), list(_REFERENCE.finditer(after))
-        one = int(earlier[-1][1]) if earlier else clause.subjects[0] if len(clause.subjects) == 1 else None
-        # The side is named in the last phrase before the verb: "the front of v2".
-        phrases = re.split(r",|\band the\b|\bwhen\b|\bv\d (?=and)", _APPOSED.sub(" ", before))
-        near = phrases[-1] if earlier else before[-60:]
-        if _PASSIVE.search(before):
-            by = after.find("by ")
-            by_whom = [match for match in later if match.start() > by >= 0]
-            if one is None or not by_whom:
-                continue
-            striking = int(by_whom[0][1])
-            on = _side(after[:by]) or _side(near)
-            contacts.append(ContactStatement(striking, one, _side(after[by:]), on, clause.sentence))
-        elif later:
-            struck = int(later[0][1])
-            with_what = _WITH.search(after)
-            if verb["to"] and with_what and (named := _REFERENCE.search(with_what[1])):
-                one = int(named[1])
-            elif verb["to"] and not re.search(r"of v\d to $", before) and clause.subjects:
-                one = clause.subjects[0]
-            if one is None:
-                continue
-            where = after[: with_what.start()] if with_what else after
-            struck_side = _side(where) or (Side.REAR if verb[0].startswith("rear-end") else None)
-            striking_side = _side(with_what[1]) if with_what else None
-            if striking_side is None and (_FRONT_OF_NECESSITY.search(verb[0])):
-                striking_side = Side.FRONT
-            contacts.append(ContactStatement(one, struck, striking_side or _side(near), struck_side, clause.sentence))
-    return contacts
+def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
+    words = [*clause.head, *clause.tail]
+    kind = clause.kind
+    if not clause.is_real and not (clause.governed & {"avoid"} and clause.governed & {"fail"}):
+        return
+    pushed = _pushed(clause)
+    if pushed is not None:
+        yield pushed
+        return
+    if clause.is_denied or (kind not in STRIKES | {"collide"} and not _is_told(clause, words)):
+        return
+    me, them = clause.subject, clause.object
+    if kind == "collide" and me is not None and len(me.vehicles) > 1 and them is None:
+        yield _contact(me.vehicles[0], me.vehicles[1], me.part, None, clause, words, 0.8)
+        return
+    mine, theirs = me.part if me is not None else None, them.part if them is not None else None
+    target: Actor | None = them
+    for lead, actor in clause.others:
+        if clause.is_passive and lead.low in _STRUCK_BY and actor.vehicles:
+            target, theirs = actor, actor.part or theirs
+        elif (
+            actor.part is not None
+            and me is not None
+            and (lead.low in {"with", "using"})
+            and (actor.vehicles == me.vehicles or not actor.vehicles)
+        ):
+            if clause.is_passive and target is not None:
+                theirs = actor.part
+            else:
+                mine = actor.part
+        elif (
+            actor.part is not None
+            and lead.low in {"in", "on", "at", "to", "into", "along", "against", "with", "of", "by"}
+            and (
+                not actor.vehicles
+                or (target is not None and actor.vehicles == target.vehicles)
+                or (clause.is_passive and me is not None and actor.vehicles == me.vehicles)
+            )
+        ):
+            if clause.is_passive:
+                mine = actor.part
+            else:
+                theirs = actor.part
+                target = target or (actor if actor.vehicles else None)
+        elif (
+            actor.vehicles
+            and lead.low in _INTO
+            and target is None
+            and (me is None or actor.vehicles[0] not in me.vehicles)
+            and not clause.is_passive
+        ):
+            target, theirs = actor, actor.part
+    confidence = 0.93
+    if kind not in STRIKES:
+        confidence = 0.75 if kind == "collide" else 0.55
+    strikers = me.vehicles if me is not None else ()
+    struck = target.vehicles if target is not None else ()
+    if clause.is_passive:
+        strikers, struck, mine, theirs = struck, strikers, theirs, mine
+    hits_thing = any(item.is_a("object", "walker") for item in clause.tail[:6])
+    if (
+        count == 2
+        and not hits_thing
+        and (bool(strikers) != bool(struck))
+        and (kind in STRIKES and (target is not None or mine or theirs or clause.is_passive))
+    ):
+        known = (strikers or struck)[0]
+        strikers, struck = ((known,), (1 - known,)) if strikers else ((1 - known,), (known,))
+        confidence = 0.7
+    if not strikers or not struck or strikers[0] == struck[0]:
+        return
+    for other in struck if len(strikers) == 1 else struck[:1]:
+        if other != strikers[0]:
+            yield _contact(strikers[0], other, mine, theirs, clause, words, confidence)
 
 
-def _together(clause: Clause) -> list[ContactStatement]:
-    match = _TOGETHER.search(clause.text)
-    if match is None:
-        return []
-    side = Side.FRONT if "head" in match["how"] or "front" in match["how"] else None
-    return [ContactStatement(int(match[1]), int(match[2]), side, side, clause.sentence)]
-
-
-def _side(text: str) -> Side | None:
-    corner = _CORNER.search(text)
-    if corner:
-        return Side((corner[1] or corner[2]).title())
-    places = [(match.start(), side) for side, words in _SIDES if (match := re.search(rf"\b(?:{words})\b", text))]
-    return min(places)[1] if places else None
-
-
-Turns = Mapping[int, Side | None]
-
-
-def cross_headings(headings: Headings, turns: Turns, first: ContactStatement) -> dict[int, Finding[Position]]:
-    """Fill the heading of one of two vehicles from the other's.
-
-    Args:
-        headings: as far as they are known.
-        turns: the side to which each vehicle turns, None for straight on.
-        first: the first contact; after it the vehicles may have been turned about.
-    """
-    found = dict(headings)
-    for known, other in ((first.striking, first.struck), (first.struck, first.striking)):
-        heading = headings[known].value
-        if heading is None or headings[other].value is not None:
-            continue
-        side = _came_from(known, other, turns, first)
-        if side is not None:
-            reason = f"by the sides that met it came from the {side.lower()} of v{known}"
-            found[other] = Finding(_heading_from(side, heading), 0.5, first.sentence, reason)
-    return found
-
-
-def _heading_from(side: Side, heading: Position) -> Position:
-    if side is Side.FRONT:
-        return opposite(heading)
-    return turned(heading, Side.RIGHT if side is Side.LEFT else Side.LEFT)
-
-
-def _came_from(known: int, other: int, turns: Turns, contact: ContactStatement) -> Side | None:
-    """The side of the known vehicle from which the other came; None where the contact leaves it open."""
-    if contact.striking_side is not Side.FRONT:
+def _pushed(clause: Clause) -> ContactClaim | None:
+    """One vehicle that is pushed into another: "shoved it into an SUV"."""
+    if clause.verb is None or clause.verb.lemma not in _PUSHES or clause.subject is None:
         return None
-    struck_turn = turns.get(contact.struck)
-    if contact.struck_side is Side.FRONT:
-        # Who turns left meets those who come towards it; who turns right joins those who come from its left.
-        if Side.LEFT in {turns.get(known), turns.get(other)}:
-            return Side.FRONT
-        if turns.get(known) is Side.RIGHT:
-            return Side.LEFT
-        return Side.RIGHT if turns.get(other) is Side.RIGHT else None
-    if contact.struck_side is Side.RIGHT and struck_turn is Side.LEFT:
-        return Side.FRONT
-    if contact.struck_side is Side.LEFT:
-        return Side.LEFT if known == contact.struck else Side.RIGHT
-    if contact.struck_side is Side.RIGHT and struck_turn is None:
-        return Side.RIGHT if known == contact.struck else Side.LEFT
-    return None
+    into = next((actor for lead, actor in clause.others if lead.low == "into" and actor.vehicles), None)
+    moved = clause.object.vehicles if clause.object is not None else clause.subject.vehicles
+    if into is None or not moved or moved[0] == into.vehicles[0]:
+        return None
+    struck_side = into.part.side if into.part is not None else None
+    mine = Side.FRONT if struck_side is Side.REAR else None
+    return ContactClaim(
+        moved[0],
+        into.vehicles[0],
+        mine,
+        struck_side,
+        0,
+        0.85,
+        ClaimSource.SUMMARY,
+        "the one was pushed into the other",
+        clause.span,
+    )
+
+
+def _is_told(clause: Clause, words: list[Item]) -> bool:
+    """Whether a clause without a verb of contact tells of one: "V1 was involved in a crash with V2", "V2 front vs V1 side"."""
+    if any(lead.low in {"vs", "versus"} for lead, _ in clause.others):
+        return True
+    if clause.kind in _MOVES and any(
+        lead.low in {"into", "against"} and actor.vehicles for lead, actor in clause.others
+    ):
+        return True
+    crash = any(item.is_a("collision", "head_on", "end_on") for item in words)
+    with_whom = any(lead.low in {"with", "between", "by", "into"} and actor.vehicles for lead, actor in clause.others)
+    in_back = any(
+        lead.low in {"into", "in"} and actor.vehicles and actor.part is not None for lead, actor in clause.others
+    )
+    return (crash and with_whom and clause.kind in {"", "own", "do", "avoid"}) or (
+        in_back and clause.kind in {"", "travel"} and clause.subject is not None
+    )
+
+
+def _contact(
+    striking: int,
+    struck: int,
+    mine: Part | None,
+    theirs: Part | None,
+    clause: Clause,
+    words: list[Item],
+    confidence: float,
+) -> ContactClaim:
+    one, other = mine.side if mine is not None else None, theirs.side if theirs is not None else None
+    if clause.kind == "strike_rear" or any(item.low in {"from behind", "from the rear"} for item in words):
+        one, other = one or Side.FRONT, other or Side.REAR
+    elif other is Side.REAR and clause.kind != "strike_swipe":
+        one = one or Side.FRONT
+    elif any(item.is_a("head_on") for item in words):
+        one, other = one or Side.FRONT, other or Side.FRONT
+    elif clause.kind == "strike_side" or (
+        other is not None and one is None and clause.kind == "strike" and not clause.is_passive
+    ):
+        one = one or Side.FRONT
+    return ContactClaim(
+        striking,
+        struck,
+        one,
+        other,
+        0,
+        confidence,
+        ClaimSource.SUMMARY,
+        f"the text says that they touched ({clause.verb.lemma if clause.verb else 'told'})",
+        clause.span,
+    )

@@ -1,0 +1,223 @@
+"""The vehicles of a text: each described in one or more ways, and told apart by them."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+
+from roadmend.safe.claims import Span
+from roadmend.safe.dsl import DslModel
+from roadmend.safe.reading.lexicon import BodySense, NameSense
+
+_NAME_CONFIDENCE = 0.96
+_PARKED = frozenset({"parked", "legally parked", "illegally parked", "unattended", "unoccupied", "double parked"})
+_GENERIC = 0.8  # a word for a body that is surer than this rules others out
+_LIKE: dict[str, set[DslModel | None]] = {
+    "truck": {DslModel.PICKUP, DslModel.SEMI_TRUCK},
+    "car": {DslModel.SEDAN, DslModel.SUV, DslModel.MINIVAN, None},
+    "tractor": {DslModel.SEMI_TRUCK},
+    "trailer": {DslModel.SEMI_TRUCK},
+    "rig": {DslModel.SEMI_TRUCK},
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Description:
+    """What one mention says of a vehicle.
+
+    Attributes:
+        number: the report's.
+        year: of the model.
+        names: makes and models.
+        bodies: words for its body, with their places.
+        is_own: whether it is the writer's.
+        is_other: whether it is "the other" one.
+        is_theirs: whether it is "his" or "her" one.
+        words: the name itself, in lower case.
+        span: of the name.
+        is_definite: whether it was spoken of before.
+        marks: what else tells it from others: its colour, "first".
+    """
+
+    number: int | None = None
+    year: int | None = None
+    names: tuple[NameSense, ...] = ()
+    bodies: tuple[tuple[BodySense, Span], ...] = ()
+    is_own: bool = False
+    is_other: bool = False
+    words: str = ""
+    span: Span | None = None
+    is_definite: bool = True
+    marks: frozenset[str] = frozenset()
+    is_theirs: bool = False
+
+    def merged(self, other: "Description") -> "Description":
+        """Both together."""
+        longer = max(self.words, other.words, key=len)
+        return Description(
+            self.number or other.number,
+            self.year or other.year,
+            (*self.names, *other.names),
+            (*self.bodies, *other.bodies),
+            self.is_own or other.is_own,
+            self.is_other or other.is_other,
+            longer,
+            self.span if longer == self.words else other.span,
+            self.is_definite and other.is_definite,
+            self.marks | other.marks,
+        )
+
+    def body(self) -> tuple[DslModel | None, float, Span | None]:
+        """The body class that fits best, how surely, and where it is said."""
+        found: list[tuple[float, DslModel | None, Span | None]] = [
+            (each.confidence, each.body, span) for each, span in self.bodies
+        ]
+        models = [name for name in self.names if name.model is not None] or list(self.names)
+        found += [
+            (_NAME_CONFIDENCE if name.model else _NAME_CONFIDENCE - 0.15, name.body, self.span)
+            for name in models[:1]
+            if name.body
+        ]
+        if not found:
+            return None, 0.0, None
+        confidence, body, span = max(found, key=lambda each: each[0])
+        agree = {each for weight, each, _ in found if weight > _GENERIC}
+        return body, confidence if len(agree) <= 1 else min(confidence, 0.85), span
+
+    def contradicts(self, other: "Description") -> bool:
+        """Whether the two cannot be of one vehicle."""
+        makes, others = {name.make for name in self.names}, {name.make for name in other.names}
+        if makes and others and not makes & others:
+            return True
+        models = {name.model for name in self.names if name.model}
+        if models and (theirs := {name.model for name in other.names if name.model}) and not _alike(models, theirs):
+            return True
+        if bool(makes) and bool(others):
+            return False
+        for mine in (self, other):
+            theirs_ = other if mine is self else self
+            for sense, _ in mine.bodies:
+                theirs_body, confidence, _ = theirs_.body()
+                fits = _LIKE.get(mine.words.split(" ")[-1], {sense.body})
+                if (
+                    theirs_body is not None
+                    and confidence > _GENERIC
+                    and theirs_body not in fits
+                    and (sense.confidence > _GENERIC or mine.words.split(" ")[-1] in _LIKE)
+                ):
+                    return True
+        return False
+
+
+def _alike(models: Iterable[str], others: Iterable[str]) -> bool:
+    return any(one in other or other in one for one in models for other in others)
+
+
+@dataclass(slots=True)
+class Vehicle:
+    """A vehicle of the text.
+
+    Attributes:
+        place: in the cast, from 0.
+        description: all that was said of it.
+        first: where it was first spoken of.
+        is_headline: whether only the headline has spoken of it so far.
+        words: all its names.
+    """
+
+    place: int
+    description: Description
+    first: Span | None = None
+    is_headline: bool = False
+    words: list[str] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class Roll:
+    """The vehicles so far, in the order in which they came up; numbered ones first, by number."""
+
+    vehicles: list[Vehicle] = field(default_factory=list)
+    latest: int | None = None
+
+    def enrol(self, numbers: Iterable[int]) -> None:
+        """Make places for the vehicles that the text numbers."""
+        for number in numbers:
+            self.vehicles.append(Vehicle(len(self.vehicles), Description(number=number)))
+
+    def call(self, description: Description, *, is_new: bool, is_headline: bool) -> tuple[int, ...]:
+        """The vehicle that is meant; a new one where none that is known can be."""
+        vehicle = self._find(description, is_new=is_new)
+        if vehicle is None:
+            vehicle = Vehicle(len(self.vehicles), description, description.span, is_headline)
+            self.vehicles.append(vehicle)
+        else:
+            vehicle.description = vehicle.description.merged(replace(description, is_other=False))
+            vehicle.first = vehicle.first or description.span
+            vehicle.is_headline &= is_headline
+        vehicle.words.append(description.words)
+        self.latest = vehicle.place
+        return (vehicle.place,)
+
+    def own(self) -> tuple[int, ...]:
+        """The writer's own vehicle, if one is known."""
+        return next(((each.place,) for each in self.vehicles if each.description.is_own), ())
+
+    def _find(self, description: Description, *, is_new: bool) -> Vehicle | None:
+        if description.number is not None:
+            return next(each for each in self.vehicles if each.description.number == description.number)
+        if description.is_own:
+            own = [each for each in self.vehicles if each.description.is_own]
+            return own[0] if own else None
+        fitting = [each for each in self.vehicles if self._may_be(each, description)]
+        if description.is_other and self.latest is not None:
+            fitting = [
+                each
+                for each in fitting
+                if each.place != self.latest and not (description.bodies and each.description.is_own)
+            ]
+        if not description.names and is_new:
+            marked = [
+                each for each in fitting if each.is_headline or each.description.marks & description.marks & _PARKED
+            ]
+            return marked[0] if marked else None  # "a car", "another truck": not one of those known
+        same = [each for each in fitting if _shares_name(each.description, description)]
+        if description.names and not same:
+            if is_new and any(name.model for name in description.names):
+                bare = [
+                    each
+                    for each in fitting
+                    if not each.description.names
+                    and each.description.number is not None
+                    and not each.description.bodies
+                ]
+                return bare[0] if len(bare) == 1 and len(self.vehicles) == 1 else None
+            nameless = [each for each in fitting if not each.description.names and each.words]
+            return nameless[-1] if len(nameless) == 1 else None
+        pool = same or fitting
+        if description.marks:
+            pool = [each for each in pool if each.description.marks & description.marks] or pool
+        with_words = [
+            each
+            for each in pool
+            if description.words
+            and any(description.words in words or words in description.words for words in each.words if words)
+        ]
+        pool = with_words or pool
+        if description.words == "truck":  # who means a pickup says so where there is a heavier one
+            pool = [each for each in fitting if each.description.body()[0] is DslModel.SEMI_TRUCK] or pool
+        if len(pool) > 1 and description.is_definite and self.latest is not None and not description.marks:
+            current = [each for each in pool if each.place == self.latest]
+            pool = current or pool
+        return pool[0] if pool else None
+
+    def _may_be(self, vehicle: Vehicle, description: Description) -> bool:
+        if vehicle.description.number is not None and not vehicle.words and not description.names:
+            return False  # nothing is known of it yet
+        colours = vehicle.description.marks and description.marks and not vehicle.description.marks & description.marks
+        return not colours and not vehicle.description.contradicts(description)
+
+
+def _shares_name(one: Description, other: Description) -> bool:
+    makes, models = {name.make for name in one.names}, {name.model for name in one.names if name.model}
+    theirs = {name.model for name in other.names if name.model}
+    if models and theirs:
+        return _alike(models, theirs)
+    return bool(makes & {name.make for name in other.names})

@@ -1,0 +1,82 @@
+"""What the parts of the reader share: the claims they make of the summary, and the directions of its words."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from roadmend.safe.claims import Claim, ClaimSource, DirectionClaim, Relation, Span
+from roadmend.safe.dsl import Position
+from roadmend.safe.reading.clauses import STRIKES, Clause
+from roadmend.safe.reading.mentions import Spoken
+from roadmend.safe.reading.tokens import Item, Sentence
+
+TOWARDS = {"N": Position.S2N, "S": Position.N2S, "E": Position.W2E, "W": Position.E2W}
+AXES = {
+    "NS": frozenset({Position.S2N, Position.N2S}),
+    "EW": frozenset({Position.W2E, Position.E2W}),
+}
+AFTERWARDS = 0.86  # of its confidence is left to what is told after the crash
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A summary taken apart."""
+
+    summary: str
+    sentences: tuple[Sentence, ...]
+    spoken: Spoken
+    clauses: tuple[Clause, ...]
+
+    @property
+    def count(self) -> int:
+        """Vehicles that the text speaks of."""
+        return len(self.spoken.roll.vehicles)
+
+
+def claim(path: str, value: Any, confidence: float, reason: str, where: Span | None) -> Claim:
+    """A claim that the summary makes."""
+    return Claim(path, value, confidence, ClaimSource.SUMMARY, reason, where)
+
+
+def of_vehicle(vehicle: int, field: str) -> str:
+    """The path of a vehicle's field."""
+    return f"vehicles[{vehicle}].{field}"
+
+
+def relation(first: int, second: int, kind: Relation, confidence: float, reason: str, where: Span) -> DirectionClaim:
+    """A claim that the summary makes of two ways."""
+    return DirectionClaim(first, second, kind, confidence, ClaimSource.SUMMARY, reason, where)
+
+
+def direction(item: Item) -> Position | None:
+    """The way that a word points: "northbound", "north"."""
+    letter = item.kinds.get("bound") or item.kinds.get("compass")
+    return TOWARDS.get(letter) if letter else None
+
+
+def crash_places(clauses: Sequence[Clause]) -> dict[int, bool]:
+    """By place of a clause: whether vehicles have touched before it."""
+    touched, found = False, {}
+    for place, clause in enumerate(clauses):
+        found[place] = touched or (clause.kind == "after" and clause.verb is not None and clause.verb.lemma != "face")
+        if (
+            clause.is_real
+            and (clause.kind in STRIKES or clause.kind == "collide")
+            and clause.subject is not None
+            and clause.subject.vehicles
+        ):
+            several = clause.kind != "collide" or len(clause.subject.vehicles) > 1
+            touched |= clause.object is not None or (
+                several and (clause.is_passive or bool(clause.others) or clause.kind == "collide")
+            )
+    return found
+
+
+def weakened(confidence: float, *, is_after: bool) -> float:
+    """The confidence of what may belong to the time after the crash."""
+    return confidence * AFTERWARDS if is_after else confidence
+
+
+def hull(items: Sequence[Item]) -> Span:
+    """From the first to the last of some words."""
+    return Span(min(item.span.start for item in items), max(item.span.end for item in items))

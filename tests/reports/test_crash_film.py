@@ -1,0 +1,50 @@
+"""Films of built scenarios: lanes, bodies and where everybody is, as a page plays them."""
+
+import json
+
+import pytest
+
+from roadmend.reports.crash_film import film_beside, film_of_start, film_of_trial, load_film, save_film
+from roadmend.safe.construction import CrashRole, draw_scenario
+from roadmend.safe.trial import run_trial
+from tests.safe.crashes import HEAD_ON
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    return draw_scenario(CrashRole("head-on", HEAD_ON, 0), 0)
+
+
+def test_a_scenario_as_it_is_built(scenario):
+    film = film_of_start(scenario)
+    assert film["vehicles"][0]["name"] == "v1"
+    assert [time for time, _ in film["frames"]] == [0.0]
+    assert film["frames"][0][1][0] is not None
+    assert {lane["kind"] for lane in film["lanes"]} >= {"road"}
+
+
+def test_a_run_ends_with_its_last_tick(scenario):
+    trial = run_trial(scenario, "modular")
+    film = film_of_trial(scenario, trial)
+    times = [time for time, _ in film["frames"]]
+    assert times == sorted(set(times))
+    x, y, _ = film["frames"][-1][1][0]
+    assert (x, y) == (round(trial.film.ego[-1].x, 2), round(trial.film.ego[-1].y, 2))
+    assert film["collided"] is trial.summary.collided
+    assert all(len(places) == len(film["vehicles"]) for _, places in film["frames"])
+
+
+def test_a_film_is_kept_beside_its_picture(scenario, tmp_path):
+    path = film_beside(tmp_path / "a-modular.png")
+    assert path.name == "a-modular.film.json"
+    film = film_of_start(scenario)
+    save_film(film, path)
+    assert load_film(path) == json.loads(json.dumps(film))
+
+
+@pytest.mark.parametrize("text", [None, "", "{", "[]", '{"format": "other"}'])
+def test_what_is_no_film_is_none(tmp_path, text):
+    path = tmp_path / "a.film.json"
+    if text is not None:
+        path.write_text(text)
+    assert load_film(path) is None
