@@ -53,7 +53,7 @@ class Stage:
         self._lateral = _LATERAL * min(friction / 0.5, 1.0) * GRAVITY
         way = self._way(ego)
         body = BODIES[self._kind(ego)]
-        self._waits = stands(crash.vehicles[ego].manoeuvre)
+        self._waits = stands(crash.vehicles[ego].manoeuvre) or drawn.get(f"v{ego + 1}.waits") == "yes"
         speed = min(min(self._of(ego, "speed"), 1.0) * way.limit, body.speed_max)
         if way.turn and layout.is_junction:
             speed = min(speed, _BEFORE_A_TURN)

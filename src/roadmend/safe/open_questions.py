@@ -18,12 +18,15 @@ from roadmend.safe.dsl import (
     Time,
     Weather,
 )
+from roadmend.safe.manoeuvre_words import stands
+from roadmend.safe.staging import is_struck_from_behind
 from roadmend.safe.stated import bend_side, control_of
 from roadmend.world.space import Choice, Dimension, Parameters, Uniform, Value, Whole
 
 _JUNCTIONS = {RoadType.INTERSECTION, RoadType.T_INTERSECTION}
 _MODELS = Choice({"Sedan": 0.45, "SUV": 0.25, "Minivan": 0.08, "Pickup": 0.17, "Semi Truck": 0.05})
 _WEATHER = Choice({"Clear": 0.35, "Cloudy": 0.25, "Overcast": 0.1, "Rainy": 0.2, "Foggy": 0.05, "Snowy": 0.05})
+_WAITS = 0.7  # share of those struck from behind that stand: most rear-end crashes are with a stopped vehicle
 _LIMITS: dict[RoadType, tuple[int, ...]] = {  # [mph]
     RoadType.STRAIGHT: (35, 45, 55),
     RoadType.CURVE: (35, 45, 55),
@@ -49,6 +52,9 @@ def open_questions(crash: CrashScenario) -> dict[str, Dimension]:
         space["weather"] = _WEATHER
     for number, vehicle in enumerate(crash.vehicles, start=1):
         space |= _of_vehicle(f"v{number}", vehicle, crash, kinds)
+        if is_struck_from_behind(crash, number - 1) and not stands(vehicle.manoeuvre):
+            # "Move Forward" is all that the paper's language has for who waits in a queue, or to turn.
+            space[f"v{number}.waits"] = Choice({"yes": _WAITS, "no": 1.0 - _WAITS})
     if kinds != [RoadType.MERGING]:  # a straight road too may turn out to need a side road
         control: dict[Value, float] = {"first_major": 0.25, "other_major": 0.25}
         if control_of(crash) is None:  # else only which road is the major one

@@ -52,3 +52,11 @@ def collision_between(crash: CrashScenario, one: int, other: int) -> DescribedCo
     """The first described collision of two vehicles, by their indices; None if the report names none."""
     numbers = {one + 1, other + 1}
     return next((each for each in crash.collisions if {each.striking, each.struck} == numbers), None)
+
+
+def is_struck_from_behind(crash: CrashScenario, index: int) -> bool:
+    """Whether a vehicle is run into from behind."""
+    return any(
+        each.struck == index + 1 and each.struck_side is Side.REAR and each.striking_side in {Side.FRONT, None}
+        for each in crash.collisions
+    )
