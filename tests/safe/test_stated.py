@@ -82,3 +82,13 @@ def test_a_bend_is_as_wide_as_its_speed_limit_asks():
     slow = layout_of(crash("Curve", vehicle("N2S", limit=25), vehicle("S2N", limit=25)))
     fast = layout_of(crash("Curve", vehicle("N2S", limit=60), vehicle("S2N", limit=60)))
     assert fast.network.radius > 250.0 > slow.network.radius
+
+
+def test_a_traffic_light_may_begin_anywhere_in_its_cycle():
+    what = replace(ALL["intersection"], extras={"x-control": "signal"})
+    offsets = set()
+    for seed in range(12):
+        network = layout_of(what, seed).network
+        text = network_file(network).read_text(encoding="utf-8")
+        offsets.add((network.phase, 'offset="-20"' in text))
+    assert offsets == {(0.0, False), (20.0, True)}

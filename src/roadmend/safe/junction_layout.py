@@ -65,7 +65,8 @@ def lay_out_junction(crash: CrashScenario, drawn: Parameters, headings: list[int
     control = control_of(crash) or str(drawn["control"])
     if accesses or control.endswith("_major"):
         control = "priority"
-    network = IntersectionNetwork.model_validate({"arms": arms, "control": control})
+    phase = float(drawn["phase"]) if control == "traffic_light" else 0.0
+    network = IntersectionNetwork.model_validate({"arms": arms, "control": control, "phase": phase})
     net = read_network(network_file(network))
     ways = tuple(
         _through(net, source, to, heading, vehicle)

@@ -60,6 +60,7 @@ def open_questions(crash: CrashScenario) -> dict[str, Dimension]:
         if control_of(crash) is None:  # else only which road is the major one
             control |= {"allway_stop": 0.15, "traffic_light": 0.35}
         space["control"] = Choice(control)
+        space["phase"] = _even((0, 20))  # [s] of a traffic light's cycle of 40 s: either road may have green first
         space["crossing_road"] = Choice({"as_large": 0.5, "two_lanes": 0.5})
     if RoadType.CURVE in kinds:
         if bend_side(crash) is None:

@@ -42,6 +42,7 @@ class PlainNetwork:
         self.edges = ET.Element("edges")
         self.connections = ET.Element("connections")
         self.options: list[str] = []
+        self.phase = 0.0  # [s] of the traffic light's cycle that have passed at the start
 
     def node(self, name: str, x: float, y: float, kind: str = "priority") -> None:
         """A node at a point [m]."""
@@ -88,6 +89,7 @@ def describe_intersection(spec: IntersectionNetwork) -> PlainNetwork:
         plain.edge(f"{arm.name}_out", "centre", arm.name, arm.lanes_out or arm.lanes, arm.speed_limit, **out)
     plain.options += ["--no-turnarounds", "true", "--junctions.corner-detail", "8"]
     plain.options += ["--tls.cycle.time", str(round(spec.cycle))]
+    plain.phase = spec.phase
     if spec.crossings:
         plain.options += ["--sidewalks.guess", "true", "--sidewalks.guess.min-speed", "0"]
         plain.options += ["--sidewalks.guess.max-speed", "100", "--crossings.guess", "true"]
@@ -234,7 +236,8 @@ def cache_folder() -> Path:
 
 def _build(plain: PlainNetwork) -> Path:
     texts = plain.texts()
-    key = "\0".join([_BUILDER_VERSION, _netconvert_version(), *texts, *plain.options])
+    phase = [f"phase {plain.phase:g}"] if plain.phase else []
+    key = "\0".join([_BUILDER_VERSION, _netconvert_version(), *texts, *plain.options, *phase])
     target = cache_folder() / "networks" / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.net.xml"
     if target.exists():
         return target
@@ -242,6 +245,9 @@ def _build(plain: PlainNetwork) -> Path:
         target.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=target.parent) as folder:
             built = netconvert(Path(folder), texts, plain.options)
+            if plain.phase:  # netconvert has no option for it
+                network = built.read_text(encoding="utf-8").replace(' offset="0"', f' offset="-{plain.phase:g}"')
+                built.write_text(network, encoding="utf-8")
             built.replace(target)
     except OSError as error:
         raise InputError(

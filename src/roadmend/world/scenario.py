@@ -69,6 +69,9 @@ class IntersectionNetwork(ScenarioModel):
     control: Literal["priority", "priority_stop", "right_before_left", "allway_stop", "traffic_light"] = "priority"
     crossings: bool = Field(default=False, description="sidewalks, and zebra crossings on every arm")
     cycle: float = Field(default=40.0, ge=20.0, le=180.0, description="[s] cycle of the traffic light")
+    phase: float = Field(
+        default=0.0, ge=0.0, le=180.0, exclude_if=_is_zero, description="[s] of the cycle that have passed at the start"
+    )
 
 
 class HighwayExitNetwork(ScenarioModel):
