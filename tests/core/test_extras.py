@@ -12,6 +12,7 @@ from roadmend.core.extras import EXTRAS, extra_missing
 
 PROJECT = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 DISTRIBUTIONS = {
+    "cv2": "opencv-python-headless",
     "faiss": "faiss-cpu",
     "foxglove": "foxglove-sdk",
     "stable_baselines3": "stable-baselines3",

@@ -333,6 +333,7 @@ class TestExtras:
             ("set-up", ""),
             ("set-up training sera", "training sera"),
             ("set-up rl gym", "rl gym pandas training"),
+            ("set-up sketch", "sketch reports"),
         ],
     )
     def test_come_with_the_commands_that_need_them(self, launcher, command, needed):

@@ -3,7 +3,7 @@
 import math
 import re
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import cv2
 import numpy as np
@@ -24,6 +24,7 @@ _GLYPH_MARGIN = 0.35  # [of its size] of paper around a glyph
 _GLYPH_SIZE = (0.22, 1.0)  # [of the vehicle's width] of the longer side of a glyph
 _SURE = 0.6
 _WRITTEN_VOTE = 3  # of a label V1 beside the lone glyphs, which weigh their confidence
+_READ_OF_A_COLOUR = 5  # vehicles whose glyphs are looked at
 _CLEAR = 2.5  # [times] that the vote for a number outweighs the next one
 _TRUST_IN_PAINT = 0.8  # what is left of the confidence where only the colour says it
 _CONVENTION = {Paint.RED: 1, Paint.BLUE: 2}  # NHTSA's: where no number can be read
@@ -41,7 +42,7 @@ def numbers_of(picture: SketchPicture, outlines: Sequence[Outline], words: Seque
     for outline, number in zip(outlines, own, strict=True):
         if number is not None:
             votes[outline.paint][number[0]] += _WRITTEN_VOTE
-    unread = [index for index, number in enumerate(own) if number is None]
+    unread = list(_worth_reading(outlines, own, votes))
     for index, number in zip(unread, _glyphs(picture, [outlines[index] for index in unread]), strict=True):
         if number is not None and (not named or number[0] in named):
             own[index] = number
@@ -51,6 +52,20 @@ def numbers_of(picture: SketchPicture, outlines: Sequence[Outline], words: Seque
         painted.get(outline.paint) if _is_overruled(outline, number, painted) else number
         for outline, number in zip(outlines, own, strict=True)
     ]
+
+
+def _worth_reading(
+    outlines: Sequence[Outline], own: Sequence[Number | None], votes: Mapping[Paint, Mapping[int, float]]
+) -> Iterator[int]:
+    """Those whose glyph may tell something: of a colour that a label speaks for none, of another a few."""
+    read: dict[Paint, int] = defaultdict(int)
+    for index, (outline, number) in enumerate(zip(outlines, own, strict=True)):
+        decides = outline.paint in {Paint.GREY, Paint.BLACK} or (
+            outline.paint not in votes and read[outline.paint] < _READ_OF_A_COLOUR
+        )
+        if number is None and decides:
+            read[outline.paint] += 1
+            yield index
 
 
 def _named(words: Sequence[SketchWord]) -> frozenset[int]:
