@@ -112,3 +112,28 @@ def test_two_cases_of_one_name_are_refused(crash, report, tmp_path, capsys):
     code, _, error = run(capsys, "safe", "build", crash, report, "--out", tmp_path / "out", "--workers", 1)
     assert code == 2
     assert "two cases 'head-on'" in error
+
+
+def test_reproduce_is_judged_by_records(crash, tmp_path, capsys):
+    records, out = tmp_path / "records", tmp_path / "out"
+    records.mkdir()
+    vehicles = [{"number": 1, "from": "E", "to": "E"}, {"number": 2, "from": "W", "to": "W"}]
+    hit = {"striking": 2, "struck": 1, "striking_part": "front", "struck_part": "front"}
+    record = {"crash": {"road": "Straight", "vehicles": vehicles, "collisions": [hit]}}
+    (records / "head-on.json").write_text(json.dumps(record), encoding="utf-8")
+    arguments = ("safe", "reproduce", crash, "--out", out, "--budget", 20, "--no-pictures", "--workers", 1)
+    code, text, _ = run(capsys, *arguments, "--records", records, "--json")
+    assert code == 0
+    assert json.loads(text)["modular"]["by_records"]["names"] == ["head-on"]
+    page = (out / "reproduction.md").read_text(encoding="utf-8")
+    assert "| head-on | 1 | modular | reproduced |" in page
+    judged = json.loads((out / "judged.json").read_text(encoding="utf-8"))
+    assert [run["failed"] for run in judged] == [{}, None]
+    vehicles[0]["from"] = "N"
+    (records / "head-on.json").write_text(json.dumps(record), encoding="utf-8")
+    code, text, _ = run(capsys, *arguments, "--records", records)
+    assert "| head-on | 1 | modular | from |" in (out / "reproduction.md").read_text(encoding="utf-8")
+    assert "wrong records accepted" in text
+    (records / "head-on.json").write_text("{", encoding="utf-8")
+    code, _, error = run(capsys, *arguments, "--records", records)
+    assert (code, error.count("\n")) == (2, 1)

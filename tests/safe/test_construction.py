@@ -1,14 +1,16 @@
 """Every kind of crash becomes a scenario that loads, with what was drawn written into it."""
 
 import random
+from dataclasses import replace
 
 import pytest
 
 from roadmend.core.errors import InputError
+from roadmend.safe.casting import WAITED_FOR
 from roadmend.safe.construction import build_scenario, draw_scenario
-from roadmend.safe.dsl import DescribedEnvironment, Time, Weather
+from roadmend.safe.dsl import DescribedCollision, DescribedEnvironment, Side, Time, Weather
 from roadmend.safe.open_questions import open_questions
-from roadmend.world.scenario import Drift, Heedless
+from roadmend.world.scenario import Drift, Follow, Heedless
 from roadmend.world.scenario_file import load_scenario, save_scenario
 from roadmend.world.simulation import Simulation
 from roadmend.world.space import sample
@@ -27,7 +29,8 @@ def test_every_vehicle_can_be_the_ego_and_nobody_starts_inside_another(name, tmp
             tick = simulation.first()
             assert tick.final is None
             assert tick.min_distance > 0.5
-        assert {actor.id for actor in scenario.actors} <= {f"v{n + 1}" for n in range(len(what.vehicles)) if n != ego}
+        others = {f"v{n + 1}" for n in range(len(what.vehicles)) if n != ego}
+        assert {actor.id for actor in scenario.actors} <= others | {WAITED_FOR}
 
 
 def test_the_same_seed_gives_the_same_scenario_and_another_does_not():
@@ -71,6 +74,51 @@ def test_a_parked_vehicle_stands_in_the_egos_lane():
     assert (actor.lane, actor.speed) == (scenario.ego.lane, 0.0)
     assert actor.manoeuvres == [Heedless(when=actor.manoeuvres[0].when, speed=0.0)]
     assert actor.position > scenario.ego.position
+
+
+def test_who_had_stopped_stands_behind_somebody_and_that_is_said():
+    scenario = draw_scenario(role(ALL["parked"], 1), 0)
+    ahead, behind = scenario.actors
+    assert (ahead.id, ahead.speed, scenario.ego.speed) == (WAITED_FOR, 0.0, 0.0)
+    assert ahead.position - 4.6 > scenario.ego.position
+    assert behind.lane == ahead.lane == scenario.ego.lane
+    assert "stands before the ego" in scenario.origin.adapted[0]
+
+
+def test_who_turns_at_a_junction_drives_along_a_line_of_its_own():
+    what = crash("Intersection", vehicle("W2E"), vehicle("E2W", "Turn Left"))
+    (actor,) = draw_scenario(role(what), 0).actors
+    follow = actor.manoeuvres[-1]
+    assert isinstance(follow, Follow)
+    assert follow.points[0][0] > 200.0
+    assert follow.points[-1][1] < -200.0
+    assert follow.speed < 9.0
+
+
+@pytest.mark.parametrize(
+    ("manoeuvre", "sides", "offsets"),
+    [
+        ("Changing Lane", (Side.FRONT, Side.LEFT), [3.2]),
+        ("Changing Lane", (Side.FRONT, Side.RIGHT), [-3.2]),
+        (None, (Side.FRONT, Side.LEFT), [3.2]),
+    ],
+)
+def test_who_was_struck_on_its_left_came_from_the_right(manoeuvre, sides, offsets):
+    what = crash("Straight", vehicle(), vehicle(manoeuvre=manoeuvre), lanes=6,
+                 collisions=[DescribedCollision(1, 2, *sides)])  # fmt: skip
+    what = replace(what, vehicles=(replace(what.vehicles[0], extras={"x-lane": "middle"}), what.vehicles[1]))
+    (actor,) = draw_scenario(role(what), 0).actors
+    assert [each.offset for each in actor.manoeuvres if isinstance(each, Drift)] == offsets
+
+
+def test_a_u_turn_and_a_way_backwards_are_lines():
+    for word in ("U-turn", "Reverse"):
+        told = replace(vehicle(), manoeuvre=word)
+        (actor,) = draw_scenario(role(crash("Straight", vehicle(), told)), 0).actors
+        follow = actor.manoeuvres[-1]
+        assert isinstance(follow, Follow)
+        assert follow.backwards == (word == "Reverse")
+        assert follow.points[-1][0] < follow.points[0][0]
 
 
 def test_who_strikes_from_behind_starts_behind_and_is_faster():

@@ -1,12 +1,10 @@
 """The three written forms of a scenario: what is written is read back, and mistakes are named by line and field."""
 
-import json
-
 import pytest
 from hypothesis import given, settings
 
 from roadmend.core.errors import InputError
-from roadmend.safe.dsl import Compass, CrashScenario, RoadType
+from roadmend.safe.dsl import Compass, RoadType
 from roadmend.safe.dsl_data import dump_data, parse_data
 from roadmend.safe.dsl_file import dump_crash_scenario, load_crash_scenario, parse_crash_scenario, save_crash_scenario
 

@@ -5,8 +5,9 @@ import random
 
 import pytest
 
-from roadmend.safe.layout import MPH, lay_out
+from roadmend.safe.layout import lay_out
 from roadmend.safe.open_questions import answer, open_questions
+from roadmend.safe.ways import MPH
 from roadmend.world.network import network_file
 from roadmend.world.road_network import read_network
 from roadmend.world.space import sample
@@ -81,7 +82,7 @@ def test_a_stem_that_is_open_suits_the_vehicles():
 def test_a_turn_on_a_straight_road_gets_it_a_side_road():
     layout = layout_of(ALL["driveway"])
     assert layout.is_junction
-    assert "side road" in layout.adapted[0]
+    assert "driveway" in layout.adapted[0]
 
 
 def test_merging_has_a_ramp_and_half_of_the_main_roads_lanes():

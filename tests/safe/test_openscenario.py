@@ -2,6 +2,7 @@
 
 import importlib.util
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,7 @@ from roadmend.world.families import sample_scenario
 from roadmend.world.network import find_binary
 from roadmend.world.scenario import Brake, CutIn, Drift, Pedestrian, SumoConfiguration, Trigger
 
-from .crashes import ALL, HEAD_ON, role
+from .crashes import ALL, HEAD_ON, crash, role, vehicle
 
 
 def schema(package, path):
@@ -29,11 +30,15 @@ def story_schema():
 
 @pytest.fixture(scope="module")
 def road_schema():
-    return schema("qc_opendrive", "schema/1.4/OpenDRIVE_1.4H.xsd")
+    return schema("qc_opendrive", "schema/1.7.0/opendrive_17_core.xsd")
 
 
 def drawn(name):
     return draw_scenario(role(ALL[name]), 0)
+
+
+def drawn_with(word):
+    return draw_scenario(role(crash("Straight", vehicle(), replace(vehicle(), manoeuvre=word))), 0)
 
 
 def with_every_manoeuvre():
@@ -50,7 +55,8 @@ def with_every_manoeuvre():
     "scenario",
     [
         *(pytest.param(drawn(name), id=name) for name in ("straight", "curve", "intersection", "tee", "merging")),
-        pytest.param(drawn("alone"), id="alone"),
+        *(pytest.param(drawn(name), id=name) for name in ("alone", "driveway", "parked", "lane change")),
+        *(pytest.param(drawn_with(word), id=word) for word in ("U-turn", "Reverse")),
         pytest.param(with_every_manoeuvre(), id="manoeuvres"),
     ],
 )

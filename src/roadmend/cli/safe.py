@@ -1,7 +1,7 @@
 """``roadmend safe``: from a crash report to scenarios that test the policy."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated
@@ -20,17 +20,21 @@ from roadmend.core.whole_file import write_texts
 from roadmend.language.exchange import add_usages
 from roadmend.reports.crash_pages import write_crash_pages
 from roadmend.reports.crash_tests import (
+    JUDGED_TITLES,
     REPRODUCTION_TITLES,
     TEST_TITLES,
     draw_trial,
+    judged_cells,
     report_of_reproductions,
     report_of_tests,
 )
 from roadmend.safe.backends import BackendOptions, open_extractor
 from roadmend.safe.cases import CrashCase, gather_cases
+from roadmend.safe.crash_record import CrashRecord, load_records
 from roadmend.safe.crash_test_summary import summarise_reproductions, summarise_tests
 from roadmend.safe.driving import CrashTestJob, CrashTestResult, Task
 from roadmend.safe.extraction_run import Extracted, extract_reports
+from roadmend.safe.judging import JudgedRun, judge_results, summarise_judged
 from roadmend.safe.planning import do_all, plan
 from roadmend.safe.report import case_of, find_reports
 from roadmend.safe.sketch_claims import is_sketch_read
@@ -82,6 +86,19 @@ def work_through(jobs: Sequence[CrashTestJob], out: Path, workers: int, label: s
     with counting() as progress:
         task = progress.add_task(label, total=len(jobs))
         return do_all(jobs, out, workers, lambda done: progress.update(task, completed=done))
+
+
+def judge_through(
+    results: Sequence[CrashTestResult], records: Mapping[str, CrashRecord], out: Path, workers: int
+) -> list[JudgedRun]:
+    """Judge what a search came to, with a bar; in the order of the results.
+
+    Raises:
+        SimulationError: a worker process died.
+    """
+    with counting() as progress:
+        task = progress.add_task("judging", total=len(results))
+        return judge_results(results, records, out, workers, lambda done: progress.update(task, completed=done))
 
 
 @dataclass(frozen=True)
@@ -270,14 +287,19 @@ def safe_test(given: SafeOptions, policies: tuple[str, ...], samples: int, *, pi
 @options_of(SafeOptions)
 @POLICIES
 @click.option("--budget", default=36, show_default=True, type=click.IntRange(1, 100_000), help="Episodes of each role.")
+@click.option("--records", type=FOLDER, help="Folder of CASE.json: what is known of each crash; who judges goes by it.")
 @click.option("--pictures/--no-pictures", default=True, show_default=True, help="Draw every crash.")
-def reproduce(given: SafeOptions, policies: tuple[str, ...], budget: int, *, pictures: bool) -> int:
+def reproduce(
+    given: SafeOptions, policies: tuple[str, ...], budget: int, records: Path | None, *, pictures: bool
+) -> int:
     """Vary what a report leaves open until the described crash happens with the policy in a vehicle's place.
 
     PATHS as in 'roadmend safe build'. A crash counts as reproduced if it happens with the policy in the place of at
-    least one of its vehicles: between the vehicles, from the directions, in the manoeuvres and with the one running
-    into the other that the report gives, as far as it gives them.
+    least one of its vehicles: between the same two, the same one running into the other, on the same parts of both,
+    from and to the same directions, on the same type of road, with nobody moving as no vehicle can. The search goes by
+    this program's own reading of the report; with records, a judge that knows nothing of it decides.
     """
+    known = load_records(records) if records is not None else {}
     cases = open_cases(given.paths)
     jobs = plan(
         Task.REPRODUCE,
@@ -293,11 +315,22 @@ def reproduce(given: SafeOptions, policies: tuple[str, ...], budget: int, *, pic
         policy: summarise_reproductions(cases, [each for each in results if each.policy == policy])
         for policy in policies
     }
-    write_texts(given.out, report_of_reproductions(cases, tallies, results, given.out))
+    judged = judge_through(results, known, given.out, given.workers) if known else []
+    write_texts(given.out, report_of_reproductions(cases, tallies, results, given.out, judged))
+    names = [case.name for case in cases]
+    verdicts = {
+        policy: summarise_judged(names, [*known], [run for run in judged if run.policy == policy])
+        for policy in policies
+        if known
+    }
     if given.as_json:
-        click.echo(json.dumps({policy: found.as_dict() for policy, found in tallies.items()}, indent=2))
+        by_records = {policy: {"by_records": asdict(found)} for policy, found in verdicts.items()}
+        content = {policy: found.as_dict() | by_records.get(policy, {}) for policy, found in tallies.items()}
+        click.echo(json.dumps(content, indent=2))
         return 0
     show_rows([REPRODUCTION_TITLES, *((policy, *found.cells()) for policy, found in tallies.items())])
+    if verdicts:
+        show_rows([JUDGED_TITLES, *((policy, *judged_cells(found)) for policy, found in verdicts.items())])
     click.echo(f"report: {given.out / 'reproduction.html'}")
     return 0
 

@@ -10,7 +10,8 @@ from roadmend.core.errors import InputError
 from roadmend.core.json_text import read_json
 from roadmend.core.tick import INTERVAL
 from roadmend.core.whole_file import write_text
-from roadmend.safe.trial import CrashTestEpisode, Film
+from roadmend.safe.film import Film
+from roadmend.safe.trial import CrashTestEpisode, ego_name_of
 from roadmend.world.network import network_file
 from roadmend.world.road_network import LaneKind, lanes_of, read_network
 from roadmend.world.scenario import Scenario
@@ -23,30 +24,24 @@ _REACH = 400.0  # [m] from the vehicles, beyond which no lane is drawn
 _KINDS = {LaneKind.WALK: "walk", LaneKind.ROAD: "road", LaneKind.JUNCTION: "junction"}
 
 
-def film_of(scenario: Scenario, film: Film, *, ego: str, collided: bool, text: str) -> dict[str, Any]:
+def film_of(scenario: Scenario, film: Film, *, collided: bool, text: str) -> dict[str, Any]:
     """A run as plain data: lanes, bodies and, ten times a second, where everybody is.
 
     Args:
         scenario: that was run.
         film: where everybody was; at least one tick.
-        ego: what the vehicle in whose place the policy drove is called.
         collided: whether it ended with a contact, so that the last frame is its moment.
         text: how it ended.
     """
-    names = [ego]
-    for seen in film.names:
-        names.extend(name for name in seen if name not in names)
+    names = film.names
     last = len(film.ego) - 1
     ticks = [*range(0, last, _EVERY), last]
     frames, bodies = [], dict.fromkeys(names, (4.5, 1.8))
     for tick in ticks:
-        own, others, seen = film.ego[tick], film.objects[tick], film.names[tick]
-        bodies[ego] = own.length, own.width
         places: list[list[float] | None] = [None] * len(names)
-        places[0] = _pose(own.x, own.y, own.yaw)
-        for index, name in enumerate(seen):
-            places[names.index(name)] = _pose(others.x[index], others.y[index], others.yaw[index])
-            bodies[name] = float(others.length[index]), float(others.width[index])
+        for name, pose in film.poses(tick).items():
+            places[names.index(name)] = _pose(pose.x, pose.y, pose.yaw)
+            bodies[name] = pose.length, pose.width
         frames.append([round(tick * INTERVAL, 2), places])
     vehicles = [
         {"name": name, "length": round(bodies[name][0], 2), "width": round(bodies[name][1], 2)} for name in names
@@ -65,7 +60,7 @@ def film_of(scenario: Scenario, film: Film, *, ego: str, collided: bool, text: s
 def film_of_trial(scenario: Scenario, trial: CrashTestEpisode) -> dict[str, Any]:
     """The run of an episode that was driven."""
     summary = trial.summary
-    return film_of(scenario, trial.film, ego=_ego_name(scenario), collided=summary.collided, text=summary.text)
+    return film_of(scenario, trial.film, collided=summary.collided, text=summary.text)
 
 
 def film_of_start(scenario: Scenario) -> dict[str, Any]:
@@ -75,14 +70,12 @@ def film_of_start(scenario: Scenario) -> dict[str, Any]:
         InputError: the scenario cannot be run.
         SimulationError: SUMO failed.
     """
-    film = Film()
+    film = Film(ego_name_of(scenario))
     with Simulation(scenario) as simulation:
         tick = simulation.first()
         if simulation.seen is not None:
-            film.ego.append(tick.scene.ego)
-            film.objects.append(simulation.seen.around)
-            film.names.append(simulation.seen.names)
-    return film_of(scenario, film, ego=_ego_name(scenario), collided=False, text="as built, not driven")
+            film.add(tick.scene.ego, simulation.seen.around, simulation.everyone())
+    return film_of(scenario, film, collided=False, text="as built, not driven")
 
 
 def save_film(film: dict[str, Any], path: Path) -> None:
@@ -106,11 +99,6 @@ def load_film(path: Path) -> dict[str, Any] | None:
     except InputError:
         return None
     return film if isinstance(film, dict) and film.get("format") == _FORMAT else None
-
-
-def _ego_name(scenario: Scenario) -> str:
-    origin = scenario.origin
-    return f"v{origin.vehicle}" if origin is not None and hasattr(origin, "vehicle") else "ego"
 
 
 def _pose(x: float, y: float, yaw: float) -> list[float]:

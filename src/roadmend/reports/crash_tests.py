@@ -1,6 +1,8 @@
 """The reports of ``roadmend safe test`` and ``reproduce``: Markdown, HTML, and the pictures in it beside the sketches."""
 
+import json
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +20,7 @@ from roadmend.reports.scene_picture import SceneView, draw_scene
 from roadmend.safe.cases import CrashCase
 from roadmend.safe.crash_test_summary import ReproductionSummary, TestSummary
 from roadmend.safe.driving import PICTURES, CrashTestResult
+from roadmend.safe.judging import JudgedRun, JudgedSummary, summarise_judged
 from roadmend.safe.trial import CrashTestEpisode
 from roadmend.world.network import network_file
 from roadmend.world.road_network import lanes_of, read_network
@@ -45,18 +48,31 @@ TEST_TITLES = (
     "top-1/2/3",
     "seconds per scenario",
 )
+JUDGED_TITLES = (
+    "policy",
+    "reports",
+    "run",
+    "reproduced",
+    "share",
+    "only with the policy standing",
+    "collisions shown",
+    "unphysical runs",
+    "wrong records accepted",
+)
+JUDGED_RUN_TITLES = ("report", "vehicle", "policy", "by the record", "what differs")
 PAGES = "pages"  # folder in the output
-_DPI, _SPAN = 72, 90.0  # of a picture; [m] that it shows
+_DPI, _SPAN = 72, 60.0  # of a picture; [m] that it shows
 REPRODUCTION_TITLES = ("policy", "reports", "reproduced", "share", "of those with two vehicles or more", "episodes")
 
 
 def draw_trial(scenario: Scenario, trial: CrashTestEpisode, out: Path) -> None:
-    """Draw a built scenario, at the moment when the ego was nearest to somebody, into a PNG file; its run beside it.
+    """Draw a built scenario at the ego's contact, else when it was nearest to somebody, into a PNG file; its run beside it.
 
     Raises:
         InputError: the file cannot be written.
     """
-    tick = trial.film.nearest()
+    tick = trial.moment
+    contact = next((each for each in trial.run.contacts if each.tick == tick), None)
     before = trial.film.ego[: tick + 1]
     view = SceneView(
         scenario=scenario.name,
@@ -68,6 +84,7 @@ def draw_trial(scenario: Scenario, trial: CrashTestEpisode, out: Path) -> None:
         trail=Trail(
             np.array([ego.x for ego in before]), np.array([ego.y for ego in before]), np.zeros(len(before), np.bool_)
         ),
+        mark=None if contact is None else (contact.x, contact.y),
         outcome=trial.summary.outcome.name.lower().replace("_", " "),
     )
     with written_beside(out) as beside:
@@ -93,16 +110,63 @@ def report_of_reproductions(
     tallies: Mapping[str, ReproductionSummary],
     results: Sequence[CrashTestResult],
     out: Path,
+    judged: Sequence[JudgedRun] = (),
 ) -> dict[str, str]:
-    """The files of a reproduction report, a page of each case among them; sketches are copied into the folder."""
+    """The files of a reproduction report, a page of each case among them; sketches are copied into the folder.
+
+    Args:
+        cases: that were given.
+        tallies: by policy, by the program's own reading.
+        results: of all roles.
+        out: the output folder.
+        judged: what the judge says of the results, where records were given.
+    """
     rows = [(policy, *found.cells()) for policy, found in tallies.items()]
     intro = (
         "A crash is reproduced if it happens with the policy in the place of at least one of its vehicles: between "
-        "the report's vehicles, from its directions, in its manoeuvres, and with the one running into the other "
-        "that the report names. The others drive as described and look out for nobody."
+        "the same two, the same one running into the other, on the same parts, from and to the same directions, on the "
+        "same type of road, everybody moving as vehicles can. The first table goes by this program's own reading of "
+        "the report; the second, where records were given, by a record of the real crash that no reading touches. "
+        "The others drive as described and look out for nobody."
     )
     table = (REPRODUCTION_TITLES, *rows, *PAPER_REPRODUCTION)
-    return _files("reproduction", "Crashes reproduced", intro, table, cases, results, out)
+    files = _files("reproduction", "Crashes reproduced", intro, table, cases, results, out)
+    if judged:
+        recorded = [run.report for run in judged if run.failed is not None]
+        rows = [
+            (policy, *judged_cells(summarise_judged([case.name for case in cases], recorded, _of(judged, policy))))
+            for policy in tallies
+        ]
+        tables = [table_text((JUDGED_TITLES, *rows)), table_text((JUDGED_RUN_TITLES, *map(_judged_row, judged)))]
+        files["reproduction.md"] += "\n" + "\n\n".join(["## By the records", *tables]) + "\n"
+        files["judged.json"] = json.dumps([asdict(run) for run in judged], indent=1) + "\n"
+    return files
+
+
+def judged_cells(found: JudgedSummary) -> tuple[str, ...]:
+    """One row of the table of what the judge says."""
+    share = f"{100.0 * found.reproduced / found.reports:.1f} %" if found.reports else "-"
+    wrong = f"{found.wrongly_accepted} of {found.wrong_records}"
+    counts = (found.reports, found.run, found.reproduced)
+    return (
+        *map(str, counts),
+        share,
+        str(found.stood),
+        f"{found.shown} of {found.collisions}",
+        str(found.unphysical),
+        wrong,
+    )
+
+
+def _judged_row(run: JudgedRun) -> tuple[str, ...]:
+    if run.failed is None:
+        return run.report, str(run.vehicle), run.policy, "-", run.note
+    verdict = "reproduced" if run.is_reproduced else ", ".join(run.failed)
+    return run.report, str(run.vehicle), run.policy, verdict, run.note
+
+
+def _of(judged: Sequence[JudgedRun], policy: str) -> list[JudgedRun]:
+    return [run for run in judged if run.policy == policy]
 
 
 def _files(

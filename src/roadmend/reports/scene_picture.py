@@ -56,6 +56,7 @@ class SceneView:
     trail: Trail | None = None  # where the ego has been until now
     timeline: Timeline | None = None  # the whole episode
     outcome: str = ""  # how the episode ended, in a word or two
+    mark: tuple[float, float] | None = None  # a place to look at [m], where two came to touch
 
 
 def draw_scene(view: SceneView, span: float = 70.0) -> Figure:
@@ -114,6 +115,8 @@ def _paint(canvas: Canvas, view: SceneView) -> None:
     if view.trajectory is not None:
         scene_layers.draw_plan(canvas, view.trajectory, view.ego)
     scene_layers.draw_ego(canvas, view.ego, _ego_colour(view))
+    if view.mark is not None:
+        canvas.axes.plot(*view.mark, marker="*", markersize=16, color="white", markeredgecolor=INK, zorder=20)
 
 
 def _caption(figure: Figure, view: SceneView, height: float) -> None:

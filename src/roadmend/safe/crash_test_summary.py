@@ -70,7 +70,7 @@ def _runs_whole(case: CrashCase, results: Sequence[CrashTestResult]) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class ReproductionSummary:
-    """The crashes that happened again with a policy in the place of a vehicle.
+    """The crashes that happened again with a policy in the place of a vehicle, by the program's own reading.
 
     Attributes:
         reports: that were given.

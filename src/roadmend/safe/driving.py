@@ -77,7 +77,9 @@ class CrashTestResult:
         picture: file in the output folder, or empty.
         driven: what the episode came to; None if nothing ran.
         note: why it did not run, or what a reproduction came to.
-        reproduced: whether it was the described crash; None for a test.
+        reproduced: whether it was the crash as this program's own reading of the report has it; None for a test. The
+            independent judge is another one, see ``judging``.
+        physical: whether everybody moved as vehicles can; None if nothing ran.
         episodes: that were driven.
         seconds: wall clock, building and driving.
     """
@@ -90,13 +92,17 @@ class CrashTestResult:
     driven: EpisodeResult | None = None
     note: str = ""
     reproduced: bool | None = None
+    physical: bool | None = None
     episodes: int = 0
     seconds: float = 0.0
 
     @property
     def text(self) -> str:
-        """How the episode ended, or the note where there was none."""
-        return self.note if self.driven is None else self.driven.text
+        """How the episode ended, and what of the crash it lacks; the note alone where there was none."""
+        if self.driven is None:
+            return self.note
+        lacks = self.reproduced is False and self.note and self.note != self.driven.text
+        return f"{self.driven.text}; not as described: {self.note}" if lacks else self.driven.text
 
 
 def do(job: CrashTestJob) -> CrashTestResult:
@@ -136,7 +142,8 @@ def _reproduce(job: CrashTestJob, blank: CrashTestResult) -> CrashTestResult:
     done = replace(blank, note=found.outcome, episodes=found.episodes, seconds=seconds)
     if found.scenario is None or found.trial is None:
         return done
-    return replace(_driven(job, done, found.scenario, found.trial), reproduced=True)
+    is_own = found.own is not None and found.own.is_reproduced
+    return replace(_driven(job, done, found.scenario, found.trial), reproduced=is_own)
 
 
 _WORK: dict[Task, Callable[[CrashTestJob, CrashTestResult], CrashTestResult]] = {
@@ -152,7 +159,9 @@ def _driven(job: CrashTestJob, blank: CrashTestResult, scenario: Scenario, trial
     if job.draw is not None:
         picture = f"{PICTURES}/{scenario.name}-{job.policy}.png"
         job.draw(scenario, trial, job.out / picture)
-    return replace(blank, scenario=_save(job, scenario), picture=picture, driven=trial.summary)
+    return replace(
+        blank, scenario=_save(job, scenario), picture=picture, driven=trial.summary, physical=trial.is_physical
+    )
 
 
 def _save(job: CrashTestJob, scenario: Scenario) -> str:

@@ -11,7 +11,6 @@ from roadmend.safe.dsl import (
     Compass,
     CrashScenario,
     DescribedEnvironment,
-    DescribedRoadNetwork,
     DescribedVehicle,
     DslModel,
     Position,
@@ -19,11 +18,15 @@ from roadmend.safe.dsl import (
     Time,
     Weather,
 )
+from roadmend.safe.manoeuvre_words import stands
+from roadmend.safe.staging import is_struck_from_behind
+from roadmend.safe.stated import bend_side, control_of
 from roadmend.world.space import Choice, Dimension, Parameters, Uniform, Value, Whole
 
 _JUNCTIONS = {RoadType.INTERSECTION, RoadType.T_INTERSECTION}
 _MODELS = Choice({"Sedan": 0.45, "SUV": 0.25, "Minivan": 0.08, "Pickup": 0.17, "Semi Truck": 0.05})
 _WEATHER = Choice({"Clear": 0.35, "Cloudy": 0.25, "Overcast": 0.1, "Rainy": 0.2, "Foggy": 0.05, "Snowy": 0.05})
+_WAITS = 0.7  # share of those struck from behind that stand: most rear-end crashes are with a stopped vehicle
 _LIMITS: dict[RoadType, tuple[int, ...]] = {  # [mph]
     RoadType.STRAIGHT: (35, 45, 55),
     RoadType.CURVE: (35, 45, 55),
@@ -49,13 +52,20 @@ def open_questions(crash: CrashScenario) -> dict[str, Dimension]:
         space["weather"] = _WEATHER
     for number, vehicle in enumerate(crash.vehicles, start=1):
         space |= _of_vehicle(f"v{number}", vehicle, crash, kinds)
+        if is_struck_from_behind(crash, number - 1) and not stands(vehicle.manoeuvre):
+            # "Move Forward" is all that the paper's language has for who waits in a queue, or to turn.
+            space[f"v{number}.waits"] = Choice({"yes": _WAITS, "no": 1.0 - _WAITS})
     if kinds != [RoadType.MERGING]:  # a straight road too may turn out to need a side road
-        space["control"] = Choice(
-            {"first_major": 0.25, "other_major": 0.25, "allway_stop": 0.15, "traffic_light": 0.35}
-        )
+        control: dict[Value, float] = {"first_major": 0.25, "other_major": 0.25}
+        if control_of(crash) is None:  # else only which road is the major one
+            control |= {"allway_stop": 0.15, "traffic_light": 0.35}
+        space["control"] = Choice(control)
+        space["phase"] = _even((0, 20))  # [s] of a traffic light's cycle of 40 s: either road may have green first
         space["crossing_road"] = Choice({"as_large": 0.5, "two_lanes": 0.5})
     if RoadType.CURVE in kinds:
-        space |= {"bend": Choice({"left": 0.5, "right": 0.5}), "bend_angle": _even((30, 45, 60, 75))}
+        if bend_side(crash) is None:
+            space["bend"] = _even(("left", "right"))
+        space["bend_angle"] = _even((30, 45, 60, 75))
         space["bend_radius"] = _even((80, 120, 160))
     if RoadType.MERGING in kinds:
         space |= {"ramp_length": _even((140, 180)), "lane_length": _even((160, 220, 280))}
@@ -100,10 +110,10 @@ def answer(crash: CrashScenario, drawn: Parameters) -> CrashScenario:
     Raises:
         InputError: a vehicle's position or stem does not go with the road that was drawn.
     """
-    road = DescribedRoadNetwork(
-        crash.road.road_type or RoadType(str(drawn["road_type"])),
-        crash.road.lanes or int(drawn["lanes"]),
-        None,
+    road = replace(
+        crash.road,
+        road_type=crash.road.road_type or RoadType(str(drawn["road_type"])),
+        lanes=crash.road.lanes or int(drawn["lanes"]),
     )
     if road.road_type is RoadType.T_INTERSECTION:
         road = replace(road, stem=crash.road.stem or Compass(str(drawn["stem"])))

@@ -24,6 +24,7 @@ from roadmend.world.scenario import (
     CutIn,
     Drift,
     Environment,
+    Follow,
     Heedless,
     Manoeuvre,
     Pedestrian,
@@ -33,6 +34,7 @@ from roadmend.world.scenario import (
     Trigger,
     Vehicle,
 )
+from roadmend.world.steering import line_through
 
 EGO = "ego"
 _MINOR_VERSION = 2
@@ -168,7 +170,7 @@ def _vehicle(kind: str, length: float, width: float, who: Vehicle | str) -> xosc
     vehicle.add_property("kind", kind)
     if isinstance(who, Vehicle):
         vehicle.add_property("driver", who.driver)
-        if any(isinstance(each, RunRightOfWay | Heedless) for each in who.manoeuvres):
+        if any(isinstance(each, RunRightOfWay | Heedless | Follow) for each in who.manoeuvres):
             vehicle.add_property("disregards_right_of_way", "true")
     return vehicle
 
@@ -204,6 +206,9 @@ def _events(vehicle: Vehicle, manoeuvre: Manoeuvre, name: str) -> list[xosc.Even
                 manoeuvre.offset, xosc.DynamicsShapes.sinusoidal, sideways, continuous=False
             )
             event.add_action(f"{name}-drift", action)
+        case Follow():
+            event.add_action(f"{name}-speed", _speed(-manoeuvre.speed if manoeuvre.backwards else manoeuvre.speed))
+            event.add_action(f"{name}-follow", _trajectory(vehicle, manoeuvre, name))
         case CutIn():
             lane, entity = {"left": (1, vehicle.id), "right": (-1, vehicle.id), "ego": (0, EGO)}[manoeuvre.direction]
             within = xosc.TransitionDynamics(xosc.DynamicsShapes.sinusoidal, xosc.DynamicsDimension.time, _CUT_IN)
@@ -223,6 +228,21 @@ def _events(vehicle: Vehicle, manoeuvre: Manoeuvre, name: str) -> list[xosc.Even
         case _:
             return []
     return [event]
+
+
+def _trajectory(vehicle: Vehicle, follow: Follow, name: str) -> xosc.FollowTrajectoryAction:
+    """A line of one's own; its points are those of the rear axle, as the standard wants."""
+    behind = _AXLE * BODIES[vehicle.kind].length * (-1.0 if follow.backwards else 1.0)
+    line = line_through(follow.points)
+    places = []
+    for along in line.s:
+        x, y, yaw = line.pose(float(along))
+        x, y = x - behind * math.cos(yaw), y - behind * math.sin(yaw)
+        facing = math.remainder(yaw + (math.pi if follow.backwards else 0.0), math.tau)
+        places.append(xosc.WorldPosition(round(x, 3), round(y, 3), 0.0, round(facing, 5), 0.0, 0.0))
+    way = xosc.Trajectory(f"{name}-line", closed=False)
+    way.add_shape(xosc.Polyline([], places))
+    return xosc.FollowTrajectoryAction(way, xosc.FollowingMode.position)
 
 
 def _trigger(vehicle: Vehicle, when: Trigger, name: str) -> xosc.ValueTrigger | xosc.EntityTrigger:

@@ -15,7 +15,7 @@ from roadmend.safe.construction import CrashRole
 from roadmend.safe.driving import CrashTestJob, CrashTestResult, Drawing, Task, do
 
 _WORK = ".work"  # folder for finished jobs in the output
-_FORMAT = "roadmend-safe-work/2"
+_FORMAT = "roadmend-safe-work/3"
 _PLAIN = TypeAdapter(CrashTestResult)
 
 

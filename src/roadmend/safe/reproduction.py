@@ -10,16 +10,21 @@ import numpy as np
 from roadmend.core.errors import RoadmendError
 from roadmend.core.tick import INTERVAL
 from roadmend.safe.construction import CrashRole, build_scenario, generator_of
-from roadmend.safe.described_crash import judge, why_not_played
+from roadmend.safe.described_crash import record_of, why_not_played
+from roadmend.safe.judge import Dimension, Judgement, judge
 from roadmend.safe.layout import lay_out
 from roadmend.safe.open_questions import answer, open_questions
 from roadmend.safe.trial import CrashTestEpisode, run_trial
 from roadmend.world.scenario import Scenario
 from roadmend.world.space import Parameters, Space, Uniform, sample
 
+_DIFFERENT = 0.8  # [m] of a gap that a difference in one dimension is worth
+_RESTART = 12  # every so many episodes what was drawn anew is gone on from, whatever came before
+_WEIGHTS = {Dimension.WHO: 3.0, Dimension.ORDER: 2.0, Dimension.PHYSICAL: 2.0}  # of a difference; others weigh 1
 _NEAR = 1.5  # [m] between two places that count as the same when a meeting is looked for
 _FRESH = 4  # every so many episodes one is drawn anew
 _STEP = 0.15  # share of a dimension's range that a change moves it by, as a standard deviation
+_OTHER_PART = 0.5  # [s] the same, from a contact on the wrong part: as long as a car takes to pass a place
 _JITTER = 0.25  # [s] standard deviation around the delay that a film says would have led to a meeting
 
 
@@ -32,9 +37,10 @@ class CrashReproduction:
         vehicle: number of the vehicle whose place the ego took, from 1.
         policy: name.
         episodes: driven until the crash happened, or in all.
-        scenario: in which it happened; None if it did not.
+        scenario: the one that is most like the described crash; None if nobody ever touched anybody.
         outcome: text of that episode's end, or why there is none.
-        trial: the episode in which it happened.
+        trial: that episode.
+        own: how it lies to the reading of the report that the search went by; None without an episode.
     """
 
     report: str
@@ -44,17 +50,29 @@ class CrashReproduction:
     scenario: Scenario | None
     outcome: str
     trial: CrashTestEpisode | None = None
+    own: Judgement | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """The episode that is most like the described crash so far."""
+
+    scenario: Scenario
+    trial: CrashTestEpisode
+    own: Judgement
 
 
 def reproduce(role: CrashRole, policy: str, budget: int, seed: int = 0) -> CrashReproduction:
     """Search for the described crash; the same arguments give the same result.
 
     Draws, shifts the others in time so that they meet the ego where their tracks crossed, and changes what came near.
+    The search goes by the reading of the report alone. It ends with the first episode in which nothing differs from it;
+    else the result is the one with a contact in which the least differs.
 
     Args:
         role: the report, and the vehicle whose place the ego takes.
         policy: name of the policy that drives the ego.
-        budget: episodes at most.
+        budget: episodes at most; with 1, there is no search, only a draw.
         seed: of the search and of the simulator.
     """
     impossible = why_not_played(role.crash, role.ego)
@@ -63,6 +81,7 @@ def reproduce(role: CrashRole, policy: str, budget: int, seed: int = 0) -> Crash
     space = open_questions(role.crash)
     generator = generator_of(role, f"reproduce/{policy}/{seed}")
     best: tuple[float, Parameters, CrashTestEpisode] | None = None
+    found: _Found | None = None
     said = "nobody came near"
     for episode in range(budget):
         drawn = _next(space, best, role, generator, fresh=episode % _FRESH == 0)
@@ -74,18 +93,28 @@ def reproduce(role: CrashRole, policy: str, budget: int, seed: int = 0) -> Crash
             continue
         gap = math.inf if trial.summary.min_distance is None else trial.summary.min_distance
         if trial.contact is not None:
-            layout = lay_out(answer(role.crash, drawn), drawn)
-            verdict = judge(role.crash, layout, role.ego, trial.contact)
-            if verdict.is_described:
-                return CrashReproduction(
-                    role.report, role.number, policy, episode + 1, scenario, trial.summary.text, trial
-                )
-            said, gap = verdict.reason, 3.0  # [m] as good as a near miss: the wrong crash is no step to the right one
+            crash = answer(role.crash, drawn)
+            own = judge(trial.run, record_of(role.crash, lay_out(crash, drawn), role.ego))
+            if found is None or _weight(own) < _weight(found.own):
+                found = _Found(scenario, trial, own)
+            if own.is_reproduced:
+                said = trial.summary.text
+                return CrashReproduction(role.report, role.number, policy, episode + 1, scenario, said, trial, own)
+            gap = _DIFFERENT * _weight(own)  # the wrong crash is a step to the right one if little of it is wrong
         elif math.isfinite(gap):
             said = f"no contact; the nearest was {min(gap, best[0]) if best else gap:.1f} m"
-        if best is None or gap < best[0] or episode % _FRESH == 0:
+            gap += _DIFFERENT
+        if best is None or gap < best[0] or episode % _RESTART == 0:
             best = (gap, drawn, trial)
-    return CrashReproduction(role.report, role.number, policy, budget, None, said)
+    if found is None:
+        return CrashReproduction(role.report, role.number, policy, budget, None, said)
+    said = "; ".join(found.own.failed.values())
+    return CrashReproduction(role.report, role.number, policy, budget, found.scenario, said, found.trial, found.own)
+
+
+def _weight(own: Judgement) -> float:
+    """How far an episode is from the described crash: the other's parts may be one step off, the other people not."""
+    return sum(_WEIGHTS.get(dimension, 1.0) for dimension in own.failed)
 
 
 def _next(
@@ -108,7 +137,8 @@ def _next(
         shift = _shift(trial, f"v{index + 1}")
         if shift is not None:
             name = f"v{index + 1}.delay"
-            point[name] = round(float(point[name]) + shift + generator.gauss(0.0, _JITTER), 3)
+            jitter = _JITTER if trial.contact is None else _OTHER_PART
+            point[name] = round(float(point[name]) + shift + generator.gauss(0.0, jitter), 3)
             point[f"v{index + 1}.heed"] = "none"
             aimed = True
     moved = [name for name in space if generator.random() < (0.1 if aimed else 0.4)]

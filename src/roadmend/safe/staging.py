@@ -4,7 +4,7 @@ from enum import Enum
 
 from roadmend.safe.compass import wrap_degrees
 from roadmend.safe.dsl import CrashScenario, DescribedCollision, Side
-from roadmend.safe.layout import Way
+from roadmend.safe.ways import Way
 
 
 class Relation(Enum):
@@ -41,3 +41,22 @@ def goes_first(crash: CrashScenario, ego: int, other: int) -> bool | None:
             rear_end = each.striking_side in {Side.FRONT, None} and each.struck_side in {Side.REAR, None}
             return each.striking == ego + 1 if rear_end else None
     return None
+
+
+def first_collision(crash: CrashScenario) -> DescribedCollision | None:
+    """The collision that a run is to show: the report's first one; None where it names none."""
+    return crash.collisions[0] if crash.collisions else None
+
+
+def collision_between(crash: CrashScenario, one: int, other: int) -> DescribedCollision | None:
+    """The first described collision of two vehicles, by their indices; None if the report names none."""
+    numbers = {one + 1, other + 1}
+    return next((each for each in crash.collisions if {each.striking, each.struck} == numbers), None)
+
+
+def is_struck_from_behind(crash: CrashScenario, index: int) -> bool:
+    """Whether a vehicle is run into from behind."""
+    return any(
+        each.struck == index + 1 and each.struck_side is Side.REAR and each.striking_side in {Side.FRONT, None}
+        for each in crash.collisions
+    )

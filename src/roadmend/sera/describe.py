@@ -79,7 +79,8 @@ def _road(scenario: Scenario) -> RoadDescriptor:
         case IntersectionNetwork():
             arm = next((arm for arm in network.arms if arm.name == _arm(scenario.ego.route)), network.arms[0])
             kind: RoadKind = "tee_junction" if len(network.arms) == 3 else "intersection"
-            return RoadDescriptor(kind, arm.lanes, arm.speed_limit, network.control, network.crossings)
+            control = "priority" if network.control == "priority_stop" else network.control  # stop or yield: one rule
+            return RoadDescriptor(kind, arm.lanes, arm.speed_limit, control, network.crossings)
         case HighwayExitNetwork():
             return RoadDescriptor("highway_exit", network.lanes, network.speed_limit)
         case OnRampNetwork():

@@ -1,57 +1,67 @@
-"""Vehicles that leave their lane sideways, where SUMO's own lane changes cannot take them."""
+"""Manoeuvres off the lanes, where SUMO's own lane changes cannot take a vehicle: leaving a lane, following a line."""
 
 import math
 
 import libsumo
-import numpy as np
 
-from roadmend.core.route import Stage
-from roadmend.world.scenario import Drift
+from roadmend.world.scenario import Drift, Follow
+from roadmend.world.steering import SteeredVehicle, line_through
 
-_FREE_PLACE = 2  # moveToXY: exactly there, on or off the lane
+_QUINTIC = 10.0 / math.sqrt(3.0)  # largest second derivative of the quintic below
+_COMFORT = 3.4  # [m/s2] across the way that a drift asks for at most; the rest is for bends and for steering back
 
 
 class Drifter:
-    """Leads one vehicle along its lane's centre line and away from it, at constant speed."""
+    """Leads one vehicle along its lane and away from it, at constant speed, as fast sideways as tyres can."""
 
-    def __init__(self, vehicle: str, drift: Drift, time: float) -> None:
-        """Begin at ``time`` [s] with the pose and speed that the vehicle has."""
-        shape = np.asarray(libsumo.lane.getShape(libsumo.vehicle.getLaneID(vehicle)), dtype=np.float64)
-        self._lane = Stage(np.ascontiguousarray(shape[:, 0]), np.ascontiguousarray(shape[:, 1]), np.zeros(len(shape)))
-        self._vehicle, self._drift = vehicle, drift
-        self._half = 0.5 * libsumo.vehicle.getLength(vehicle)
-        self._speed = libsumo.vehicle.getSpeed(vehicle)
-        heading = math.radians(90.0 - libsumo.vehicle.getAngle(vehicle))
-        x, y = libsumo.vehicle.getPosition(vehicle)
-        middle = x - self._half * math.cos(heading), y - self._half * math.sin(heading)
-        self._begin, self._beside = self._lane.project(*middle, 0.5 * self._lane.length, self._lane.length)
-        self._time = time
-        libsumo.vehicle.setSpeedMode(vehicle, 0)
-        libsumo.vehicle.setLaneChangeMode(vehicle, 0)
+    def __init__(
+        self, vehicle: str, drift: Drift, time: float, grip: float, before: "Drifter | Follower | None" = None
+    ) -> None:
+        """Begin at ``time`` [s] with the pose and speed that the vehicle has, on a road that transmits ``grip``.
+
+        ``before`` is what led it until now, if anything did.
+        """
+        self.driven: SteeredVehicle = SteeredVehicle(vehicle, None, grip, None if before is None else before.driven)
+        self._drift, self._time = drift, time
+        self._beside = self.driven.beside
+        self._speed = self.driven.body.speed
+        # At low speed the way sideways is as long as the body's heading allows: about as far ahead as aside.
+        slow = 2.0 * abs(drift.offset) / max(self._speed, 0.5)
+        self._over = max(drift.over, math.sqrt(_QUINTIC * abs(drift.offset) / min(_COMFORT, 0.5 * grip)), slow)
 
     def step(self, time: float) -> bool:
-        """Put the vehicle where it is at ``time`` [s]; returns whether it still is on the road."""
-        if self._vehicle not in libsumo.vehicle.getIDList():
+        """Drive the vehicle to where it is at ``time`` [s]; returns whether it still is on the road."""
+        driven = self.driven
+        if driven.vehicle not in libsumo.vehicle.getIDList():
             return False
-        passed = time - self._time
-        position = self._begin + self._speed * passed
-        if position > self._lane.length + self._half:
-            libsumo.vehicle.remove(self._vehicle)
+        if driven.at_end:
+            libsumo.vehicle.remove(driven.vehicle)
             return False
-        x, y, yaw = self._lane.pose(position)
-        share = min(1.0, passed / self._drift.over)
-        # Quintic: no step in place, direction or curvature at either end.
-        offset = self._beside + self._drift.offset * share**3 * (10.0 + share * (-15.0 + 6.0 * share))
-        slope = 30.0 * share**2 * (1.0 - share) ** 2 * self._drift.offset / self._drift.over / max(self._speed, 1.0)
-        heading = yaw + math.atan(slope)
-        x, y = x - offset * math.sin(yaw), y + offset * math.cos(yaw)
-        libsumo.vehicle.moveToXY(
-            self._vehicle,
-            "",
-            -1,
-            x + self._half * math.cos(heading),
-            y + self._half * math.sin(heading),
-            (90.0 - math.degrees(heading)) % 360.0,
-            _FREE_PLACE,
+        driven.step(self._speed, lambda later: self._offset(time + later))
+        return True
+
+    def _offset(self, time: float) -> float:
+        """Metres to the left of the lane at a time; quintic: no step in place, direction or curvature."""
+        share = min(max((time - self._time) / self._over, 0.0), 1.0)
+        return float(self._beside + self._drift.offset * share**3 * (10.0 + share * (-15.0 + 6.0 * share)))
+
+
+class Follower:
+    """Leads one vehicle along a line of its own, forwards or backwards, and has it stand at the end."""
+
+    def __init__(self, vehicle: str, follow: Follow, grip: float, before: "Drifter | Follower | None" = None) -> None:
+        """Begin with the pose and speed that the vehicle has, on a road that transmits ``grip`` [m/s2]."""
+        self.driven: SteeredVehicle = SteeredVehicle(
+            vehicle, line_through(follow.points), grip, None if before is None else before.driven
         )
+        self._follow = follow
+
+    def step(self, _time: float) -> bool:
+        """Drive on for a tick; returns whether the vehicle is still there."""
+        driven, follow = self.driven, self._follow
+        if driven.vehicle not in libsumo.vehicle.getIDList():
+            return False
+        left = max(driven.line.length - driven.position - 0.5, 0.0)
+        stopping = math.sqrt(2.0 * 3.0 * left)  # [m/s] from which 3 m/s2 bring it to the end
+        driven.step(min(follow.speed, stopping), lambda _later: 0.0, backwards=follow.backwards)
         return True

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import libsumo
 
 from roadmend.core.scene import ObjectList
-from roadmend.world.drifting import Drifter
+from roadmend.world.drifting import Drifter, Follower
 from roadmend.world.ego import GRAVITY
 from roadmend.world.participants import Observation
-from roadmend.world.scenario import Brake, CutIn, Drift, Heedless, Manoeuvre, RunRightOfWay, Scenario, Vehicle
+from roadmend.world.scenario import Brake, CutIn, Drift, Follow, Heedless, Manoeuvre, RunRightOfWay, Scenario, Vehicle
 from roadmend.world.traffic_file import EGO
 
 _SPEED_MODE_NORMAL = 31
@@ -47,7 +47,7 @@ class ManoeuvreScript:
         ]
         self._grip = scenario.environment.effective_friction * GRAVITY  # [m/s2]
         self._running: list[_Running] = []
-        self._drifting: dict[str, Drifter] = {}
+        self._drifting: dict[str, Drifter | Follower] = {}
         self._heedless: set[str] = set()
         self._names: tuple[str, ...] = ()
         self._places: dict[str, int] = {}
@@ -75,7 +75,7 @@ class ManoeuvreScript:
         still = []
         for vehicle, manoeuvre in self._waiting:
             if self._due(time, ego, vehicle, manoeuvre, seen.around) and vehicle in libsumo.vehicle.getIDList():
-                if isinstance(manoeuvre, Heedless | Drift):
+                if isinstance(manoeuvre, Heedless | Drift | Follow):
                     self._begin_heedless(time, vehicle, manoeuvre)
                     continue
                 deceleration = libsumo.vehicle.getDecel(vehicle)
@@ -86,11 +86,18 @@ class ManoeuvreScript:
                 still.append((vehicle, manoeuvre))
         self._waiting = still
 
-    def _begin_heedless(self, time: float, vehicle: str, manoeuvre: Heedless | Drift) -> None:
+    def _begin_heedless(self, time: float, vehicle: str, manoeuvre: Heedless | Drift | Follow) -> None:
         """Begin what lasts to the end of the episode."""
         self._heedless.add(vehicle)
-        if isinstance(manoeuvre, Drift):
-            self._drifting[vehicle] = Drifter(vehicle, manoeuvre, time)
+        if isinstance(manoeuvre, Drift | Follow):
+            before = self._drifting.get(vehicle)
+            if isinstance(manoeuvre, Drift):
+                leader: Drifter | Follower = Drifter(vehicle, manoeuvre, time, self._grip, before)
+            else:
+                leader = Follower(vehicle, manoeuvre, self._grip, before)
+            if before is None:  # SUMO would move it along its lane meanwhile; who was led has been moved already
+                leader.step(time)
+            self._drifting[vehicle] = leader
             return
         libsumo.vehicle.setSpeedMode(vehicle, _SPEED_MODE_HEEDLESS)
         libsumo.vehicle.setSpeed(vehicle, manoeuvre.speed)

@@ -23,6 +23,7 @@ from roadmend.world.user_configuration import network_of
 _BUILDER_VERSION = "2"  # raise when the same description shall give another network
 _NODE_TYPES = {
     "priority": "priority",
+    "priority_stop": "priority_stop",
     "right_before_left": "right_before_left",
     "allway_stop": "allway_stop",
     "traffic_light": "traffic_light",
@@ -41,6 +42,7 @@ class PlainNetwork:
         self.edges = ET.Element("edges")
         self.connections = ET.Element("connections")
         self.options: list[str] = []
+        self.phase = 0.0  # [s] of the traffic light's cycle that have passed at the start
 
     def node(self, name: str, x: float, y: float, kind: str = "priority") -> None:
         """A node at a point [m]."""
@@ -76,12 +78,18 @@ def describe_intersection(spec: IntersectionNetwork) -> PlainNetwork:
     plain.node("centre", 0.0, 0.0, _NODE_TYPES[spec.control])
     for arm in spec.arms:
         angle = math.radians(arm.bearing)
-        plain.node(arm.name, arm.length * math.cos(angle), arm.length * math.sin(angle), "dead_end")
-        priority = {"priority": "10" if arm.major else "5"}
-        plain.edge(f"{arm.name}_in", arm.name, "centre", arm.lanes, arm.speed_limit, **priority)
-        plain.edge(f"{arm.name}_out", "centre", arm.name, arm.lanes_out or arm.lanes, arm.speed_limit, **priority)
+        far = arm.length * math.cos(angle), arm.length * math.sin(angle)
+        plain.node(arm.name, *far, "dead_end")
+        more = {"priority": "10" if arm.major else "5"}
+        into, out = dict(more), dict(more)
+        if arm.median:  # each direction's own edge of the road, seen in its direction, lies half a median to the right
+            into["shape"] = _shape(_to_the_right([far, (0.0, 0.0)], 0.5 * arm.median))
+            out["shape"] = _shape(_to_the_right([(0.0, 0.0), far], 0.5 * arm.median))
+        plain.edge(f"{arm.name}_in", arm.name, "centre", arm.lanes, arm.speed_limit, **into)
+        plain.edge(f"{arm.name}_out", "centre", arm.name, arm.lanes_out or arm.lanes, arm.speed_limit, **out)
     plain.options += ["--no-turnarounds", "true", "--junctions.corner-detail", "8"]
     plain.options += ["--tls.cycle.time", str(round(spec.cycle))]
+    plain.phase = spec.phase
     if spec.crossings:
         plain.options += ["--sidewalks.guess", "true", "--sidewalks.guess.min-speed", "0"]
         plain.options += ["--sidewalks.guess.max-speed", "100", "--crossings.guess", "true"]
@@ -112,15 +120,13 @@ def describe_highway_exit(spec: HighwayExitNetwork) -> PlainNetwork:
 
 
 def describe_on_ramp(spec: OnRampNetwork) -> PlainNetwork:
-    """Eastbound highway; the ramp comes in from the right."""
+    """A highway, eastbound or as its bearing says; the ramp comes in from the right."""
     plain = PlainNetwork()
     first, second = spec.approach_length, spec.approach_length + spec.lane_length
-    plain.node("begin", 0.0, 0.0)
-    plain.node("join", first, 0.0)
-    plain.node("narrow", second, 0.0)
-    plain.node("end", second + 300.0, 0.0)
+    for name, along in (("begin", 0.0), ("join", first), ("narrow", second), ("end", second + 300.0)):
+        plain.node(name, *_turned(along, 0.0, spec.bearing))
     side = -LANE_WIDTH * spec.lanes
-    curve = [(first - x, side - y) for x, y in reversed(_ramp_curve(spec.ramp_length))]
+    curve = [_turned(first - x, side - y, spec.bearing) for x, y in reversed(_ramp_curve(spec.ramp_length))]
     plain.node("ramp_begin", *curve[0])
     plain.edge("approach", "begin", "join", spec.lanes, spec.speed_limit)
     plain.edge("ramp", "ramp_begin", "join", 1, spec.ramp_speed_limit, shape=_shape(curve))
@@ -133,16 +139,37 @@ def describe_on_ramp(spec: OnRampNetwork) -> PlainNetwork:
     return plain
 
 
+def _turned(x: float, y: float, bearing: float) -> tuple[float, float]:
+    """A point [m] of an eastbound road after the road was turned to a bearing [deg]."""
+    if not bearing:
+        return x, y
+    angle = math.radians(bearing)
+    return x * math.cos(angle) - y * math.sin(angle), x * math.sin(angle) + y * math.cos(angle)
+
+
 def describe_road(spec: OpenRoadNetwork) -> PlainNetwork:
     """A road whose middle, that of its bend too, lies in the origin."""
     line = _bent_line(spec)
     plain = PlainNetwork()
     plain.node("begin", *line[0], "dead_end")
     plain.node("end", *line[-1], "dead_end")
-    plain.edge("forward", "begin", "end", spec.lanes, spec.speed_limit, shape=_shape(line))
+    forward, backward = line, line[::-1]
+    if spec.median:
+        forward, backward = (_to_the_right(each, 0.5 * spec.median) for each in (forward, backward))
+    plain.edge("forward", "begin", "end", spec.lanes, spec.speed_limit, shape=_shape(forward))
     if spec.backward_lanes:
-        plain.edge("backward", "end", "begin", spec.backward_lanes, spec.backward_speed_limit, shape=_shape(line[::-1]))
+        plain.edge("backward", "end", "begin", spec.backward_lanes, spec.backward_speed_limit, shape=_shape(backward))
     return plain
+
+
+def _to_the_right(line: list[tuple[float, float]], offset: float) -> list[tuple[float, float]]:
+    """A line [m] moved to its right by an offset [m]."""
+    moved = []
+    for place, (x, y) in enumerate(line):
+        before, after = line[max(place - 1, 0)], line[min(place + 1, len(line) - 1)]
+        heading = math.atan2(after[1] - before[1], after[0] - before[0])
+        moved.append((x + offset * math.sin(heading), y - offset * math.cos(heading)))
+    return moved
 
 
 def _bent_line(spec: OpenRoadNetwork) -> list[tuple[float, float]]:
@@ -209,7 +236,8 @@ def cache_folder() -> Path:
 
 def _build(plain: PlainNetwork) -> Path:
     texts = plain.texts()
-    key = "\0".join([_BUILDER_VERSION, _netconvert_version(), *texts, *plain.options])
+    phase = [f"phase {plain.phase:g}"] if plain.phase else []
+    key = "\0".join([_BUILDER_VERSION, _netconvert_version(), *texts, *plain.options, *phase])
     target = cache_folder() / "networks" / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.net.xml"
     if target.exists():
         return target
@@ -217,6 +245,9 @@ def _build(plain: PlainNetwork) -> Path:
         target.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=target.parent) as folder:
             built = netconvert(Path(folder), texts, plain.options)
+            if plain.phase:  # netconvert has no option for it
+                network = built.read_text(encoding="utf-8").replace(' offset="0"', f' offset="-{plain.phase:g}"')
+                built.write_text(network, encoding="utf-8")
             built.replace(target)
     except OSError as error:
         raise InputError(

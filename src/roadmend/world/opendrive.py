@@ -3,15 +3,17 @@
 import subprocess
 import tempfile
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 from roadmend.core.errors import InputError, SimulationError
 from roadmend.world.network import find_binary
+from roadmend.world.opendrive_conform import conform
 
 
 def write_opendrive(network: Path, target: Path) -> None:
-    """Write a SUMO network as OpenDRIVE (revision 1.4), complete or not at all.
+    """Write a SUMO network as OpenDRIVE (revision 1.7), complete or not at all.
 
-    The result is read back by netconvert before it is put into place.
+    The result is in the form that other readers ask for, and is read back by netconvert before it is put into place.
 
     Args:
         network: the .net.xml file.
@@ -26,6 +28,9 @@ def write_opendrive(network: Path, target: Path) -> None:
         with tempfile.TemporaryDirectory(dir=target.parent, prefix=".") as folder:
             beside = Path(folder) / target.name
             _netconvert("--sumo-net-file", str(network.resolve()), "--opendrive-output", str(beside))
+            tree = ET.parse(beside)  # our own file; a comment in it, with paths of this machine, is not taken over
+            conform(tree.getroot())
+            tree.write(beside, encoding="UTF-8", xml_declaration=True)
             _netconvert("--opendrive-files", str(beside), "--output-file", str(Path(folder) / "back.net.xml"))
             beside.replace(target)
     except OSError as error:

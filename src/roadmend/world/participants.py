@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import libsumo
 import numpy as np
@@ -54,6 +55,31 @@ class Observation:
     names: tuple[str, ...]  # SUMO's
     distances: Floats  # [m] of their outlines to the ego's; exact below NEAR
     nearest: float  # [m] the smallest of these, infinite if there is nobody
+
+
+class Pose(NamedTuple):
+    """Where a vehicle's middle is [m], its yaw [rad], speed [m/s] and size [m], in the map frame."""
+
+    x: float
+    y: float
+    yaw: float
+    speed: float
+    length: float
+    width: float
+
+
+def all_vehicles(but: str) -> dict[str, Pose]:
+    """Every vehicle on the map, near or far, by SUMO's name, but for one."""
+    vehicle = libsumo.vehicle
+    found = {}
+    for name in vehicle.getIDList():
+        if name == but:
+            continue
+        x, y = vehicle.getPosition(name)
+        yaw, length = wrap_angle(math.radians(90.0 - vehicle.getAngle(name))), vehicle.getLength(name)
+        x, y = x - 0.5 * length * math.cos(yaw), y - 0.5 * length * math.sin(yaw)
+        found[name] = Pose(x, y, yaw, vehicle.getSpeed(name), length, vehicle.getWidth(name))
+    return found
 
 
 class Participants:

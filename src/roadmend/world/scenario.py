@@ -38,6 +38,10 @@ def _is_none(value: object) -> bool:
     return value is None
 
 
+def _is_zero(value: object) -> bool:
+    return value == 0.0
+
+
 def _is_false(value: object) -> bool:
     return value is False
 
@@ -54,6 +58,7 @@ class Arm(ScenarioModel):
     speed_limit: Speed = 13.89
     length: float = Field(default=150.0, ge=20.0, le=5000.0, description="[m]")
     major: bool = Field(default=False, description="has right of way where control is 'priority'")
+    median: float = Field(default=0.0, ge=0.0, le=60.0, exclude_if=_is_zero, description="[m] between the directions")
 
 
 class IntersectionNetwork(ScenarioModel):
@@ -61,9 +66,12 @@ class IntersectionNetwork(ScenarioModel):
 
     kind: Literal["intersection"] = "intersection"
     arms: list[Arm] = Field(min_length=3, max_length=6)
-    control: Literal["priority", "right_before_left", "allway_stop", "traffic_light"] = "priority"
+    control: Literal["priority", "priority_stop", "right_before_left", "allway_stop", "traffic_light"] = "priority"
     crossings: bool = Field(default=False, description="sidewalks, and zebra crossings on every arm")
     cycle: float = Field(default=40.0, ge=20.0, le=180.0, description="[s] cycle of the traffic light")
+    phase: float = Field(
+        default=0.0, ge=0.0, le=180.0, exclude_if=_is_zero, description="[s] of the cycle that have passed at the start"
+    )
 
 
 class HighwayExitNetwork(ScenarioModel):
@@ -88,6 +96,13 @@ class OnRampNetwork(ScenarioModel):
     approach_length: float = Field(default=300.0, ge=50.0, le=5000.0, description="[m]")
     lane_length: float = Field(default=200.0, ge=50.0, le=1000.0, description="[m] acceleration lane")
     ramp_length: float = Field(default=150.0, ge=50.0, le=2000.0, description="[m]")
+    bearing: float = Field(
+        default=0.0,
+        ge=-360.0,
+        le=360.0,
+        exclude_if=_is_zero,
+        description="[deg] of the highway, eastbound if not given",
+    )
 
 
 class OpenRoadNetwork(ScenarioModel):
@@ -102,6 +117,9 @@ class OpenRoadNetwork(ScenarioModel):
     length: float = Field(default=400.0, ge=100.0, le=5000.0, description="[m] without the bend")
     speed_limit: Speed = 22.35
     backward_speed_limit: Speed = 22.35
+    median: float = Field(
+        default=0.0, ge=0.0, le=60.0, exclude_if=_is_zero, description="[m] between the two directions"
+    )
 
 
 class NetworkFile(ScenarioModel):
@@ -203,7 +221,10 @@ class Heedless(ScenarioModel):
 
 
 class Drift(ScenarioModel):
-    """Leave the lane sideways, across the centre line too, at the speed of the moment, and stay beside it."""
+    """Leave the lane sideways, across the centre line too, at the speed of the moment, and stay beside it.
+
+    It takes longer than told where the tyres could not do it in that time.
+    """
 
     action: Literal["drift"] = "drift"
     when: Trigger
@@ -211,7 +232,17 @@ class Drift(ScenarioModel):
     over: float = Field(default=2.0, ge=0.3, le=20.0, description="[s] that it takes to get there")
 
 
-Manoeuvre = Annotated[Brake | CutIn | RunRightOfWay | Heedless | Drift, Field(discriminator="action")]
+class Follow(ScenarioModel):
+    """Leave the lanes and drive along a line of one's own, forwards or backwards; stand where it ends."""
+
+    action: Literal["follow"] = "follow"
+    when: Trigger
+    points: list[tuple[float, float]] = Field(min_length=2, max_length=500, description="[m] in the map frame")
+    speed: Speed = Field(description="[m/s] to go at")
+    backwards: bool = Field(default=False, exclude_if=_is_false, description="the rear goes first")
+
+
+Manoeuvre = Annotated[Brake | CutIn | RunRightOfWay | Heedless | Drift | Follow, Field(discriminator="action")]
 
 
 class Vehicle(ScenarioModel):

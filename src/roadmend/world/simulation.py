@@ -29,7 +29,7 @@ from roadmend.world.joining import join_traffic
 from roadmend.world.levels import roads_on_other_levels
 from roadmend.world.manoeuvres import ManoeuvreScript
 from roadmend.world.network import network_file
-from roadmend.world.participants import Observation, Participants
+from roadmend.world.participants import Observation, Participants, Pose, all_vehicles
 from roadmend.world.road_network import RoadNetwork, read_network
 from roadmend.world.route_builder import BuiltRoute, build_route
 from roadmend.world.scenario import Pedestrian, Scenario, SumoConfiguration
@@ -125,6 +125,10 @@ class Simulation:
     def seen(self) -> Observation | None:
         """Everybody around the ego at the last tick, by name; None before the first one."""
         return self._seen
+
+    def everyone(self) -> dict[str, Pose]:
+        """All other vehicles on the map at the last tick, near or far, by name."""
+        return all_vehicles(EGO)
 
     def __enter__(self) -> Self:
         return self

@@ -1,36 +1,106 @@
 """``roadmend bench safe``: crash reports read, built, driven and reproduced, beside the paper's figures."""
 
-from dataclasses import asdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import click
 
+from harness.crash_halves import load_halves
+from harness.crash_reading import ReadCrash, read_crashes
 from harness.figures import Figures
-from harness.scoring import Scores, score_cases
+from harness.safe_extraction import gather_oracles, measure_extraction, measure_registers
+from harness.safe_reproduction import measure_records, measure_reproduction
+from harness.safe_rows import PAPER, rows_of
 from roadmend.cli.options import WORKERS
-from roadmend.cli.safe import open_cases, work_through
+from roadmend.cli.output import counting
+from roadmend.cli.safe import judge_through, work_through
+from roadmend.core.errors import InputError
 from roadmend.policies.registry import POLICIES
 from roadmend.reports.result_files import provenance
-from roadmend.safe.crash_test_summary import ReproductionSummary, TestSummary, summarise_reproductions, summarise_tests
+from roadmend.safe.cases import CrashCase
+from roadmend.safe.crash_record import CrashRecord, load_records
+from roadmend.safe.crash_test_summary import TestSummary, summarise_tests
 from roadmend.safe.driving import Task
 from roadmend.safe.planning import plan
+from roadmend.safe.report import find_reports, load_report
 from roadmend.world.network import cache_folder
 
-_PAPER: dict[str, Any] = {  # SAFE, RQ1 and RQ3: other simulators, other policies
-    "reports": 50,
-    "scenarios": {"IDM": 214, "PPO": 211, "BeamNG": 96, "LCTGen, IDM": 50, "AC3R, BeamNG": 19},
-    "violations": {"IDM": 42, "PPO": 30, "BeamNG": 87, "LCTGen, IDM": 3, "AC3R, BeamNG": 16},
-    "violation_rate": 0.3052,
-    "top": {"IDM": [1, 3, 4]},
-    "reproduced": {"IDM": 15, "LCTGen, IDM": 3},
-    "seconds_per_scenario": [10, 25],
-    "extraction": {"cases": 13, "road": 93.8, "actors": 80.0, "env": 100.0, "overall": 80.0},
-}
+_TEXTS = Path(__file__).parents[1] / "crash_texts"
+_MEASURED = "measured-*.txt"
+_DRAWS = 1  # episodes of a role without a search
+
+
+@dataclass(frozen=True, slots=True)
+class _Bench:
+    """What a run of the benchmark goes by."""
+
+    reports: tuple[Path, ...]
+    records: Mapping[str, CrashRecord]
+    policies: tuple[str, ...]
+    samples: int
+    budget: int
+    seed: int
+    workers: int
+    work: Path
+    halves: Mapping[str, frozenset[str]]
+
+    def read(self, *, sketch: bool, solver: bool = True, paths: Sequence[Path] | None = None) -> list[ReadCrash]:
+        """Read the reports, or other paths."""
+        paths = self.reports if paths is None else paths
+        with counting() as progress:
+            task = progress.add_task("reading" if sketch else "reading, text only", total=len(paths))
+            return read_crashes(
+                paths,
+                self.work,
+                self.workers,
+                lambda done: progress.update(task, completed=done),
+                sketch=sketch,
+                solver=solver,
+            )
+
+    def cases(self, read: Sequence[ReadCrash]) -> list[CrashCase]:
+        """What was read, to be built.
+
+        Raises:
+            InputError: not one could be read.
+        """
+        cases = [each.case(load_report(path)) for each, path in zip(read, self.reports, strict=True)]
+        if all(case.crash is None for case in cases):
+            raise InputError(str(self.reports[0]), "not one crash could be read", cases[0].problem)
+        return cases
+
+    def reproduce(self, cases: Sequence[CrashCase], name: str, budget: int) -> dict[str, Any]:
+        """Search for the crashes, and judge what was found."""
+        folder = self.work / name
+        searched = work_through(
+            plan(Task.REPRODUCE, cases, self.policies, folder, budget=budget, seed=self.seed),
+            folder,
+            self.workers,
+            f"crashes, {name}",
+        )
+        judged = judge_through(searched, self.records, folder, self.workers) if self.records else []
+        return measure_reproduction(cases, searched, judged, self.records, self.halves)
+
+    def test(self, cases: Sequence[CrashCase]) -> dict[str, TestSummary]:
+        """Drive the reports' scenarios."""
+        folder = self.work / "tests"
+        jobs = plan(Task.TEST, cases, self.policies, folder, samples=self.samples, seed=self.seed)
+        driven = work_through(jobs, folder, self.workers, "scenarios")
+        return {
+            policy: summarise_tests(cases, [each for each in driven if each.policy == policy])
+            for policy in self.policies
+        }
 
 
 @click.command(name="safe")
 @click.argument("reports", type=click.Path(path_type=Path))
+@click.option(
+    "--records",
+    type=click.Path(path_type=Path, file_okay=False, exists=True),
+    help="Folder of CASE.json, what is known of each crash: the judge of reproduction goes by it.",
+)
 @click.option(
     "--policy", "policies", multiple=True, default=[*POLICIES], show_default=True, type=click.Choice(sorted(POLICIES))
 )
@@ -41,6 +111,18 @@ _PAPER: dict[str, Any] = {  # SAFE, RQ1 and RQ3: other simulators, other policie
     show_default=True,
     type=click.IntRange(1, 100_000),
     help="Episodes of each role to reproduce a crash.",
+)
+@click.option(
+    "--without",
+    multiple=True,
+    type=click.Choice(["solver", "sketch"]),
+    help="Also measure without a part. Without the search is always measured.",
+)
+@click.option(
+    "--texts",
+    default=_TEXTS,
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Folder of measured-NAME.txt in other words than NHTSA's, each with its NAME.oracle.json. The committed ones.",
 )
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
 @WORKERS
@@ -53,9 +135,12 @@ _PAPER: dict[str, Any] = {  # SAFE, RQ1 and RQ3: other simulators, other policie
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def safe(
     reports: Path,
+    records: Path | None,
     policies: tuple[str, ...],
     samples: int,
     budget: int,
+    without: tuple[str, ...],
+    texts: Path,
     seed: int,
     workers: int,
     work: Path | None,
@@ -65,41 +150,67 @@ def safe(
 ) -> int:
     """Read REPORTS with the embedded backend, drive their scenarios and search for their crashes.
 
-    Where a report's folder holds an oracle.json, what was read is scored against it.
+    What was read is scored against the oracles of the reports' folders or of the records, by the committed halves of
+    the shared reports. Only totals are printed.
     """
-    cases = open_cases([reports])
-    folder = work or cache_folder() / "benchmarks" / "safe"
-    tests = plan(Task.TEST, cases, policies, folder, samples=samples, seed=seed)
-    searches = plan(Task.REPRODUCE, cases, policies, folder, budget=budget, seed=seed)
-    driven = work_through(tests, folder, workers, "scenarios")
-    searched = work_through(searches, folder, workers, "crashes")
-    tested = {policy: summarise_tests(cases, [each for each in driven if each.policy == policy]) for policy in policies}
-    again = {
-        policy: summarise_reproductions(cases, [each for each in searched if each.policy == policy])
-        for policy in policies
-    }
-    scores = {name: score_cases(cases, reports, text_only=name == "text_only") for name in ("text_only", "with_sketch")}
-    chosen = " ".join(f"--policy {policy}" for policy in policies)
-    command = f"./roadmend bench safe REPORTS {chosen} --samples {samples} --budget {budget} --seed {seed}"
-    content = {"provenance": provenance(command), **_content(len(cases), tested, again, scores)}
-    Figures("safe", "From crash reports to scenarios", content, _rows(len(cases), tested, again, scores)).publish(
-        out, as_json=as_json
+    bench = _Bench(
+        find_reports(reports),
+        load_records(records) if records is not None else {},
+        policies,
+        samples,
+        budget,
+        seed,
+        workers,
+        work or cache_folder() / "benchmarks" / "safe",
+        load_halves(),
     )
+    oracles = gather_oracles(reports, records)
+    text, sketch = bench.read(sketch=False), bench.read(sketch=True)
+    extraction = measure_extraction(text, sketch, oracles, bench.halves)
+    measured = sorted(texts.glob(_MEASURED))
+    if measured:
+        extraction["other_registers"] = measure_registers(bench.read(sketch=False, paths=measured), texts)
+    cases = bench.cases(sketch)
+    tested = bench.test(cases)
+    found = bench.reproduce(cases, "search", budget)
+    ablations: dict[str, Any] = {"search": {"reproduction": bench.reproduce(cases, "one draw", _DRAWS)}}
+    if "sketch" in without:
+        ablations["sketch"] = {"reproduction": bench.reproduce(bench.cases(text), "without sketch", budget)}
+    if "solver" in without:
+        bare = bench.read(sketch=True, solver=False)
+        alone = bench.read(sketch=False, solver=False)
+        ablations["solver"] = {
+            "extraction": measure_extraction(alone, bare, oracles, bench.halves),
+            "reproduction": bench.reproduce(bench.cases(bare), "without solver", budget),
+        }
+    chosen = " ".join(f"--policy {policy}" for policy in policies)
+    options = "".join(f" --without {name}" for name in without)
+    known = " --records RECORDS" if records is not None else ""
+    command = (
+        f"./roadmend bench safe REPORTS{known} {chosen} --samples {samples} --budget {budget} --seed {seed}{options}"
+    )
+    content = {
+        "provenance": provenance(command),
+        "extraction": extraction,
+        **_tests(len(cases), tested),
+        "records": measure_records(bench.records, reports),
+        "reproduction": {**_totals(found), "policies": found},
+        "ablations": ablations,
+        "paper": PAPER,
+    }
+    Figures("safe", "From crash reports to scenarios", content, rows_of(content)).publish(out, as_json=as_json)
     return 0
 
 
-def _content(
-    reports: int,
-    tested: dict[str, TestSummary],
-    again: dict[str, ReproductionSummary],
-    scores: dict[str, Scores | None],
-) -> dict[str, Any]:
+def _totals(found: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """The figures that stand for all policies: those of the policy with which the fewest crashes happen again."""
+    least = min(found.values(), key=lambda each: each["reproduced"])
+    return {"reports": least["reports"], "built": least["run"], "reproduced": least["reproduced"]}
+
+
+def _tests(reports: int, tested: Mapping[str, TestSummary]) -> dict[str, Any]:
     seconds = [found.seconds_per_scenario for found in tested.values() if found.seconds_per_scenario is not None]
-    read = {name: asdict(score) for name, score in scores.items() if score is not None}
-    # What the backend can know is what the summary says: that is the score that counts for it.
-    extraction = {"extraction": {**read["text_only"], "with_sketch": read["with_sketch"]}} if read else {}
     return {
-        **extraction,
         "reports": reports,
         "built": min(found.built for found in tested.values()),
         "scenarios": max(found.scenarios for found in tested.values()),
@@ -107,58 +218,5 @@ def _content(
         "violations_at_fault": {policy: found.at_fault for policy, found in tested.items()},
         "violation_rate": {policy: found.violation_rate for policy, found in tested.items()},
         "top": {policy: list(found.top) for policy, found in tested.items()},
-        "reports_with_two_vehicles_or_more": max(found.possible for found in again.values()),
-        "reproduced": {policy: found.reproduced for policy, found in again.items()},
-        "reproduced_reports": {policy: list(found.names) for policy, found in again.items()},
         "seconds_per_scenario": sum(seconds) / len(seconds) if seconds else None,
-        "paper": _PAPER,
     }
-
-
-def _rows(
-    reports: int,
-    tested: dict[str, TestSummary],
-    again: dict[str, ReproductionSummary],
-    scores: dict[str, Scores | None],
-) -> list[list[str]]:
-    rows = [["what", *tested, "paper"]]
-
-    def add(title: str, cells: list[str], paper: str) -> None:
-        rows.append([title, *cells, paper])
-
-    found = list(tested.values())
-    repeated = list(again.values())
-    add("reports", [str(reports)] * len(found), "50")
-    add("reports whose scenarios build and run", [str(each.built) for each in found], "-")
-    add("scenarios", [str(each.scenarios) for each in found], "214 IDM, 211 PPO, 96 BeamNG")
-    add("collisions", [str(each.collisions) for each in found], "42 IDM, 30 PPO, 87 BeamNG")
-    add("by the ego's fault", [str(each.at_fault) for each in found], "-")
-    add("violation rate", [_percent(each.violation_rate) for each in found], "30.5 %")
-    add("first, second, third after", ["/".join(map(str, each.top)) or "-" for each in found], "1/3/4 IDM")
-    seconds = ["-" if each.seconds_per_scenario is None else f"{each.seconds_per_scenario:.2f}" for each in found]
-    add("seconds a scenario", seconds, "10 to 25")
-    add("crashes reproduced", [f"{each.reproduced} of {each.reports}" for each in repeated], "15 of 50")
-    add("share", [_percent(each.reproduced / each.reports) for each in repeated], "30.0 %")
-    add(
-        "share of those with two vehicles or more",
-        [_percent(each.reproduced / each.possible if each.possible else None) for each in repeated],
-        "-",
-    )
-    score = scores["text_only"]
-    if score is not None:
-        paper = _PAPER["extraction"]
-        for name in ("road", "actors", "env", "overall"):
-            value = f"{getattr(score, name):.1f} % of {score.cases}"
-            add(f"extraction: {name}", [value] * len(found), f"{paper[name]:.1f} % of {paper['cases']}")
-    whole = scores["with_sketch"]
-    if whole is not None:
-        add(
-            "extraction: overall, what only the sketch shows asked too",
-            [f"{whole.overall:.1f} % of {whole.cases}"] * len(found),
-            "-",
-        )
-    return rows
-
-
-def _percent(share: float | None) -> str:
-    return "-" if share is None else f"{100.0 * share:.1f} %"

@@ -93,7 +93,11 @@ def _scenario_repair(content: Mapping[str, Any]) -> Iterator[list[str]]:
 def _reports(content: Mapping[str, Any]) -> Iterator[list[str]]:
     more = "[SAFE](src/doc/safe.md)"
     reports = content["reports"]
-    for policy, reproduced in content["reproduced"].items():
+    if "reproduction" in content:  # by the judge
+        counts = {policy: found["reproduced"] for policy, found in content["reproduction"]["policies"].items()}
+    else:
+        counts = content["reproduced"]
+    for policy, reproduced in counts.items():
         share = [100 * side for side in wilson(reproduced, reports)]
         where = f"{reports} crash reports, {policy} policy"
         yield ["crashes reproduced [%]", where, f"{100 * reproduced / reports:.1f}", _span(share), more]

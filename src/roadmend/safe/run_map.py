@@ -1,0 +1,67 @@
+"""What a scenario's map says of a place on it, and where a vehicle's way leads."""
+
+import math
+
+import numpy as np
+
+from roadmend.world.network import network_file
+from roadmend.world.road_network import read_network
+from roadmend.world.scenario import IntersectionNetwork, Network, OnRampNetwork, OpenRoadNetwork, Scenario, Vehicle
+
+ACCESS_LENGTH = 60.0  # [m] up to which an arm is an access to a property and no road
+_AT_JUNCTION = 50.0  # [m] from a junction's middle within which a place belongs to it
+_AT_BEND = 40.0  # [m] beyond a bend within which a place belongs to it
+
+
+def roads_at(network: Network, x: float, y: float) -> frozenset[str]:
+    """The types of road, in the scenario language's words, that describe a place [m] of a map made for a report."""
+    match network:
+        case OnRampNetwork():
+            return frozenset({"Merging"})
+        case OpenRoadNetwork():
+            half = 0.5 * math.radians(abs(network.bend)) * network.radius
+            bends = bool(network.bend) and math.hypot(x, y) <= half + _AT_BEND
+            return frozenset({"Curve" if bends else "Straight"})
+        case IntersectionNetwork():
+            if math.hypot(x, y) > _AT_JUNCTION:
+                return frozenset({"Straight"})
+            arms = sum(arm.length > ACCESS_LENGTH for arm in network.arms)
+            names = {"Intersection" if len(network.arms) > 3 else "T-intersection"}
+            if arms < len(network.arms):  # with a driveway: reports call the place either
+                names.add({4: "Intersection", 3: "T-intersection"}.get(arms, "Straight"))
+            return frozenset(names)
+        case _:
+            return frozenset()
+
+
+def stem_at(network: Network) -> float | None:
+    """Side of the stem of a T-intersection, seen from its middle [rad]; None where there is no such stem."""
+    if not isinstance(network, IntersectionNetwork) or len(network.arms) != 3:
+        return None
+    bearings = [arm.bearing for arm in network.arms]
+    for bearing in bearings:
+        if all(abs(math.remainder(other - bearing + 180.0, 360.0)) > 45.0 for other in bearings):
+            return math.radians(bearing)
+    return None
+
+
+def heading_at_end(scenario: Scenario, actor: str | None) -> list[float]:
+    """Headings [rad] that describe where a vehicle goes: at the end of its way, and in a bend at the middle of it too.
+
+    Args:
+        scenario: what was run.
+        actor: name of a vehicle; None for the ego.
+    """
+    vehicles = {each.id: each for each in scenario.actors if isinstance(each, Vehicle)}
+    if actor is not None and actor not in vehicles:
+        return [math.nan]
+    route = scenario.ego.route if actor is None else vehicles[actor].route
+    shape = read_network(network_file(scenario.network)).edges[route[-1]].car_lanes[0].shape
+    headings = [_heading(shape[-2], shape[-1])]
+    if len(route) == 1:
+        headings = [_heading(shape[0], shape[1]), _heading(*shape[(len(shape) - 1) // 2 :][:2]), *headings]
+    return headings
+
+
+def _heading(begin: np.ndarray, end: np.ndarray) -> float:
+    return math.atan2(float(end[1] - begin[1]), float(end[0] - begin[0]))

@@ -1,0 +1,72 @@
+"""Records of crashes are read strictly; what is null is not known."""
+
+import json
+
+import pytest
+
+from roadmend.core.errors import InputError
+from roadmend.safe.contact import Part
+from roadmend.safe.crash_record import load_record, load_records
+
+CRASH = {
+    "road": "Intersection",
+    "vehicles": [
+        {"number": 1, "from": "W", "to": "S", "manoeuvre": "turn left"},
+        {"number": 2, "from": "northbound", "to": None, "manoeuvre": "parked"},
+    ],
+    "collisions": [
+        {"striking": 2, "struck": 1, "striking_part": "front", "struck_part": "left rear corner"},
+        {"striking": 1, "struck": "object: tree", "striking_part": "front", "struck_part": None},
+    ],
+    "doubt": "none",
+}
+
+
+@pytest.fixture
+def load(tmp_path):
+    def run(**changes):
+        content = {"case": "a", "crash": CRASH | changes, "annotator": "somebody"}
+        (tmp_path / "a.json").write_text(json.dumps(content), encoding="utf-8")
+        return load_record(tmp_path / "a.json")
+
+    return run
+
+
+def test_a_record_is_read(load, tmp_path):
+    record = load()
+    assert (record.case, record.roads, record.events) == ("a", ("Intersection",), 2)
+    assert [(each.origin, each.destination) for each in record.vehicles] == [(180.0, 270.0), (90.0, None)]
+    assert [each.stands for each in record.vehicles] == [False, True]
+    (collision,) = record.collisions
+    assert (collision.striking, collision.struck) == (2, 1)
+    assert (collision.striking_part, collision.struck_part) == (Part.FRONT, Part.REAR_LEFT)
+    assert load_records(tmp_path) == {"a": record}
+    assert record.vehicle(7).origin is None
+
+
+def test_a_road_may_have_a_stem_and_alternatives(load):
+    record = load(road={"road_type": "T-intersection", "stem_direction": "West", "alternatives": ["Straight"]})
+    assert (record.roads, record.stem) == (("T-intersection", "Straight"), 180.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"road": "Roundabout"}, "crash.road"),
+        ({"vehicles": [{"number": 0}]}, "number"),
+        ({"vehicles": [{"number": 1}, {"number": 1}]}, "two vehicles"),
+        ({"vehicles": [{"number": 1, "from": "up"}]}, "from"),
+        ({"vehicles": "two"}, "not a list"),
+        ({"collisions": [{"striking": 1, "struck": 1}]}, "itself"),
+        ({"collisions": [{"striking": 1, "struck": 2, "striking_part": "antenna"}]}, "no part"),
+        ({"collisions": [{"striking": 1, "struck": 2, "striking_part": "front rear"}]}, "no part"),
+    ],
+)
+def test_what_is_none_is_refused_with_its_place(load, changes, words):
+    with pytest.raises(InputError, match=words):
+        load(**changes)
+
+
+def test_a_folder_without_records_is_refused(tmp_path):
+    with pytest.raises(InputError, match="no crash records"):
+        load_records(tmp_path)
