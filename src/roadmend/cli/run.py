@@ -21,7 +21,7 @@ from roadmend.cli.sumo_options import TIME_LIMIT, WARM_UP, WARM_UP_OPTION, egos,
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.nodes.graph_options import GraphOptions
 from roadmend.nodes.launcher import run_graph
-from roadmend.nodes.run_result import InterruptedRunError, RunResult, gap_of
+from roadmend.nodes.run_result import InterruptedRunError, RunResult, complaint_of, gap_of
 from roadmend.nodes.supervisor import LOCKSTEP_SILENCE_S, REALTIME_SILENCE_S, START_S
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import drawn_scenarios, load_scenario, save_scenario, scenario_of_configuration
@@ -189,6 +189,8 @@ def run(given: RunOptions) -> int:
     for each in faults:
         click.echo(f"roadmend: {each}", err=True)
     for result in results:
+        if complaint := complaint_of(result):
+            click.echo(f"roadmend: {complaint}", err=True)
         if result.lost_messages:
             click.echo(f"roadmend: {gap_of(result.bag, result.lost_messages)}", err=True)
     for result in results:
