@@ -49,7 +49,11 @@ def object_lists(draw):
 @st.composite
 def plans(draw):
     """Plans whose arrays may differ in length."""
-    sizes = [draw(st.integers(0, 4))] * 4 if draw(st.booleans()) else draw(st.lists(st.integers(0, 4), min_size=4, max_size=4))
+    sizes = (
+        [draw(st.integers(0, 4))] * 4
+        if draw(st.booleans())
+        else draw(st.lists(st.integers(0, 4), min_size=4, max_size=4))
+    )
     arrays = [np.array([draw(places) for _ in range(size)], dtype=np.float64) for size in sizes]
     return Trajectory(draw(st.floats(0.05, 0.5) | odd), *arrays)
 
@@ -61,7 +65,9 @@ def scenes(draw):
     speed, rate, width = draw(st.floats(0.0, 20.0) | odd), draw(places), draw(st.just(1.8) | odd)
     ego = EgoState.from_quaternion(*values, speed, rate, 4.5, width)
     time = draw(st.integers(0, 100).map(lambda tick: 0.05 * tick) | odd)
-    return Scene(time, ego, draw(object_lists()), np.array(draw(st.lists(st.integers(0, 255), max_size=3)), dtype=np.uint8))
+    return Scene(
+        time, ego, draw(object_lists()), np.array(draw(st.lists(st.integers(0, 255), max_size=3)), dtype=np.uint8)
+    )
 
 
 class Told:

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from roadmend.cli.command import ExampleCommand
-from roadmend.cli.options import JSON, RESULT_FOLDER, settings_file
+from roadmend.cli.options import JSON, RESULT_FOLDER, Number, settings_file
 from roadmend.cli.output import counting, show_rows
 from roadmend.core.journal import Entry, Journal, entry_key
 from roadmend.core.resources import config_folder
@@ -34,9 +34,7 @@ _CODE += ("roadmend.faults.trial",)
 )
 @settings_file("The campaign.  [default: config/faults/campaign.yaml]")
 @click.option("--count", type=click.IntRange(1, 1000), help="Runs of every row.  [default: the campaign's]")
-@click.option(
-    "--rate", "rates", type=click.FloatRange(0.01, 100.0), multiple=True, help="Of real time; may be repeated."
-)
+@click.option("--rate", "rates", type=Number(0.01, 100.0), multiple=True, help="Of real time; may be repeated.")
 @click.option(
     "--fault",
     "names",

@@ -23,6 +23,7 @@ class Fault(Parameters):
     )
     exits: tuple[int, ...] = Field((0,), description="exit codes of 'roadmend run' that are right")
     named: bool = Field(default=True, description="whether standard error must name it")
+    prompt: bool = Field(default=True, description="whether it can be known with the first tick that it touches")
     clocks: tuple[Clock, ...] = Field(("lockstep", "realtime"), min_length=1, description="on which it means something")
 
     @model_validator(mode="after")
@@ -70,6 +71,7 @@ class TopicFault(Fault):
     ticks: int = Field(20, ge=1, le=100_000, description="how long it lasts")
     late: int = Field(0, ge=0, le=1000, description="ticks by which messages are held up; of 'late'")
     shift: float = Field(0.0, ge=-60.0, le=60.0, description="[s] by which the clock jumps; of 'jump'")
+    after: float = Field(0.0, ge=0.0, le=600.0, description="[s] simulated before which it does not begin")
     says: str = Field("", description="what standard error must hold; the state's name if empty")
 
     @model_validator(mode="after")

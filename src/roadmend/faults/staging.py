@@ -53,7 +53,8 @@ def begin_of(campaign: FaultCampaign, trial: FaultTrial) -> float:
     """The moment, drawn by the seed, at which a fault comes [s] of simulated time after the start."""
     assert trial.fault is not None
     numbers = random.Random(f"{trial.fault.name}/{trial.clock}/{trial.rate}/{trial.seed}")
-    return numbers.uniform(campaign.earliest, campaign.latest)
+    after = getattr(trial.fault, "after", 0.0)
+    return after + numbers.uniform(0.0, 1.0) if after else numbers.uniform(campaign.earliest, campaign.latest)
 
 
 def run_command(campaign: FaultCampaign, trial: FaultTrial, scenario: Path, folder: Path) -> list[str]:

@@ -112,7 +112,7 @@ def _row(name: str, clock: str, rate: float, judged: Sequence[Judged]) -> dict[s
     states = [one.to_state for one in evidence if one.to_state is not None]
     stops = [one.to_standstill for one in evidence if one.to_standstill is not None]
     fault = judged[0].trial.fault
-    must = [one for one in evidence if fault and fault.declared and one.silence is not None]
+    must = [one for one in evidence if fault and fault.declared and fault.prompt and one.silence is not None]
     limit = STATE_TICKS * INTERVAL + 1e-6
     return {
         "fault": name,

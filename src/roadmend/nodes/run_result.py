@@ -9,6 +9,7 @@ from typing import Any
 
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.interrupt import InterruptedWorkError
+from roadmend.core.outcome import EventKind
 from roadmend.core.repair import RepairStatus
 from roadmend.core.spell import Spell
 from roadmend.nodes.announcement import Announcement
@@ -123,7 +124,12 @@ def complaint_of(result: RunResult) -> str:
     if resets > 0:
         counts[RepairStatus.RESET.name] = resets
     told = ", ".join(f"{count} as {name}" for name, count in counts.items())
-    lines = [f"of {sum(result.answers.values())} answers repair_node gave {told}" if told else "", result.foreign_frames]
+    lines = [
+        f"of {sum(result.answers.values())} answers repair_node gave {told}" if told else "",
+        result.foreign_frames,
+    ]
+    if result.watchdog_ticks:
+        lines.append(f"the simulator braked by itself at {result.watchdog_ticks} ticks ({EventKind.WATCHDOG.name})")
     return "; ".join(filter(None, lines))
 
 

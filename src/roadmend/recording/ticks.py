@@ -97,7 +97,7 @@ class BagTicks:
                 if takers[record.topic] is _take_route:
                     raise
                 continue  # somebody has sent bytes that are no such message; who waited for one has said so
-            stamp = messages.stamp_of(value.header)
+            stamp = messages.stamp_of_bytes(record.data)
             if stamp not in open_ticks:
                 open_ticks[stamp] = BagTick(stamp)
                 for done in sorted(known for known in open_ticks if known < stamp - LATE_NS):

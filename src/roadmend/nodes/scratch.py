@@ -1,0 +1,67 @@
+"""Folders for the while of a run, which go with it even where the launcher is killed and cannot take them away."""
+
+import contextlib
+import multiprocessing
+import os
+import shutil
+import signal
+import tempfile
+import time
+from collections.abc import Iterator
+from multiprocessing import connection
+from pathlib import Path
+
+from roadmend.nodes.children import CONTEXT
+
+_PATIENCE_S = 20.0  # [s] for the nodes to end after their launcher's death
+_POLL_S = 0.1
+_TRIES = 5  # at removing it: a node that is about to end may write yet
+
+
+@contextlib.contextmanager
+def scratch_folder(prefix: str) -> Iterator[Path]:
+    """A new temporary folder; it is removed at the end, or by a process that waits for this one's death.
+
+    Args:
+        prefix: of its name.
+    """
+    with tempfile.TemporaryDirectory(prefix=prefix) as name:
+        keeper = CONTEXT.Process(target=_remove_after, args=(name,), name="tidy", daemon=True)
+        with contextlib.suppress(OSError, EOFError):  # without it the folder stays where this process is killed
+            keeper.start()
+        try:
+            yield Path(name)
+        finally:
+            if keeper.pid is not None:
+                keeper.kill()
+                keeper.join()
+
+
+def _remove_after(folder: str) -> None:
+    """Runs in the other process: waits until who made the folder is dead, and all who write into it have gone."""
+    os.setsid()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
+    with contextlib.suppress(OSError):
+        Path("/proc/self/comm").write_text("roadmend_tidy", encoding="ascii")
+    maker = multiprocessing.parent_process()
+    if maker is None:
+        return
+    connection.wait([maker.sentinel])
+    until = time.monotonic() + _PATIENCE_S
+    while _is_used(folder) and time.monotonic() < until:
+        time.sleep(_POLL_S)
+    for _ in range(_TRIES):
+        shutil.rmtree(folder, ignore_errors=True)
+        if not Path(folder).exists():
+            return
+        time.sleep(_POLL_S)
+
+
+def _is_used(folder: str) -> bool:
+    """Whether a process has its output in the folder: each node's log lies there."""
+    for one in Path("/proc").glob("[0-9]*/fd/1"):
+        with contextlib.suppress(OSError):
+            if str(one.readlink()).startswith(f"{folder}/"):
+                return True
+    return False
