@@ -44,7 +44,7 @@ def test_it_is_removed_after_its_maker_was_killed_and_all_who_write_into_it_have
     holder.communicate()
     time.sleep(1.0)
     assert (folder / "file").exists()
-    writer.communicate("\n")
+    writer.communicate(b"\n")
     for _ in range(200):
         if not folder.exists():
             return

@@ -25,16 +25,19 @@ def scratch_folder(prefix: str) -> Iterator[Path]:
     Args:
         prefix: of its name.
     """
-    with tempfile.TemporaryDirectory(prefix=prefix) as name:
-        keeper = CONTEXT.Process(target=_remove_after, args=(name,), name="tidy", daemon=True)
-        with contextlib.suppress(OSError, EOFError):  # without it the folder stays where this process is killed
-            keeper.start()
-        try:
-            yield Path(name)
-        finally:
-            if keeper.pid is not None:
-                keeper.kill()
-                keeper.join()
+    folder = Path(tempfile.mkdtemp(prefix=prefix))
+    keeper = CONTEXT.Process(target=_remove_after, args=(str(folder),), name="tidy", daemon=True)
+    with contextlib.suppress(OSError, EOFError):  # without it the folder stays where this process is killed
+        keeper.start()
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+        # Who writes into it yet is a node that this process has lost sight of, since what forked it was killed. Such a
+        # node ends with this process, and the keeper then does what is left.
+        if keeper.pid is not None and not folder.exists() and not _is_used(str(folder)):
+            keeper.kill()
+            keeper.join()
 
 
 def _remove_after(folder: str) -> None:
@@ -60,8 +63,8 @@ def _remove_after(folder: str) -> None:
 
 def _is_used(folder: str) -> bool:
     """Whether a process has its output in the folder: each node's log lies there."""
-    for one in Path("/proc").glob("[0-9]*/fd/1"):
-        with contextlib.suppress(OSError):
-            if str(one.readlink()).startswith(f"{folder}/"):
+    for process in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):  # it has gone meanwhile, or is somebody else's
+            if str((process / "fd" / "1").readlink()).startswith(f"{folder}/"):
                 return True
     return False
