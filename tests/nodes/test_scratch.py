@@ -41,7 +41,8 @@ def test_it_is_removed_after_its_maker_was_killed_and_all_who_write_into_it_have
     with (folder / "node.log").open("w") as log:
         writer = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE, stdout=log)
     os.kill(holder.pid, signal.SIGKILL)
-    holder.communicate()
+    holder.wait()  # not for the end of what it says: multiprocessing's own processes hold that open
+    holder.stdout.close()
     time.sleep(1.0)
     assert (folder / "file").exists()
     writer.communicate(b"\n")
