@@ -100,7 +100,7 @@ def test_unusable_objects_are_none_but_an_unusable_route_ends_it(bag):
 
 
 def test_bytes_that_are_no_message_are_absent_but_a_route_of_them_ends_it(bag, tmp_path):
-    bag(("route", 0, route()), ("ego", 0, EGO), ("policy/command", 0, COMMAND))
+    bag(("route", 0, route()), ("ego", 0, EGO), ("objects", 0, objects(1)), ("policy/command", 0, COMMAND))
     for spoilt in ("policy/command", "route"):
         with BagWriter(tmp_path / spoilt.replace("/", "-")) as writer:
             for record in BagReader(tmp_path / "bag").records(None):

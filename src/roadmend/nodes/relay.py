@@ -23,6 +23,8 @@ from roadmend.core.tick import INTERVAL_NS
 from roadmend.core.whole_file import write_text
 from roadmend.faults.distortion import STRANGERS, Distorter, Distortion
 from roadmend.nodes import qos
+from roadmend.nodes.configuration import ConfigurationAnnouncer
+from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.spinning import run_node
 from roadmend.recording import messages, topics
@@ -75,6 +77,7 @@ class RelayNode(Node):
             )
         )
         self._is_told = False
+        configuration = ConfigurationAnnouncer(self, self.get_name().removesuffix("_node"))
         if not settings.links or any(link.partition(">")[0] not in _KINDS for link in settings.links):
             raise InputError("parameter links", f"{settings.links} names no topic", f"choose of {', '.join(_KINDS)}")
         if settings.distortion in STRANGERS:
@@ -82,6 +85,14 @@ class RelayNode(Node):
         else:
             for link in settings.links:
                 self._connect(*link.split(">"))
+        self._diagnostics = DiagnosticsReporter(self, self._health)
+        configuration.announce()
+
+    def _health(self) -> Health:
+        if not self._is_told:
+            return Health(Level.OK, "passes on what it gets", {"touched": 0})
+        what = f"disturbs on purpose: {self._settings.distortion}"
+        return Health(Level.WARN, what, {"touched": self._distorter.touched})
 
     def _connect(self, topic: str, source: str, target: str) -> None:
         kind, profile = _KINDS[topic]
