@@ -77,3 +77,15 @@ def test_every_row_is_run_on_every_clock_and_the_undisturbed_one_first():
         for clock, rate in (("lockstep", 1.0), ("realtime", 1.0), ("realtime", 5.0))
         for seed in (0, 1)
     ]
+
+
+def test_with_rates_by_turns_every_row_is_run_at_one_of_them_and_the_undisturbed_one_at_all():
+    rows = tuple(SignalFault(**KILLED | {"name": str(number)}) for number in range(3))
+    campaign = FaultCampaign(signals=rows, seeds=1, clocks=("realtime",), rates=(1.0, 5.0), rates_by_turns=True)
+    assert [(trial.row, trial.rate) for trial in trials_of(campaign)] == [
+        (BARE, 1.0),
+        (BARE, 5.0),
+        ("0", 5.0),
+        ("1", 1.0),
+        ("2", 5.0),
+    ]
