@@ -79,13 +79,14 @@ def test_every_row_is_run_on_every_clock_and_the_undisturbed_one_first():
     ]
 
 
-def test_with_rates_by_turns_every_row_is_run_at_one_of_them_and_the_undisturbed_one_at_all():
+def test_with_one_rate_every_row_is_run_at_one_of_them_and_the_undisturbed_one_at_all():
     rows = tuple(SignalFault(**KILLED | {"name": str(number)}) for number in range(3))
-    campaign = FaultCampaign(signals=rows, seeds=1, clocks=("realtime",), rates=(1.0, 5.0), rates_by_turns=True)
+    campaign = FaultCampaign(signals=rows, seeds=1, clocks=("realtime",), rates=(1.0, 5.0), one_rate=True)
     assert [(trial.row, trial.rate) for trial in trials_of(campaign)] == [
         (BARE, 1.0),
         (BARE, 5.0),
-        ("0", 5.0),
-        ("1", 1.0),
-        ("2", 5.0),
+        ("0", 1.0),
+        ("1", 5.0),
+        ("2", 1.0),
     ]
+    assert [(trial.row, trial.rate) for trial in trials_of(campaign.only(["1"]))][-1] == ("1", 5.0)
