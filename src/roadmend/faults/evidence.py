@@ -27,6 +27,7 @@ class Evidence:
         to_state: simulated time from there until the state or event was declared [s]; None if it never was.
         to_standstill: likewise until the ego stood.
         in_diagnostics: whether the repair node or the simulator has warned there after the drive had begun.
+        begun: simulated time of the first tick that both the policy and the repair node have answered [s]; None without one.
     """
 
     ticks: int
@@ -36,6 +37,7 @@ class Evidence:
     to_state: float | None = None
     to_standstill: float | None = None
     in_diagnostics: bool = False
+    begun: float | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values, for JSON."""
@@ -90,20 +92,24 @@ def evidence_of(
     is_declared = declared is not None and any(
         begun is not None and tick.stamp > begun and _declares(tick, declared) for tick in ticks
     )
+    found = Evidence(
+        len(seen),
+        max(0, lost),
+        is_declared,
+        None if silence is None else silence * _NS,
+        begun=None if begun is None else begun * _NS,
+    )
     if silence is None or declared is None:
-        return Evidence(len(seen), max(0, lost), is_declared, None if silence is None else silence * _NS)
+        return found
     shown = next((tick.stamp for tick in ticks if tick.stamp >= silence and _declares(tick, declared)), None)
     stood = next(
         (tick.stamp for tick in seen if tick.stamp >= silence and tick.ego is not None and tick.ego.speed < 0.1),
         None,
     )
-    return Evidence(
-        len(seen),
-        max(0, lost),
-        is_declared,
-        silence * _NS,
-        None if shown is None else (shown - silence) * _NS,
-        None if stood is None else (stood - silence) * _NS,
+    return replace(
+        found,
+        to_state=None if shown is None else (shown - silence) * _NS,
+        to_standstill=None if stood is None else (stood - silence) * _NS,
     )
 
 

@@ -28,6 +28,7 @@ from roadmend.world.scenario_file import save_scenario
 _POLL_S = 0.02
 _START_S = 120.0  # patience until the vehicle drives [s]
 _LOCKSTEP_SPEED = 15.0  # simulated seconds a second, about; a fault that comes too late is told, see `injected`
+_SEEN_TICKS = 6  # that must be driven yet for a signal to be seen in the bag
 _GONE_S = 5.0  # who has been told to end may need so long [s]
 _OWNED = "mine.txt"  # stands for what was in the folder before
 
@@ -37,7 +38,7 @@ class Disturbed:
     """What came of one run.
 
     Attributes:
-        injected: whether the fault came while the vehicle drove; where not, the run tells nothing.
+        injected: whether the fault came while the vehicle drove, by the policy's commands; where not, the run tells nothing.
         exit_code: of ``roadmend run``; None if it hung and was killed.
         outcome: of the episode; empty without a result.
         distance: least one to others [m]; None without a result, or where nobody was near.
@@ -151,6 +152,9 @@ def _watch(
     evidence, recovered = None, False
     if fault is None or fault.is_driven:
         evidence, recovered = _evidence(campaign, folder, trial, result.get("duration"))
+    if isinstance(fault, SignalFault) and trial.clock == "realtime" and evidence is not None:
+        # Before the policy's first answer the vehicle is held, and to be silent then is another fault.
+        injected = injected and evidence.begun is not None and evidence.begun < begin_of(campaign, trial)
     return Disturbed(
         injected,
         code,
@@ -185,11 +189,13 @@ def _inject(
         os.kill(target, getattr(signal, f"SIG{fault.signal}"))
     except ProcessLookupError:
         return False
+    time.sleep(_SEEN_TICKS * INTERVAL / speed)
+    came_late = any((folder / "tmp").glob("roadmend-run-*/sim.json"))
     if fault.resume is not None:
         time.sleep(fault.resume)
         with contextlib.suppress(ProcessLookupError):
             os.kill(target, signal.SIGCONT)
-    return True
+    return not came_late
 
 
 def _result(path: Path) -> Mapping[str, Any]:
