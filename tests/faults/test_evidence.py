@@ -89,3 +89,8 @@ def test_where_messages_were_distorted_the_first_of_them_is_the_moment():
 
 def test_a_run_without_a_fault_has_warned_of_nothing():
     assert not read_evidence(SAMPLE, None, None, None).in_diagnostics
+
+
+def test_while_the_vehicle_is_held_at_the_start_nobody_drives_whoever_answers_late():
+    ticks = [tick(place, status=RepairStatus.STARTING if place < 7 else RepairStatus.PASS) for place in range(30)]
+    assert evidence_of(ticks, "policy", "STALE_COMMAND", None).begun == pytest.approx(0.35)

@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from roadmend.core.repair import RepairStatus
 from roadmend.core.tick import INTERVAL
 from roadmend.recording import topics
 from roadmend.recording.reader import BagReader
@@ -27,7 +28,8 @@ class Evidence:
         to_state: simulated time from there until the state or event was declared [s]; None if it never was.
         to_standstill: likewise until the ego stood.
         in_diagnostics: whether the repair node or the simulator has warned there after the drive had begun.
-        begun: simulated time of the first tick that both the policy and the repair node have answered [s]; None without one.
+        begun: simulated time of the first tick that was driven by the policy's command [s]; None without one. Before it the
+            vehicle is held, and the policy may answer those ticks later.
     """
 
     ticks: int
@@ -88,7 +90,7 @@ def evidence_of(
     expected = round(max(span, (duration or 0.0)) / INTERVAL) + 1
     lost = 2 * expected - len(seen) - sum(tick.objects is not None for tick in seen)
     silence = _first_silent(seen, node) if since is None else since
-    begun = next((tick.stamp for tick in seen if tick.command is not None and tick.driven is not None), None)
+    begun = next((tick.stamp for tick in seen if _is_driven(tick)), None)
     is_declared = declared is not None and any(
         begun is not None and tick.stamp > begun and _declares(tick, declared) for tick in ticks
     )
@@ -111,6 +113,11 @@ def evidence_of(
         to_state=None if shown is None else (shown - silence) * _NS,
         to_standstill=None if stood is None else (stood - silence) * _NS,
     )
+
+
+def _is_driven(tick: BagTick) -> bool:
+    is_held = tick.repair is not None and tick.repair.status is RepairStatus.STARTING
+    return tick.command is not None and tick.driven is not None and not is_held
 
 
 def _first_silent(ticks: Sequence[BagTick], node: str | None) -> int | None:

@@ -152,7 +152,7 @@ def _watch(
     evidence, recovered = None, False
     if fault is None or fault.is_driven:
         evidence, recovered = _evidence(campaign, folder, trial, result.get("duration"))
-    if isinstance(fault, SignalFault) and trial.clock == "realtime" and evidence is not None:
+    if fault is not None and trial.clock == "realtime" and evidence is not None:
         # Before the policy's first answer the vehicle is held, and to be silent then is another fault.
         injected = injected and evidence.begun is not None and evidence.begun < begin_of(campaign, trial)
     return Disturbed(
