@@ -145,7 +145,7 @@ def town(tmp_path):
     [
         (["--warm-up", "1e9"], "--warm-up"),
         (["--time-limit", "1e9"], "--time-limit"),
-        (["--time-limit", "nan"], "time_limit: input should be a finite number"),
+        (["--time-limit", "nan"], "nan is not a finite number"),
         (["--egos", "0"], "--egos"),
     ],
 )

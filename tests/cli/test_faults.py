@@ -14,8 +14,11 @@ seeds: 1
 clocks: [lockstep]
 earliest: 0.5
 latest: 1.0
-faults:
+signals:
   - {name: policy killed, node: policy, signal: KILL, declared: STALE_COMMAND, exits: [1]}
+topics:
+  - {name: no number, topic: policy/command, distortion: nan, declared: INVALID_COMMAND}
+files: {kinds: [corpus, search settings], damages: [truncated, endless], flips: 1}
 """
 
 
@@ -23,17 +26,26 @@ faults:
 def test_a_killed_policy_is_safe_and_reported_and_what_was_run_is_not_run_again(tmp_path, capsys, monkeypatch):
     file = tmp_path / "campaign.yaml"
     file.write_text(CAMPAIGN)
-    arguments = ["faults", "--config", str(file), "--out", str(tmp_path / "out")]
+    arguments = ["faults", "--config", str(file), "--out", str(tmp_path / "out"), "--page"]
     assert main([*arguments, "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
-    bare, killed = told["rows"]
+    bare, killed, distorted, *files = told["rows"]
     assert (bare["runs"], bare["safe"]) == (1, 1)
     assert killed["runs"] + told["too_late"] == 1
     assert killed["safe"] == killed["reported"] == killed["within_3_ticks"] == 1
+    assert distorted["safe"] == distorted["reported"] == distorted["within_3_ticks"] == 1
+    assert [(row["fault"], row["safe"]) for row in files] == [
+        ("corpus: truncated", 1),
+        ("corpus: endless", 1),
+        ("search settings: truncated", 1),
+        ("search settings: endless", 1),
+    ]
     monkeypatch.setattr(command, "disturb", None)
+    monkeypatch.setattr(command, "FileBench", lambda: None)
     assert main(arguments) == 0
     assert "policy killed" in capsys.readouterr().out
-    assert "policy killed" in (tmp_path / "out" / "faults.md").read_text()
+    for name in ("faults.md", "faults.html"):
+        assert "policy killed" in (tmp_path / "out" / name).read_text()
 
 
 def test_a_row_that_there_is_not_is_named_with_those_that_are(tmp_path, capsys):

@@ -76,3 +76,21 @@ def test_a_state_of_ticks_that_were_answered_late_is_declared_all_the_same():
     late = [tick(place, status=status[place]) for place in range(30)]
     assert evidence_of(late, "policy", "STALE_COMMAND", None).is_declared
     assert not evidence_of([tick(place) for place in range(30)], "policy", "STALE_COMMAND", None).is_declared
+
+
+def test_where_messages_were_distorted_the_first_of_them_is_the_moment():
+    ticks = [tick(place) for place in range(30)]
+    ticks[8] = tick(8, status=RepairStatus.INVALID_COMMAND)
+    ticks[13] = tick(13, status=RepairStatus.INVALID_COMMAND)
+    evidence = evidence_of(ticks, None, "INVALID_COMMAND", None, since=12 * STEP)
+    assert evidence.silence == pytest.approx(0.6)
+    assert evidence.to_state == pytest.approx(0.05)
+
+
+def test_a_run_without_a_fault_has_warned_of_nothing():
+    assert not read_evidence(SAMPLE, None, None, None).in_diagnostics
+
+
+def test_while_the_vehicle_is_held_at_the_start_nobody_drives_whoever_answers_late():
+    ticks = [tick(place, status=RepairStatus.STARTING if place < 7 else RepairStatus.PASS) for place in range(30)]
+    assert evidence_of(ticks, "policy", "STALE_COMMAND", None).begun == pytest.approx(0.35)

@@ -4,18 +4,19 @@ import dataclasses
 
 import pytest
 
-from roadmend.faults.campaign import Fault, FaultTrial
+from roadmend.faults.campaign import FaultTrial
 from roadmend.faults.evidence import Evidence
+from roadmend.faults.fault import MethodFault, SignalFault, TopicFault
 from roadmend.faults.trial import Disturbed
 from roadmend.faults.verdict import HEADING, campaign_rows, judge, table
 
-FAULT = Fault(name="killed", node="policy", signal="KILL", declared="STALE_COMMAND", exits=(1,))
+FAULT = SignalFault(name="killed", node="policy", signal="KILL", declared="STALE_COMMAND", exits=(1,))
 BARE = (
     FaultTrial(None, "lockstep", 1.0, 0),
-    Disturbed(True, 0, "GOAL", False, False, (), True, False, Evidence(100, 0), ()),
+    Disturbed(True, 0, "GOAL", 3.0, False, False, (), True, False, Evidence(100, 0), ()),
 )
 SEEN = Evidence(100, 2, is_declared=True, silence=1.0, to_state=0.1, to_standstill=1.5)
-GOOD = Disturbed(True, 1, "GOAL", True, False, (), True, False, SEEN, ())
+GOOD = Disturbed(True, 1, "GOAL", 2.0, True, False, (), True, False, SEEN, ())
 TRIAL = FaultTrial(FAULT, "lockstep", 1.0, 0)
 
 
@@ -84,3 +85,21 @@ def test_the_row_tells_how_many_and_how_soon():
 def test_what_was_kept_is_what_was_found():
     assert Disturbed.parse(GOOD.as_dict()) == GOOD
     assert Disturbed.parse(dataclasses.replace(GOOD, evidence=None).as_dict()).evidence is None
+
+
+def test_a_message_that_was_distorted_must_be_declared_on_both_clocks():
+    fault = TopicFault(name="nan", topic="policy/command", distortion="nan", declared="INVALID_COMMAND")
+    quiet = dataclasses.replace(GOOD, exit_code=0, evidence=Evidence(100, 0, silence=1.0))
+    for clock in ("lockstep", "realtime"):
+        (found,) = judge([(FaultTrial(fault, clock, 1.0, 0), quiet)])
+        assert found.faults == ()
+        assert not found.is_reported
+
+
+def test_a_method_that_cannot_be_used_needs_no_bag_but_one_line():
+    fault = MethodFault(name="no model", method="missing", exits=(2,))
+    refused = Disturbed(True, 2, "", None, True, False, (), True, False, None, ("roadmend: m: no such model file",))
+    trial = FaultTrial(fault, "lockstep", 1.0, 0)
+    assert judge([(trial, refused)])[0].faults == ()
+    (wordy,) = judge([(trial, dataclasses.replace(refused, stderr=("a", "b")))])
+    assert wordy.faults == ("2 lines in place of one",)

@@ -1,5 +1,7 @@
 """Fuzz a reader: ``.venv/bin/python tests/fuzz/run.py READER SECONDS [SEED]``, or ``all`` of them one after the other.
 
+With ``--publish`` behind that, fuzz.json and fuzz.md are written into tests/benchmarks.
+
 Small files that it reads, and those of ``corpus/`` that once broke one, are mutated with a seeded generator and read in
 a process of its own, which is ended where a file takes longer than the documentation allows. Told are the peak of the
 memory, the slowest file, files a second, and every exception that is not the documented one; the file of a fault is
@@ -20,7 +22,9 @@ from pathlib import Path
 
 from fuzz_mutation import mutated
 from fuzz_readers import DOCUMENTED, READERS, place_of, seeds_of
+from roadmend.reports.result_files import provenance, write_report
 
+PUBLISHED = Path(__file__).parents[1] / "benchmarks"
 TIME_MAX = 10.0  # [s] a file
 MEMORY_MAX = 512 << 10  # [KiB] by which the process may grow
 
@@ -73,21 +77,41 @@ def _keep(name: str, digest: str, data: bytes) -> str:
 
 def main(arguments: list[str]) -> int:
     """Fuzz the reader of the arguments, or each in a process of its own."""
-    name, seconds, seed = arguments[0], float(arguments[1]), int(arguments[2]) if len(arguments) > 2 else 1
-    failed = False
-    for each in READERS if name == "all" else [name]:
+    words = [word for word in arguments if word != "--publish"]
+    name, seconds, seed = words[0], float(words[1]), int(words[2]) if len(words) > 2 else 1
+    rows = {each: _in_a_process(each, seconds, seed) for each in (READERS if name == "all" else [name])}
+    if "--publish" in arguments:
+        _publish(rows, seconds, f".venv/bin/python tests/fuzz/run.py {' '.join(arguments)}")
+    return int(any(found["faults"] for found in rows.values()))
+
+
+def _in_a_process(name: str, seconds: float, seed: int) -> dict[str, object]:
+    """Fuzz one reader in a process that may take all that it has with it."""
+    with tempfile.TemporaryDirectory(prefix="roadmend-fuzz-") as folder:
+        told = Path(folder) / "told.json"
         process = os.fork()
         if process == 0:
-            with tempfile.TemporaryDirectory(prefix="roadmend-fuzz-") as folder:
-                found = work(each, seconds, seed, Path(folder))
-            print(f"{each:14}", json.dumps(found), flush=True)
-            os._exit(bool(found["faults"]))
+            (Path(folder) / "files").mkdir()
+            told.write_text(json.dumps(work(name, seconds, seed, Path(folder) / "files")))
+            os._exit(0)
         status = os.waitpid(process, 0)[1]
-        if os.WIFSIGNALED(status):
+        if told.exists():
+            found = json.loads(told.read_text())
+        else:
             what = "took too long" if os.WTERMSIG(status) == signal.SIGALRM else "crashed"
-            print(f"{each:14} {what} (signal {os.WTERMSIG(status)})", flush=True)
-        failed = failed or status != 0
-    return int(failed)
+            found = {"files": 0, "faults": {f"{what} (status {status})": ""}}
+    print(f"{name:14}", json.dumps(found), flush=True)
+    return found
+
+
+def _publish(rows: dict[str, dict[str, object]], seconds: float, command: str) -> None:
+    names = ("files", "accepted", "per_second", "slowest_s", "grown_mb")
+    table = [["reader", "files", "read", "files a second", "slowest [s]", "memory more [MB]", "faults"]]
+    table += [
+        [name, *(str(found.get(key, "")) for key in names), "; ".join(found["faults"])] for name, found in rows.items()
+    ]
+    content = {"format": "roadmend-fuzz/1", "provenance": provenance(command), "seconds": seconds, "readers": rows}
+    write_report(PUBLISHED, "fuzz", f"Readers given changed files, {seconds:g} s each", content, table)
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ from roadmend_msgs import msg
 
 from roadmend.core.command import Command, Trajectory
 from roadmend.core.errors import InputError
+from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import RepairStatus
 from roadmend.core.route import Route, Stage
 from roadmend.core.scene import EgoState, ObjectList
@@ -735,6 +736,19 @@ def test_in_real_time_silence_never_means_go(bench):
     assert there.health.level is Level.ERROR
     assert [state.state for state in there.tick(2)] == [RepairStatus.PASS]
     assert there.health.level is Level.OK
+
+
+def test_in_real_time_the_silence_after_the_end_is_no_fault_and_is_not_counted(bench):
+    there = bench(clock="realtime", time_budget=10.0)
+    there.start()
+    there.node._on_event(b"no event")
+    there.node._on_event(encode(messages.event_message_of(Event(0.1, EventKind.CHANGE_LANE, ""))))
+    before = there.wait(0.2)
+    assert {state.state for state in before} == {int(RepairStatus.STALE_OBJECTS)}
+    there.node._on_event(encode(messages.event_message_of(Event(0.1, EventKind.GOAL, ""))))
+    assert there.wait(1.0) == []
+    there.start()
+    assert there.wait(0.2)  # another episode
 
 
 def test_in_real_time_old_commands_that_keep_coming_are_silence_too(bench):

@@ -99,6 +99,21 @@ def test_unusable_objects_are_none_but_an_unusable_route_ends_it(bag):
     assert tick.objects is tick.signals is None
 
 
+def test_bytes_that_are_no_message_are_absent_but_a_route_of_them_ends_it(bag, tmp_path):
+    bag(("route", 0, route()), ("ego", 0, EGO), ("objects", 0, objects(1)), ("policy/command", 0, COMMAND))
+    for spoilt in ("policy/command", "route"):
+        with BagWriter(tmp_path / spoilt.replace("/", "-")) as writer:
+            for record in BagReader(tmp_path / "bag").records(None):
+                writer.add_topic(record.topic, record.type_name)
+                cut = len(record.data) // 2 if record.topic == f"/{spoilt}" else len(record.data)
+                writer.write(record.topic, record.time_ns, record.data[:cut])
+    (tick,) = BagTicks(BagReader(tmp_path / "policy-command"), ("ego",))
+    assert tick.command is None
+    assert tick.ego is not None
+    with pytest.raises(InputError, match="is not a roadmend_msgs/msg/Route"):
+        list(BagTicks(BagReader(tmp_path / "route"), ("ego",)))
+
+
 def test_a_route_whose_rule_is_unknown_is_refused(bag):
     zone = {"zone_stage": np.zeros(1, np.uint32), "zone_begin": np.ones(1), "zone_end": np.full(1, 2.0)}
     wrong = route(**zone, zone_rule=np.full(1, 99, np.uint8), zone_signal=np.full(1, -1, np.int32))

@@ -7,7 +7,7 @@ import click
 
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import DROVE
-from roadmend.cli.options import FUTURES, JSON, PATH
+from roadmend.cli.options import FUTURES, JSON, PATH, Number
 from roadmend.core.spell import Spell
 from roadmend.reports.bag_picture import draw_bag
 
@@ -27,10 +27,8 @@ from roadmend.reports.bag_picture import draw_bag
     type=PATH,
     help="PNG, SVG or PDF; or HTML, a page that shows the values of each tick.",
 )
-@click.option("--at", type=click.FloatRange(0.0), help="Simulation time [s].  [default: the longest intervention]")
-@click.option(
-    "--span", default=70.0, show_default=True, type=click.FloatRange(10.0, 2000.0), help="Width of the scene [m]."
-)
+@click.option("--at", type=Number(0.0), help="Simulation time [s].  [default: the longest intervention]")
+@click.option("--span", default=70.0, show_default=True, type=Number(10.0, 2000.0), help="Width of the scene [m].")
 @FUTURES
 @DROVE
 @JSON

@@ -11,7 +11,7 @@ from rich.table import Table
 from roadmend import __version__
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import DROVE, METHOD_NAME, REPAIR_SEED
-from roadmend.cli.options import JSON, PATH, options_of
+from roadmend.cli.options import JSON, PATH, Number, options_of
 from roadmend.cli.output import OUTCOME_STYLES, Waiting, wide_console
 from roadmend.core.bounds import ARGUMENT
 from roadmend.core.episode_result import EpisodeResult
@@ -126,7 +126,7 @@ _FIGURES = ("method", "outcome", "text", "duration", "min_distance", "interventi
     "--from-time",
     default=0.0,
     show_default=True,
-    type=click.FloatRange(0.0),
+    type=Number(0.0),
     help="Simulation time [s] at which the method takes over; until then the recorded commands are driven.",
 )
 @DROVE

@@ -10,7 +10,7 @@ from rich.table import Table
 
 from roadmend.cli.bag_repair import RepairChoice, RepairOptions, driver_of, read_choice
 from roadmend.cli.command import ExampleCommand
-from roadmend.cli.options import JSON, PATH, options_of
+from roadmend.cli.options import JSON, PATH, Number, options_of
 from roadmend.cli.output import Waiting, wide_console
 from roadmend.core.errors import InputError
 from roadmend.core.repair import Repair
@@ -33,7 +33,7 @@ def _topic(option: str, meaning: str) -> Any:
 
 
 def _metres(option: str, default: float, low: float, meaning: str) -> Any:
-    kind = click.FloatRange(low, 60.0)
+    kind = Number(low, 60.0)
     text = f"Of another stack's bag: {meaning} [m]."
     return click.option(f"--{option}", default=default, show_default=True, type=kind, help=text)
 

@@ -1,23 +1,30 @@
-"""``roadmend faults``: what the graph does when something in it breaks."""
+"""``roadmend faults``: what the graph does when something in it breaks, and commands when a file is broken."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import click
 
 from roadmend.cli.command import ExampleCommand
-from roadmend.cli.options import JSON, RESULT_FOLDER, settings_file
+from roadmend.cli.options import JSON, RESULT_FOLDER, Number, settings_file
 from roadmend.cli.output import counting, show_rows
-from roadmend.core.journal import Journal, entry_key
+from roadmend.core.journal import Entry, Journal, entry_key
 from roadmend.core.resources import config_folder
-from roadmend.faults.campaign import FaultTrial, load_campaign, trials_of
+from roadmend.faults.campaign import FILES, FaultCampaign, FaultTrial, load_campaign, trials_of
+from roadmend.faults.files import FileBench, FileTrial, Refused, file_trials
+from roadmend.faults.refusal import file_table, refusal_rows
 from roadmend.faults.trial import Disturbed, disturb
-from roadmend.faults.verdict import campaign_rows, judge, table
+from roadmend.faults.verdict import Judged, campaign_rows, judge, table
+from roadmend.nodes.domain import own_domain
+from roadmend.nodes.loopback import reach
 from roadmend.reports.result_files import provenance, write_report
 
-_FORMAT = "roadmend-faults/1"
-_CODE = ("roadmend.faults.trial", "roadmend.nodes.launcher", "roadmend.nodes.repair", "roadmend.nodes.sim")
+TITLE = "Faults in the running graph, and damaged files"
+_FORMAT = "roadmend-faults/2"
+_CODE = tuple(f"roadmend.nodes.{name}" for name in ("launcher", "policy", "recorder", "relay", "repair", "sim"))
+_CODE += ("roadmend.faults.trial",)
 
 
 @click.command(
@@ -27,58 +34,121 @@ _CODE = ("roadmend.faults.trial", "roadmend.nodes.launcher", "roadmend.nodes.rep
 )
 @settings_file("The campaign.  [default: config/faults/campaign.yaml]")
 @click.option("--count", type=click.IntRange(1, 1000), help="Runs of every row.  [default: the campaign's]")
-@click.option("--fault", "names", multiple=True, help="Rows of the campaign alone; may be repeated.  [default: all]")
+@click.option("--rate", "rates", type=Number(0.01, 100.0), multiple=True, help="Of real time; may be repeated.")
+@click.option(
+    "--fault",
+    "names",
+    multiple=True,
+    help=f"Rows of the campaign alone, {FILES!r} for those of files; may be repeated.  [default: all]",
+)
 @RESULT_FOLDER
+@click.option("--page", "with_page", is_flag=True, help="Write faults.html as well: the tables, and every run.")
 @JSON
-def faults(file: Path | None, count: int | None, names: tuple[str, ...], out: Path, *, as_json: bool) -> int:
-    """Disturb the running graph and judge what comes of it.
+def faults(
+    file: Path | None,
+    count: int | None,
+    rates: tuple[float, ...],
+    names: tuple[str, ...],
+    out: Path,
+    *,
+    with_page: bool,
+    as_json: bool,
+) -> int:
+    """Disturb the running graph and judge what comes of it; give damaged files to commands.
 
-    Each run starts 'roadmend run' as anybody would, sends a signal to one of its nodes at a moment drawn by the seed, and
-    then looks at the exit code, at what was said, at what was left behind, and into the bag. The exit code is 1 if a run
-    was not safe or a fault was not reported.
+    Each run starts 'roadmend run' as anybody would, and disturbs it at a moment drawn by the seed: a signal to one of its
+    nodes, messages that a relay distorts on their way, or a method that fails. Then it looks at the exit code, at what was
+    said, at what was left behind, and into the bag. The exit code is 1 if a run was not safe or a fault was not reported.
     """
-    campaign = load_campaign(file or config_folder() / "faults" / "campaign.yaml")
-    if names:
-        known = [fault.name for fault in campaign.faults]
-        for name in names:
-            if name not in known:
-                raise click.BadParameter(f"there is no {name!r}; choose of {', '.join(known)}", param_hint="--fault")
-        campaign = campaign.model_copy(update={"faults": tuple(f for f in campaign.faults if f.name in names)})
-    if count is not None:
-        campaign = campaign.model_copy(update={"seeds": count})
-    trials = list(trials_of(campaign))
-    settings = campaign.model_dump(mode="json", exclude={"faults", "seeds", "clocks", "rates"})
+    if with_page:  # before an hour of runs, not after them: it needs an extra
+        from roadmend.reports.faults_page import write_page  # noqa: PLC0415
+    campaign = _chosen(load_campaign(file or config_folder() / "faults" / "campaign.yaml"), names, count, rates)
     runs: list[tuple[FaultTrial, Disturbed]] = []
+    refused: list[tuple[FileTrial, Refused]] = []
+    settings = campaign.model_dump(mode="json", include={*_SETTINGS})
     with Journal(out / "runs.jsonl", _FORMAT, owns_folder=True) as journal, counting() as progress:
+        trials = list(trials_of(campaign))
         task = progress.add_task("runs", total=len(trials))
         for trial in trials:
-            key = entry_key(_CODE, settings, trial.as_dict())
-            kept = journal.get(key)
-            disturbed = Disturbed.parse(kept) if kept is not None else disturb(campaign, trial)
-            if kept is None:
-                journal.add(key, disturbed.as_dict())
-            runs.append((trial, disturbed))
+            entry = _kept(journal, entry_key(_CODE, settings, trial.as_dict()), lambda: _disturbed(campaign, trial))  # noqa: B023
+            runs.append((trial, Disturbed.parse(entry)))
+            progress.update(task, advance=1)
+        given = file_trials(campaign.files) if campaign.files is not None else []
+        task, bench = progress.add_task("files", total=len(given)), FileBench()
+        for one in given:
+            entry = _kept(journal, entry_key(_CODE, one.as_dict()), lambda: bench.give(one).as_dict())  # noqa: B023
+            refused.append((one, Refused.parse(entry)))
             progress.update(task, advance=1)
     judged = judge(runs)
-    rows = campaign_rows(judged)
+    rows, file_rows = campaign_rows(judged), refusal_rows(refused)
     content: dict[str, Any] = {
         "format": _FORMAT,
-        "provenance": provenance("./roadmend faults" + (f" --count {count}" if count else "")),
+        "provenance": provenance(" ".join(["./roadmend faults", *_words(names, count, rates)])),
         "campaign": campaign.model_dump(mode="json"),
-        "rows": rows,
+        "rows": [*rows, *file_rows],
         "too_late": sum(not disturbed.injected for _, disturbed in runs),
         # What was said names temporary folders; it stays in runs.jsonl.
         "runs": [trial.as_dict() | disturbed.as_dict() | {"stderr": None} for trial, disturbed in runs],
+        "files": [one.as_dict() | each.as_dict() | {"stderr": None} for one, each in refused],
     }
-    write_report(out, "faults", "Faults in the running graph", content, table(rows))
+    tables = table(rows), file_table(file_rows) if file_rows else []
+    write_report(out, "faults", TITLE, content, *tables)
+    if with_page:
+        write_page(out, TITLE, tables, judged, file_rows, content["provenance"])
     if as_json:
         click.echo(json.dumps(content, indent=2))
     else:
-        show_rows(table(rows))
+        for each_table in filter(None, tables):
+            show_rows(each_table)
+    return 1 if _complain(judged, file_rows) else 0
+
+
+_SETTINGS = ("policy", "repair", "families", "first_scenario", "time_limit", "earliest", "latest", "patience")
+
+
+def _chosen(
+    campaign: FaultCampaign, names: tuple[str, ...], count: int | None, rates: tuple[float, ...]
+) -> FaultCampaign:
+    """The campaign as the options change it."""
+    if names:
+        known = [*(fault.name for fault in campaign.faults), *([FILES] if campaign.files else [])]
+        for name in names:
+            if name not in known:
+                raise click.BadParameter(f"there is no {name!r}; choose of {', '.join(known)}", param_hint="--fault")
+        campaign = campaign.only(names)
+    if count is not None:
+        campaign = campaign.model_copy(update={"seeds": count})
+    return campaign.model_copy(update={"rates": rates}) if rates else campaign
+
+
+def _words(names: tuple[str, ...], count: int | None, rates: tuple[float, ...]) -> list[str]:
+    """The options as they were given."""
+    words = [f"--fault '{name}'" for name in names] + [f"--rate {rate:g}" for rate in rates]
+    return words + ([f"--count {count}"] if count else [])
+
+
+def _kept(journal: Journal, key: Any, make: Callable[[], Entry]) -> Entry:
+    """An entry of the journal, made and kept if it is not there."""
+    entry = journal.get(key)
+    if entry is None:
+        entry = make()
+        journal.add(key, entry)
+    return entry
+
+
+def _disturbed(campaign: FaultCampaign, trial: FaultTrial) -> Entry:
+    with own_domain() as domain:
+        return disturb(campaign, trial, {"ROS_DOMAIN_ID": str(domain), **reach()}).as_dict()
+
+
+def _complain(judged: list[Judged], file_rows: list[dict[str, Any]]) -> bool:
+    """Say what is not as it should be; whether anything is not."""
     wrong = [each for each in judged if each.faults or not each.is_reported]
     for each in wrong:
         why = ", ".join([*each.faults, *([] if each.is_reported else ["not reported"])])
-        click.echo(
-            f"{each.trial.row}, {each.trial.clock} x {each.trial.rate:g}, seed {each.trial.seed}: {why}", err=True
-        )
-    return 1 if wrong else 0
+        where = f"{each.trial.row}, {each.trial.clock} x {each.trial.rate:g}, seed {each.trial.seed}"
+        click.echo(f"{where}: {why}", err=True)
+    broken = [row for row in file_rows if row["faults"]]
+    for row in broken:
+        click.echo(f"{row['fault']}: {', '.join(row['faults'])}", err=True)
+    return bool(wrong or broken)

@@ -1,5 +1,6 @@
 """Options that many commands have, and commands that take their options as one object."""
 
+import math
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import fields
@@ -44,6 +45,21 @@ class NameType(click.ParamType[str]):
     def shell_complete(self, _context: click.Context, _option: click.Parameter, begun: str) -> list[CompletionItem]:
         """The names that begin so."""
         return [CompletionItem(name) for name in (*self.registry.names, *self.also) if name.startswith(begun)]
+
+
+class Number(click.FloatRange):
+    """A number within a range; no comparison with NaN is true, so that click's own range lets it pass."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The number.
+
+        Raises:
+            click.BadParameter: it is none, is not finite, or is outside the range.
+        """
+        number = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value} is not a finite number", param, ctx)
+        return number
 
 
 def only_own(_context: click.Context, _option: click.Parameter, path: Path | None) -> Path | None:

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import click
 
 from roadmend.cli.command import ExampleCommand
-from roadmend.cli.options import PATH, options_of
+from roadmend.cli.options import PATH, Number, options_of
 from roadmend.cli.ros_arguments import ROS_ARGUMENTS, ros_arguments
 from roadmend.nodes.loopback import reach
 
@@ -25,7 +25,7 @@ class ReplayOptions:
             "--rate",
             default=1.0,
             show_default=True,
-            type=click.FloatRange(1e-3, 1e3),
+            type=Number(1e-3, 1e3),
             help="Recorded seconds per second.",
         ),
     ]
@@ -35,7 +35,7 @@ class ReplayOptions:
             "--start",
             default=0.0,
             show_default=True,
-            type=click.FloatRange(0.0),
+            type=Number(0.0),
             help="Begin this many seconds into the bag.",
         ),
     ]

@@ -2,7 +2,6 @@
 
 import json
 import sys
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,14 +13,15 @@ from rich.table import Table
 
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import METHOD_NAME, RUN_POLICY, TUNED
-from roadmend.cli.options import BAGS, JSON, PATH, RECORD, options_of
+from roadmend.cli.options import BAGS, JSON, PATH, RECORD, Number, options_of
 from roadmend.cli.output import OUTCOME_STYLES, Waiting, wide_console
 from roadmend.cli.ros_arguments import ROS_ARGUMENTS, ros_arguments
 from roadmend.cli.sumo_options import TIME_LIMIT, WARM_UP, WARM_UP_OPTION, egos, sumocfg, time_limit
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.nodes.graph_options import GraphOptions
 from roadmend.nodes.launcher import run_graph
-from roadmend.nodes.run_result import InterruptedRunError, RunResult, gap_of
+from roadmend.nodes.run_result import InterruptedRunError, RunResult, complaint_of, gap_of
+from roadmend.nodes.scratch import scratch_folder
 from roadmend.nodes.supervisor import LOCKSTEP_SILENCE_S, REALTIME_SILENCE_S, START_S
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import drawn_scenarios, load_scenario, save_scenario, scenario_of_configuration
@@ -67,7 +67,7 @@ class RunOptions:
             "--rate",
             default=1.0,
             show_default=True,
-            type=click.FloatRange(0.01, 100.0),
+            type=Number(0.01, 100.0),
             help="Real time: simulated seconds per second.",
         ),
     ]
@@ -106,7 +106,7 @@ class RunOptions:
         float | None,
         click.option(
             "--start-deadline",
-            type=click.FloatRange(0.0, 86400.0),
+            type=Number(0.0, 86400.0),
             help="Seconds in which the drive must begin; 0 waits for ever.  "
             f"[default: {START_S:g}; 0 with --policy external]",
         ),
@@ -115,7 +115,7 @@ class RunOptions:
         float | None,
         click.option(
             "--silence",
-            type=click.FloatRange(1.0, 86400.0),
+            type=Number(1.0, 86400.0),
             help="Seconds without a sign of life after which a node is ended and started anew.  "
             f"[default: {LOCKSTEP_SILENCE_S:g} in lockstep, {REALTIME_SILENCE_S:g} in real time]",
         ),
@@ -150,10 +150,10 @@ def run(given: RunOptions) -> int:
         raise _placed(error, given) from None
     results: list[RunResult] = []
     faults: list[InputError] = []
-    with tempfile.TemporaryDirectory(prefix="roadmend-") as folder:
+    with scratch_folder("roadmend-") as folder:
         for number, scenario in enumerate(chosen):
             stem = given.scenario.stem if given.scenario is not None else scenario.name
-            path = Path(folder) / f"{stem}.yaml"
+            path = folder / f"{stem}.yaml"
             save_scenario(scenario, path)  # paths made absolute
             options = GraphOptions(
                 path,
@@ -189,6 +189,8 @@ def run(given: RunOptions) -> int:
     for each in faults:
         click.echo(f"roadmend: {each}", err=True)
     for result in results:
+        if complaint := complaint_of(result):
+            click.echo(f"roadmend: {complaint}", err=True)
         if result.lost_messages:
             click.echo(f"roadmend: {gap_of(result.bag, result.lost_messages)}", err=True)
     for result in results:

@@ -9,7 +9,7 @@ from typing import Annotated
 import click
 
 from roadmend.cli.command import ExampleCommand
-from roadmend.cli.options import FILE, JSON, MODEL_OUT, SEED, WORKERS, options_of
+from roadmend.cli.options import FILE, JSON, MODEL_OUT, SEED, WORKERS, Number, options_of
 from roadmend.cli.output import show_rows, stages
 from roadmend.cli.sera_options import BANK, NEURAL_POLICY, FewShotChoice, few_shot_options
 from roadmend.core.errors import InputError
@@ -61,9 +61,7 @@ class TuneOptions:
     few_shot: Annotated[FewShotChoice, few_shot_options]
     learning_rate: Annotated[
         float | None,
-        click.option(
-            "--learning-rate", type=click.FloatRange(0.0, 0.1, min_open=True), help="Instead of the settings'."
-        ),
+        click.option("--learning-rate", type=Number(0.0, 0.1, min_open=True), help="Instead of the settings'."),
     ]
     seed: Annotated[int, SEED]
     workers: Annotated[int, WORKERS]

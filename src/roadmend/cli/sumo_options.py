@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from roadmend.cli.options import PATH
+from roadmend.cli.options import PATH, Number
 
 DRIVES = 3  # on each configuration, where an evaluation is not told how many
 TIME_LIMIT = 120.0  # [s] of each drive
@@ -13,7 +13,7 @@ WARM_UP = 300.0  # [s] of traffic before
 
 WARM_UP_OPTION = click.option(
     "--warm-up",
-    type=click.FloatRange(0.0, 86_400.0),
+    type=Number(0.0, 86_400.0),
     help=f"With --sumocfg: seconds of traffic before the ego enters.  [default: {WARM_UP:g}]",
 )
 
@@ -25,7 +25,7 @@ def sumocfg(help_text: str, **more: Any) -> Callable[[Callable[..., Any]], Calla
 
 def time_limit(help_text: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """The option that bounds a drive."""
-    return click.option("--time-limit", type=click.FloatRange(0.1, 86_400.0), help=help_text)
+    return click.option("--time-limit", type=Number(0.1, 86_400.0), help=help_text)
 
 
 def egos(default: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:

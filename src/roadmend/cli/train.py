@@ -12,7 +12,7 @@ from rich.progress import TextColumn
 
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import POLICY, POLICY_CORPUS, POLICY_NAME
-from roadmend.cli.options import DEVICE, FILE, FOLDER, JSON, MODEL_OUT, SEED, WORKERS, options_of, settings_file
+from roadmend.cli.options import DEVICE, FILE, FOLDER, JSON, MODEL_OUT, SEED, WORKERS, Number, options_of, settings_file
 from roadmend.cli.output import counting, stages
 from roadmend.core.bounds import ARGUMENT
 from roadmend.core.errors import InputError
@@ -228,7 +228,7 @@ def adreft(given: AdreftOptions) -> None:
     examples=["roadmend train adjust my-repair.safetensors --threshold 0.6 --out adjusted.safetensors"],
 )
 @click.argument("model", type=FILE)
-@click.option("--threshold", type=click.FloatRange(0.0, 1.0), help="Above which it steps in.  [default: as it is]")
+@click.option("--threshold", type=Number(0.0, 1.0), help="Above which it steps in.  [default: as it is]")
 @click.option(
     "--set",
     "settings",

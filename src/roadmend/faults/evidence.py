@@ -1,11 +1,13 @@
 """What a bag shows of a fault: who fell silent when, what was declared and when, what is missing."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from roadmend.core.repair import RepairStatus
 from roadmend.core.tick import INTERVAL
+from roadmend.recording import topics
 from roadmend.recording.reader import BagReader
 from roadmend.recording.ticks import BagTick, BagTicks
 
@@ -21,9 +23,13 @@ class Evidence:
         is_declared: whether the state or event that was asked for stands anywhere behind the first answer. Who was away
             for a while may have answered each tick in the end, late.
         lost: messages of the simulator that are not in it although it drove on, one ego and one object list a tick.
-        silence: simulated time of the first tick that the node did not answer [s]; None if it answered all, or need not.
+        silence: simulated time of the first tick that the node did not answer, or whose messages were distorted [s]; None
+            if it answered all, or need not.
         to_state: simulated time from there until the state or event was declared [s]; None if it never was.
         to_standstill: likewise until the ego stood.
+        in_diagnostics: whether the repair node or the simulator has warned there after the drive had begun.
+        begun: simulated time of the first tick that was driven by the policy's command [s]; None without one. Before it the
+            vehicle is held, and the policy may answer those ticks later.
     """
 
     ticks: int
@@ -32,22 +38,43 @@ class Evidence:
     silence: float | None = None
     to_state: float | None = None
     to_standstill: float | None = None
+    in_diagnostics: bool = False
+    begun: float | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values, for JSON."""
         return asdict(self)
 
 
-def read_evidence(path: Path, node: str | None, declared: str | None, duration: float | None) -> Evidence:
+def read_evidence(
+    path: Path, node: str | None, declared: str | None, duration: float | None, since: int | None = None
+) -> Evidence:
     """What a bag shows; see :func:`evidence_of`.
 
     Raises:
         InputError: there is no such bag, it is corrupt, or holds no episode.
     """
-    return evidence_of(BagTicks(BagReader(path)), node, declared, duration)
+    reader = BagReader(path)
+    found = evidence_of(BagTicks(reader), node, declared, duration, since)
+    return replace(found, in_diagnostics=_has_warned(reader))
 
 
-def evidence_of(bag: Iterable[BagTick], node: str | None, declared: str | None, duration: float | None) -> Evidence:
+def _has_warned(reader: BagReader) -> bool:
+    for message in reader.messages([topics.DIAGNOSTICS]):
+        for status in message.value.status:
+            is_asked = status.name.endswith(("/repair_node", "/sim_node"))
+            if is_asked and status.level and not status.message.startswith(("inactive", "waiting")):
+                return True
+    return False
+
+
+def evidence_of(
+    bag: Iterable[BagTick],
+    node: str | None,
+    declared: str | None,
+    duration: float | None,
+    since: int | None = None,
+) -> Evidence:
     """What a bag shows.
 
     Args:
@@ -55,32 +82,42 @@ def evidence_of(bag: Iterable[BagTick], node: str | None, declared: str | None, 
         node: who was disturbed, without "_node"; None for nobody.
         declared: the state of repair, or the event, that must be in it; None for none.
         duration: of the episode as the result tells it [s]; None where there is no result.
+        since: stamp [ns] of the first message that was distorted; None where none was, and silence tells the moment.
     """
     ticks = [tick for tick in bag if tick.ego is not None or tick.driven or tick.command or tick.events]
     seen = [tick for tick in ticks if tick.ego is not None]
     span = 0.0 if len(seen) < 2 else (seen[-1].stamp - seen[0].stamp) * _NS
     expected = round(max(span, (duration or 0.0)) / INTERVAL) + 1
     lost = 2 * expected - len(seen) - sum(tick.objects is not None for tick in seen)
-    silence = _first_silent(seen, node)
-    begun = next((tick.stamp for tick in seen if tick.command is not None and tick.driven is not None), None)
+    silence = _first_silent(seen, node) if since is None else since
+    begun = next((tick.stamp for tick in seen if _is_driven(tick)), None)
     is_declared = declared is not None and any(
         begun is not None and tick.stamp > begun and _declares(tick, declared) for tick in ticks
     )
+    found = Evidence(
+        len(seen),
+        max(0, lost),
+        is_declared,
+        None if silence is None else silence * _NS,
+        begun=None if begun is None else begun * _NS,
+    )
     if silence is None or declared is None:
-        return Evidence(len(seen), max(0, lost), is_declared, None if silence is None else silence * _NS)
+        return found
     shown = next((tick.stamp for tick in ticks if tick.stamp >= silence and _declares(tick, declared)), None)
     stood = next(
         (tick.stamp for tick in seen if tick.stamp >= silence and tick.ego is not None and tick.ego.speed < 0.1),
         None,
     )
-    return Evidence(
-        len(seen),
-        max(0, lost),
-        is_declared,
-        silence * _NS,
-        None if shown is None else (shown - silence) * _NS,
-        None if stood is None else (stood - silence) * _NS,
+    return replace(
+        found,
+        to_state=None if shown is None else (shown - silence) * _NS,
+        to_standstill=None if stood is None else (stood - silence) * _NS,
     )
+
+
+def _is_driven(tick: BagTick) -> bool:
+    is_held = tick.repair is not None and tick.repair.status is RepairStatus.STARTING
+    return tick.command is not None and tick.driven is not None and not is_held
 
 
 def _first_silent(ticks: Sequence[BagTick], node: str | None) -> int | None:

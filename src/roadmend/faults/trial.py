@@ -4,10 +4,8 @@ import contextlib
 import hashlib
 import json
 import os
-import random
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Mapping
@@ -17,9 +15,12 @@ from typing import Any
 
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
+from roadmend.core.tick import INTERVAL, INTERVAL_NS
 from roadmend.faults.campaign import FaultCampaign, FaultTrial
 from roadmend.faults.evidence import Evidence, read_evidence
+from roadmend.faults.fault import MethodFault, SignalFault, TopicFault
 from roadmend.faults.processes import command_of, end_all, left_of, node_process
+from roadmend.faults.staging import TOUCHED, begin_of, relay, run_command
 from roadmend.recording.recovery import recover
 from roadmend.world.families import sample_scenario
 from roadmend.world.scenario_file import save_scenario
@@ -27,6 +28,7 @@ from roadmend.world.scenario_file import save_scenario
 _POLL_S = 0.02
 _START_S = 120.0  # patience until the vehicle drives [s]
 _LOCKSTEP_SPEED = 15.0  # simulated seconds a second, about; a fault that comes too late is told, see `injected`
+_SEEN_TICKS = 6  # that must be driven yet for a signal to be seen in the bag
 _GONE_S = 5.0  # who has been told to end may need so long [s]
 _OWNED = "mine.txt"  # stands for what was in the folder before
 
@@ -36,10 +38,11 @@ class Disturbed:
     """What came of one run.
 
     Attributes:
-        injected: whether the fault came while the vehicle drove; where not, the run tells nothing.
+        injected: whether the fault came while the vehicle drove, by the policy's commands; where not, the run tells nothing.
         exit_code: of ``roadmend run``; None if it hung and was killed.
         outcome: of the episode; empty without a result.
-        named: whether standard error names the node.
+        distance: least one to others [m]; None without a result, or where nobody was near.
+        named: whether standard error names the fault: the node, the state, or what cannot be used.
         traceback: whether standard error shows a bare traceback.
         left: processes and temporary folders that were left behind.
         is_tree_whole: whether what was in the folder before is still there, unchanged.
@@ -51,6 +54,7 @@ class Disturbed:
     injected: bool
     exit_code: int | None
     outcome: str
+    distance: float | None
     named: bool
     traceback: bool
     left: tuple[str, ...]
@@ -75,8 +79,13 @@ class Disturbed:
         return cls(**{**entry, **texts, "evidence": evidence})
 
 
-def disturb(campaign: FaultCampaign, trial: FaultTrial) -> Disturbed:
+def disturb(campaign: FaultCampaign, trial: FaultTrial, graph: Mapping[str, str]) -> Disturbed:
     """Run the graph, put the fault into it, and look at everything that is left.
+
+    Args:
+        campaign: the campaign.
+        trial: the run.
+        graph: environment by which the nodes of the run, and those that disturb it, find each other and nobody else.
 
     Raises:
         InputError: the campaign names a family that there is not.
@@ -89,31 +98,37 @@ def disturb(campaign: FaultCampaign, trial: FaultTrial) -> Disturbed:
         owned = folder / "bags" / _OWNED
         owned.write_text("was here before\n", encoding="utf-8")
         before = hashlib.sha256(owned.read_bytes()).digest()
+        environment = {**os.environ, **graph, "TMPDIR": str(temporary)}
+        environment["PYTHONPATH"] = os.pathsep.join(filter(None, [str(folder), os.environ.get("PYTHONPATH", "")]))
+        between = relay(campaign, trial, folder, environment | {"TMPDIR": str(folder)})
         try:
-            return _watch(_start(campaign, trial, folder), campaign, trial, folder, before)
+            return _watch(_start(campaign, trial, folder, environment), campaign, trial, folder, before)
         finally:
+            if between is not None:
+                between.kill()
+                between.wait()
             end_all(f"TMPDIR={temporary}")
 
 
-def _start(campaign: FaultCampaign, trial: FaultTrial, folder: Path) -> subprocess.Popen[str]:
+def _start(
+    campaign: FaultCampaign, trial: FaultTrial, folder: Path, environment: Mapping[str, str]
+) -> subprocess.Popen[str]:
     family = campaign.families[trial.seed % len(campaign.families)]
-    scenario = folder / "scenario.yaml"
-    save_scenario(sample_scenario(family, campaign.first_scenario + trial.seed), scenario)
-    command = [sys.executable, "-m", "roadmend.cli", "run", "--scenario", str(scenario), "--policy", campaign.policy]
-    command += ["--repair", campaign.repair, "--clock", trial.clock, "--rate", str(trial.rate), "--json"]
-    command += ["--out", str(folder / "bags"), "--name", "bag"]
-    if trial.fault is None or trial.fault.node != "viz":
-        command += ["--no-viz"]
-    environ = {key: value for key, value in os.environ.items() if key != "ROS_DOMAIN_ID"}
-    environ["TMPDIR"] = str(folder / "tmp")
+    scenario = sample_scenario(family, campaign.first_scenario + trial.seed)
+    if campaign.time_limit is not None:
+        scenario = scenario.model_copy(update={"time_limit": campaign.time_limit})
+    path = folder / "scenario.yaml"
+    save_scenario(scenario, path)
+    command = run_command(campaign, trial, path, folder)
     with (folder / "out").open("w") as out, (folder / "err").open("w") as err:
-        return subprocess.Popen(command, stdout=out, stderr=err, text=True, env=environ, start_new_session=True)
+        return subprocess.Popen(command, stdout=out, stderr=err, text=True, env=environment, start_new_session=True)
 
 
 def _watch(
     process: subprocess.Popen[str], campaign: FaultCampaign, trial: FaultTrial, folder: Path, before: bytes
 ) -> Disturbed:
-    injected = trial.fault is None or _inject(process, campaign, trial, folder)
+    fault = trial.fault
+    injected = not isinstance(fault, SignalFault) or _inject(process, fault, campaign, trial, folder)
     code: int | None
     try:
         code = process.wait(campaign.patience)
@@ -129,16 +144,23 @@ def _watch(
         process.wait()
     else:
         left += [f"folder {path.name}" for path in (folder / "tmp").glob("roadmend-*") if path.is_dir()]
+    if isinstance(fault, TopicFault) or (isinstance(fault, MethodFault) and fault.is_driven):
+        injected = (folder / TOUCHED).exists()
     said = (folder / "err").read_text(encoding="utf-8", errors="replace")
     result = _result(folder / "out")
     owned = folder / "bags" / _OWNED
-    node = trial.fault.node if trial.fault else None
-    evidence, recovered = _evidence(folder, trial, result.get("duration"))
+    evidence, recovered = None, False
+    if fault is None or fault.is_driven:
+        evidence, recovered = _evidence(campaign, folder, trial, result.get("duration"))
+    if fault is not None and trial.clock == "realtime" and evidence is not None:
+        # Before the policy's first answer the vehicle is held, and to be silent then is another fault.
+        injected = injected and evidence.begun is not None and evidence.begun < begin_of(campaign, trial)
     return Disturbed(
         injected,
         code,
         str(result.get("outcome", "")),
-        node is not None and f"{node}_node" in said,
+        result.get("min_distance"),
+        fault is not None and fault.said in said,
         "Traceback (most recent call last)" in said,
         tuple(left),
         owned.is_file() and hashlib.sha256(owned.read_bytes()).digest() == before,
@@ -148,13 +170,11 @@ def _watch(
     )
 
 
-def _inject(process: subprocess.Popen[str], campaign: FaultCampaign, trial: FaultTrial, folder: Path) -> bool:
+def _inject(
+    process: subprocess.Popen[str], fault: SignalFault, campaign: FaultCampaign, trial: FaultTrial, folder: Path
+) -> bool:
     """Send the signal at a moment drawn by the seed; returns whether it came while the vehicle drove."""
-    fault = trial.fault
-    assert fault is not None
-    drawn = random.Random(f"{fault.name}/{trial.clock}/{trial.rate}/{trial.seed}").uniform(
-        campaign.earliest, campaign.latest
-    )
+    drawn = begin_of(campaign, trial)
     speed = _LOCKSTEP_SPEED if trial.clock == "lockstep" else trial.rate
     until = time.monotonic() + _START_S
     while not any((folder / "tmp").glob("roadmend-run-*/sim.driving")):
@@ -169,11 +189,13 @@ def _inject(process: subprocess.Popen[str], campaign: FaultCampaign, trial: Faul
         os.kill(target, getattr(signal, f"SIG{fault.signal}"))
     except ProcessLookupError:
         return False
+    time.sleep(_SEEN_TICKS * INTERVAL / speed)
+    came_late = any((folder / "tmp").glob("roadmend-run-*/sim.json"))
     if fault.resume is not None:
         time.sleep(fault.resume)
         with contextlib.suppress(ProcessLookupError):
             os.kill(target, signal.SIGCONT)
-    return True
+    return not came_late
 
 
 def _result(path: Path) -> Mapping[str, Any]:
@@ -183,17 +205,30 @@ def _result(path: Path) -> Mapping[str, Any]:
     return {}
 
 
-def _evidence(folder: Path, trial: FaultTrial, duration: float | None) -> tuple[Evidence | None, bool]:
+def _evidence(
+    campaign: FaultCampaign, folder: Path, trial: FaultTrial, duration: float | None
+) -> tuple[Evidence | None, bool]:
     """What the bag shows, and whether it had to be recovered for that."""
     fault = trial.fault
-    node, declared = (fault.node, fault.declared) if fault else (None, None)
+    node = fault.node if isinstance(fault, SignalFault) else None
+    declared = fault.declared if fault else None
+    asked = (node, declared, duration, _since(campaign, trial, folder))
     bag = folder / "bags" / "bag"
     with contextlib.suppress(InputError):
-        return read_evidence(bag, node, declared, duration), False
+        return read_evidence(bag, *asked), False
     with contextlib.suppress(InputError):
         recover(bag, folder / "recovered")
-        return read_evidence(folder / "recovered", node, declared, duration), True
+        return read_evidence(folder / "recovered", *asked), True
     return None, True
+
+
+def _since(campaign: FaultCampaign, trial: FaultTrial, folder: Path) -> int | None:
+    """Stamp [ns] of the first tick that was disturbed, where that is known without the bag."""
+    if isinstance(trial.fault, MethodFault):
+        return round(begin_of(campaign, trial) / INTERVAL) * INTERVAL_NS
+    with contextlib.suppress(OSError, json.JSONDecodeError, LookupError, TypeError, ValueError):
+        return int(json.loads((folder / TOUCHED).read_text(encoding="utf-8"))["first"])
+    return None
 
 
 def collided(disturbed: Disturbed) -> bool:

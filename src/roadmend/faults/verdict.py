@@ -6,25 +6,31 @@ from statistics import median
 from typing import Any
 
 from roadmend.core.tick import INTERVAL
-from roadmend.faults.campaign import Fault, FaultTrial
+from roadmend.faults.campaign import FaultTrial
+from roadmend.faults.fault import Fault, SignalFault
 from roadmend.faults.trial import Disturbed, collided
 
 STATE_TICKS = 3  # within which the state must be declared
 
-HEADING = [
-    "fault",
-    "clock",
-    "runs",
-    "safe",
-    "reported",
-    "in 3 ticks",
-    "state after [s]",
-    "stands after [s]",
-    "lost messages",
-    "recovered",
-    "collisions",
-    "alone",
-]
+MEANINGS = {  # of the columns
+    "fault": "what was done to the graph",
+    "clock": "lockstep, or real time and how fast",
+    "runs": "in which the fault came while the vehicle drove",
+    "safe": "of them: the exit code is a documented one, no process and no folder is left, nothing that was there before is "
+    "changed, the bag reads, no traceback is shown, and no collision that the undisturbed run does not have",
+    "reported": "of them: standard error names the fault, and the bag holds its state or event",
+    f"in {STATE_TICKS} ticks": "that state came so soon after the first tick that was disturbed; of those where one was",
+    "state after [s]": "median of that time, simulated",
+    "stands after [s]": "likewise until the vehicle stood",
+    "nearest [m]": "least distance to anybody in any of the runs",
+    "diagnostics": "runs in which /diagnostics had a warning of the repair node or the simulator; it is written once a "
+    "second, and a drive in lockstep may be over before",
+    "lost messages": "of the simulator's that the bags lack",
+    "recovered": "bags that had to be",
+    "collisions": "runs that ended in one",
+    "alone": "of them, those that the undisturbed run has too",
+}
+HEADING = list(MEANINGS)
 
 
 @dataclass(frozen=True)
@@ -37,6 +43,7 @@ class Judged:
         faults: why it is not safe; empty if it is.
         is_reported: whether whoever must name the fault did.
         is_new_collision: whether it collided where the undisturbed run does not.
+        undisturbed: what came of the run without the fault; None if that was not run.
     """
 
     trial: FaultTrial
@@ -44,6 +51,7 @@ class Judged:
     faults: tuple[str, ...]
     is_reported: bool
     is_new_collision: bool
+    undisturbed: Disturbed | None = None
 
 
 def judge(runs: Sequence[tuple[FaultTrial, Disturbed]]) -> list[Judged]:
@@ -63,16 +71,19 @@ def _judged(trial: FaultTrial, disturbed: Disturbed, bare: Disturbed | None) -> 
         faults.append("a bare traceback")
     if not disturbed.is_tree_whole:
         faults.append("changed what it does not own")
-    if disturbed.evidence is None:
+    if disturbed.evidence is None and (fault is None or fault.is_driven):
         faults.append("lost the bag")
+    if fault is not None and not fault.is_driven and len(disturbed.stderr) != 1:
+        faults.append(f"{len(disturbed.stderr)} lines in place of one")
     is_new = collided(disturbed) and (bare is None or not collided(bare))
     if is_new:
         faults.append("collided")
-    return Judged(trial, disturbed, tuple(faults), fault is None or _is_reported(fault, trial.clock, disturbed), is_new)
+    is_reported = fault is None or _is_reported(fault, trial.clock, disturbed)
+    return Judged(trial, disturbed, tuple(faults), is_reported, is_new, bare)
 
 
 def _is_reported(fault: Fault, clock: str, disturbed: Disturbed) -> bool:
-    """Whether standard error names the node, and the bag shows the state.
+    """Whether standard error names the fault, and the bag shows the state.
 
     In lockstep the simulator waits, so that who is soon back has left no tick unanswered and nothing to declare; in real
     time nobody can be away without it.
@@ -84,7 +95,7 @@ def _is_reported(fault: Fault, clock: str, disturbed: Disturbed) -> bool:
         return True
     if evidence is None:
         return False
-    must_show = clock == "realtime" or evidence.silence is not None
+    must_show = clock == "realtime" or not isinstance(fault, SignalFault) or evidence.silence is not None
     return evidence.is_declared or not must_show
 
 
@@ -101,7 +112,7 @@ def _row(name: str, clock: str, rate: float, judged: Sequence[Judged]) -> dict[s
     states = [one.to_state for one in evidence if one.to_state is not None]
     stops = [one.to_standstill for one in evidence if one.to_standstill is not None]
     fault = judged[0].trial.fault
-    must = [one for one in evidence if fault and fault.declared and one.silence is not None]
+    must = [one for one in evidence if fault and fault.declared and fault.prompt and one.silence is not None]
     limit = STATE_TICKS * INTERVAL + 1e-6
     return {
         "fault": name,
@@ -116,6 +127,9 @@ def _row(name: str, clock: str, rate: float, judged: Sequence[Judged]) -> dict[s
         "seconds_to_state": median(states) if states else None,
         "seconds_to_state_max": max(states, default=None),
         "seconds_to_standstill": median(stops) if stops else None,
+        "nearest": min((one.disturbed.distance for one in judged if one.disturbed.distance is not None), default=None),
+        "on_stderr": sum(one.disturbed.named for one in judged),
+        "in_diagnostics": sum(one.in_diagnostics for one in evidence),
         "recovered": sum(each.disturbed.recovered for each in judged),
         "collisions": sum(collided(each.disturbed) for each in judged),
         "new_collisions": sum(each.is_new_collision for each in judged),
@@ -131,9 +145,9 @@ def table(rows: Sequence[Mapping[str, Any]]) -> list[list[str]]:
 def _cells(row: Mapping[str, Any]) -> list[str]:
     clock = row["clock"] if row["clock"] == "lockstep" else f"{row['clock']} x {row['rate']:g}"
     within = f"{row['within_3_ticks']} of {row['must_declare']}" if row["must_declare"] else _number(None)
-    figures = [_number(row["seconds_to_state"]), _number(row["seconds_to_standstill"])]
-    counts = [str(row[name]) for name in ("lost_messages", "recovered", "collisions", "new_collisions")]
-    counts[2:] = [counts[2], str(row["collisions"] - row["new_collisions"])]
+    figures = [_number(row["seconds_to_state"]), _number(row["seconds_to_standstill"]), _number(row["nearest"])]
+    counts = [str(row[name]) for name in ("in_diagnostics", "lost_messages", "recovered", "collisions")]
+    counts.append(str(row["collisions"] - row["new_collisions"]))
     return [row["fault"], clock, str(row["runs"]), str(row["safe"]), str(row["reported"]), within, *figures, *counts]
 
 

@@ -24,9 +24,10 @@ from roadmend.core.extras import extra_missing
 from roadmend.nodes.fault import FAULT_FILE, leave_fault, read_fault
 from roadmend.nodes.heartbeat import HEARTBEAT_FILE, Pulse
 
-_context = multiprocessing.get_context("forkserver")
+CONTEXT = multiprocessing.get_context("forkserver")
 # Imports are most of a node's start. The server does them once; each node, and each restart, is then a fork away.
-_context.set_forkserver_preload([f"roadmend.nodes.{node}" for node in ("sim", "policy", "repair", "recorder", "viz")])
+CONTEXT.set_forkserver_preload([f"roadmend.nodes.{node}" for node in ("sim", "policy", "repair", "recorder", "viz")])
+_STARTS = 3  # tries at starting a node
 
 
 @dataclass
@@ -47,11 +48,15 @@ class Child:
         self.pulse = Pulse(self.log.with_suffix(".beat"))
 
     def start(self) -> None:
-        """Start the process; what it prints goes to its log."""
+        """Start the process; what it prints goes to its log.
+
+        Raises:
+            RoadmendError: the server that forks nodes has gone, and the one that took its place has as well.
+        """
         self.fault_file.unlink(missing_ok=True)
         self.pulse.begin()
         self.hung = ""
-        self.process = _context.Process(
+        process = CONTEXT.Process(
             target=_become_node,
             # All of the environment as it is now: the server's own is that of the day when it started.
             args=(
@@ -69,7 +74,17 @@ class Child:
             ),
             name=self.name,
         )
-        self.process.start()
+        self.process = None
+        for left in reversed(range(_STARTS)):
+            try:
+                process.start()
+            except (OSError, EOFError) as error:  # the server was killed; with the next call there is another one
+                if not left:
+                    how = str(error) or type(error).__name__
+                    raise RoadmendError(f"{self.name} cannot be started ({how})") from None
+            else:
+                break
+        self.process = process
 
     @property
     def exit_code(self) -> int | None:

@@ -1,6 +1,7 @@
 """In which frame messages say that they are: what is in another one is not used, and named."""
 
 import struct
+from collections.abc import Mapping
 
 from roadmend.recording.messages import MAP_FRAME
 
@@ -23,6 +24,7 @@ class FrameCheck:
     def __init__(self, frame: str = MAP_FRAME) -> None:
         self.frame = frame
         self.faults: dict[str, str] = {}  # part of a tick -> the foreign frame of its last message
+        self.seen: dict[str, str] = {}  # the same of all that ever came
 
     def is_foreign(self, part: str, data: bytes) -> bool:
         """Whether a message that has just come is in another frame."""
@@ -31,11 +33,19 @@ class FrameCheck:
             if self.faults:
                 self.faults.pop(part, None)
             return False
-        self.faults[part] = frame
+        self.faults[part] = self.seen[part] = frame
         return True
 
     @property
     def warning(self) -> str:
         """What is in which frame, for people; empty where all is as it should be."""
-        told = ", ".join(f"{part} in {frame!r}" for part, frame in sorted(self.faults.items()))
+        return self._words(self.faults)
+
+    @property
+    def account(self) -> str:
+        """The same of all that ever came, for the result of a run."""
+        return self._words(self.seen)
+
+    def _words(self, faults: Mapping[str, str]) -> str:
+        told = ", ".join(f"{part} in {frame!r}" for part, frame in sorted(faults.items()))
         return f"not used, since it is not in the frame {self.frame!r}: {told}" if told else ""

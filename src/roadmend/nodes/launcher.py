@@ -3,7 +3,6 @@
 import contextlib
 import json
 import signal
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -20,6 +19,7 @@ from roadmend.nodes.graph_options import NODES, SUMMARY, GraphOptions, Place
 from roadmend.nodes.loopback import reach
 from roadmend.nodes.ros_arguments import SHARED, check_addressees, check_taken, shared_parameters
 from roadmend.nodes.run_result import InterruptedRunError, RunResult, announcement_of, read_result
+from roadmend.nodes.scratch import scratch_folder
 from roadmend.nodes.supervisor import START_S, Supervisor
 
 POLL_S = 0.05
@@ -45,10 +45,10 @@ def run_graph(options: GraphOptions, report: Callable[[str, float], None] = lamb
     with (
         claimed_bag(options.bags, options.name, options.stem, is_wanted=options.record) as bag,
         own_domain() as domain,
-        tempfile.TemporaryDirectory(prefix="roadmend-run-") as folder,
+        scratch_folder("roadmend-run-") as folder,
         _signals() as stopped,
     ):
-        return _GraphRun(options, bag, Path(folder), domain, report).supervise(stopped)
+        return _GraphRun(options, bag, folder, domain, report).supervise(stopped)
 
 
 class _GraphRun:

@@ -173,7 +173,7 @@ def declare_field(node: Node, name: str, info: FieldInfo, choices: Sequence[str]
         choices=choices or (get_args(info.annotation) if get_origin(info.annotation) is Literal else ()),
         read_only=is_fixed,
     )
-    return tuple(filter(None, value)) if is_list else value
+    return tuple(filter(None, value or ())) if is_list else value  # an empty list comes as None
 
 
 def _bound(info: FieldInfo, name: str) -> float | None:

@@ -68,6 +68,7 @@ class RepairNode(SteadyLifecycleNode):
         self._tally = RepairTally(self._journal)
         self._active = False
         self._started = False  # a complete tick has been answered in this episode
+        self._is_over = False  # the simulator has said so: that no more ticks come is no fault
         self._silent_since: str = ""  # what is missing, or empty
         self._last_stamp = -1
         self._prepared: tuple[int, Scene | None] = (-1, None)
@@ -92,6 +93,7 @@ class RepairNode(SteadyLifecycleNode):
     def _listen(self) -> None:
         """Take in the messages of ticks that share a stamp."""
         self.create_subscription(msg.Route, topics.ROUTE, self._on_route, qos.LATCHED, raw=True)
+        self.create_subscription(msg.ScenarioEvent, topics.EVENTS, self._on_event, qos.EVENT, raw=True)
         for part, kind, topic, profile in (
             ("ego", Odometry, topics.EGO, qos.STREAM),
             ("objects", msg.ObjectList, topics.OBJECTS, qos.STREAM),
@@ -190,7 +192,7 @@ class RepairNode(SteadyLifecycleNode):
     def _on_route(self, data: bytes) -> None:
         self._parts.pairing.clear()
         self._prepared = (-1, None)
-        self._started = False
+        self._started = self._is_over = False
         self._last_stamp = -1
         try:
             self._route, self._route_fault = messages.route_of(messages.ROUTE.decode(data)), ""
@@ -201,6 +203,11 @@ class RepairNode(SteadyLifecycleNode):
         self._motion.reset(self._route)
         if self._repairer is not None:
             self._repairer.reset(self._route)
+
+    def _on_event(self, data: bytes) -> None:
+        with contextlib.suppress(ValueError):  # bytes that are no event end nothing
+            event = messages.event_of(messages.EVENT.decode(data))
+            self._is_over = self._is_over or (event is not None and event.kind.is_final)
 
     def _add(self, part: str, data: bytes) -> None:
         if self._frames.is_foreign(part, data):
@@ -270,7 +277,7 @@ class RepairNode(SteadyLifecycleNode):
         if not self._active or self._repairer is None or (self._times.is_lockstep and not self._started):
             return  # in lockstep the simulator repeats the first tick until the policy has joined
         self._answer_late(now)
-        if self._times.is_lockstep or self._parts.pairing.waiting() is not None:
+        if self._times.is_lockstep or self._is_over or self._parts.pairing.waiting() is not None:
             return
         ages = self._times.ages
         if now - self._last_arrival > ages.silence and now - self._last_answer > ages.tick:
@@ -365,7 +372,8 @@ class RepairNode(SteadyLifecycleNode):
         self._tally.close()
         if self._summary:
             fault = "" if self._repairer is None else self._repairer.first_fault
-            write_text(Path(self._summary), json.dumps({**self._tally.account(), "fault": fault}, indent=1))
+            told = {**self._tally.account(), "fault": fault, "frames": self._frames.account}
+            write_text(Path(self._summary), json.dumps(told, indent=1))
 
 
 def main(args: Sequence[str] | None = None) -> int:

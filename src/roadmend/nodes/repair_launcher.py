@@ -4,7 +4,6 @@ import contextlib
 import json
 import os
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -19,6 +18,7 @@ from roadmend.nodes.graph_options import JOURNAL, RECORDER_SUMMARY, REPAIR_SUMMA
 from roadmend.nodes.loopback import reach
 from roadmend.nodes.repair_tally import RepairTally
 from roadmend.nodes.run_result import read_summary
+from roadmend.nodes.scratch import scratch_folder
 from roadmend.nodes.spinning import stop_on_signals
 from roadmend.nodes.supervisor import REALTIME_SILENCE_S, Supervisor
 from roadmend.repair.registry import METHOD_REGISTRY
@@ -77,10 +77,10 @@ def run_repair(options: RepairGraphOptions, report: Callable[[str], None]) -> Re
     """
     with (
         claimed_bag(options.bags, options.name, options.stem, is_wanted=options.record) as bag,
-        tempfile.TemporaryDirectory(prefix="roadmend-repair-") as folder,
+        scratch_folder("roadmend-repair-") as folder,
         stop_on_signals() as flag,
     ):
-        run = _Run(options, bag, Path(folder), report)
+        run = _Run(options, bag, folder, report)
         try:
             return run.until(lambda: flag.is_set)
         finally:

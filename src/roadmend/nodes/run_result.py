@@ -9,11 +9,24 @@ from typing import Any
 
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.interrupt import InterruptedWorkError
+from roadmend.core.outcome import EventKind
+from roadmend.core.repair import RepairStatus
 from roadmend.core.spell import Spell
 from roadmend.nodes.announcement import Announcement
 from roadmend.nodes.graph_options import JOURNAL, RECORDER_SUMMARY, REPAIR_SUMMARY, SUMMARY
 from roadmend.nodes.repair_tally import RepairTally
 
+_STATE = "state."  # before the name of a state, in the tally
+_COMPLAINTS = frozenset(
+    status.name
+    for status in (
+        RepairStatus.STALE_COMMAND,
+        RepairStatus.STALE_OBJECTS,
+        RepairStatus.INVALID_COMMAND,
+        RepairStatus.INVALID_OBJECTS,
+        RepairStatus.MODEL_FAULT,
+    )
+)
 STANDSTILL_TICKS = 20  # at the end of a run, driven without the policy or the repair node, are no late command any more
 
 
@@ -34,6 +47,8 @@ class RunResult:
     configuration: dict[str, Any] = field(default_factory=dict)  # by node: what each has announced of itself
     faults: tuple[str, ...] = ()  # nodes that ended, hung or fell silent, in one line each
     lost_messages: int = 0  # that were sent, as far as DDS knows, and are not in the bag
+    answers: dict[str, int] = field(default_factory=dict)  # of the repair node, by state
+    foreign_frames: str = ""  # whose messages the repair node did not use for their frame; empty where there were none
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values, for JSON: the episode's figures without its peaks, and what is the run's own."""
@@ -74,6 +89,8 @@ def read_result(folder: Path, clock: str, restarts: int, bag: Path | None, fault
         change=tally["change"],
         spells=tuple(Spell(**spell) for spell in tally["spells"]),
     )
+    left = read_summary(folder / REPAIR_SUMMARY)
+    answers = {name.removeprefix(_STATE): count for name, count in tally.items() if name.startswith(_STATE)}
     return RunResult(
         episode,
         sim["account"].get("clock", clock),
@@ -81,11 +98,13 @@ def read_result(folder: Path, clock: str, restarts: int, bag: Path | None, fault
         restarts,
         sim["real_time_factor"],
         str(bag or ""),
-        method_error=read_summary(folder / REPAIR_SUMMARY).get("fault", ""),
+        method_error=left.get("fault", ""),
         warnings=tuple(sim["warnings"]),
         configuration={name: announcement_of(one).as_dict() for name, one in sim["announced"].items()},
         faults=(*faults, *_silent_end(sim.get("watchdog_since", 0), tally["stale"])),
         lost_messages=read_summary(folder / RECORDER_SUMMARY).get("lost_messages", 0),
+        answers=answers,
+        foreign_frames=left.get("frames", ""),
     )
 
 
@@ -96,6 +115,22 @@ def _silent_end(bitten: int, stale: int) -> list[str]:
     if stale >= STANDSTILL_TICKS:
         return [f"policy_node, or what it needs, was missing at the last {stale} ticks: controlled stop"]
     return []
+
+
+def complaint_of(result: RunResult) -> str:
+    """Ticks whose command or scene was not as it should be, in one line for people; empty where all were."""
+    counts = {name: count for name, count in result.answers.items() if name in _COMPLAINTS}
+    resets = result.answers.get(RepairStatus.RESET.name, 0) - 1 - result.restarts  # each begins with one
+    if resets > 0:
+        counts[RepairStatus.RESET.name] = resets
+    told = ", ".join(f"{count} as {name}" for name, count in counts.items())
+    lines = [
+        f"of {sum(result.answers.values())} answers repair_node gave {told}" if told else "",
+        result.foreign_frames,
+    ]
+    if result.watchdog_ticks:
+        lines.append(f"the simulator braked by itself at {result.watchdog_ticks} ticks ({EventKind.WATCHDOG.name})")
+    return "; ".join(filter(None, lines))
 
 
 def gap_of(bag: str, lost: int) -> str:

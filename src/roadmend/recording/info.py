@@ -134,7 +134,7 @@ class _Reading:
         else:
             self._rhythms.setdefault(item.topic.name, Rhythm()).add(item.time_ns)
             self._topics[item.topic.name] = item.topic
-            with contextlib.suppress(ValueError):  # a message that was altered on the disk
+            with contextlib.suppress(ValueError, AttributeError):  # it, or its definition, was altered on the disk
                 self._look_into(item)
 
     def _look_into(self, item: ScannedMessage) -> None:

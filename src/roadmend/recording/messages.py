@@ -6,7 +6,9 @@ What is read from a message is a copy: it may be changed, and does not hold on t
 import itertools
 import math
 import struct
-from typing import Any
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +24,8 @@ from roadmend.recording.codec import MessageType
 from roadmend.world.road_network import LaneMap
 
 Floats = NDArray[np.float64]
+_Given = ParamSpec("_Given")
+_Read = TypeVar("_Read")
 
 MAP_FRAME = "map"
 BASE_FRAME = "base_link"
@@ -48,6 +52,19 @@ TRAJECTORY = MessageType(topics.TYPES[topics.POLICY_TRAJECTORY])
 REPAIR = MessageType(topics.TYPES[topics.REPAIR_STATE])
 
 _STAMPS = (struct.Struct(">iI"), struct.Struct("<iI"))  # by the lowest bit of the encapsulation: big, little endian
+
+
+def _told(read: Callable[_Given, _Read]) -> Callable[_Given, _Read]:
+    """What reads a message, and says so where the message lacks a field: a bag brings its own definitions along."""
+
+    @wraps(read)
+    def told(*given: _Given.args, **named: _Given.kwargs) -> _Read:
+        try:
+            return read(*given, **named)
+        except AttributeError as error:
+            raise ValueError(f"its definition lacks a field: {error}") from error
+
+    return told
 
 
 # -- time -------------------------------------------------------------------------------------------------------------
@@ -105,6 +122,7 @@ def ego_message_of(ego: EgoState, header: Any) -> Any:
     )
 
 
+@_told
 def ego_of(message: Any, length: float = EGO_SIZE[0], width: float = EGO_SIZE[1]) -> EgoState:
     """The ego from odometry; its size [m] comes from the route."""
     position, orientation = message.pose.pose.position, message.pose.pose.orientation
@@ -137,6 +155,7 @@ def object_message_of(objects: ObjectList, signals: NDArray[np.uint8], header: A
     )
 
 
+@_told
 def objects_of(message: Any) -> tuple[ObjectList, NDArray[np.uint8]]:
     """The participants and the traffic lights.
 
@@ -155,6 +174,7 @@ def command_message_of(command: Command, header: Any) -> Any:
     return COMMAND(header=header, throttle=command.throttle, brake=command.brake, change_lane=command.change_lane)
 
 
+@_told
 def command_of(message: Any) -> Command:
     """A command; not checked, see Command.fault."""
     return Command(message.throttle, message.brake, message.change_lane)
@@ -173,6 +193,7 @@ def trajectory_message_of(trajectory: Trajectory, header: Any) -> Any:
     )
 
 
+@_told
 def trajectory_of(message: Any) -> Trajectory:
     """A planned trajectory."""
     x, y, yaw, speed = (floats_of(part) for part in (message.x, message.y, message.yaw, message.speed))
@@ -205,6 +226,7 @@ def renewed_repair_message_of(message: Any) -> Any:
     return REPAIR(**{name: getattr(message, name, getattr(empty, name)) for name in empty.__dataclass_fields__})
 
 
+@_told
 def repair_of(message: Any) -> Repair:
     """The account of one tick's repair, with the command that its final action stands for.
 
@@ -251,6 +273,7 @@ def event_message_of(event: Event) -> Any:
     )
 
 
+@_told
 def event_of(message: Any) -> Event | None:
     """Something that happened to the episode; None where it is of a kind that is not known here.
 
@@ -296,6 +319,7 @@ def route_message_of(route: Route, header: Any) -> Any:
     )
 
 
+@_told
 def route_of(message: Any) -> Route:
     """A route.
 
@@ -339,6 +363,7 @@ def map_message_of(lanes: LaneMap, header: Any) -> Any:
     )
 
 
+@_told
 def lanes_of(message: Any) -> LaneMap:
     """The road network."""
     return LaneMap(

@@ -4,7 +4,6 @@ import contextlib
 from dataclasses import dataclass, field
 from typing import Any
 
-from roadmend.core.outcome import EventKind
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.spell_account import SpellAccount, SpellAccountBuilder
@@ -80,7 +79,8 @@ class _Graph:
         elif topic == OBJECTS:
             parts.objects = item
         elif topic == EVENTS:
-            parts.is_final |= value.kind in set(EventKind) and EventKind(value.kind).is_final
+            event = messages.event_of(value)
+            parts.is_final |= event is not None and event.kind.is_final
         else:
             parts.repair = messages.repair_of(value)
             self.answers += 1

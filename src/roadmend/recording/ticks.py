@@ -90,16 +90,22 @@ class BagTicks:
         """
         takers = {name: _TAKERS[topic] for topic, name in self.topics.items()}
         open_ticks: dict[int, BagTick] = {}
-        for message in self._reader.messages(list(takers)):
-            stamp = messages.stamp_of(message.value.header)
+        for record in self._reader.records(list(takers)):
+            try:
+                value = self._reader.decode(record)
+            except InputError:
+                if takers[record.topic] is _take_route:
+                    raise
+                continue  # somebody has sent bytes that are no such message; who waited for one has said so
+            stamp = messages.stamp_of_bytes(record.data)
             if stamp not in open_ticks:
                 open_ticks[stamp] = BagTick(stamp)
                 for done in sorted(known for known in open_ticks if known < stamp - LATE_NS):
                     yield open_ticks.pop(done)
             try:
-                takers[message.topic](open_ticks[stamp], message.value)
+                takers[record.topic](open_ticks[stamp], value)
             except (ValueError, IndexError) as error:
-                where = f"{message.topic} at {stamp * 1e-9:.2f} s"
+                where = f"{record.topic} at {stamp * 1e-9:.2f} s"
                 raise InputError(str(self.path), f"{where}: {error}", "take another bag") from error
         for stamp in sorted(open_ticks):
             yield open_ticks[stamp]

@@ -1,0 +1,170 @@
+"""How a fault gets into a run: what ``roadmend run`` is told, who is put between its nodes, and which files it is given."""
+
+import json
+import random
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from roadmend.core.resources import config_folder
+from roadmend.core.tick import INTERVAL
+from roadmend.faults.campaign import FaultCampaign, FaultTrial
+from roadmend.faults.distortion import CLOCK
+from roadmend.faults.fault import RELAY, STRANGER, MethodFault, TopicFault
+from roadmend.recording import topics
+
+TOUCHED = "touched.json"  # what the relay, or the method, leaves when it begins to disturb
+_MODEL = "adreft-modular.safetensors"
+_FOREIGN_MODEL = "self_oracle-modular.safetensors"
+_METHOD = '''"""A repair method that fails for a while; written by a campaign of faults."""
+
+import math
+import random
+import time
+from pathlib import Path
+
+from roadmend import Proposal
+
+
+class Broken:
+    """Has no opinion, but for the ticks in which it fails."""
+
+    name = "broken"
+
+    def reset(self, route):
+        pass
+
+    def propose(self, scene, decision):
+        tick = round(scene.time / {interval!r})
+        if not {begin} <= tick < {end} or random.Random(tick).random() >= {share!r}:
+            return Proposal(0.0, 1.0, 1.0)
+        Path({report!r}).touch()
+        if {method!r} == "raises":
+            raise RuntimeError("this method always fails here")
+        if {method!r} == "overruns":
+            time.sleep(0.04)
+            return Proposal(0.0, 1.0, 1.0)
+        return Proposal(math.nan, 1.0, -1.0)
+'''
+
+
+def begin_of(campaign: FaultCampaign, trial: FaultTrial) -> float:
+    """The moment, drawn by the seed, at which a fault comes [s] of simulated time after the start."""
+    assert trial.fault is not None
+    numbers = random.Random(f"{trial.fault.name}/{trial.clock}/{trial.rate}/{trial.seed}")
+    after = getattr(trial.fault, "after", 0.0)
+    return after + numbers.uniform(0.0, 1.0) if after else numbers.uniform(campaign.earliest, campaign.latest)
+
+
+def run_command(campaign: FaultCampaign, trial: FaultTrial, scenario: Path, folder: Path) -> list[str]:
+    """The command line of the run, for a folder of its own."""
+    fault = trial.fault
+    command = [sys.executable, "-m", "roadmend.cli", "run", "--scenario", str(scenario), "--policy", campaign.policy]
+    method, ros = campaign.repair, list[str]()
+    if isinstance(fault, TopicFault):
+        ros = _beside() if fault.is_stranger else _detour(fault.topic)
+    if isinstance(fault, MethodFault):
+        method, ros = _broken(campaign, trial, fault, folder)
+    command += ["--repair", method, "--clock", trial.clock, "--rate", str(trial.rate), "--json"]
+    command += ["--out", str(folder / "bags"), "--name", "bag"]
+    if fault is None or getattr(fault, "node", "") != "viz":
+        command += ["--no-viz"]
+    return command + (["--ros-args", *ros] if ros else [])
+
+
+def relay(
+    campaign: FaultCampaign, trial: FaultTrial, folder: Path, environment: Mapping[str, str]
+) -> subprocess.Popen[bytes] | None:
+    """The node that disturbs a topic, started; None where none is asked for.
+
+    Args:
+        campaign: the campaign.
+        trial: the run.
+        folder: its folder.
+        environment: of the process, with the graph's domain.
+    """
+    fault = trial.fault
+    if not isinstance(fault, TopicFault):
+        return None
+    values = {
+        "links": [fault.topic] if fault.is_stranger else _links(fault.topic),
+        "distortion": fault.distortion,
+        "begin": round(begin_of(campaign, trial) / INTERVAL),
+        "ticks": fault.ticks,
+        "share": fault.share,
+        "late": fault.late,
+        "shift": fault.shift,
+        "seed": trial.seed,
+        "report": str(folder / TOUCHED),
+    }
+    command = [sys.executable, "-m", "roadmend.nodes.relay", "--ros-args"]
+    command += ["-r", f"__node:={fault.node}"]
+    for name, value in values.items():
+        command += ["-p", f"{name}:={json.dumps(value)}"]
+    with (folder / "relay.log").open("wb") as log:
+        return subprocess.Popen(command, stdout=log, stderr=log, env=dict(environment), start_new_session=True)
+
+
+def _links(topic: str) -> list[str]:
+    """What the relay listens to and publishes, as it takes it."""
+    if topic == CLOCK:
+        return [link for one in (topics.EGO, topics.OBJECTS, topics.REPAIR_COMMAND) for link in _links(one)]
+    if topic in (topics.EGO, topics.OBJECTS):
+        return [f"{topic}>{topic}>behind/{topic}"]
+    return [f"{topic}>before/{topic}>{topic}"]
+
+
+def _beside() -> list[str]:
+    """ROS arguments by which the simulator waits for a stranger too."""
+    return ["-p", f"sim_node:wait_for:={json.dumps(['recorder_node', 'policy_node', 'repair_node', STRANGER])}"]
+
+
+def _detour(topic: str) -> list[str]:
+    """ROS arguments by which a topic's messages go through the relay, and the relay is the writer that is obeyed.
+
+    What lies behind the relay does not listen to the simulator itself, which therefore must not wait for that.
+    """
+    waited = ["recorder_node", "policy_node", "repair_node", RELAY]
+    remaps: Sequence[tuple[str, str]] = []
+    if topic in (topics.EGO, topics.OBJECTS):
+        remaps, waited = [("repair_node", topic)], [name for name in waited if name != "repair_node"]
+    elif topic == CLOCK:
+        remaps = [(node, one) for node in ("policy_node", "repair_node") for one in (topics.EGO, topics.OBJECTS)]
+        waited = ["recorder_node", RELAY]
+    words = [f"{node}:{one}:=behind/{one}" for node, one in remaps]
+    settings = [f"sim_node:wait_for:={json.dumps(waited)}"]
+    if topic in (topics.POLICY_COMMAND, topics.POLICY_TRAJECTORY):
+        words.append(f"policy_node:{topic}:=before/{topic}")
+    if topic == topics.POLICY_COMMAND:
+        settings.append(f"repair_node:writer:={RELAY}")
+    if topic in (topics.REPAIR_COMMAND, CLOCK):
+        words.append(f"repair_node:{topics.REPAIR_COMMAND}:=before/{topics.REPAIR_COMMAND}")
+        settings.append(f"sim_node:writer:={RELAY}")
+    return [*(part for word in words for part in ("-r", word)), *(part for one in settings for part in ("-p", one))]
+
+
+def _broken(campaign: FaultCampaign, trial: FaultTrial, fault: MethodFault, folder: Path) -> tuple[str, list[str]]:
+    """Name of the method and ROS arguments, after what they need has been written."""
+    if fault.is_driven:
+        begin = round(begin_of(campaign, trial) / INTERVAL)
+        text = _METHOD.format(
+            interval=INTERVAL,
+            begin=begin,
+            end=begin + fault.ticks,
+            share=fault.share,
+            report=str(folder / TOUCHED),
+            method=fault.method,
+        )
+        (folder / "broken_method.py").write_text(text, encoding="utf-8")
+        return "broken_method:Broken", []
+    model = folder / "model.safetensors"
+    content = (config_folder() / "models" / (_FOREIGN_MODEL if fault.method == "foreign" else _MODEL)).read_bytes()
+    if fault.method == "changed":
+        middle = len(content) // 2
+        content = content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
+    if fault.method == "cut":
+        content = content[: len(content) // 2]
+    if fault.method != "missing":
+        model.write_bytes(content)
+    return "adreft", ["-p", f"repair_node:adreft.model:={json.dumps(str(model))}"]
