@@ -113,6 +113,7 @@ class _Walker:
         self.clauses: list[Clause] = []
         self.focus: Actor | None = None  # the last subject
         self.last: Actor | None = None  # the last one spoken of
+        self.recent: list[int] = []  # vehicles in the order in which they were spoken of
 
     def walk(self, sentence: Sentence, mentions: Sequence[Mention]) -> None:
         items = sentence.items
@@ -129,7 +130,7 @@ class _Walker:
                 place = last + 1
                 continue
             item = items[place]
-            if item.is_a("relative") and item.low != "that" and self.last is not None and not _is_end(items, place):
+            if item.is_a("relative") and self.last is not None and self._is_relative(items, place):
                 self._flush()
                 self.pending, self.clause, self.head = self.last, None, []
             elif _is_verb(items, place, after_actor=self._is_after_actor(items, place)):
@@ -141,6 +142,13 @@ class _Walker:
 
     def _is_after_actor(self, items: Sequence[Item], place: int) -> bool:
         return self.last is not None and place > 0 and self.last.span.end == items[place - 1].span.end
+
+    def _is_relative(self, items: Sequence[Item], place: int) -> bool:
+        """Whether a "which" or "that" takes up the noun group before it."""
+        if place + 1 >= len(items):
+            return False
+        follows = items[place + 1].is_a("auxiliary", "verb", "adverb")
+        return items[place].low != "that" or (follows and self._is_after_actor(items, place))
 
     def _flush(self) -> None:
         if self.pending is not None and self.head:
@@ -195,8 +203,11 @@ class _Walker:
             owner = here if here is not None and here.vehicles else self.last or focus
             vehicles = owner.vehicles[:1] if owner is not None else ()
         elif mention.kind in {MentionKind.IT, MentionKind.ONE, MentionKind.PERSON} and not mention.is_new:
+            before = items[mention.first - 1] if mention.first else None
             is_object = self.clause is not None and self.clause.kind in _TRANSITIVE and not any(item.is_a("conjunction") or item.low == "," for item in self.clause.tail)
-            if is_object and here is not None and self.clause is not None and self.clause.kind in STRIKES | {"avoid", "see", "follow", "overtake"}:
+            if before is not None and before.is_a("ahead", "behind", "beside") and here is not None:
+                vehicles = next(((each,) for each in reversed(self.recent) if each not in here.vehicles), ())
+            elif is_object and here is not None and self.clause is not None and self.clause.kind in STRIKES | {"avoid", "see", "follow", "overtake", "after"}:
                 known = [self.last.vehicles] if self.last is not None and self.last.vehicles != here.vehicles else []
                 rest = [each for each in range(min(self.count, 2)) if each not in here.vehicles]
                 vehicles = known[0] if known else (rest[0],) if len(rest) == 1 else ()
@@ -225,6 +236,7 @@ class _Walker:
             self.pending, self.clause, self.head = actor, None, []
         if actor.vehicles:
             self.last = actor
+            self.recent = [*self.recent, *actor.vehicles]
 
     def _bring(self, preposition: Item, actor: Actor) -> None:
         if self.clause is not None:
@@ -302,10 +314,6 @@ class _Walker:
         adjacent = items[at].span.end == self.last.span.end
         is_subject = old.subject is not None and old.subject.span == self.last.span
         return adjacent and not is_subject and verb.form in {"ing", "both", "participle"}
-
-
-def _is_end(items: Sequence[Item], place: int) -> bool:
-    return place + 1 >= len(items)
 
 
 def _has_verb_next(items: Sequence[Item], place: int) -> bool:

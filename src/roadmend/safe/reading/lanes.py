@@ -173,10 +173,11 @@ def _count(items: Sequence[Item], place: int, lane: int, sentence: Sentence, *, 
                 is_each = True
     if singular and number > 1 and not is_each and kind == "travel" and not way:
         return LaneCount(number, "", "road", is_each=False, is_divided=is_divided, span=_span(items, place, lane), sentence=sentence.index)
+    led = {each.low for each in items[max(0, place - 3) : place]}
+    if not way and not is_each and kind == "travel" and number > 1 and led & {"has", "have", "had", "with"} and any(each.is_a("road") or each.text[:1].isupper() for each in items[max(0, place - 6) : place]) and not _way_of_sentence(items, place):
+        return LaneCount(number, "", "road", is_each=False, is_divided=is_divided, span=_span(items, place, lane), sentence=sentence.index)
     if not way and kind != "other":
         way = _way_of_sentence(items, place)
-    if not singular and number > 1 and not is_each and not way and kind == "travel" and any(each.is_a("road", "divided", "two_way") and not each.is_a("part") for each in items[max(0, place - 6) : place]) and any(each.low in {"has", "have", "is", "with", "of"} for each in items[max(0, place - 3) : place]):
-        kind = "travel"
     return LaneCount(number, way, kind, is_each=is_each, is_divided=is_divided, span=_span(items, place, lane), sentence=sentence.index)
 
 

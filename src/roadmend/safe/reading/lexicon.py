@@ -104,6 +104,14 @@ def senses() -> Mapping[str, Senses]:
     return MappingProxyType(found)
 
 
+@functools.cache
+def verb_heads() -> frozenset[str]:
+    """First words of the verbs of more than one word, in all forms: "smashed" of "smashed into"."""
+    entries = [(kind, entry) for kind, entries in read_table("verbs").items() for entry in entries if " " in entry]
+    phrases = (phrase for kind, entry in entries for phrase, _ in _conjugate(kind, entry))
+    return frozenset(phrase.split(" ", 1)[0] for phrase in phrases)
+
+
 def _surroundings(tables: Mapping[str, Any]) -> Iterator[tuple[str, str, str, float]]:
     for value, weights in tables["time"].items():
         for confidence, phrases in weights.items():

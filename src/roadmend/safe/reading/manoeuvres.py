@@ -68,7 +68,7 @@ def _of_clause(clause: Clause) -> Iterator[tuple[str, Action | Manoeuvre, float,
         found = Manoeuvre.ENTER_THE_WRONG_WAY, 0.85
     elif kind == "change_lane":
         lemma = clause.verb.lemma if clause.verb is not None else ""
-        found = (Manoeuvre.MERGE if lemma in {"merge", "filter"} else Manoeuvre.CHANGING_LANE), 0.8
+        found = (Manoeuvre.MERGE if lemma in {"merge", "filter", "join"} else Manoeuvre.CHANGING_LANE), 0.8
     elif kind == "overtake":
         found = Manoeuvre.OVERTAKE, 0.7
     elif kind == "emerge" and has["driveway"]:
@@ -105,6 +105,8 @@ def _turn(clause: Clause) -> tuple[Side, float, Span] | None:
         if item.is_a("hand") and after is not None and after.low in {"turn", "turning", "turns", "hand turn"}:
             is_turn, after, words = True, items[place + 2] if place + 2 < len(items) else None, [item.kinds["hand"].lower()]
         if not is_turn or any(each.low in _NOT_A_TURN for each in items[place : place + 3]):
+            continue
+        if after is not None and after.is_a("curve"):
             continue
         if after is not None and (after.is_a("lane") or after.low in {"only", "bay", "pocket"}):
             led = items[place - 1] if place else None

@@ -109,7 +109,7 @@ def _own(sentence: Sentence, row: Sequence[Mention]) -> None:
         if one.kind is MentionKind.SELF and other.description is not None and not other.description.number:
             between = sentence.items[one.last + 1 : other.first]
             last = between[-1] if between else None
-            if last is not None and (last.low in {"in", "driving", "drove"}) and len(between) < _REACH:
+            if last is not None and last.low in {"in", "driving", "drove", "drive", "own", "'s"} and len(between) < _REACH:
                 other.description = replace(other.description, is_own=True)
 
 

@@ -140,7 +140,7 @@ def _of_clauses(text: Text) -> Iterator[Claim]:
             for vehicle in clause.subject.vehicles[:1]:
                 if weight > ramps.get(vehicle, (0.0, clause.span))[0]:
                     ramps[vehicle] = weight, ramp.span
-    merges = any(clause.kind == "change_lane" and clause.verb is not None and clause.verb.lemma == "merge" or any(item.is_a("ramp") and item.kinds["ramp"] == "on" for item in clause.tail) for clause in text.clauses)
+    merges = any(clause.kind == "change_lane" and clause.verb is not None and clause.verb.lemma in {"merge", "join"} or any(item.is_a("ramp") and item.kinds["ramp"] == "on" for item in clause.tail) for clause in text.clauses)
     for vehicle, (weight, span) in ramps.items():
         yield claim(f"vehicles[{vehicle}].on_ramp", value=True, confidence=weight, reason="it comes from a ramp", where=span)
         if weight > 0.5:  # noqa: PLR2004
@@ -148,6 +148,12 @@ def _of_clauses(text: Text) -> Iterator[Claim]:
     for clause in text.clauses:
         if clause.subject is None or not clause.subject.vehicles:
             continue
+        words = [*clause.head, *clause.tail]
+        if clause.kind in {"turn", "do", "begin", "intend"} and not any(item.is_a("driveway") for item in words):
+            for place, item in enumerate(words[:-1]):
+                if item.low in {"onto", "into", "on to", "down", "to"} and (words[place + 1].text[:1].isupper() or any(each.is_a("road") for each in words[place + 1 : place + 4])) and any(each.is_a("hand", "lanekind") for each in words[:place]):
+                    yield claim("road_type", RoadType.INTERSECTION, 0.75, "a vehicle turns into another road", item.span)
+                    break
         drive = next((item for item in [*clause.head, *clause.tail] if item.is_a("driveway")), None)
         if drive is not None and clause.kind in {"emerge", "turn", "reverse", "depart", "begin", "travel", "intend"}:
             yield claim("driveway", value=True, confidence=0.8, reason="a vehicle comes from or turns into a driveway", where=drive.span)

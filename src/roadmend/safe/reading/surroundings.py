@@ -24,14 +24,20 @@ def read_surroundings(text: Text) -> Iterator[Claim]:
     tables = read_table("surroundings")
     not_weather, past = frozenset(tables["not_weather"]), tuple(tables["past"])
     for sentence in text.sentences:
-        low = text.summary[sentence.span.start : sentence.span.end].lower()
-        is_past = any(word in low for word in past)
         for place, item in enumerate(sentence.items):
             if item.is_a("time") and not _is_other_time(sentence.items, place):
                 value, confidence = item.kinds["time"]
                 yield claim("env.time", Time(value), confidence, f"the text says {item.low}", item.span)
             if item.is_a("weather"):
+                low = _around(text.summary, sentence.span, item.span)
+                is_past = any(word in low for word in past)
                 yield from _weather(sentence.items, place, not_weather, is_past=is_past)
+
+
+def _around(summary: str, sentence: Span, place: Span) -> str:
+    """The part of a sentence around a word, up to the next comma or "but"."""
+    before = re.split(r"[,;]|\bbut\b", summary[sentence.start : place.start].lower())[-1]
+    return before + re.split(r"[,;]|\bbut\b", summary[place.start : sentence.end].lower())[0]
 
 
 def _is_other_time(items: Sequence[Item], place: int) -> bool:
@@ -54,7 +60,11 @@ def _weather(items: Sequence[Item], place: int, not_weather: frozenset[str], *, 
         around = {each.low for each in [*items[max(0, place - 6) : place], *items[place + 1 : place + 4]]}
         follows = after[0].low if after else ""
         led = items[place - 1].low if place else ""
-        if (follows in not_weather and not around & {"weather", "sky", "skies"}) or not around & _SKY or led in {"to", "a", "of"} and follows not in {"day", "night", "sky", "morning", "evening", "afternoon"}:
+        is_listed = led in {",", ":", "", "/", "-"} and follows in {",", "", "/", ";", "dry"}
+        if is_listed:
+            yield claim("env.weather", value, 0.75, f"the text says {item.low}", item.span)
+            return
+        if (follows in not_weather and not around & {"weather", "sky", "skies"}) or not around & _SKY or (led in {"to", "a", "of"} and not any(each.is_a("time") or each.low in {"day", "sky"} for each in items[place + 1 : place + 5])):
             return
         if any(each.is_a("road", "lane", "signal") or each.low in {"view", "traffic", "coast", "way"} for each in before) and not around & {"weather", "sky", "skies"}:
             return

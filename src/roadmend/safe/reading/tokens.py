@@ -6,13 +6,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from roadmend.safe.claims import Span
-from roadmend.safe.reading.lexicon import LONGEST, NameSense, Senses, VerbSense, mend, names, senses, squeeze
+from roadmend.safe.reading.lexicon import LONGEST, NameSense, Senses, VerbSense, mend, names, senses, squeeze, verb_heads
 
 _TOKEN = re.compile(r"\d+(?:st|nd|rd|th)\b|\d{1,3}(?:,\d{3})+(?!\d)|\d+(?:\.\d+)?|[^\W\d_]+(?:'(?!s\b)[^\W\d_]+)?|'s\b|[^\w\s]", re.IGNORECASE)
 _ABBREVIATIONS = frozenset(
     "vs mr mrs ms dr st ave rd blvd hwy no veh approx ft mi jr sr sgt lt capt cpl dept ln dr pkwy u.s a.m p.m m.p.h i.e e.g n s e w pass op opr mph kmh".split()
 )
 _JOINED = 5  # letters of a phrase that may be told without a hyphen or a slash in it: not "a t" for "at"
+_PARTICLES = frozenset({"into", "with", "off", "onto", "against", "through"})
 _QUOTES = dict.fromkeys(map(ord, "“”\"«»*_"), " ") | {ord("’"): "'", ord("‘"): "'", ord("–"): "-", ord("—"): "-"}  # noqa: RUF001
 
 
@@ -151,7 +152,7 @@ def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
         if length > 1 and len(key) < _JOINED and not all(token.is_glued for token in taken[1:]):
             continue
         kinds = dict(senses().get(key, {}))
-        if length > 2 and not kinds and _starts_verb(taken[0]):  # noqa: PLR2004 - "ran straight into"
+        if length > 2 and not kinds and taken[-1].low in _PARTICLES and _starts_verb(taken[0]):  # noqa: PLR2004 - "ran straight into"
             kept = [taken[0], *(token for token in taken[1:] if "adverb" not in senses().get(squeeze(token.low), {}))]
             kinds = dict(senses().get("".join(squeeze(token.low) for token in kept), {})) if len(kept) > 1 else {}
             kinds = kinds if "verb" in kinds and taken[-1] is kept[-1] else {}
@@ -174,7 +175,7 @@ def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
 
 
 def _starts_verb(token: Token) -> bool:
-    return "verb" in senses().get(squeeze(token.low), {})
+    return token.low in verb_heads()
 
 
 def _may_be_name(taken: Sequence[Token]) -> bool:

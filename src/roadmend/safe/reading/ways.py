@@ -72,7 +72,7 @@ def _meaning(clause: Clause, items: Sequence[Item], place: int, *, is_head: bool
     after = items[place + 1] if place + 1 < len(items) else None
     if kind in STRIKES | {"collide"} and not is_head:
         return None
-    if item.low in {"sb", "s b"} and after is not None and after.low in {"used", "worn", "on", "in use", "not"}:
+    if item.low in {"sb", "s b"} and after is not None and after.low in {"used", "worn", "in use"}:
         return None  # a seat belt
     if any(each.is_a("ends") or each.low in {"joins", "enters", "tees"} for each in items[max(0, place - 6) : place]):
         return None  # a road that comes from there
@@ -94,7 +94,7 @@ def _meaning(clause: Clause, items: Sequence[Item], place: int, *, is_head: bool
     lead = items[back].low if back >= 0 else (clause.verb.lemma if clause.verb is not None and not is_head else "")
     if kind in _TURNING and not is_head:
         if lead == "from":
-            return ("initial_position", 0.8) if names_road else ("origin", 0.8)
+            return ("initial_position", 0.85) if names_road or item.is_a("bound") else ("origin", 0.8)
         return "destination", 0.85
     if names_road and item.is_a("bound", "compass"):
         if lead in _INTO:
@@ -172,7 +172,7 @@ def _relations(clause: Clause, count: int) -> Iterator[DirectionClaim]:
         for place, item in enumerate(words):
             if item.is_a("same_way") and "lane" not in item.low:
                 yield relation(mine, other, Relation.SAME, 0.88, "they are said to go the same way", item.span)
-            elif item.is_a("oncoming") and clause.kind in {"travel", "", "approach", "drift"} and not item.is_a("head_on") and not item.is_a("wrong") and len(item.low) > 9:  # noqa: PLR2004
+            elif item.is_a("oncoming") and clause.kind in {"travel", "", "approach", "drift", "collide"} | STRIKES and not item.is_a("head_on") and not item.is_a("wrong") and len(item.low) > 9:  # noqa: PLR2004
                 yield relation(mine, other, Relation.OPPOSITE, 0.8, "they are said to go opposite ways", item.span)
             elif item.is_a("hand") and place and any(each.low == "from" for each in words[max(0, place - 2) : place]) and clause.kind in {"travel", "approach", "emerge", "", "see"}:
                 side = Relation.FROM_LEFT if item.kinds["hand"] == "Left" else Relation.FROM_RIGHT
