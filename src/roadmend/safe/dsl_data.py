@@ -48,7 +48,9 @@ def dump_data(scenario: CrashScenario) -> dict[str, Any]:
         },
     }
     beyond = {"is_divided": scenario.road.is_divided, "bend": scenario.road.bend, "control": scenario.road.control}
-    content |= {name: str(value) if isinstance(value, StrEnum) else value for name, value in beyond.items() if value is not None}
+    content |= {
+        name: str(value) if isinstance(value, StrEnum) else value for name, value in beyond.items() if value is not None
+    }
     if scenario.collisions:
         content["collisions"] = [_dump_collision(collision) for collision in scenario.collisions]
     return content | dict(scenario.extras)

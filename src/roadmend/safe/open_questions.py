@@ -6,6 +6,7 @@ from dataclasses import replace
 from roadmend.core.errors import InputError
 from roadmend.safe.compass import DIRECTIONS, NORTH_SOUTH, TOWARDS, heading_of, opposite, origin_of
 from roadmend.safe.dsl import (
+    STANDING,
     Action,
     Compass,
     CrashScenario,
@@ -13,7 +14,6 @@ from roadmend.safe.dsl import (
     DescribedRoadNetwork,
     DescribedVehicle,
     DslModel,
-    STANDING,
     Position,
     RoadType,
     Time,

@@ -30,6 +30,7 @@ class Description:
         bodies: words for its body, with their places.
         is_own: whether it is the writer's.
         is_other: whether it is "the other" one.
+        is_theirs: whether it is "his" or "her" one.
         words: the name itself, in lower case.
         span: of the name.
         is_definite: whether it was spoken of before.
@@ -46,6 +47,7 @@ class Description:
     span: Span | None = None
     is_definite: bool = True
     marks: frozenset[str] = frozenset()
+    is_theirs: bool = False
 
     def merged(self, other: "Description") -> "Description":
         """Both together."""
@@ -65,9 +67,15 @@ class Description:
 
     def body(self) -> tuple[DslModel | None, float, Span | None]:
         """The body class that fits best, how surely, and where it is said."""
-        found: list[tuple[float, DslModel | None, Span | None]] = [(each.confidence, each.body, span) for each, span in self.bodies]
+        found: list[tuple[float, DslModel | None, Span | None]] = [
+            (each.confidence, each.body, span) for each, span in self.bodies
+        ]
         models = [name for name in self.names if name.model is not None] or list(self.names)
-        found += [(_NAME_CONFIDENCE if name.model else _NAME_CONFIDENCE - 0.1, name.body, self.span) for name in models[:1] if name.body]
+        found += [
+            (_NAME_CONFIDENCE if name.model else _NAME_CONFIDENCE - 0.15, name.body, self.span)
+            for name in models[:1]
+            if name.body
+        ]
         if not found:
             return None, 0.0, None
         confidence, body, span = max(found, key=lambda each: each[0])
@@ -89,7 +97,12 @@ class Description:
             for sense, _ in mine.bodies:
                 theirs_body, confidence, _ = theirs_.body()
                 fits = _LIKE.get(mine.words.split(" ")[-1], {sense.body})
-                if theirs_body is not None and confidence > _GENERIC and theirs_body not in fits and (sense.confidence > _GENERIC or mine.words.split(" ")[-1] in _LIKE):
+                if (
+                    theirs_body is not None
+                    and confidence > _GENERIC
+                    and theirs_body not in fits
+                    and (sense.confidence > _GENERIC or mine.words.split(" ")[-1] in _LIKE)
+                ):
                     return True
         return False
 
@@ -155,21 +168,38 @@ class Roll:
             return own[0] if own else None
         fitting = [each for each in self.vehicles if self._may_be(each, description)]
         if description.is_other and self.latest is not None:
-            fitting = [each for each in fitting if each.place != self.latest and not (description.bodies and each.description.is_own)]
+            fitting = [
+                each
+                for each in fitting
+                if each.place != self.latest and not (description.bodies and each.description.is_own)
+            ]
         if not description.names and is_new:
-            marked = [each for each in fitting if each.is_headline or each.description.marks & description.marks & _PARKED]
+            marked = [
+                each for each in fitting if each.is_headline or each.description.marks & description.marks & _PARKED
+            ]
             return marked[0] if marked else None  # "a car", "another truck": not one of those known
         same = [each for each in fitting if _shares_name(each.description, description)]
         if description.names and not same:
             if is_new and any(name.model for name in description.names):
-                bare = [each for each in fitting if not each.description.names and each.description.number is not None and not each.description.bodies]
+                bare = [
+                    each
+                    for each in fitting
+                    if not each.description.names
+                    and each.description.number is not None
+                    and not each.description.bodies
+                ]
                 return bare[0] if len(bare) == 1 and len(self.vehicles) == 1 else None
             nameless = [each for each in fitting if not each.description.names and each.words]
             return nameless[-1] if len(nameless) == 1 else None
         pool = same or fitting
         if description.marks:
             pool = [each for each in pool if each.description.marks & description.marks] or pool
-        with_words = [each for each in pool if description.words and any(description.words in words or words in description.words for words in each.words if words)]
+        with_words = [
+            each
+            for each in pool
+            if description.words
+            and any(description.words in words or words in description.words for words in each.words if words)
+        ]
         pool = with_words or pool
         if description.words == "truck":  # who means a pickup says so where there is a heavier one
             pool = [each for each in fitting if each.description.body()[0] is DslModel.SEMI_TRUCK] or pool

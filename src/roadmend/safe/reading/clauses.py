@@ -152,7 +152,11 @@ class _Walker:
 
     def _flush(self) -> None:
         if self.pending is not None and self.head:
-            span = Span(self.pending.span.start, self.head[-1].span.end) if self.pending.span.start < self.head[-1].span.end else self.head[-1].span
+            span = (
+                Span(self.pending.span.start, self.head[-1].span.end)
+                if self.pending.span.start < self.head[-1].span.end
+                else self.head[-1].span
+            )
             clause = Clause(self.sentence, self.pending, None, others=self.of_head, head=list(self.head), span=span)
             self.clauses.append(clause)
             self.focus = self.pending
@@ -167,12 +171,27 @@ class _Walker:
             after = last + 1
             if after < len(items) and items[after].low == "'s":
                 after += 1
-            part = _part(items, after, is_led=True) if mention.kind is MentionKind.POSSESSIVE or after > last + 1 or items[place].kinds.get("pronoun") == "own" or mention.description is not None else None
+            part = (
+                _part(items, after, is_led=True)
+                if mention.kind is MentionKind.POSSESSIVE
+                or after > last + 1
+                or items[place].kinds.get("pronoun") == "own"
+                or mention.description is not None
+                else None
+            )
+            if part is None and after > last + 1:
+                return replace(actor, vehicles=()), last + 1  # "V2's lane" is a place
             if part is not None:
-                return replace(actor, part=part[0], is_person=False, span=Span(actor.span.start, items[part[1]].span.end)), part[1]
+                return replace(
+                    actor, part=part[0], is_person=False, span=Span(actor.span.start, items[part[1]].span.end)
+                ), part[1]
             return actor, last
         led = items[place].is_a("determiner") and place + 1 < len(items)
-        part = _part(items, place + 1, is_led=True) if led and (place + 1) not in starts else _part(items, place, is_led=False)
+        part = (
+            _part(items, place + 1, is_led=True)
+            if led and (place + 1) not in starts
+            else _part(items, place, is_led=False)
+        )
         if part is None:
             return None
         found, last = part
@@ -191,10 +210,15 @@ class _Walker:
         after = items[mention.last + 1] if mention.last + 1 < len(items) else None
         if vehicles:
             pass
-        elif mention.kind is MentionKind.IT and mention.last > mention.first and after is not None and after.is_a("ahead", "behind"):
+        elif (
+            mention.kind is MentionKind.IT
+            and mention.last > mention.first
+            and after is not None
+            and after.is_a("ahead", "behind")
+        ):
             vehicles = ()  # "the vehicle in front of him"
         elif mention.kind is MentionKind.BOTH:
-            vehicles = tuple(range(self.count)) if self.count <= 3 else (0, 1)  # noqa: PLR2004 - pairs, and "all three"
+            vehicles = tuple(range(self.count)) if self.count <= 3 else (0, 1)
         elif mention.kind is MentionKind.OTHER:
             mine = focus.vehicles if focus is not None else ()
             rest = [each for each in range(min(self.count, 2)) if each not in mine]
@@ -204,15 +228,39 @@ class _Walker:
             vehicles = owner.vehicles[:1] if owner is not None else ()
         elif mention.kind in {MentionKind.IT, MentionKind.ONE, MentionKind.PERSON} and not mention.is_new:
             before = items[mention.first - 1] if mention.first else None
-            is_object = self.clause is not None and self.clause.kind in _TRANSITIVE and not any(item.is_a("conjunction") or item.low == "," for item in self.clause.tail)
+            is_object = (
+                self.clause is not None
+                and self.clause.kind in _TRANSITIVE
+                and not any(item.is_a("conjunction") or item.low == "," for item in self.clause.tail)
+            )
             if before is not None and before.is_a("ahead", "behind", "beside") and here is not None:
                 vehicles = next(((each,) for each in reversed(self.recent) if each not in here.vehicles), ())
-            elif is_object and here is not None and self.clause is not None and self.clause.kind in STRIKES | {"avoid", "see", "follow", "overtake", "after"}:
+            elif (
+                is_object
+                and here is not None
+                and self.clause is not None
+                and self.clause.kind in STRIKES | {"avoid", "see", "follow", "overtake", "after"}
+            ):
                 known = [self.last.vehicles] if self.last is not None and self.last.vehicles != here.vehicles else []
                 rest = [each for each in range(min(self.count, 2)) if each not in here.vehicles]
                 vehicles = known[0] if known else (rest[0],) if len(rest) == 1 else ()
+            elif (
+                mention.kind is MentionKind.IT
+                and here is not None
+                and here.is_person
+                and self.last is not None
+                and not self.last.is_person
+                and self.last.vehicles
+            ):
+                vehicles = self.last.vehicles[:1]  # "I did not see the van until it hit me"
             else:
-                vehicles = focus.vehicles if focus is not None and focus.vehicles else self.last.vehicles if self.last is not None else ()
+                vehicles = (
+                    focus.vehicles
+                    if focus is not None and focus.vehicles
+                    else self.last.vehicles
+                    if self.last is not None
+                    else ()
+                )
                 vehicles = vehicles[:1] if mention.kind is not MentionKind.ONE or len(vehicles) == 1 else vehicles
         return Actor(vehicles, None, mention.is_person, mention.span)
 
@@ -220,15 +268,27 @@ class _Walker:
         """Give a noun group its part in the clause."""
         before = items[first - 1] if first else None
         clause = self.clause
-        if before is not None and before.is_a("ahead", "behind", "beside", "path", "ends") and (before.low.endswith("of") or before.is_a("behind", "beside")):
-            self._bring(before, actor)
-        elif before is not None and before.is_a("preposition", "oncoming") and not before.is_a("number") and not (before.low == "before"):
+        if (
+            before is not None
+            and before.is_a("ahead", "behind", "beside", "path", "ends")
+            and (before.low.endswith("of") or before.is_a("behind", "beside"))
+        ) or (
+            before is not None
+            and before.is_a("preposition", "oncoming")
+            and not before.is_a("number")
+            and before.low != "before"
+        ):
             self._bring(before, actor)
         elif before is not None and before.low in {"and", "&", "/", "or"} and self._joins(items, first, last, actor):
             return
         elif clause is not None and clause.object is None and self._takes_object(clause, actor):
             clause.object = actor
-            if clause.verb is not None and clause.verb.lemma in {"drive", "operate"} and clause.subject is not None and not clause.subject.vehicles:
+            if (
+                clause.verb is not None
+                and clause.verb.lemma in {"drive", "operate"}
+                and clause.subject is not None
+                and not clause.subject.vehicles
+            ):
                 clause.subject = replace(clause.subject, vehicles=actor.vehicles)
                 self.focus = clause.subject
         else:
@@ -247,19 +307,36 @@ class _Walker:
 
     def _takes_object(self, clause: Clause, actor: Actor) -> bool:
         drives = clause.verb is not None and clause.verb.lemma in {"drive", "operate", "ride"}
-        near = len(clause.tail) <= _OBJECT_REACH and not any(item.low in ",;(" or item.is_a("conjunction") for item in clause.tail)
+        near = len(clause.tail) <= _OBJECT_REACH and not any(
+            item.low in ",;(" or item.is_a("conjunction") for item in clause.tail
+        )
         return near and (clause.kind in _TRANSITIVE or drives) and not clause.is_passive
 
     def _joins(self, items: Sequence[Item], first: int, last: int, actor: Actor) -> bool:
         """Join "and V2" to what stands before it, unless it begins a clause of its own."""
-        if self.last is None or first < 2 or self.last.span.end != items[first - 2].span.end:  # noqa: PLR2004
+        if self.last is None or first < 2 or self.last.span.end != items[first - 2].span.end:
             return False
-        joined = Actor((*self.last.vehicles, *(each for each in actor.vehicles if each not in self.last.vehicles)), None, self.last.is_person, Span(self.last.span.start, actor.span.end))
+        joined = Actor(
+            (*self.last.vehicles, *(each for each in actor.vehicles if each not in self.last.vehicles)),
+            None,
+            self.last.is_person,
+            Span(self.last.span.start, actor.span.end),
+        )
         if self.pending is not None and self.pending.span == self.last.span:
             self.pending = joined
-        elif self.clause is not None and self.clause.object is not None and self.clause.object.span == self.last.span and not _has_verb_next(items, last + 1):
+        elif (
+            self.clause is not None
+            and self.clause.object is not None
+            and self.clause.object.span == self.last.span
+            and not _has_verb_next(items, last + 1)
+        ):
             self.clause.object = joined
-        elif self.clause is not None and self.clause.others and self.clause.others[-1][1].span == self.last.span and not _has_verb_next(items, last + 1):
+        elif (
+            self.clause is not None
+            and self.clause.others
+            and self.clause.others[-1][1].span == self.last.span
+            and not _has_verb_next(items, last + 1)
+        ):
             self.clause.others[-1] = (self.clause.others[-1][0], joined)
         else:
             return False
@@ -270,30 +347,65 @@ class _Walker:
         """Begin the clause of a verb."""
         item = items[place]
         verb = item.verb
-        assert verb is not None  # noqa: S101 - the caller has looked
+        assert verb is not None
         old = self.clause
         governed: frozenset[str] = frozenset()
         if self.pending is not None:
             subject: Actor | None = self.pending
         elif old is not None and self._is_reduced(items, place, verb, old):
             subject = self.last
-        elif old is not None and old.kind in {"see", "say"} and old.object is not None and items[place - 1].is_a("auxiliary", "negation"):
+        elif (
+            old is not None
+            and old.kind in {"see", "say"}
+            and old.object is not None
+            and items[place - 1].is_a("auxiliary", "negation")
+        ):
             subject = old.object  # "he saw that the car was stopped"
         else:
             subject = old.subject if old is not None else self.focus
-            if old is not None and old.kind in _GOVERNING | {"stop", "slow", "park"} and not any(each.low in ",;" or each.is_a("conjunction") for each in old.tail) and not any(actor.span.end > item.span.start for _, actor in old.others):
+            if (
+                old is not None
+                and old.kind in _GOVERNING | {"stop", "slow", "park"}
+                and not any(each.low in ",;" or each.is_a("conjunction") for each in old.tail)
+                and not any(actor.span.end > item.span.start for _, actor in old.others)
+            ):
                 governed = old.governed | {old.kind}
                 if old.is_denied and old.kind in {"intend", "begin", "do"}:
                     governed |= {"avoid"}
-                if old.kind == "avoid" and (old.is_denied or old.governed & {"fail", "intend"} and old.governed & {"fail"}):
+                if old.kind == "avoid" and (
+                    old.is_denied or (old.governed & {"fail", "intend"} and old.governed & {"fail"})
+                ):
                     governed = governed - {"avoid"}
         nearby = items[max(0, place - _PASSIVE_REACH) : place]
-        auxiliaries = [each.kinds.get("auxiliary") for each in nearby if each.is_a("auxiliary")] if not any(each.low in ",;" for each in nearby[-1:]) else []
+        auxiliaries = (
+            [each.kinds.get("auxiliary") for each in nearby if each.is_a("auxiliary")]
+            if not any(each.low in ",;" for each in nearby[-1:])
+            else []
+        )
         follows_by = any(each.low == "by" for each in items[place + 1 : place + 3])
-        is_passive = verb.form in {"both", "participle", "past"} and (("be" in auxiliaries) or (follows_by and verb.kind in STRIKES))
-        is_denied = any(each.is_a("negation") for each in nearby[-3:]) and verb.kind not in {"fail"}
-        could_not = verb.kind == "avoid" and (is_denied or (old is not None and self.pending is None and old.kind == "fail"))
-        clause = Clause(self.sentence, subject, verb, is_passive, is_denied, governed, is_past=any(each.low in {"had", "had been"} for each in nearby), head=[*self.head], span=Span(min(subject.span.start, item.span.start) if subject is not None and subject.span.start >= self.sentence.span.start else item.span.start, item.span.end))
+        is_passive = verb.form in {"both", "participle", "past"} and (
+            ("be" in auxiliaries) or (follows_by and verb.kind in STRIKES)
+        )
+        is_denied = any(each.is_a("negation") for each in nearby[-3:]) and verb.kind != "fail"
+        could_not = verb.kind == "avoid" and (
+            is_denied or (old is not None and self.pending is None and old.kind == "fail")
+        )
+        clause = Clause(
+            self.sentence,
+            subject,
+            verb,
+            is_passive,
+            is_denied,
+            governed,
+            is_past=any(each.low in {"had", "had been"} for each in nearby),
+            head=[*self.head],
+            span=Span(
+                min(subject.span.start, item.span.start)
+                if subject is not None and subject.span.start >= self.sentence.span.start
+                else item.span.start,
+                item.span.end,
+            ),
+        )
         if could_not:
             clause.is_denied = True
         if old is None or self.pending is not None:
@@ -334,16 +446,38 @@ def _is_verb(items: Sequence[Item], place: int, *, after_actor: bool) -> bool:
     after = items[place + 1] if place + 1 < len(items) else None
     if item.low == "left":  # the hand, or the past of "leave"
         led = after_actor or (before is not None and (before.is_a("auxiliary", "conjunction") or before.low == ","))
-        return led and after is not None and (after.is_a("determiner", "road", "shoulder") or after.kinds.get("pronoun") == "its") and not after.is_a("hand", "lane")
+        return (
+            led
+            and after is not None
+            and (after.is_a("determiner", "road", "shoulder") or after.kinds.get("pronoun") == "its")
+            and not after.is_a("hand", "lane")
+        )
     if after is not None and after.is_a("lane", "lanekind") and item.is_a("lanekind"):
         return False
-    if before is not None and (before.is_a("determiner") or before.kinds.get("pronoun") in {"its", "own"}) and verb.form != "ing" and before.low not in {"that", "this", "both", "all", "other", "each"}:
+    if (
+        before is not None
+        and (before.is_a("determiner") or before.kinds.get("pronoun") in {"its", "own"})
+        and verb.form != "ing"
+        and before.low not in {"that", "this", "both", "all", "other", "each"}
+    ):
         return False
     if verb.form in _NOUN_LIKE:
-        led = after_actor or (before is not None and (before.low in {_TO, "didn't", "n't", "just", "then", "also", "never"} or before.is_a("auxiliary", "relative", "negation", "pronoun")))
+        led = after_actor or (
+            before is not None
+            and (
+                before.low in {_TO, "didn't", "n't", "just", "then", "also", "never"}
+                or before.is_a("auxiliary", "relative", "negation", "pronoun")
+            )
+        )
         coordinated = before is not None and before.low in {"and", "then", ","} and verb.form == "s"
         return led or coordinated
-    if verb.form == "ing" and before is not None and before.is_a("determiner") and after is not None and not after.is_a("determiner", "preposition", "hand"):
+    if (
+        verb.form == "ing"
+        and before is not None
+        and before.is_a("determiner")
+        and after is not None
+        and not after.is_a("determiner", "preposition", "hand")
+    ):
         return False
     return not (item.is_a("parked", "stationary") and after is not None and after.is_a("thing", "body", "name"))
 
@@ -353,7 +487,7 @@ def _part(items: Sequence[Item], place: int, *, is_led: bool) -> tuple[Part, int
     last, hands, ends, is_flank, has_part = place - 1, [], [], False, False
     for at in range(place, len(items)):
         item = items[at]
-        if item.is_a("flank") :
+        if item.is_a("flank"):
             hands.append(item.kinds["flank"])
             is_flank = has_part = True
         elif item.is_a("hand") and not item.is_a("part") and (has_part or _leads_to_part(items, at + 1)):
@@ -365,7 +499,9 @@ def _part(items: Sequence[Item], place: int, *, is_led: bool) -> tuple[Part, int
                 is_flank = True
             elif kind in {"Front", "Rear"}:
                 ends.append(kind)
-        elif item.low in {"most", "/", "-"} and at > place and at + 1 < len(items) and items[at + 1].is_a("part", "hand"):
+        elif (
+            item.low in {"most", "/", "-"} and at > place and at + 1 < len(items) and items[at + 1].is_a("part", "hand")
+        ):
             continue
         else:
             break
@@ -378,9 +514,35 @@ def _part(items: Sequence[Item], place: int, *, is_led: bool) -> tuple[Part, int
         return None
     if single and items[place].low in {"end", "quarter", "wheel", "wing", "surface", "forward", "area"}:
         return None
-    if after is not None and (after.is_a("lane", "seat", "curve", "road") or after.low in {"airbag", "airbags", "seat", "passenger", "occupant", "seats", "row", "tire", "window", "wheel", "yard", "to"} or (after.is_a("person") and not after.is_a("body"))):
+    if after is not None and (
+        after.is_a("lane", "seat", "curve", "road")
+        or after.low
+        in {
+            "airbag",
+            "airbags",
+            "seat",
+            "passenger",
+            "occupant",
+            "seats",
+            "row",
+            "tire",
+            "window",
+            "wheel",
+            "yard",
+            "to",
+        }
+        or (after.is_a("person") and not after.is_a("body"))
+    ):
         return None
-    if after is not None and after.low == "of" and last + 2 < len(items) and any(items[each].is_a("road", "shoulder", "junction", "driveway", "lane") for each in range(last + 2, min(last + 4, len(items)))):
+    if (
+        after is not None
+        and after.low == "of"
+        and last + 2 < len(items)
+        and any(
+            items[each].is_a("road", "shoulder", "junction", "driveway", "lane")
+            for each in range(last + 2, min(last + 4, len(items)))
+        )
+    ):
         return None  # "the left side of the road"
     if any(items[each].is_a("compass") for each in range(max(0, place - 2), place)) and is_flank and not hands:
         return None  # "the north side"
@@ -392,7 +554,9 @@ def _part(items: Sequence[Item], place: int, *, is_led: bool) -> tuple[Part, int
 
 
 def _leads_to_part(items: Sequence[Item], place: int) -> bool:
-    return place < len(items) and (items[place].is_a("part", "flank") or (items[place].is_a("hand") and _leads_to_part(items, place + 1)))
+    return place < len(items) and (
+        items[place].is_a("part", "flank") or (items[place].is_a("hand") and _leads_to_part(items, place + 1))
+    )
 
 
 def spoken_items(clause: Clause) -> Iterator[Item]:

@@ -39,11 +39,17 @@ def read_lanes(text: Text) -> Iterator[Claim]:
     """The claims of a text about the number of its lanes; the largest road of a place counts."""
     counts = [count for sentence in text.sentences for count in _of_sentence(sentence)]
     middle = {sentence.index for sentence in text.sentences if any(item.is_a("middle_lane") for item in sentence.items)}
-    counts += [LaneCount(1, "", "center", is_each=False, is_divided=False, span=Span(0, 0), sentence=index) for index in middle if not any(each.kind == "center" and each.sentence == index for each in counts)]
+    counts += [
+        LaneCount(1, "", "center", is_each=False, is_divided=False, span=Span(0, 0), sentence=index)
+        for index in middle
+        if not any(each.kind == "center" and each.sentence == index for each in counts)
+    ]
     totals: list[tuple[int, float, str, Span]] = []
     for count in counts:
         if count.kind == "road":
-            totals.append((count.number, 0.93, "the text counts the lanes of the road", count.span))
+            totals.append(
+                (count.number + _turning(counts, count), 0.93, "the text counts the lanes of the road", count.span)
+            )
         elif count.is_each and count.kind in {"travel", ""}:
             center = _center(counts, count)
             totals.append((2 * count.number + center, 0.92, "the text counts the lanes of each direction", count.span))
@@ -56,14 +62,26 @@ def read_lanes(text: Text) -> Iterator[Claim]:
         largest = max(number for number, *_ in totals)
         for number, confidence, reason, span in totals:
             if 1 <= number <= MAX_LANES:
-                yield claim("num_lanes", number, confidence if number == largest else min(confidence, 0.3), reason, span)
+                yield claim(
+                    "num_lanes", number, confidence if number == largest else min(confidence, 0.3), reason, span
+                )
     else:
         yield from _implied(text)
 
 
 def _center(counts: Sequence[LaneCount], count: LaneCount) -> int:
-    near = [each for each in counts if each.kind in {"center", "turn"} and abs(each.sentence - count.sentence) <= 1 and each.way == ""]
+    near = [
+        each
+        for each in counts
+        if each.kind in {"center", "turn"} and abs(each.sentence - count.sentence) <= 1 and each.way == ""
+    ]
     return near[0].number if near and (near[0].kind == "center" or near[0].sentence == count.sentence) else 0
+
+
+def _turning(counts: Sequence[LaneCount], count: LaneCount) -> int:
+    """The turning lane between the directions: a road with one has an odd number of lanes."""
+    middle = any(each.kind == "center" and each.sentence == count.sentence for each in counts)
+    return 1 if middle and count.number % 2 == 0 else 0
 
 
 def _by_way(counts: Sequence[LaneCount]) -> list[tuple[int, float, str, Span]]:
@@ -75,9 +93,13 @@ def _by_way(counts: Sequence[LaneCount]) -> list[tuple[int, float, str, Span]]:
         if not known:
             continue
         spans = [each.span for each in counts if each.way in axis and each.way]
-        if len(known) == 2:  # noqa: PLR2004 - both directions
+        if len(known) == 2:
             first = next(each.sentence for each in counts if each.way in axis and each.way)
-            shared = [each for each in counts if each.way == "" and each.kind in {"center", "turn"} and 0 <= each.sentence - first <= 1]
+            shared = [
+                each
+                for each in counts
+                if each.way == "" and each.kind in {"center", "turn"} and 0 <= each.sentence - first <= 1
+            ]
             extra = sum(each.number for each in shared if each.kind == "center" or each.number == 1)
             found.append((sum(known.values()) + extra, 0.9, "the text counts the lanes of both directions", spans[0]))
         elif sum(known.values()) > 0:
@@ -107,10 +129,21 @@ def _bare(counts: Sequence[LaneCount], text: Text) -> list[tuple[int, float, str
         return []
     most = max(plain, key=lambda each: each.number)
     one_way = any(item.is_a("one_way") for sentence in text.sentences for item in sentence.items)
-    turning = sum(each.number for each in counts if each.kind in {"turn", "center"} and each.way == "" and each.sentence == most.sentence and each.span.end)
+    turning = sum(
+        each.number
+        for each in counts
+        if each.kind in {"turn", "center"} and each.way == "" and each.sentence == most.sentence and each.span.end
+    )
     is_single = most.number == 1 and not one_way
     total = 2 if is_single else most.number + (turning if most.number > 1 else 0)
-    return [(total, 0.55 if not most.is_divided else 0.4, "the text counts lanes and does not say of which direction", most.span)]
+    return [
+        (
+            total,
+            0.55 if not most.is_divided else 0.4,
+            "the text counts lanes and does not say of which direction",
+            most.span,
+        )
+    ]
 
 
 def _of_sentence(sentence: Sentence) -> Iterator[LaneCount]:
@@ -119,9 +152,11 @@ def _of_sentence(sentence: Sentence) -> Iterator[LaneCount]:
     place = 0
     while place < len(items):
         number = items[place].kinds.get("number")
-        if items[place].low == "a" and place + 2 < len(items) and (items[place + 1].is_a("lane") and items[place + 2].is_a("each")):
-            number = 1
-        if not isinstance(number, int) or not 1 <= number <= 12 or items[place].is_a("time"):  # noqa: PLR2004
+        if items[place].low in {"a", "an"} and place + 2 < len(items):
+            is_each = items[place + 1].is_a("lane") and items[place + 2].is_a("each")
+            is_center = items[place + 1].kinds.get("lanekind") == "center" and items[place + 2].is_a("lane")
+            number = 1 if is_each or is_center else number
+        if not isinstance(number, int) or not 1 <= number <= 12 or items[place].is_a("time"):
             place += 1
             continue
         lane = _lane_after(items, place)
@@ -143,7 +178,11 @@ def _lane_after(items: Sequence[Item], place: int) -> int | None:
             continue
         if item.is_a("number", "bound") and any(each.is_a("bound") for each in items[place + 1 : at]):
             continue  # "two southbound and four northbound lanes"
-        if item.is_a("lanekind", "bound", "compass", "hand", "descriptor", "straight", "two_way") or not item.kinds or item.low in {"and", "only"}:
+        if (
+            item.is_a("lanekind", "bound", "compass", "hand", "descriptor", "straight", "two_way")
+            or not item.kinds
+            or item.low in {"and", "only"}
+        ):
             if item.low in ".;:()%" or item.is_a("mph"):
                 return None
             continue
@@ -154,7 +193,14 @@ def _lane_after(items: Sequence[Item], place: int) -> int | None:
 def _count(items: Sequence[Item], place: int, lane: int, sentence: Sentence, *, is_divided: bool) -> LaneCount | None:
     number = int(items[place].kinds.get("number", 1))
     between = items[place + 1 : lane]
-    stop = next((at for at, each in enumerate(between) if each.low == "and" and any(one.is_a("number") for one in between[at:])), len(between))
+    stop = next(
+        (
+            at
+            for at, each in enumerate(between)
+            if each.low == "and" and any(one.is_a("number") for one in between[at:])
+        ),
+        len(between),
+    )
     own = between[:stop]
     kinds = {each.kinds.get("lanekind") for each in own if each.is_a("lanekind")} - {None}
     after = items[lane + 1 : lane + 8]
@@ -165,25 +211,69 @@ def _count(items: Sequence[Item], place: int, lane: int, sentence: Sentence, *, 
     is_each = _is_each(items, lane, place)
     kind = next((each for each in ("other", "center", "turn") if each in kinds), "travel")
     if not way and after:
-        follows = next((at for at, each in enumerate(after[:4]) if each.is_a("bound", "axis") or (each.is_a("compass") and at and after[at - 1].low in {"for", "heading", "going", "traveling"})), None)
+        follows = next(
+            (
+                at
+                for at, each in enumerate(after[:4])
+                if each.is_a("bound", "axis")
+                or (each.is_a("compass") and at and after[at - 1].low in {"for", "heading", "going", "traveling"})
+            ),
+            None,
+        )
         if follows is not None and not any(each.low in ",;" or each.is_a("number") for each in after[:follows]):
             both = [each.kinds["bound"] for each in after[follows : follows + 4] if each.is_a("bound")]
-            way = after[follows].kinds.get("axis") or after[follows].kinds.get("bound") or after[follows].kinds.get("compass")
+            way = (
+                after[follows].kinds.get("axis")
+                or after[follows].kinds.get("bound")
+                or after[follows].kinds.get("compass")
+            )
             if len(both) > 1 and set(both) in ({"N", "S"}, {"E", "W"}):
                 is_each = True
     if singular and number > 1 and not is_each and kind == "travel" and not way:
-        return LaneCount(number, "", "road", is_each=False, is_divided=is_divided, span=_span(items, place, lane), sentence=sentence.index)
+        return LaneCount(
+            number,
+            "",
+            "road",
+            is_each=False,
+            is_divided=is_divided,
+            span=_span(items, place, lane),
+            sentence=sentence.index,
+        )
     led = {each.low for each in items[max(0, place - 3) : place]}
-    if not way and not is_each and kind == "travel" and number > 1 and led & {"has", "have", "had", "with"} and any(each.is_a("road") or each.text[:1].isupper() for each in items[max(0, place - 6) : place]) and not _way_of_sentence(items, place):
-        return LaneCount(number, "", "road", is_each=False, is_divided=is_divided, span=_span(items, place, lane), sentence=sentence.index)
+    if (
+        not way
+        and not is_each
+        and kind == "travel"
+        and number > 1
+        and led & {"has", "have", "had", "with"}
+        and any(each.is_a("road") or each.text[:1].isupper() for each in items[max(0, place - 6) : place])
+        and not _way_of_sentence(items, place)
+    ):
+        return LaneCount(
+            number,
+            "",
+            "road",
+            is_each=False,
+            is_divided=is_divided,
+            span=_span(items, place, lane),
+            sentence=sentence.index,
+        )
     if not way and kind != "other":
         way = _way_of_sentence(items, place)
-    return LaneCount(number, way, kind, is_each=is_each, is_divided=is_divided, span=_span(items, place, lane), sentence=sentence.index)
+    return LaneCount(
+        number,
+        way,
+        kind,
+        is_each=is_each,
+        is_divided=is_divided,
+        span=_span(items, place, lane),
+        sentence=sentence.index,
+    )
 
 
 def _is_each(items: Sequence[Item], lane: int, place: int) -> bool:
     after = items[lane + 1 : lane + 6]
-    stop = next((at for at, each in enumerate(after) if each.is_a("number") or each.low in ";"), len(after))
+    stop = next((at for at, each in enumerate(after) if each.is_a("number") or each.low == ";"), len(after))
     if any(each.is_a("each") for each in after[:stop]):
         return True
     before = items[max(0, place - 5) : place]
@@ -196,7 +286,10 @@ def _way_of_sentence(items: Sequence[Item], place: int) -> str:
         item = items[at]
         if item.is_a("bound", "axis") and at + 1 < len(items):
             ahead = items[at + 1 : at + 4]
-            if any(each.is_a("road", "lane", "divided") or each.low in {"side", "approach", "direction", "leg", "traffic"} for each in ahead):
+            if any(
+                each.is_a("road", "lane", "divided") or each.low in {"side", "approach", "direction", "leg", "traffic"}
+                for each in ahead
+            ):
                 return str(item.kinds.get("axis") or item.kinds.get("bound"))
         if item.low == ";":
             break
@@ -214,6 +307,6 @@ def _implied(text: Text) -> Iterator[Claim]:
             if item.is_a("one_way"):
                 yield claim("num_lanes", 1, 0.5, "no lanes are counted, and the road is one-way", item.span)
                 return
-            if item.is_a("undivided", "two_way", "centerline", "wrong") and len(item.low) > 4:  # noqa: PLR2004
+            if item.is_a("undivided", "two_way", "centerline", "wrong") and len(item.low) > 4:
                 yield claim("num_lanes", 2, 0.5, f"no lanes are counted, but the text speaks of {item.low}", item.span)
                 return

@@ -145,7 +145,7 @@ def _conjugate(kind: str, entry: str) -> Iterator[tuple[str, VerbSense]]:
 
 def _doubles(lemma: str) -> bool:
     """Whether the last letter is said twice: "stopped"; not so "parked", "slowed", "reared"."""
-    if not 2 < len(lemma) <= _SHORT or lemma[-1] in f"{_VOWELS}wxy" or lemma[-2] not in _VOWELS:  # noqa: PLR2004
+    if not 2 < len(lemma) <= _SHORT or lemma[-1] in f"{_VOWELS}wxy" or lemma[-2] not in _VOWELS:
         return False
     return lemma[-3] not in _VOWELS
 
@@ -170,7 +170,7 @@ def names() -> Mapping[str, tuple[NameSense, ...]]:
             for model in () if field == "make" else map(str, models):
                 body = _CLASSES[field]
                 key = squeeze(model)
-                sense = NameSense(make, model.lower(), body, key in everyday or key.isdigit() or len(key) <= 2)  # noqa: PLR2004
+                sense = NameSense(make, model.lower(), body, key in everyday or key.isdigit() or len(key) <= 2)
                 if "body" not in senses().get(key, {}):  # "van" is a van, of whatever make
                     found.setdefault(key, {}).setdefault((make, model.lower()), sense)
                 for way in ways:
@@ -227,5 +227,10 @@ def _is_slip(word: str, meant: str) -> bool:
         longer, shorter = sorted((word, meant), key=len, reverse=True)
         return any(longer[:place] + longer[place + 1 :] == shorter for place in range(len(longer)))
     wrong = [place for place, (one, other) in enumerate(zip(word, meant, strict=True)) if one != other]
-    swapped = len(wrong) == 2 and wrong[1] == wrong[0] + 1 and word[wrong[0]] == meant[wrong[1]] and word[wrong[1]] == meant[wrong[0]]  # noqa: PLR2004
+    swapped = (
+        len(wrong) == 2
+        and wrong[1] == wrong[0] + 1
+        and word[wrong[0]] == meant[wrong[1]]
+        and word[wrong[1]] == meant[wrong[0]]
+    )
     return len(wrong) == 1 or swapped

@@ -1,5 +1,6 @@
 """Where a text speaks of vehicles, and which vehicle each time: "V1", "a 2004 Honda Civic", "the pickup", "my car"."""
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
@@ -15,7 +16,32 @@ _YEARS = range(1920, 2100)
 _APPOSITION = 6  # words at most between two names of one vehicle
 _REACH = 6  # words before a noun in which its article is looked for
 _LETTERS = {"a": 1, "b": 2, "c": 3, "d": 4}
-_BETWEEN = frozenset({",", "(", ")", "-", ":", "#", "'s", "being", "called", "i", "e", "ie", "driving", "drove", "driven", "identified", "as", "case vehicle", "subject vehicle", "case", "subject", "vehicle"})
+_BETWEEN = frozenset(
+    {
+        ",",
+        "(",
+        ")",
+        "-",
+        ":",
+        "#",
+        "'s",
+        "being",
+        "called",
+        "i",
+        "e",
+        "ie",
+        "driving",
+        "drove",
+        "driven",
+        "identified",
+        "as",
+        "case vehicle",
+        "subject vehicle",
+        "case",
+        "subject",
+        "vehicle",
+    }
+)
 
 
 class MentionKind(StrEnum):
@@ -70,7 +96,9 @@ def find_mentions(sentences: Sequence[Sentence]) -> Spoken:
     """Find all mentions of a text, and name the vehicles that are called by number or description."""
     spoken = Spoken()
     found = [list(_mentions(sentence)) for sentence in sentences]
-    numbers = sorted({each.description.number for row in found for each in row if each.description and each.description.number})
+    numbers = sorted(
+        {each.description.number for row in found for each in row if each.description and each.description.number}
+    )
     spoken.roll.enrol(numbers)
     for sentence, row in zip(sentences, found, strict=True):
         _couple(sentence, row)
@@ -84,9 +112,8 @@ def find_mentions(sentences: Sequence[Sentence]) -> Spoken:
             if mention.vehicles:
                 spoken.roll.latest = mention.vehicles[0]
             elif mention.description is not None:
-                mention.vehicles = spoken.roll.call(
-                    mention.description, is_new=mention.is_new, is_headline=is_headline
-                )
+                mention.vehicles = spoken.roll.call(mention.description, is_new=mention.is_new, is_headline=is_headline)
+    _possess(found)
     own = spoken.roll.own()
     for sentence, row in zip(sentences, found, strict=True):
         _seat(sentence, row)
@@ -105,31 +132,54 @@ def _is_headline(sentence: Sentence, sentences: Sequence[Sentence]) -> bool:
 
 def _own(sentence: Sentence, row: Sequence[Mention]) -> None:
     """Take the vehicle that the writer says to sit in for the writer's: "I was in the Civic"."""
-    for one, other in zip(row, row[1:], strict=False):
+    for one, other in itertools.pairwise(row):
         if one.kind is MentionKind.SELF and other.description is not None and not other.description.number:
             between = sentence.items[one.last + 1 : other.first]
             last = between[-1] if between else None
-            if last is not None and last.low in {"in", "driving", "drove", "drive", "own", "'s"} and len(between) < _REACH:
+            if (
+                last is not None
+                and last.low in {"in", "driving", "drove", "drive", "own", "'s"}
+                and len(between) < _REACH
+            ):
                 other.description = replace(other.description, is_own=True)
+
+
+def _possess(found: Sequence[Sequence[Mention]]) -> None:
+    """Give a "she" with whom a text begins the vehicle that it calls hers: "drifted into her Altima"."""
+    rows = [(place, mention) for place, row in enumerate(found) for mention in row]
+    hers = next(
+        ((place, each) for place, each in rows if each.description is not None and each.description.is_theirs), None
+    )
+    if hers is None:
+        return
+    first = next((each for _, each in rows if each.description is not None), None)
+    for place, mention in rows:
+        early = first is None or mention.span.start < first.span.start
+        if early and place <= hers[0] and mention.kind is MentionKind.ONE and not mention.vehicles:
+            mention.vehicles = hers[1].vehicles
 
 
 def _seat(sentence: Sentence, row: Sequence[Mention]) -> None:
     """Put a person into the vehicle that it is said to sit in: "he's in a Dodge Ram"."""
-    for one, other in zip(row, row[1:], strict=False):
+    for one, other in itertools.pairwise(row):
         if one.kind in {MentionKind.ONE, MentionKind.PERSON} and not one.vehicles and other.description is not None:
             between = sentence.items[one.last + 1 : other.first]
-            if between and between[-1].low in {"in", "driving", "drove", "operating"} and len(between) <= 3:  # noqa: PLR2004
+            if between and between[-1].low in {"in", "driving", "drove", "operating"} and len(between) <= 3:
                 one.vehicles = other.vehicles
 
 
 def _couple(sentence: Sentence, row: Sequence[Mention]) -> None:
     """Give two names of one vehicle that stand side by side one description: "Vehicle 1, a 2004 Honda Civic"."""
     named = [each for each in row if each.description is not None]
-    for one, other in zip(named, named[1:], strict=False):
+    for one, other in itertools.pairwise(named):
         between = sentence.items[one.last + 1 : other.first]
-        assert one.description is not None and other.description is not None  # noqa: PT018, S101
+        assert one.description is not None and other.description is not None  # noqa: PT018
         numbers = {one.description.number, other.description.number}
-        if len(between) > _APPOSITION or not _is_apposition(between, other) or (None not in numbers):
+        if (
+            (not (between and all(item.is_a("thing") for item in between) and None in numbers)
+            and (len(between) > _APPOSITION or not _is_apposition(between, other)))
+            or None not in numbers
+        ):
             continue
         if numbers == {None} and (not other.is_new or one.description.contradicts(other.description)):
             continue
@@ -182,7 +232,11 @@ def _numbered(items: Sequence[Item], place: int) -> Mention | None:
     if number is None and len(items[at].text) == 1 and items[at].text.isupper() and len(head.low) > 1:
         number = _LETTERS.get(items[at].low)
     following = items[at + 1] if at + 1 < len(items) else None
-    if not isinstance(number, int) or not 1 <= number <= _MOST_VEHICLES or (following is not None and following.is_a("lane", "time", "mph")):
+    if (
+        not isinstance(number, int)
+        or not 1 <= number <= _MOST_VEHICLES
+        or (following is not None and following.is_a("lane", "time", "mph"))
+    ):
         return None
     if items[at].low in {"a", "i"} and following is not None and following.is_a("name", "body", "descriptor"):
         return None
@@ -191,7 +245,15 @@ def _numbered(items: Sequence[Item], place: int) -> Mention | None:
     first = place - 1 if place and items[place - 1].is_a("determiner") else place
     first, traits = _traits(items, first)
     is_person = head.kinds.get("person") == "driver"
-    return Mention(first, at, _span(items, first, at), MentionKind.NAMED, traits=traits, description=Description(number=number, span=_span(items, place, at)), is_person=is_person)
+    return Mention(
+        first,
+        at,
+        _span(items, first, at),
+        MentionKind.NAMED,
+        traits=traits,
+        description=Description(number=number, span=_span(items, place, at)),
+        is_person=is_person,
+    )
 
 
 def _more_numbers(items: Sequence[Item], place: int) -> Mention | None:
@@ -200,15 +262,28 @@ def _more_numbers(items: Sequence[Item], place: int) -> Mention | None:
     at = place + 2 if items[place + 1].low == "#" and place + 2 < len(items) else place + 1
     number = items[at].kinds.get("number")
     following = items[at + 1] if at + 1 < len(items) else None
-    if not isinstance(number, int) or not 1 <= number <= _MOST_VEHICLES or (following is not None and following.is_a("lane", "number", "name", "body", "descriptor", "bound", "lanekind")):
+    if (
+        not isinstance(number, int)
+        or not 1 <= number <= _MOST_VEHICLES
+        or (
+            following is not None
+            and following.is_a("lane", "number", "name", "body", "descriptor", "bound", "lanekind")
+        )
+    ):
         return None
-    return Mention(at, at, items[at].span, MentionKind.NAMED, description=Description(number=number, span=items[at].span))
+    return Mention(
+        at, at, items[at].span, MentionKind.NAMED, description=Description(number=number, span=items[at].span)
+    )
 
 
 def _traits(items: Sequence[Item], first: int) -> tuple[int, tuple[Item, ...]]:
     """What is said of a vehicle directly before its name: "northbound V1"."""
     place = first
-    while place and items[place - 1].is_a("bound", "oncoming", "parked", "stationary") and not items[place - 1].low.startswith("in "):
+    while (
+        place
+        and items[place - 1].is_a("bound", "oncoming", "parked", "stationary")
+        and not items[place - 1].low.startswith("in ")
+    ):
         place -= 1
     traits = tuple(items[place:first])
     if place and traits and items[place - 1].is_a("determiner"):
@@ -221,7 +296,17 @@ def _described(items: Sequence[Item], place: int) -> Mention | None:
         return None
     last, names, bodies = place, [], []
     at = place
-    while at < len(items) and (_is_head(items, at) or (_is_filler(items, at) and any(_is_head(items, further) for further in range(at + 1, min(at + 4, len(items))) if all(_is_filler(items, between) for between in range(at, further))))):
+    while at < len(items) and (
+        _is_head(items, at)
+        or (
+            _is_filler(items, at)
+            and any(
+                _is_head(items, further)
+                for further in range(at + 1, min(at + 4, len(items)))
+                if all(_is_filler(items, between) for between in range(at, further))
+            )
+        )
+    ):
         item = items[at]
         if _is_head(items, at):
             last = at
@@ -234,36 +319,66 @@ def _described(items: Sequence[Item], place: int) -> Mention | None:
     first, determiner = place, None
     for back in range(place - 1, max(-1, place - 1 - _REACH), -1):
         item = items[back]
-        if item.is_a("determiner") or item.kinds.get("pronoun") in {"own", "its", "other"}:
+        if item.is_a("determiner") or item.kinds.get("pronoun") in {"own", "its", "other"} or item.low == "her":
             first, determiner = back, item
             break
-        if item.is_a("preposition", "conjunction", "auxiliary", "relative", "person") or item.low in ",.():;-/" or item.low == "'s":
+        if (
+            item.is_a("preposition", "conjunction", "auxiliary", "relative", "person")
+            or item.low in ",.():;-/"
+            or item.low == "'s"
+        ):
             break
-        if item.is_a("verb") and not item.is_a("descriptor", "parked", "stationary", "bound", "oncoming") and item.verb.form not in {"ing", "both", "participle"}:
+        if (
+            item.is_a("verb")
+            and not item.is_a("descriptor", "parked", "stationary", "bound", "oncoming")
+            and item.verb.form not in {"ing", "both", "participle"}
+        ):
             break
     if determiner is None:
-        while first and (items[first - 1].is_a("bound", "parked", "stationary") or items[first - 1].kinds.get("number") in _YEARS or (items[first - 1].is_a("descriptor") and not items[first - 1].is_a("verb"))):
+        while first and (
+            items[first - 1].is_a("bound", "parked", "stationary")
+            or items[first - 1].kinds.get("number") in _YEARS
+            or (items[first - 1].is_a("descriptor") and not items[first - 1].is_a("verb"))
+        ):
             first -= 1
     before = items[first:place]
     year = next((item.kinds["number"] for item in before if item.kinds.get("number") in _YEARS), None)
     traits = tuple(item for item in before if item.is_a("bound", "oncoming", "parked", "stationary"))
     span = _span(items, place, last)
     words = _span(items, first, last)
-    is_plural = items[last].low.endswith("s") and items[last].is_a("body") and items[last].low[:-1] != "bu" and not names
+    is_plural = (
+        items[last].low.endswith("s") and items[last].is_a("body") and items[last].low[:-1] != "bu" and not names
+    )
     if is_plural or (determiner is not None and determiner.low in {"both", "two", "all"}):
         return Mention(first, last, words, MentionKind.BOTH)
     owner = determiner.kinds.get("pronoun") if determiner is not None else None
     low = " ".join(item.low for item in items[place : last + 1])
     article = determiner.kinds.get("determiner") if determiner is not None else None
     is_other = owner == "other" or any(item.kinds.get("pronoun") == "other" for item in before)
-    is_new = article == "a" or article == "some" or (determiner is None and bool(names)) or (is_other and "another" in _low(before))
+    is_new = (
+        article in {"a", "some"} or (determiner is None and bool(names)) or (is_other and "another" in _low(before))
+    )
     place_words = {item.low for item in before}
-    description = Description(year=year, names=tuple(names), bodies=tuple(bodies), is_own=owner == "own" , is_other=is_other, words=low, span=span, is_definite=not is_new, marks=frozenset(place_words & {"first", "second", "third", "lead", "last", "middle"} | {item.low for item in before if item.low in _COLOURS or item.is_a("parked")}))
+    description = Description(
+        year=year,
+        names=tuple(names),
+        bodies=tuple(bodies),
+        is_own=owner == "own",
+        is_theirs=owner in {"its", "one"},
+        is_other=is_other,
+        words=low,
+        span=span,
+        is_definite=not is_new,
+        marks=frozenset(
+            place_words & {"first", "second", "third", "lead", "last", "middle"}
+            | {item.low for item in before if item.low in _COLOURS or item.is_a("parked")}
+        ),
+    )
     kind = MentionKind.OTHER if is_other and not names else MentionKind.NAMED
     return Mention(first, last, words, kind, is_new=is_new, traits=traits, description=description)
 
 
-_COLOURS = frozenset("black white silver grey gray red blue green tan gold brown yellow orange beige maroon".split())
+_COLOURS = frozenset(["black", "white", "silver", "grey", "gray", "red", "blue", "green", "tan", "gold", "brown", "yellow", "orange", "beige", "maroon"])
 
 
 def _low(items: Sequence[Item]) -> str:
@@ -275,13 +390,44 @@ def _is_head(items: Sequence[Item], place: int) -> bool:
     before = items[place - 1] if place else None
     after = items[place + 1] if place + 1 < len(items) else None
     if item.is_a("body") and not item.is_a("axlewords"):
-        if before is not None and before.kinds.get("number") in range(2, 20) and not (place > 1 and (items[place - 2].is_a("thing") or items[place - 2].low == "#")) and (after is None or not after.is_a("name", "body")):
+        if (
+            before is not None
+            and before.kinds.get("number") in range(2, 20)
+            and not (place > 1 and (items[place - 2].is_a("thing") or items[place - 2].low == "#"))
+            and (after is None or not after.is_a("name", "body"))
+        ):
             return False  # "a 3-car crash"
-        if item.low == "trailer" and (before is None or not (before.kinds.get("determiner") == "the" or before.low == "'s")):
+        if item.low == "trailer" and (
+            before is None or not (before.kinds.get("determiner") == "the" or before.low == "'s")
+        ):
             return False  # a truck's, not a vehicle of its own
         if item.is_a("verb") and (before is None or not before.is_a("determiner", "descriptor", "name", "number")):
             return False  # "to crossover the road"
-        is_stop = item.low in {"bus", "cab", "coach", "tractor", "truck", "car", "compact", "utility", "van", "auto"} and after is not None and (after.low in {"stop", "lane", "pole", "park", "wash", "accident", "crash", "company", "insurance", "shelter", "driver", "drivers", "repair", "seat", "keys"} or after.is_a("object"))
+        is_stop = (
+            item.low in {"bus", "cab", "coach", "tractor", "truck", "car", "compact", "utility", "van", "auto"}
+            and after is not None
+            and (
+                after.low
+                in {
+                    "stop",
+                    "lane",
+                    "pole",
+                    "park",
+                    "wash",
+                    "accident",
+                    "crash",
+                    "company",
+                    "insurance",
+                    "shelter",
+                    "driver",
+                    "drivers",
+                    "repair",
+                    "seat",
+                    "keys",
+                }
+                or after.is_a("object")
+            )
+        )
         return not is_stop
     if not item.is_a("name"):
         return False
@@ -290,14 +436,38 @@ def _is_head(items: Sequence[Item], place: int) -> bool:
     if item.is_a("mph") or (after is not None and after.is_a("mph", "time")):
         return False
     if not all(sense.is_everyday for sense in name_senses(item)) and not item.is_a("verb", "bound", "weather"):
-        is_street = before is not None and before.low in {"on", "along", "onto"} and len(name_senses(item)) and item.low.isalpha() and name_senses(item)[0].model is None
+        is_street = (
+            before is not None
+            and before.low in {"on", "along", "onto"}
+            and len(name_senses(item))
+            and item.low.isalpha()
+            and name_senses(item)[0].model is None
+        )
         return not is_street
-    if before is not None and (before.kinds.get("number") in _YEARS or (before.is_a("name") and _is_head(items, place - 1) and (_joins(before, item) or item.low.isdigit()))):
+    if before is not None and (
+        before.kinds.get("number") in _YEARS
+        or (before.is_a("name") and _is_head(items, place - 1) and (_joins(before, item) or item.low.isdigit()))
+    ):
         return True
-    if after is not None and after.is_a("body") and not item.is_a("descriptor", "verb", "preposition", "determiner", "part", "hand", "number", "lanekind", "oncoming") and item.text[:1].isupper():
+    if (
+        after is not None
+        and after.is_a("body")
+        and not item.is_a(
+            "descriptor", "verb", "preposition", "determiner", "part", "hand", "number", "lanekind", "oncoming"
+        )
+        and item.text[:1].isupper()
+    ):
         return True
-    is_shown = item.text[:1].isupper() and not item.text.isupper() and not item.is_a("number", "preposition", "hand", "bound", "compass")
-    led = before is not None and (before.is_a("determiner") or before.kinds.get("pronoun") in {"own", "its", "other"} or before.low in {"(", "descriptor"})
+    is_shown = (
+        item.text[:1].isupper()
+        and not item.text.isupper()
+        and not item.is_a("number", "preposition", "hand", "bound", "compass")
+    )
+    led = before is not None and (
+        before.is_a("determiner")
+        or before.kinds.get("pronoun") in {"own", "its", "other"}
+        or before.low in {"(", "descriptor"}
+    )
     return is_shown and led and not item.is_a("lane", "road")
 
 
@@ -308,7 +478,15 @@ def _joins(make: Item, model: Item) -> bool:
 
 def _is_filler(items: Sequence[Item], place: int) -> bool:
     item = items[place]
-    return (item.is_a("descriptor") or item.kinds.get("number") in range(10) or (item.text[:1].isupper() and not item.kinds)) and not item.is_a("preposition", "auxiliary", "conjunction") and not (item.is_a("verb") and not item.is_a("body"))
+    return (
+        (
+            item.is_a("descriptor")
+            or item.kinds.get("number") in range(10)
+            or (item.text[:1].isupper() and not item.kinds)
+        )
+        and not item.is_a("preposition", "auxiliary", "conjunction")
+        and not (item.is_a("verb") and not item.is_a("body"))
+    )
 
 
 def _chosen(item: Item, names: Sequence[NameSense]) -> NameSense | None:
@@ -323,17 +501,28 @@ def _chosen(item: Item, names: Sequence[NameSense]) -> NameSense | None:
 def _with_driver(items: Sequence[Item], mention: Mention) -> Mention:
     """Join "the driver of" before a name, and "'s driver" after it, to the name."""
     first = mention.first
-    if first >= 2 and items[first - 1].low == "of" and items[first - 2].kinds.get("person") in {"driver", "someone"}:  # noqa: PLR2004
+    if first >= 2 and items[first - 1].low == "of" and items[first - 2].kinds.get("person") in {"driver", "someone"}:
         first -= 2
-        while first and (items[first - 1].is_a("determiner", "number", "descriptor") or items[first - 1].low in {"year", "old", "-"} or items[first - 1].kinds.get("person") == "someone"):
+        while first and (
+            items[first - 1].is_a("determiner", "number", "descriptor")
+            or items[first - 1].low in {"year", "old", "-"}
+            or items[first - 1].kinds.get("person") == "someone"
+        ):
             first -= 1
         mention.first, mention.is_person = first, True
     last = mention.last
     if last + 2 < len(items) and items[last + 1].low == "'s" and items[last + 2].kinds.get("person") == "driver":
         mention.last, mention.is_person = last + 2, True
-    elif last + 1 < len(items) and items[last + 1].kinds.get("person") == "driver" and mention.kind is not MentionKind.NAMED:
-        mention.last, mention.is_person = last + 1, True
-    elif last + 1 < len(items) and items[last + 1].kinds.get("person") == "driver" and mention.description is not None and not (last + 2 < len(items) and items[last + 2].is_a("number")):
+    elif (
+        last + 1 < len(items)
+        and items[last + 1].kinds.get("person") == "driver"
+        and mention.kind is not MentionKind.NAMED
+    ) or (
+        last + 1 < len(items)
+        and items[last + 1].kinds.get("person") == "driver"
+        and mention.description is not None
+        and not (last + 2 < len(items) and items[last + 2].is_a("number"))
+    ):
         mention.last, mention.is_person = last + 1, True
     mention.span = _span(items, mention.first, mention.last)
     return mention
@@ -352,33 +541,93 @@ def _pronoun(items: Sequence[Item], place: int) -> Mention | None:
         return Mention(place, place, here, MentionKind.SELF, is_person=True)
     if kind == "own":
         is_thing = after is not None and after.is_a("thing")
-        return Mention(place, place + is_thing, _span(items, place, place + is_thing), MentionKind.SELF) if is_thing or (after is not None and _is_part(after)) else None
+        return (
+            Mention(place, place + is_thing, _span(items, place, place + is_thing), MentionKind.SELF)
+            if is_thing or (after is not None and _is_part(after))
+            else None
+        )
     if kind == "other":
         last = place
-        while last + 1 < len(items) and (items[last + 1].is_a("thing") or items[last + 1].kinds.get("person") in {"driver", "someone"} or items[last + 1].low in {"one", "party", "'s", "guy"}):
+        while last + 1 < len(items) and (
+            items[last + 1].is_a("thing")
+            or items[last + 1].kinds.get("person") in {"driver", "someone"}
+            or items[last + 1].low in {"one", "party", "'s", "guy"}
+        ):
             last += 1
         if item.low in {"other", "another"} and last == place:
             return None
         return Mention(place, last, _span(items, place, last), MentionKind.OTHER, is_person=items[last].is_a("person"))
     if kind == "both":
-        last = place + 1 if after is not None and (after.kinds.get("thing") == "vehicles" or after.low in {"drivers", "vehicles", "cars", "trucks"}) else place
-        return Mention(place, last, _span(items, place, last), MentionKind.BOTH) if item.low not in {"both", "all"} or (item.low == "all" and after is not None and after.is_a("bound", "auxiliary", "verb")) or last > place or after is None or not after.is_a("road", "determiner", "junction", "lane", "bound", "compass", "hand") else None
+        last = (
+            place + 1
+            if after is not None
+            and (after.kinds.get("thing") == "vehicles" or after.low in {"drivers", "vehicles", "cars", "trucks"})
+            else place
+        )
+        return (
+            Mention(place, last, _span(items, place, last), MentionKind.BOTH)
+            if item.low not in {"both", "all"}
+            or (item.low == "all" and after is not None and after.is_a("bound", "auxiliary", "verb"))
+            or last > place
+            or after is None
+            or not after.is_a("road", "determiner", "junction", "lane", "bound", "compass", "hand")
+            else None
+        )
+    if item.low == "her" and after is not None and (_is_part(after) or after.is_a("lane", "road")):
+        kind = "its"
     if kind in {"it", "one", "its"}:
-        return Mention(place, place, here, {"it": MentionKind.IT, "one": MentionKind.ONE, "its": MentionKind.POSSESSIVE}[kind], is_person=kind == "one") if not (item.low == "this" or (item.low == "that")) else None
+        return (
+            Mention(
+                place,
+                place,
+                here,
+                {"it": MentionKind.IT, "one": MentionKind.ONE, "its": MentionKind.POSSESSIVE}[kind],
+                is_person=kind == "one",
+            )
+            if item.low not in {"this", "that"}
+            else None
+        )
     if item.kinds.get("thing") == "vehicles" and place and items[place - 1].is_a("determiner"):
         return Mention(place - 1, place, _span(items, place - 1, place), MentionKind.BOTH)
-    if item.is_a("thing") and len(item.low) > 3 and place and items[place - 1].kinds.get("determiner") == "the":  # noqa: PLR2004
+    if item.is_a("thing") and len(item.low) > 3 and place and items[place - 1].kinds.get("determiner") == "the":
         return Mention(place - 1, place, _span(items, place - 1, place), MentionKind.IT)
-    if item.is_a("thing") and len(item.low) > 3 and place and (items[place - 1].kinds.get("determiner") == "a" or items[place - 1].is_a("parked", "stationary", "oncoming", "bound", "descriptor")):  # noqa: PLR2004
-        first = next((back for back in range(place - 1, max(-1, place - 4), -1) if items[back].is_a("determiner")), place - 1)
+    if (
+        item.is_a("thing")
+        and len(item.low) > 3
+        and place
+        and (
+            items[place - 1].kinds.get("determiner") == "a"
+            or items[place - 1].is_a("parked", "stationary", "oncoming", "bound", "descriptor")
+        )
+    ):
+        first = next(
+            (back for back in range(place - 1, max(-1, place - 4), -1) if items[back].is_a("determiner")), place - 1
+        )
         traits = tuple(each for each in items[first:place] if each.is_a("bound", "oncoming", "parked", "stationary"))
         is_new = items[first].kinds.get("determiner") == "a"
-        return Mention(first, place, _span(items, first, place), MentionKind.NAMED, is_new=is_new, traits=traits, description=Description(words="vehicle", span=here, is_definite=not is_new, marks=frozenset(each.low for each in traits)))
+        return Mention(
+            first,
+            place,
+            _span(items, first, place),
+            MentionKind.NAMED,
+            is_new=is_new,
+            traits=traits,
+            description=Description(
+                words="vehicle", span=here, is_definite=not is_new, marks=frozenset(each.low for each in traits)
+            ),
+        )
     if item.kinds.get("person") == "other":
         return Mention(place, place, here, MentionKind.PERSON, is_person=True, is_new=True)
-    if item.kinds.get("person") in {"driver", "someone"} and len(item.low) > 2:  # noqa: PLR2004
+    if item.kinds.get("person") in {"driver", "someone"} and len(item.low) > 2:
         first = place - 1 if place and items[place - 1].is_a("determiner") else place
-        return Mention(first, place, _span(items, first, place), MentionKind.PERSON, is_person=True, is_new=items[first].kinds.get("determiner") == "a")
+        return Mention(
+            first,
+            place,
+            _span(items, first, place),
+            MentionKind.PERSON,
+            is_person=True,
+            is_new=items[first].kinds.get("determiner") == "a",
+        )
     return None
 
 

@@ -6,7 +6,6 @@ that make claims (``ways``, ``manoeuvres``, ``contacts``, ``roads``, ``lanes``, 
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from roadmend.safe.claims import AnyClaim, CastMember, Claim, ContactClaim, DirectionClaim
 from roadmend.safe.dsl import (
@@ -38,7 +37,14 @@ from roadmend.safe.reading.ways import read_ways
 _LEAST_WAY = 0.42  # probability below which a direction is left open; four of them are a quarter each
 _LEAST = 0.5  # probability of a manoeuvre that is more than driving on
 _NO_VALUE = Judged(None, 0.0, (), None, ())
-_CODES = ("critical precrash", "critical pre crash", "critical pre-crash", "critical reason", "associated factor", "was coded")
+_CODES = (
+    "critical precrash",
+    "critical pre crash",
+    "critical pre-crash",
+    "critical reason",
+    "associated factor",
+    "was coded",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +115,12 @@ def read_claims(summary: str) -> SummaryClaims | None:
     cast = tuple(
         CastMember(
             vehicle.description.number or vehicle.place + 1,
-            tuple(sorted({*(word for word in vehicle.words if word), *_numbered(vehicle.description.number)}, key=lambda word: (-len(word), word))),
+            tuple(
+                sorted(
+                    {*(word for word in vehicle.words if word), *_numbered(vehicle.description.number)},
+                    key=lambda word: (-len(word), word),
+                )
+            ),
             vehicle.description.body()[0],
         )
         for vehicle in spoken.roll.vehicles
@@ -125,7 +136,9 @@ def _models(text: Text) -> Iterator[Claim]:
     for vehicle in text.spoken.roll.vehicles:
         body, confidence, span = vehicle.description.body()
         if body is not None:
-            yield claim(of_vehicle(vehicle.place, "model"), body, confidence, f"it is called {vehicle.description.words}", span)
+            yield claim(
+                of_vehicle(vehicle.place, "model"), body, confidence, f"it is called {vehicle.description.words}", span
+            )
 
 
 def _others(text: Text) -> tuple[str, ...]:
@@ -152,9 +165,14 @@ def _outside(text: Text, contacts: Sequence[ContactClaim]) -> tuple[int, ...]:
     else:
         active = [vehicle.place for vehicle in vehicles]
         keep = set(active[:2])
-    for place, clause in enumerate(text.clauses):
+    for _place, clause in enumerate(text.clauses):
         subject = clause.subject
-        if subject is not None and len(subject.vehicles) == 1 and subject.vehicles[0] not in touched and any(item.is_a("outside") for item in [*clause.head, *clause.tail]):
+        if (
+            subject is not None
+            and len(subject.vehicles) == 1
+            and subject.vehicles[0] not in touched
+            and any(item.is_a("outside") for item in [*clause.head, *clause.tail])
+        ):
             keep.discard(subject.vehicles[0])
     keep = keep or {0}
     return tuple(vehicle.place for vehicle in vehicles if vehicle.place not in keep)
@@ -176,18 +194,31 @@ def assemble(said: SummaryClaims, more: Sequence[AnyClaim] = ()) -> ReportReadin
     merging = road_type.value is RoadType.MERGING
     findings: dict[str, Judged] = {"road_type": road_type, "num_lanes": judged.get("num_lanes", _NO_VALUE)}
     stem = judged.get("stem_direction", _NO_VALUE)
-    findings["stem_direction"] = stem if road_type.value is RoadType.T_INTERSECTION and stem.confidence > _LEAST_WAY else _NO_VALUE
+    findings["stem_direction"] = (
+        stem if road_type.value is RoadType.T_INTERSECTION and stem.confidence > _LEAST_WAY else _NO_VALUE
+    )
     vehicles = []
     for index, place in enumerate(kept):
         fields = _vehicle(judged, said, place, merging=merging)
         findings |= {f"vehicles[{index}].{name}": found for name, found in fields.items()}
-        vehicles.append(DescribedVehicle(*(fields[name].value for name in ("model", "initial_position", "action", "speed_limit_mph", "manoeuvre"))))
+        vehicles.append(
+            DescribedVehicle(
+                *(
+                    fields[name].value
+                    for name in ("model", "initial_position", "action", "speed_limit_mph", "manoeuvre")
+                )
+            )
+        )
     time = judge([each for each in claims if isinstance(each, Claim) and each.path == "env.time"])
     weather = _weather([each for each in claims if isinstance(each, Claim) and each.path == "env.weather"], time.value)
     findings |= {"env.time": time, "env.weather": weather}
     for name in ("is_divided", "bend", "control"):
         found = judged.get(name)
-        if found is not None and found.confidence > _LEAST_WAY and (name != "bend" or road_type.value is RoadType.CURVE):
+        if (
+            found is not None
+            and found.confidence > _LEAST_WAY
+            and (name != "bend" or road_type.value is RoadType.CURVE)
+        ):
             findings[name] = found
     road = DescribedRoadNetwork(
         road_type.value,
@@ -197,14 +228,18 @@ def assemble(said: SummaryClaims, more: Sequence[AnyClaim] = ()) -> ReportReadin
     )
     numbers = {place: index for index, place in enumerate(kept, start=1)}
     contacts = [each for each in claims if isinstance(each, ContactClaim)]
-    scenario = CrashScenario(road, tuple(vehicles), DescribedEnvironment(time.value, weather.value), tuple(_collisions(contacts, numbers)))
+    scenario = CrashScenario(
+        road, tuple(vehicles), DescribedEnvironment(time.value, weather.value), tuple(_collisions(contacts, numbers))
+    )
     return ReportReading(scenario, findings, tuple(said.cast[place].number for place in said.left_out))
 
 
 def _on_ramp(each: AnyClaim) -> AnyClaim:
     """Where roads merge, the language has no direction but a road: to the solver that is a field of its own."""
     if isinstance(each, Claim) and each.value in {Position.ON_RAMP, Position.MAIN_ROAD}:
-        return replace(each, path=each.path.replace("initial_position", "on_ramp"), value=each.value is Position.ON_RAMP)
+        return replace(
+            each, path=each.path.replace("initial_position", "on_ramp"), value=each.value is Position.ON_RAMP
+        )
     return each
 
 
@@ -224,14 +259,30 @@ def _vehicle(judged: Mapping[str, Judged], said: SummaryClaims, place: int, *, m
     position = heading
     if merging:
         ramp = of("on_ramp")
-        is_ramp = bool(ramp.value) and ramp.confidence > 0.5  # noqa: PLR2004
-        position = replace(ramp, value=Position.ON_RAMP) if is_ramp else Judged(Position.MAIN_ROAD, 0.85, heading.claims, None, ())
+        is_ramp = bool(ramp.value) and ramp.confidence > 0.5
+        position = (
+            replace(ramp, value=Position.ON_RAMP)
+            if is_ramp
+            else Judged(Position.MAIN_ROAD, 0.85, heading.claims, None, ())
+        )
     action, manoeuvre = of("action"), of("manoeuvre")
     if action.value is not Action.MOVE_FORWARD:
-        manoeuvre = Judged(Manoeuvre.U_TURN if manoeuvre.value is Manoeuvre.U_TURN else Manoeuvre(action.value), action.confidence, action.claims, None, ())
+        manoeuvre = Judged(
+            Manoeuvre.U_TURN if manoeuvre.value is Manoeuvre.U_TURN else Manoeuvre(action.value),
+            action.confidence,
+            action.claims,
+            None,
+            (),
+        )
     elif manoeuvre.value is None or manoeuvre.confidence < _LEAST:
         manoeuvre = Judged(Manoeuvre.MOVE_FORWARD, action.confidence, action.claims, None, ())
-    return {"model": of("model"), "initial_position": position, "action": action, "speed_limit_mph": _limit(said, of("speed_limit_mph"), place, heading.value), "manoeuvre": manoeuvre}
+    return {
+        "model": of("model"),
+        "initial_position": position,
+        "action": action,
+        "speed_limit_mph": _limit(said, of("speed_limit_mph"), place, heading.value),
+        "manoeuvre": manoeuvre,
+    }
 
 
 def _limit(said: SummaryClaims, known: Judged, place: int, heading: Position | None) -> Judged:
@@ -243,11 +294,25 @@ def _limit(said: SummaryClaims, known: Judged, place: int, heading: Position | N
             continue
         confidence = 0.7 if len(values) == 1 else 0.4
         if limit.ways:
-            confidence = confidence if heading is None else 0.93 if heading in limit.ways else 0.9 if len(values) == 1 and _same_axis(heading, limit.ways) else 0.45 if len(values) == 1 else 0.1
+            confidence = (
+                confidence
+                if heading is None
+                else 0.93
+                if heading in limit.ways
+                else 0.9
+                if len(values) == 1 and _same_axis(heading, limit.ways)
+                else 0.45
+                if len(values) == 1
+                else 0.1
+            )
         elif limit.lanes and heading is not None:
             ways = _ways_of_lanes(said, limit.lanes)
             confidence = 0.9 if ways and heading in ways else 0.15 if ways and len(values) > 1 else confidence
-        claims.append(claim(of_vehicle(place, "speed_limit_mph"), limit.mph, confidence, "the limit posted for its way", limit.span))
+        claims.append(
+            claim(
+                of_vehicle(place, "speed_limit_mph"), limit.mph, confidence, "the limit posted for its way", limit.span
+            )
+        )
     found = judge(claims)
     return found if found.confidence > _LEAST_WAY else replace(found, value=None)
 
@@ -261,7 +326,11 @@ def _ways_of_lanes(said: SummaryClaims, lanes: int) -> frozenset[Position]:
     for sentence in said.text.sentences:
         items = sentence.items
         for place in range(len(items) - 1):
-            if items[place].kinds.get("number") == lanes and items[place + 1].is_a("lane") and items[place + 1].low == "lane":
+            if (
+                items[place].kinds.get("number") == lanes
+                and items[place + 1].is_a("lane")
+                and items[place + 1].low == "lane"
+            ):
                 for item in items[place + 2 : place + 8]:
                     if item.is_a("axis"):
                         return AXES[item.kinds["axis"]]
@@ -272,14 +341,36 @@ def _ways_of_lanes(said: SummaryClaims, lanes: int) -> frozenset[Position]:
 
 def _weather(claims: Sequence[Claim], time: Time | None) -> Judged:
     """One word for the weather: falling water comes before clouds, and a clear sky is sunny by day."""
-    rank = [Weather.SNOWY, Weather.RAINY, Weather.FOGGY, Weather.WINDY, Weather.OVERCAST, Weather.CLOUDY, Weather.SUNNY, Weather.CLEAR]
-    found = judge([replace(each, confidence=min(0.99, each.confidence * (1 - 0.02 * rank.index(each.value)))) for each in claims])
+    rank = [
+        Weather.SNOWY,
+        Weather.RAINY,
+        Weather.FOGGY,
+        Weather.WINDY,
+        Weather.OVERCAST,
+        Weather.CLOUDY,
+        Weather.SUNNY,
+        Weather.CLEAR,
+    ]
+    found = judge(
+        [replace(each, confidence=min(0.99, each.confidence * (1 - 0.02 * rank.index(each.value)))) for each in claims]
+    )
     if found.value is None:
         return found
-    named = {each.value for each in claims if each.confidence > 0.6}  # noqa: PLR2004
+    named = {each.value for each in claims if each.confidence > 0.6}
     value = next((each for each in rank if each in named), found.value)
-    value = {(Weather.CLEAR, Time.DAYTIME): Weather.SUNNY, (Weather.SUNNY, Time.NIGHTTIME): Weather.CLEAR}.get((value, time), value)
-    sure = max((each.confidence for each in claims if each.value is value or each.value in {Weather.CLEAR, Weather.SUNNY} and value in {Weather.CLEAR, Weather.SUNNY}), default=found.confidence)
+    value = {(Weather.CLEAR, Time.DAYTIME): Weather.SUNNY, (Weather.SUNNY, Time.NIGHTTIME): Weather.CLEAR}.get(
+        (value, time), value
+    )
+    sure = max(
+        (
+            each.confidence
+            for each in claims
+            if each.value is value
+            or (each.value in {Weather.CLEAR, Weather.SUNNY}
+            and value in {Weather.CLEAR, Weather.SUNNY})
+        ),
+        default=found.confidence,
+    )
     return replace(found, value=value, confidence=sure, claims=found.claims or tuple(claims))
 
 

@@ -14,7 +14,7 @@ from typing import Any
 
 from roadmend.safe.claims import AnyClaim, Claim, ContactClaim, DirectionClaim, Relation
 from roadmend.safe.compass import DIRECTIONS, TOWARDS, opposite, origin_of, turned
-from roadmend.safe.dsl import Action, Compass, Position, RoadType, Side
+from roadmend.safe.dsl import Action, Compass, Manoeuvre, Position, RoadType, Side
 
 _ACTIONS = (Action.MOVE_FORWARD, Action.TURN_LEFT, Action.TURN_RIGHT)
 _HAND = {Action.MOVE_FORWARD: None, Action.TURN_LEFT: Side.LEFT, Action.TURN_RIGHT: Side.RIGHT}
@@ -65,7 +65,10 @@ def solve(claims: Sequence[AnyClaim], count: int) -> Mapping[str, Judged]:
         count: of vehicles in the cast.
     """
     plain = [each for each in claims if isinstance(each, Claim)]
-    found = {path: judge([each for each in plain if each.path == path]) for path in dict.fromkeys(each.path for each in plain)}
+    found = {
+        path: judge([each for each in plain if each.path == path])
+        for path in dict.fromkeys(each.path for each in plain)
+    }
     found |= _Scene(claims, count).judged()
     return found
 
@@ -92,7 +95,7 @@ def _judged(ranked: Sequence[tuple[Any, float]], claims: Sequence[Claim]) -> Jud
     value, confidence = ranked[0]
     mine = tuple(sorted((each for each in claims if each.value == value), key=lambda each: -each.confidence))
     against = tuple(each for each in claims if each.value != value)
-    return Judged(value, confidence, mine, ranked[1] if len(ranked) > 1 and ranked[1][1] > 0.01 else None, against)  # noqa: PLR2004
+    return Judged(value, confidence, mine, ranked[1] if len(ranked) > 1 and ranked[1][1] > 0.01 else None, against)
 
 
 def _log_odds(confidence: float) -> float:
@@ -112,6 +115,11 @@ def _evidence(claims: Sequence[Claim]) -> dict[Any, float]:
     return found
 
 
+def _among(weights: Mapping[Any, float], count: int) -> dict[Any, float]:
+    """Weights of values of which there are more than two: a claim is against each of the others a share of its doubt."""
+    return {value: weight + math.log(count - 1) * min(1.0, max(0.0, weight)) for value, weight in weights.items()}
+
+
 class _Scene:
     """Enumerates the scenes of the vehicles on each type of road."""
 
@@ -119,8 +127,13 @@ class _Scene:
         plain = [each for each in claims if isinstance(each, Claim)]
         self.count = count
         self.claims = {path: [each for each in plain if each.path == path] for path in {each.path for each in plain}}
-        self.relations = [each for each in claims if isinstance(each, DirectionClaim) and max(each.first, each.second) < count]
-        self.contacts = [each for each in claims if isinstance(each, ContactClaim) and max(each.striking, each.struck) < count]
+        self.relations = [
+            each for each in claims if isinstance(each, DirectionClaim) and max(each.first, each.second) < count
+        ]
+        self.contacts = [
+            each for each in claims if isinstance(each, ContactClaim) and max(each.striking, each.struck) < count
+        ]
+        self.has_driveway = bool(self.claims.get("driveway"))
         self.unary = [{way: self._of_way(vehicle, way) for way in self._ways(vehicle)} for vehicle in range(count)]
 
     def _of(self, vehicle: int, field: str) -> list[Claim]:
@@ -129,11 +142,13 @@ class _Scene:
     def _ways(self, vehicle: int) -> list[_Way]:
         said = {each.value for each in self._of(vehicle, "action")}
         aims = bool(self._of(vehicle, "destination"))
-        actions = [action for action in _ACTIONS if action is Action.MOVE_FORWARD or action in said or aims or "any" in said]
+        actions = [
+            action for action in _ACTIONS if action is Action.MOVE_FORWARD or action in said or aims or "any" in said
+        ]
         return [_Way(heading, action) for heading in DIRECTIONS for action in actions]
 
     def _of_way(self, vehicle: int, way: _Way) -> float:
-        weight = _evidence(self._of(vehicle, "initial_position")).get(way.heading, 0.0)
+        weight = _among(_evidence(self._of(vehicle, "initial_position")), len(DIRECTIONS)).get(way.heading, 0.0)
         weight += _evidence(self._of(vehicle, "action")).get(way.action, 0.0)
         weight += _STRAIGHT_ON if way.action is Action.MOVE_FORWARD else 0.0
         weight += _evidence(self._of(vehicle, "destination")).get(way.leaves, 0.0)
@@ -141,11 +156,17 @@ class _Scene:
         return weight + straight + (0.8 * max(0.0, straight) if way.action is Action.MOVE_FORWARD else 0.0)
 
     def judged(self) -> dict[str, Judged]:
-        roads = {road: weight for road, weight in self._roads().items()}
+        roads = dict(self._roads().items())
         sums: dict[str, dict[Any, float]] = {}
         groups = list(self._groups())
-        for road, stem in [(road, stem) for road in _ROADS for stem in (Compass if road is RoadType.T_INTERSECTION else (None,))]:
-            score = roads[road] + (_evidence(self.claims.get("stem_direction", [])).get(stem, 0.0) - math.log(len(Compass)) if stem is not None else 0.0)
+        for road, stem in [
+            (road, stem) for road in _ROADS for stem in (Compass if road is RoadType.T_INTERSECTION else (None,))
+        ]:
+            score = roads[road] + (
+                _evidence(self.claims.get("stem_direction", [])).get(stem, 0.0) - math.log(len(Compass))
+                if stem is not None
+                else 0.0
+            )
             marginals: list[tuple[str, dict[Any, float]]] = []
             for group in groups:
                 total, fields = self._enumerate(group, road, stem)
@@ -162,7 +183,10 @@ class _Scene:
     def _judge(self, path: str, logs: Mapping[Any, float]) -> Judged:
         top = max(logs.values())
         total = sum(math.exp(each - top) for each in logs.values())
-        ranked = sorted(((value, math.exp(weight - top) / total) for value, weight in logs.items()), key=lambda each: (-each[1], str(each[0])))
+        ranked = sorted(
+            ((value, math.exp(weight - top) / total) for value, weight in logs.items()),
+            key=lambda each: (-each[1], str(each[0])),
+        )
         return _judged(ranked, self.claims.get(path, []))
 
     def _roads(self) -> dict[RoadType, float]:
@@ -172,18 +196,26 @@ class _Scene:
         if max(said.get(road, 0.0) for road in _JUNCTIONS) > 0:
             weights[RoadType.STRAIGHT] -= max(0.0, said.get(RoadType.STRAIGHT, 0.0))  # straight roads cross, too
         if RoadType.T_INTERSECTION in said and RoadType.INTERSECTION in said:
-            weights[RoadType.INTERSECTION] -= min(said[RoadType.INTERSECTION], said[RoadType.T_INTERSECTION], 2.5)  # a T is one
+            weights[RoadType.INTERSECTION] -= min(
+                said[RoadType.INTERSECTION], said[RoadType.T_INTERSECTION], 2.5
+            )  # a T is one
         if said.get(RoadType.CURVE, 0.0) > 0 and said.get(RoadType.STRAIGHT, 0.0) > 0:
             weights[RoadType.CURVE] += 0.7  # a bend in a road that is straight elsewhere
-        if self.claims.get("driveway"):
-            weights[RoadType.STRAIGHT] += 0.6
+        if self.has_driveway:
+            weights[RoadType.STRAIGHT] += 1.2
         if RoadType.MERGING in said and not any(self._of(vehicle, "on_ramp") for vehicle in range(self.count)):
             weights[RoadType.MERGING] -= 2.0
         return weights
 
     def _groups(self) -> Iterator[tuple[int, ...]]:
         """Vehicles that contacts and relations tie together."""
-        left, ties = set(range(self.count)), [*((each.first, each.second) for each in self.relations), *((each.striking, each.struck) for each in self.contacts)]
+        left, ties = (
+            set(range(self.count)),
+            [
+                *((each.first, each.second) for each in self.relations),
+                *((each.striking, each.struck) for each in self.contacts),
+            ],
+        )
         while left:
             group = [min(left)]
             for vehicle in group:
@@ -192,12 +224,33 @@ class _Scene:
                 yield tuple(group[start : start + _MOST_TOGETHER])
             left -= set(group)
 
-    def _enumerate(self, group: Sequence[int], road: RoadType, stem: Compass | None) -> tuple[float, list[tuple[str, dict[Any, float]]]]:
+    def _enumerate(
+        self, group: Sequence[int], road: RoadType, stem: Compass | None
+    ) -> tuple[float, list[tuple[str, dict[Any, float]]]]:
         """Log of the sum over all scenes of a group, and of the shares of each field's values."""
         scores: list[tuple[tuple[_Way, ...], float]] = []
-        pairs = {(one, other): self._pair_table(one, other, road) for one, other in itertools.combinations(range(len(group)), 2) if self._tied(group[one], group[other])} if len(group) > 1 else {}
+        pairs = (
+            {
+                (one, other): self._pair_table(one, other, road)
+                for one, other in itertools.combinations(range(len(group)), 2)
+                if self._tied(group[one], group[other])
+            }
+            if len(group) > 1
+            else {}
+        )
         tables = {key: {} for key in pairs}
-        options = [[(way, self.unary[vehicle][way] + _on_road(way, road, stem) + self._on_stem(vehicle, way, stem)) for way in self.unary[vehicle]] for vehicle in group]
+        options = [
+            [
+                (
+                    way,
+                    self.unary[vehicle][way]
+                    + _on_road(way, road, stem, may_turn=self._may_turn(vehicle))
+                    + self._on_stem(vehicle, way, stem),
+                )
+                for way in self.unary[vehicle]
+            ]
+            for vehicle in group
+        ]
         for chosen in itertools.product(*options):
             weight = sum(each[1] for each in chosen)
             for (one, other), links in pairs.items():
@@ -217,8 +270,14 @@ class _Scene:
                     value = getattr(ways[place], name)
                     values[value] = values.get(value, 0.0) + math.exp(weight - top)
                 path = f"vehicles[{vehicle}].{'initial_position' if name == 'heading' else 'action'}"
-                fields.append((path, {value: math.log(max(share, 1e-300)) + top - total for value, share in values.items()}))
+                fields.append(
+                    (path, {value: math.log(max(share, 1e-300)) + top - total for value, share in values.items()})
+                )
         return total, fields
+
+    def _may_turn(self, vehicle: int) -> bool:
+        """Whether it can turn where no roads meet."""
+        return self.has_driveway or any(each.value is Manoeuvre.U_TURN for each in self._of(vehicle, "manoeuvre"))
 
     def _on_stem(self, vehicle: int, way: _Way, stem: Compass | None) -> float:
         """What it weighs that a vehicle is said to come along the road that ends."""
@@ -229,7 +288,9 @@ class _Scene:
         return (weight if origin_of(way.heading) is stem else -weight) + (_MISSING_LEG * 0.7 if runs_through else 0.0)
 
     def _tied(self, one: int, other: int) -> bool:
-        return any({each.first, each.second} == {one, other} for each in self.relations) or any({each.striking, each.struck} == {one, other} for each in self.contacts)
+        return any({each.first, each.second} == {one, other} for each in self.relations) or any(
+            {each.striking, each.struck} == {one, other} for each in self.contacts
+        )
 
     def _pair_table(self, one: int, other: int, road: RoadType) -> list[Any]:
         return [self._related, self._met]
@@ -248,7 +309,9 @@ class _Scene:
         for each in self.contacts:
             if {each.striking, each.struck} == {one, other}:
                 mine, theirs = (first, second) if each.striking == one else (second, first)
-                return _contact_weight(mine, theirs, each.striking_side, each.struck_side, road)
+                return _contact_weight(
+                    mine, theirs, each.striking_side, each.struck_side, crosses=road in _JUNCTIONS or self.has_driveway
+                )
         return 0.0
 
 
@@ -275,10 +338,10 @@ def _holds(kind: Relation, mine: Position, theirs: Position) -> bool:
     return theirs is turned(mine, Side.LEFT)
 
 
-def _on_road(way: _Way, road: RoadType, stem: Compass | None) -> float:
+def _on_road(way: _Way, road: RoadType, stem: Compass | None, *, may_turn: bool) -> float:
     """How well a way fits a road: turns want a junction, and a T has one leg less."""
     weight = 0.0
-    if way.action is not Action.MOVE_FORWARD and road not in _JUNCTIONS:
+    if way.action is not Action.MOVE_FORWARD and road not in _JUNCTIONS and not may_turn:
         weight -= 0.5
     if stem is not None:
         missing = TOWARDS[_towards(stem)]
@@ -293,15 +356,15 @@ def _towards(stem: Compass) -> Position:
     return next(position for position in DIRECTIONS if origin_of(position) is stem)
 
 
-def _contact_weight(mine: _Way, theirs: _Way, front: Side | None, side: Side | None, road: RoadType) -> float:
+def _contact_weight(mine: _Way, theirs: _Way, front: Side | None, side: Side | None, *, crosses: bool) -> float:
     """How well two ways explain a contact, the first running into the second [nats]."""
     weight = 0.0
     same, facing = mine.heading is theirs.heading, mine.heading is opposite(theirs.heading)
     crossing = not same and not facing
     turns = mine.action is not Action.MOVE_FORWARD or theirs.action is not Action.MOVE_FORWARD
     if crossing:
-        weight += 0.3 if road in _JUNCTIONS else -2.2
-    if facing and not turns and road in _JUNCTIONS:
+        weight += 0.3 if crosses else -2.2
+    if facing and not turns and crosses:
         weight -= 0.4
     if front is Side.FRONT and side is Side.REAR:
         weight += 2.0 if same else 0.6 if mine.leaves is theirs.leaves and crossing and turns else -1.5

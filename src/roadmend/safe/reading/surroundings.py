@@ -15,7 +15,31 @@ _CLOCK = re.compile(
     r"\b(?:(?P<h>[01]?\d|2[0-3])[:.](?P<m>[0-5]\d)|(?P<mil>(?:[01]\d|2[0-3])[0-5]\d)(?=\s*(?:hrs?|hours|h)\b)|(?P<hour>1[0-2]|[1-9]))\s*(?:(?P<half>[ap])\.?\s?m\b|(?P<oclock>o'?clock)|(?P<hrs>hrs?|hours)\b)?",
     re.IGNORECASE,
 )
-_SKY = frozenset({"sky", "skies", "weather", "conditions", "day", "night", "atmospheric", "sunny", "dry", "morning", "afternoon", "evening", "it", "was", "clear", "daylight", "dark", "wx", "and", "with", "/"})
+_SKY = frozenset(
+    {
+        "sky",
+        "skies",
+        "weather",
+        "conditions",
+        "day",
+        "night",
+        "atmospheric",
+        "sunny",
+        "dry",
+        "morning",
+        "afternoon",
+        "evening",
+        "it",
+        "was",
+        "clear",
+        "daylight",
+        "dark",
+        "wx",
+        "and",
+        "with",
+        "/",
+    }
+)
 
 
 def read_surroundings(text: Text) -> Iterator[Claim]:
@@ -47,8 +71,51 @@ def _is_other_time(items: Sequence[Item], place: int) -> bool:
     after = items[place + 1].low if place + 1 < len(items) else ""
     if item.low == "day":
         return not (low & {"sunny", "bright", "clear", "rainy", "windy", "snowy", "cloudy", "foggy"})
-    treated = any(each.verb is not None and each.verb.lemma in {"treat", "transport", "admit", "release", "interview", "arrest", "die"} for each in items[:place])
-    return treated or (low & {"later", "next", "following", "until", "since", "by", "previous", "before", "worked", "every", "spokesman"} != set() and item.low != "daylight") or (item.low == "dark" and after in {"blue", "green", "grey", "gray", "red", "color", "colour", "colored", "coloured", "signal", "suv", "car", "sedan"})
+    treated = any(
+        each.verb is not None
+        and each.verb.lemma in {"treat", "transport", "admit", "release", "interview", "arrest", "die"}
+        for each in items[:place]
+    )
+    return (
+        treated
+        or (
+            low
+            & {
+                "later",
+                "next",
+                "following",
+                "until",
+                "since",
+                "by",
+                "previous",
+                "before",
+                "worked",
+                "every",
+                "spokesman",
+            }
+            != set()
+            and item.low != "daylight"
+        )
+        or (
+            item.low == "dark"
+            and after
+            in {
+                "blue",
+                "green",
+                "grey",
+                "gray",
+                "red",
+                "color",
+                "colour",
+                "colored",
+                "coloured",
+                "signal",
+                "suv",
+                "car",
+                "sedan",
+            }
+        )
+    )
 
 
 def _weather(items: Sequence[Item], place: int, not_weather: frozenset[str], *, is_past: bool) -> Iterator[Claim]:
@@ -64,13 +131,35 @@ def _weather(items: Sequence[Item], place: int, not_weather: frozenset[str], *, 
         if is_listed:
             yield claim("env.weather", value, 0.75, f"the text says {item.low}", item.span)
             return
-        if (follows in not_weather and not around & {"weather", "sky", "skies"}) or not around & _SKY or (led in {"to", "a", "of"} and not any(each.is_a("time") or each.low in {"day", "sky"} for each in items[place + 1 : place + 5])):
+        if (
+            (follows in not_weather and not around & {"weather", "sky", "skies"})
+            or not around & _SKY
+            or (
+                led in {"to", "a", "of"}
+                and not any(each.is_a("time") or each.low in {"day", "sky"} for each in items[place + 1 : place + 5])
+            )
+        ):
             return
-        if any(each.is_a("road", "lane", "signal") or each.low in {"view", "traffic", "coast", "way"} for each in before) and not around & {"weather", "sky", "skies"}:
+        if any(
+            each.is_a("road", "lane", "signal") or each.low in {"view", "traffic", "coast", "way"} for each in before
+        ) and not around & {"weather", "sky", "skies"}:
             return
-    elif value is Weather.WINDY and item.low in {"wind", "winds"} and after and after[0].low in {"screen", "shield", "ing"}:
+    elif (
+        value is Weather.WINDY
+        and item.low in {"wind", "winds"}
+        and after
+        and after[0].low in {"screen", "shield", "ing"}
+    ):
         return
-    elif value is Weather.SNOWY and any(each.low in {"cleared", "packed", "covered", "ploughed", "plowed", "fresh"} for each in before) or (item.low == "snow" and after and after[0].low in {"covered", "packed", "tires", "tyres", "bank", "banks", "plow"}):
+    elif (
+        (value is Weather.SNOWY
+        and any(each.low in {"cleared", "packed", "covered", "ploughed", "plowed", "fresh"} for each in before))
+        or (
+            item.low == "snow"
+            and after
+            and after[0].low in {"covered", "packed", "tires", "tyres", "bank", "banks", "plow"}
+        )
+    ):
         yield claim("env.weather", value, 0.45, f"the text says {item.low}", item.span)
         return
     if denied:
@@ -92,20 +181,25 @@ def _clock(summary: str) -> Iterator[Claim]:
 
 
 def _hour(match: re.Match[str], summary: str) -> tuple[int | None, float]:
-    after, before = summary[match.end() : match.end() + 30].lower(), summary[max(0, match.start() - 20) : match.start()].lower()
+    after, before = (
+        summary[match.end() : match.end() + 30].lower(),
+        summary[max(0, match.start() - 20) : match.start()].lower(),
+    )
     if match["mil"]:
         return int(match["mil"][:2]), 0.9
     hour = int(match["h"] or match["hour"])
     half = (match["half"] or "").lower()
     at_night = re.match(r"[\s,]*(?:in the evening|at night|tonight|p\.?m)", after)
     in_day = re.match(r"[\s,]*(?:in the morning|in the afternoon)", after)
-    told = re.search(r"(?:\bat|around|about|approximately|aprox|approx|past|after|before|@|by|near|shortly|till|until)\s*$", before)
+    told = re.search(
+        r"(?:\bat|around|about|approximately|aprox|approx|past|after|before|@|by|near|shortly|till|until)\s*$", before
+    )
     if half:
         return (hour % 12) + (12 if half == "p" else 0), 0.92
     if at_night:
-        return (hour % 12) + (12 if hour > 4 else 0), 0.92  # noqa: PLR2004
+        return (hour % 12) + (12 if hour > 4 else 0), 0.92
     if in_day:
         return (hour % 12) + (12 if "afternoon" in in_day[0] else 0), 0.92
-    if match["h"] and (told or match["hrs"] or hour >= 13 or len(match["h"]) == 2):  # noqa: PLR2004
-        return hour, 0.8 if told or match["hrs"] or hour >= 13 else 0.6  # noqa: PLR2004
+    if match["h"] and (told or match["hrs"] or hour >= 13 or len(match["h"]) == 2):
+        return hour, 0.8 if told or match["hrs"] or hour >= 13 else 0.6
     return None, 0.0

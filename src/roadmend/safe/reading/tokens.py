@@ -6,15 +6,28 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from roadmend.safe.claims import Span
-from roadmend.safe.reading.lexicon import LONGEST, NameSense, Senses, VerbSense, mend, names, senses, squeeze, verb_heads
+from roadmend.safe.reading.lexicon import (
+    LONGEST,
+    NameSense,
+    Senses,
+    VerbSense,
+    mend,
+    names,
+    senses,
+    squeeze,
+    verb_heads,
+)
 
-_TOKEN = re.compile(r"\d+(?:st|nd|rd|th)\b|\d{1,3}(?:,\d{3})+(?!\d)|\d+(?:\.\d+)?|[^\W\d_]+(?:'(?!s\b)[^\W\d_]+)?|'s\b|[^\w\s]", re.IGNORECASE)
+_TOKEN = re.compile(
+    r"\d+(?:st|nd|rd|th)\b|\d{1,3}(?:,\d{3})+(?!\d)|\d+(?:\.\d+)?|[^\W\d_]+(?:'(?!s\b)[^\W\d_]+)?|'s\b|[^\w\s]",
+    re.IGNORECASE,
+)
 _ABBREVIATIONS = frozenset(
-    "vs mr mrs ms dr st ave rd blvd hwy no veh approx ft mi jr sr sgt lt capt cpl dept ln dr pkwy u.s a.m p.m m.p.h i.e e.g n s e w pass op opr mph kmh".split()
+    ["vs", "mr", "mrs", "ms", "dr", "st", "ave", "rd", "blvd", "hwy", "no", "veh", "approx", "ft", "mi", "jr", "sr", "sgt", "lt", "capt", "cpl", "dept", "ln", "dr", "pkwy", "u.s", "a.m", "p.m", "m.p.h", "i.e", "e.g", "n", "s", "e", "w", "pass", "op", "opr", "mph", "kmh"]
 )
 _JOINED = 5  # letters of a phrase that may be told without a hyphen or a slash in it: not "a t" for "at"
 _PARTICLES = frozenset({"into", "with", "off", "onto", "against", "through"})
-_QUOTES = dict.fromkeys(map(ord, "“”\"«»*_"), " ") | {ord("’"): "'", ord("‘"): "'", ord("–"): "-", ord("—"): "-"}  # noqa: RUF001
+_QUOTES = dict.fromkeys(map(ord, '“”"«»*_'), " ") | {ord("’"): "'", ord("‘"): "'", ord("–"): "-", ord("—"): "-"}  # noqa: RUF001
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +110,11 @@ def _cut(text: str, start: int, end: int) -> Iterator[list[Token]]:
     tokens: list[Token] = []
     for match in _TOKEN.finditer(text, start, end):
         word = match[0]
-        if word == "-" and not text[match.end() : match.end() + 1].isspace() and not text[match.start() - 1 : match.start()].isspace():
+        if (
+            word == "-"
+            and not text[match.end() : match.end() + 1].isspace()
+            and not text[match.start() - 1 : match.start()].isspace()
+        ):
             continue  # a hyphen within a word
         is_glued = bool(tokens) and (tokens[-1].end == match.start() or text[tokens[-1].end : match.start()] == "-")
         if word in ".!?" and _ends(text, match.start(), tokens):
@@ -116,11 +133,17 @@ def _ends(text: str, place: int, tokens: Sequence[Token]) -> bool:
         return True
     if after[:1] and not after[:1].isspace() and after[:1] not in ")]'":
         return False
-    is_short = bool(tokens) and (tokens[-1].low in _ABBREVIATIONS or (len(tokens[-1].low) == 1 and tokens[-1].low.isalpha()))
+    is_short = bool(tokens) and (
+        tokens[-1].low in _ABBREVIATIONS or (len(tokens[-1].low) == 1 and tokens[-1].low.isalpha())
+    )
     rest = text[place + 1 :].lstrip(" )]'\n")
     if rest[:1].islower() and not _is_careless(text):
         return False
-    return not is_short or (rest[:1].isupper() and tokens[-1].low in {"mph", "kmh", "m", "rd", "hwy", "st", "ave", "blvd", "ln", "w", "e", "n", "s"} and not _continues_name(rest))
+    return not is_short or (
+        rest[:1].isupper()
+        and tokens[-1].low in {"mph", "kmh", "m", "rd", "hwy", "st", "ave", "blvd", "ln", "w", "e", "n", "s"}
+        and not _continues_name(rest)
+    )
 
 
 @functools.lru_cache(maxsize=8)
@@ -131,7 +154,9 @@ def _is_careless(text: str) -> bool:
 
 
 def _continues_name(rest: str) -> bool:
-    return bool(re.match(r"(?:Rd|St|Ave|Blvd|Ln|Hwy|Street|Avenue|Road)\b", rest)) or bool(re.match(r"[A-Z][a-z]+ (?:Rd|St|Ave|Street|Avenue|Road|Blvd)\b", rest))
+    return bool(re.match(r"(?:Rd|St|Ave|Blvd|Ln|Hwy|Street|Avenue|Road)\b", rest)) or bool(
+        re.match(r"[A-Z][a-z]+ (?:Rd|St|Ave|Street|Avenue|Road|Blvd)\b", rest)
+    )
 
 
 def _items(tokens: Sequence[Token]) -> Iterator[Item]:
@@ -152,7 +177,7 @@ def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
         if length > 1 and len(key) < _JOINED and not all(token.is_glued for token in taken[1:]):
             continue
         kinds = dict(senses().get(key, {}))
-        if length > 2 and not kinds and taken[-1].low in _PARTICLES and _starts_verb(taken[0]):  # noqa: PLR2004 - "ran straight into"
+        if length > 2 and not kinds and taken[-1].low in _PARTICLES and _starts_verb(taken[0]):
             kept = [taken[0], *(token for token in taken[1:] if "adverb" not in senses().get(squeeze(token.low), {}))]
             kinds = dict(senses().get("".join(squeeze(token.low) for token in kept), {})) if len(kept) > 1 else {}
             kinds = kinds if "verb" in kinds and taken[-1] is kept[-1] else {}
@@ -181,7 +206,9 @@ def _starts_verb(token: Token) -> bool:
 def _may_be_name(taken: Sequence[Token]) -> bool:
     """Not a number alone, nor pieces far from a name: "the 3 vehicles"."""
     letters = "".join(token.low for token in taken)
-    return not (letters in {"is", "a", "in", "up", "one"} or (len(taken) == 1 and taken[0].low.isdigit() and len(letters) < 3))  # noqa: PLR2004
+    return not (
+        letters in {"is", "a", "in", "up", "one"} or (len(taken) == 1 and taken[0].low.isdigit() and len(letters) < 3)
+    )
 
 
 def name_senses(item: Item) -> tuple[NameSense, ...]:

@@ -1,5 +1,6 @@
 """Which way the vehicles travel, and how their ways lie to each other."""
 
+import itertools
 from collections.abc import Iterator, Sequence
 
 from roadmend.safe.claims import Claim, DirectionClaim, Relation
@@ -8,10 +9,76 @@ from roadmend.safe.reading.clauses import STRIKES, Clause
 from roadmend.safe.reading.facts import Text, claim, crash_places, direction, of_vehicle, relation, weakened
 from roadmend.safe.reading.tokens import Item
 
-_GOING = frozenset({"", "travel", "continue", "approach", "stop", "slow", "park", "follow", "overtake", "intend", "begin", "change_lane", "drift", "fail", "emerge", "own", "do", "say", "see", "depart", "avoid"})
+_GOING = frozenset(
+    {
+        "",
+        "travel",
+        "continue",
+        "approach",
+        "stop",
+        "slow",
+        "park",
+        "follow",
+        "overtake",
+        "intend",
+        "begin",
+        "change_lane",
+        "drift",
+        "fail",
+        "emerge",
+        "own",
+        "do",
+        "say",
+        "see",
+        "depart",
+        "avoid",
+    }
+)
 _TURNING = frozenset({"turn", "uturn"})
-_INTO = frozenset({"into", "onto", "on to", "across", "toward", "towards", "to", "over", "through", "cross", "crossed", "crosses", "crossing", "entered", "entering", "enter"})
-_NOT_A_WAY = frozenset({"side", "leg", "edge", "of", "end", "corner", "curb", "shoulder", "approach", "roadside", "/", "entrance", "traffic", "half", "part", "parking", "wall", "quadrant", "boundary", "facing"})
+_INTO = frozenset(
+    {
+        "into",
+        "onto",
+        "on to",
+        "across",
+        "toward",
+        "towards",
+        "to",
+        "over",
+        "through",
+        "cross",
+        "crossed",
+        "crosses",
+        "crossing",
+        "entered",
+        "entering",
+        "enter",
+    }
+)
+_NOT_A_WAY = frozenset(
+    {
+        "side",
+        "leg",
+        "edge",
+        "of",
+        "end",
+        "corner",
+        "curb",
+        "shoulder",
+        "approach",
+        "roadside",
+        "/",
+        "entrance",
+        "traffic",
+        "half",
+        "part",
+        "parking",
+        "wall",
+        "quadrant",
+        "boundary",
+        "facing",
+    }
+)
 _SKIPPED = ("hand", "lanekind", "number", "ordinal", "determiner", "descriptor", "pronoun", "path", "stationary")
 _FACING = frozenset({"face", "facing", "faced", "faces", "pointed", "pointing"})
 
@@ -28,19 +95,37 @@ def read_ways(text: Text) -> Iterator[Claim | DirectionClaim]:
         for mention in row:
             for trait in mention.traits:
                 way = direction(trait)
+                others = [each for each in range(text.count) if each not in mention.vehicles]
+                if trait.is_a("oncoming") and len(mention.vehicles) == 1 and others:
+                    yield relation(
+                        others[0], mention.vehicles[0], Relation.OPPOSITE, 0.85, f"it is called {trait.low}", trait.span
+                    )
                 if way is not None and len(mention.vehicles) == 1:
-                    yield claim(of_vehicle(mention.vehicles[0], "initial_position"), way, 0.93, f"it is called {trait.low}", trait.span)
+                    yield claim(
+                        of_vehicle(mention.vehicles[0], "initial_position"),
+                        way,
+                        0.93,
+                        f"it is called {trait.low}",
+                        trait.span,
+                    )
 
 
 def _of_clause(clause: Clause, *, is_after: bool) -> Iterator[Claim]:
     if clause.subject is None or not clause.subject.vehicles:
         return
-    if clause.kind == "after" and clause.verb is not None and clause.verb.lemma == "face" and (not is_after or clause.governed & {"stop", "park"}):
+    if (
+        clause.kind == "after"
+        and clause.verb is not None
+        and clause.verb.lemma == "face"
+        and (not is_after or clause.governed & {"stop", "park"})
+    ):
         for item in clause.tail[:3]:
             way = direction(item)
             if way is not None:
                 for vehicle in clause.subject.vehicles:
-                    yield claim(of_vehicle(vehicle, "initial_position"), way, 0.9, "it is said to face that way", item.span)
+                    yield claim(
+                        of_vehicle(vehicle, "initial_position"), way, 0.9, "it is said to face that way", item.span
+                    )
     for items, is_head in ((clause.head, True), (clause.tail, False)):
         for place, item in enumerate(items):
             way = direction(item)
@@ -50,12 +135,16 @@ def _of_clause(clause: Clause, *, is_after: bool) -> Iterator[Claim]:
             if found is None:
                 continue
             what, confidence = found
-            if what == "origin":
-                what, way = "initial_position", opposite(way)
-            elif what == "against":
+            if what in {"origin", "against"}:
                 what, way = "initial_position", opposite(way)
             for vehicle in clause.subject.vehicles:
-                yield claim(of_vehicle(vehicle, what), way, weakened(confidence, is_after=is_after), _REASONS[found[0]], item.span)
+                yield claim(
+                    of_vehicle(vehicle, what),
+                    way,
+                    weakened(confidence, is_after=is_after),
+                    _REASONS[found[0]],
+                    item.span,
+                )
 
 
 _REASONS = {
@@ -87,7 +176,11 @@ def _meaning(clause: Clause, items: Sequence[Item], place: int, *, is_head: bool
     ahead = place + 1
     while ahead < len(items) and items[ahead].is_a(*_SKIPPED) and not items[ahead].is_a("lane", "road"):
         ahead += 1
-    names_road = ahead < len(items) and items[ahead].is_a("lane", "road", "shoulder", "ramp") and not any(each.low in ",;" for each in items[place:ahead])
+    names_road = (
+        ahead < len(items)
+        and items[ahead].is_a("lane", "road", "shoulder", "ramp")
+        and not any(each.low in ",;" for each in items[place:ahead])
+    )
     back = place - 1
     while back >= 0 and items[back].is_a(*_SKIPPED) and not items[back].is_a("preposition"):
         back -= 1
@@ -98,7 +191,10 @@ def _meaning(clause: Clause, items: Sequence[Item], place: int, *, is_head: bool
         return "destination", 0.85
     if names_road and item.is_a("bound", "compass"):
         if lead in _INTO:
-            if kind in {"drift", "depart"} or (kind in {"approach", "travel", "change_lane"} and any(each.is_a("centerline", "wrong") for each in items[:place])):
+            if kind in {"drift", "depart"} or (
+                kind in {"approach", "travel", "change_lane"}
+                and any(each.is_a("centerline", "wrong") for each in items[:place])
+            ):
                 return "against", 0.75
             return ("destination", 0.7) if kind in {"emerge", "approach"} and lead in {"onto", "on to"} else None
         if item.is_a("compass") and not items[ahead].is_a("lane"):
@@ -109,10 +205,16 @@ def _meaning(clause: Clause, items: Sequence[Item], place: int, *, is_head: bool
             return "origin", 0.88
         if lead in {"of", "at"}:
             return None
-        near = place <= 5 or any(each.low in {"heading", "headed", "travelling", "traveling", "direction", "facing"} for each in items)  # noqa: PLR2004
+        near = place <= 5 or any(
+            each.low in {"heading", "headed", "travelling", "traveling", "direction", "facing"} for each in items
+        )
         if kind in {"travel", "continue", "approach", "follow"} and near and not is_head:
             goes_on = "intend" in clause.governed or kind == "continue"
-            return "initial_position" if not goes_on else "heading_on", 0.96 if lead not in {"to", "toward", "towards"} else 0.85
+            return "initial_position" if not goes_on else "heading_on", 0.96 if lead not in {
+                "to",
+                "toward",
+                "towards",
+            } else 0.85
         if is_head or kind == "":
             return ("initial_position", 0.8) if len(item.low) > 1 or item.text.isupper() else None
         return None
@@ -124,28 +226,50 @@ _REASONS["heading_on"] = "it meant to go on that way"
 
 def _of_place(clause: Clause, count: int) -> Iterator[Claim]:
     """Where the crash was: "the crash occurred in the northbound lanes of a divided road"."""
-    if clause.kind not in {"collide", ""} or (clause.subject is not None and clause.subject.vehicles and clause.kind == ""):
+    if clause.kind not in {"collide", ""} or (
+        clause.subject is not None and clause.subject.vehicles and clause.kind == ""
+    ):
         return
-    if len(clause.subject.vehicles if clause.subject is not None else ()) > 1 or clause.object is not None or clause.others:
+    if (
+        len(clause.subject.vehicles if clause.subject is not None else ()) > 1
+        or clause.object is not None
+        or clause.others
+    ):
         return
     ways = {direction(item) for item in clause.tail if item.is_a("bound")}
     if len(ways) == 1 and not any(item.is_a("axis", "junction") for item in clause.tail):
         item = next(item for item in clause.tail if item.is_a("bound"))
         for vehicle in range(count):
-            yield claim(of_vehicle(vehicle, "initial_position"), direction(item), 0.68, "the crash was on that side of the road", item.span)
+            yield claim(
+                of_vehicle(vehicle, "initial_position"),
+                direction(item),
+                0.68,
+                "the crash was on that side of the road",
+                item.span,
+            )
 
 
 def _from_driveway(clause: Clause) -> Iterator[Claim]:
     """Who comes out of a driveway on the east side of a street heads west."""
     words = [*clause.head, *clause.tail]
-    if clause.subject is None or clause.kind not in {"emerge", "travel", "reverse"} or not any(item.is_a("driveway") for item in words):
+    if (
+        clause.subject is None
+        or clause.kind not in {"emerge", "travel", "reverse"}
+        or not any(item.is_a("driveway") for item in words)
+    ):
         return
     backs = clause.kind == "reverse" or any(item.verb is not None and item.verb.kind == "reverse" for item in words)
-    for item, after in zip(words, words[1:], strict=False):
+    for item, after in itertools.pairwise(words):
         way = direction(item)
         if way is not None and item.is_a("compass") and after.low in {"side", "edge"} and not backs:
             for vehicle in clause.subject.vehicles[:1]:
-                yield claim(of_vehicle(vehicle, "initial_position"), opposite(way), 0.85, f"it comes from the {item.low} side", item.span)
+                yield claim(
+                    of_vehicle(vehicle, "initial_position"),
+                    opposite(way),
+                    0.85,
+                    f"it comes from the {item.low} side",
+                    item.span,
+                )
 
 
 def _relations(clause: Clause, count: int) -> Iterator[DirectionClaim]:
@@ -154,32 +278,79 @@ def _relations(clause: Clause, count: int) -> Iterator[DirectionClaim]:
         return
     mine = subject.vehicles[0]
     others = [each for each in range(count) if each not in subject.vehicles]
-    if clause.kind in {"follow", "overtake"} and clause.object is not None and clause.object.vehicles and clause.object.vehicles[0] != mine:
-        yield relation(mine, clause.object.vehicles[0], Relation.SAME, 0.88, "the one follows or passes the other", clause.span)
+    if (
+        clause.kind in {"follow", "overtake"}
+        and clause.object is not None
+        and clause.object.vehicles
+        and clause.object.vehicles[0] != mine
+    ):
+        yield relation(
+            mine, clause.object.vehicles[0], Relation.SAME, 0.88, "the one follows or passes the other", clause.span
+        )
     for lead, actor in clause.others:
         if not actor.vehicles or actor.vehicles[0] == mine:
             continue
-        if lead.is_a("ahead", "behind") and clause.kind in {"", "travel", "stop", "slow", "follow", "approach", "park", "change_lane", "own"} and (not lead.is_a("path") or clause.kind in {"", "stop", "slow", "travel", "park"}):
+        if (
+            lead.is_a("ahead", "behind")
+            and clause.kind in {"", "travel", "stop", "slow", "follow", "approach", "park", "change_lane", "own"}
+            and (not lead.is_a("path") or clause.kind in {"", "stop", "slow", "travel", "park"})
+        ):
             if clause.verb is None or clause.verb.lemma != "come":
-                yield relation(mine, actor.vehicles[0], Relation.SAME, 0.85 if not lead.is_a("path") else 0.78, f"the one was {lead.low} the other", lead.span)
+                yield relation(
+                    mine,
+                    actor.vehicles[0],
+                    Relation.SAME,
+                    0.85 if not lead.is_a("path") else 0.78,
+                    f"the one was {lead.low} the other",
+                    lead.span,
+                )
         elif lead.is_a("beside") and clause.kind in {"", "travel", "stop"}:
             yield relation(mine, actor.vehicles[0], Relation.SAME, 0.75, f"the one was {lead.low} the other", lead.span)
         elif lead.is_a("oncoming"):
-            yield relation(mine, actor.vehicles[0], Relation.OPPOSITE, 0.85, "the one came towards the other", lead.span)
+            yield relation(
+                mine, actor.vehicles[0], Relation.OPPOSITE, 0.85, "the one came towards the other", lead.span
+            )
     words = [*clause.head, *clause.tail]
-    if len(others) == 1 or (count > 2 and others):  # noqa: PLR2004
+    if len(others) == 1 or (count > 2 and others):
         other = others[0]
         for place, item in enumerate(words):
+            if item.is_a("beside") and len(others) == 1 and clause.kind in {"travel", "", "drift", "change_lane"}:
+                yield relation(mine, other, Relation.SAME, 0.7, f"the one was in the {item.low}", item.span)
             if item.is_a("same_way") and "lane" not in item.low:
                 yield relation(mine, other, Relation.SAME, 0.88, "they are said to go the same way", item.span)
-            elif item.is_a("oncoming") and clause.kind in {"travel", "", "approach", "drift", "collide"} | STRIKES and not item.is_a("head_on") and not item.is_a("wrong") and len(item.low) > 9:  # noqa: PLR2004
+            elif (
+                item.is_a("oncoming")
+                and clause.kind in {"travel", "", "approach", "drift", "collide"} | STRIKES
+                and not item.is_a("head_on")
+                and not item.is_a("wrong")
+                and len(item.low) > 9
+            ):
                 yield relation(mine, other, Relation.OPPOSITE, 0.8, "they are said to go opposite ways", item.span)
-            elif item.is_a("hand") and place and any(each.low == "from" for each in words[max(0, place - 2) : place]) and clause.kind in {"travel", "approach", "emerge", "", "see"}:
+            elif (
+                item.is_a("hand")
+                and place
+                and any(each.low == "from" for each in words[max(0, place - 2) : place])
+                and clause.kind in {"travel", "approach", "emerge", "", "see"}
+            ):
                 side = Relation.FROM_LEFT if item.kinds["hand"] == "Left" else Relation.FROM_RIGHT
                 yield relation(other, mine, side, 0.7, f"it is said to come from the {item.low}", item.span)
     if len(subject.vehicles) > 1:
         for item in words:
             if item.is_a("oncoming"):
-                yield relation(subject.vehicles[0], subject.vehicles[1], Relation.OPPOSITE, 0.85, "they are said to go opposite ways", item.span)
+                yield relation(
+                    subject.vehicles[0],
+                    subject.vehicles[1],
+                    Relation.OPPOSITE,
+                    0.85,
+                    "they are said to go opposite ways",
+                    item.span,
+                )
             elif item.is_a("same_way"):
-                yield relation(subject.vehicles[0], subject.vehicles[1], Relation.SAME, 0.85, "they are said to go the same way", item.span)
+                yield relation(
+                    subject.vehicles[0],
+                    subject.vehicles[1],
+                    Relation.SAME,
+                    0.85,
+                    "they are said to go the same way",
+                    item.span,
+                )
