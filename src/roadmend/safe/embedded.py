@@ -22,7 +22,30 @@ _ENGLISH = """
 the a an of to in on at and was were is are it its by from with that this for as had has which but not or into
 be been when while after before both one two i my he she we you they there then his her so if just
 """
-_SHORTHAND = frozenset(["nb", "sb", "eb", "wb", "veh", "v", "unit", "vs", "op", "rd", "st", "psl", "mph", "ln", "hwy", "driver", "front", "rear", "left", "right"])
+_SHORTHAND = frozenset(
+    [
+        "nb",
+        "sb",
+        "eb",
+        "wb",
+        "veh",
+        "v",
+        "unit",
+        "vs",
+        "op",
+        "rd",
+        "st",
+        "psl",
+        "mph",
+        "ln",
+        "hwy",
+        "driver",
+        "front",
+        "rear",
+        "left",
+        "right",
+    ]
+)
 _FUNCTION_WORDS = frozenset(_WORDS.findall(_ENGLISH)) | _SHORTHAND
 _LEAST_ENGLISH = 0.2  # share of function words; in English prose it is near one half
 _TRUST_IN_SKETCH = 0.6

@@ -110,6 +110,8 @@ class _Walker:
 
     def __init__(self, count: int) -> None:
         self.count = count
+        self.clause: Clause | None = None
+        self.pending: Actor | None = None  # a subject that waits for its verb
         self.clauses: list[Clause] = []
         self.focus: Actor | None = None  # the last subject
         self.last: Actor | None = None  # the last one spoken of
@@ -121,6 +123,7 @@ class _Walker:
         self.sentence, self.clause, self.pending = sentence, None, None
         self.head: list[Item] = []
         self.of_head: list[tuple[Item, Actor]] = []
+        self.acted = 0  # where the last verb ended
         place = 0
         while place < len(items):
             group = self._group(items, place, starts)
@@ -136,9 +139,13 @@ class _Walker:
             elif _is_verb(items, place, after_actor=self._is_after_actor(items, place)):
                 self._act(items, place)
             else:
-                (self.clause.tail if self.clause is not None else self.head).append(item)
+                self._words().append(item)
             place += 1
         self._flush()
+
+    def _words(self) -> list[Item]:
+        """Where the words go that stand here."""
+        return self.clause.tail if self.clause is not None else self.head
 
     def _is_after_actor(self, items: Sequence[Item], place: int) -> bool:
         return self.last is not None and place > 0 and self.last.span.end == items[place - 1].span.end
@@ -281,7 +288,7 @@ class _Walker:
             self._bring(before, actor)
         elif before is not None and before.low in {"and", "&", "/", "or"} and self._joins(items, first, last, actor):
             return
-        elif clause is not None and clause.object is None and self._takes_object(clause, actor):
+        elif clause is not None and clause.object is None and self._takes_object(clause):
             clause.object = actor
             if (
                 clause.verb is not None
@@ -305,7 +312,7 @@ class _Walker:
             self.head.append(preposition)
             self.of_head.append((preposition, actor))
 
-    def _takes_object(self, clause: Clause, actor: Actor) -> bool:
+    def _takes_object(self, clause: Clause) -> bool:
         drives = clause.verb is not None and clause.verb.lemma in {"drive", "operate", "ride"}
         near = len(clause.tail) <= _OBJECT_REACH and not any(
             item.low in ",;(" or item.is_a("conjunction") for item in clause.tail
@@ -376,7 +383,8 @@ class _Walker:
                     old.is_denied or (old.governed & {"fail", "intend"} and old.governed & {"fail"})
                 ):
                     governed = governed - {"avoid"}
-        nearby = items[max(0, place - _PASSIVE_REACH) : place]
+        nearby = items[max(self.acted, place - _PASSIVE_REACH, 0) : place]
+        self.acted = place + 1
         auxiliaries = (
             [each.kinds.get("auxiliary") for each in nearby if each.is_a("auxiliary")]
             if not any(each.low in ",;" for each in nearby[-1:])

@@ -53,7 +53,7 @@ def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
     kind = clause.kind
     if not clause.is_real and not (clause.governed & {"avoid"} and clause.governed & {"fail"}):
         return
-    pushed = _pushed(clause, count)
+    pushed = _pushed(clause)
     if pushed is not None:
         yield pushed
         return
@@ -124,7 +124,7 @@ def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
             yield _contact(strikers[0], other, mine, theirs, clause, words, confidence)
 
 
-def _pushed(clause: Clause, count: int) -> ContactClaim | None:
+def _pushed(clause: Clause) -> ContactClaim | None:
     """One vehicle that is pushed into another: "shoved it into an SUV"."""
     if clause.verb is None or clause.verb.lemma not in _PUSHES or clause.subject is None:
         return None

@@ -6,6 +6,7 @@ A phrase is found by its letters alone, so that "rear-ended", "rear ended" and "
 
 import functools
 import importlib.resources
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -72,7 +73,7 @@ class BodySense:
 
 def squeeze(text: str) -> str:
     """The letters and figures by which a phrase is found."""
-    return "".join(each for each in text.lower() if each not in " -'’.")
+    return re.sub(r"[ \-'.]", "", text.lower())
 
 
 def read_table(name: str) -> Any:
@@ -188,7 +189,7 @@ def _long_words() -> Mapping[str, tuple[str, ...]]:
     words = {
         key
         for key, kinds in senses().items()
-        if key.isalpha() and len(key) >= _FUZZY_FROM + 2 * bool({"time", "weather"} & kinds.keys())
+        if key.isalpha() and len(key) >= _FUZZY_FROM + bool({"time", "weather"} & kinds.keys())
     }
     words |= {
         key

@@ -62,8 +62,7 @@ def _of_sentence(sentence: Sentence, text: Text, *, is_metric: bool) -> Iterator
         alone = unit is not None and len(items) <= 3
         zone = (
             alone
-            or (place + 1 < len(items)
-            and items[place + 1].low in {"zone", "limit"})
+            or (place + 1 < len(items) and items[place + 1].low in {"zone", "limit"})
             or (place + 2 < len(items) and unit and items[place + 2].low in {"zone", "limit", "road"})
         )
         is_fact = _is_road_fact(items, place) and (
@@ -78,8 +77,7 @@ def _of_sentence(sentence: Sentence, text: Text, *, is_metric: bool) -> Iterator
             and (
                 nearest > _REACH
                 or number % 5
-                or (place + 1 < len(items)
-                and items[place + 1].is_a("lane", "thing", "body", "time"))
+                or (place + 1 < len(items) and items[place + 1].is_a("lane", "thing", "body", "time"))
                 or not _is_bare_limit(items, place, words)
             )
         ):
@@ -176,8 +174,7 @@ def _place(
         names = frozenset(
             _name(each)
             for each, following in zip(part, [*part[1:], None], strict=False)
-            if (each.text[:1].isupper()
-            and each.is_a("ordinal"))
+            if (each.text[:1].isupper() and each.is_a("ordinal"))
             or (
                 each.text[:1].isupper()
                 and not each.kinds

@@ -80,7 +80,7 @@ def _of_clause(clause: Clause) -> Iterator[tuple[str, Action | Manoeuvre, float,
     if kind == "uturn":
         found = Manoeuvre.U_TURN, 0.9
         if True:
-            yield "action", Action.TURN_LEFT, 0.7, "a U-turn leads to the left", clause.span
+            yield "action", Action.TURN_LEFT, 0.9, "a U-turn leads to the left", clause.span
     elif kind == "park" or (kind == "" and has["parked"]):
         found = Manoeuvre.PARKED, 0.9
     elif kind == "reverse":

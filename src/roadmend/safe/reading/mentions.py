@@ -7,7 +7,7 @@ from enum import StrEnum
 
 from roadmend.safe.claims import Span
 from roadmend.safe.reading.cast import Description, Roll
-from roadmend.safe.reading.lexicon import NameSense
+from roadmend.safe.reading.lexicon import BodySense, NameSense
 from roadmend.safe.reading.tokens import Item, Sentence, name_senses
 
 _MOST_VEHICLES = 9
@@ -176,10 +176,9 @@ def _couple(sentence: Sentence, row: Sequence[Mention]) -> None:
         assert one.description is not None and other.description is not None  # noqa: PT018
         numbers = {one.description.number, other.description.number}
         if (
-            (not (between and all(item.is_a("thing") for item in between) and None in numbers)
-            and (len(between) > _APPOSITION or not _is_apposition(between, other)))
-            or None not in numbers
-        ):
+            not (between and all(item.is_a("thing") for item in between) and None in numbers)
+            and (len(between) > _APPOSITION or not _is_apposition(between, other))
+        ) or None not in numbers:
             continue
         if numbers == {None} and (not other.is_new or one.description.contradicts(other.description)):
             continue
@@ -294,7 +293,9 @@ def _traits(items: Sequence[Item], first: int) -> tuple[int, tuple[Item, ...]]:
 def _described(items: Sequence[Item], place: int) -> Mention | None:
     if not _is_head(items, place):
         return None
-    last, names, bodies = place, [], []
+    last = place
+    names: list[NameSense] = []
+    bodies: list[tuple[BodySense, Span]] = []
     at = place
     while at < len(items) and (
         _is_head(items, at)
@@ -331,7 +332,7 @@ def _described(items: Sequence[Item], place: int) -> Mention | None:
         if (
             item.is_a("verb")
             and not item.is_a("descriptor", "parked", "stationary", "bound", "oncoming")
-            and item.verb.form not in {"ing", "both", "participle"}
+            and item.kinds["verb"].form not in {"ing", "both", "participle"}
         ):
             break
     if determiner is None:
@@ -378,7 +379,25 @@ def _described(items: Sequence[Item], place: int) -> Mention | None:
     return Mention(first, last, words, kind, is_new=is_new, traits=traits, description=description)
 
 
-_COLOURS = frozenset(["black", "white", "silver", "grey", "gray", "red", "blue", "green", "tan", "gold", "brown", "yellow", "orange", "beige", "maroon"])
+_COLOURS = frozenset(
+    [
+        "black",
+        "white",
+        "silver",
+        "grey",
+        "gray",
+        "red",
+        "blue",
+        "green",
+        "tan",
+        "gold",
+        "brown",
+        "yellow",
+        "orange",
+        "beige",
+        "maroon",
+    ]
+)
 
 
 def _low(items: Sequence[Item]) -> str:

@@ -358,19 +358,11 @@ def _weather(claims: Sequence[Claim], time: Time | None) -> Judged:
         return found
     named = {each.value for each in claims if each.confidence > 0.6}
     value = next((each for each in rank if each in named), found.value)
-    value = {(Weather.CLEAR, Time.DAYTIME): Weather.SUNNY, (Weather.SUNNY, Time.NIGHTTIME): Weather.CLEAR}.get(
-        (value, time), value
-    )
-    sure = max(
-        (
-            each.confidence
-            for each in claims
-            if each.value is value
-            or (each.value in {Weather.CLEAR, Weather.SUNNY}
-            and value in {Weather.CLEAR, Weather.SUNNY})
-        ),
-        default=found.confidence,
-    )
+    bright = {Weather.CLEAR, Weather.SUNNY}
+    if value in bright and time is not None:
+        value = Weather.SUNNY if time is Time.DAYTIME else Weather.CLEAR
+    same = bright if value in bright else {value}
+    sure = max((each.confidence for each in claims if each.value in same), default=found.confidence)
     return replace(found, value=value, confidence=sure, claims=found.claims or tuple(claims))
 
 

@@ -66,10 +66,8 @@ def _of_word(items: Sequence[Item], place: int, item: Item) -> Iterator[Claim]:
     if item.is_a("junction") and not denied:
         is_tee = item.kinds["junction"] == "tee"
         led = {each.low for each in before[-4:]}
-        distant = (
-            (any(each.is_a("compass") for each in before[-3:])
-            and "of" in led)
-            or bool(led & {"feet", "meters", "metres", "yards", "adjacent", "prior", "past", "next", "before", "after"})
+        distant = (any(each.is_a("compass") for each in before[-3:]) and "of" in led) or bool(
+            led & {"feet", "meters", "metres", "yards", "adjacent", "prior", "past", "next", "before", "after"}
         )
         weight = 0.6 if distant else 0.9
         if is_tee:
@@ -291,9 +289,7 @@ def _of_clauses(text: Text) -> Iterator[Claim]:
                 if weight > ramps.get(vehicle, (0.0, clause.span))[0]:
                     ramps[vehicle] = weight, ramp.span
     merges = any(
-        (clause.kind == "change_lane"
-        and clause.verb is not None
-        and clause.verb.lemma in {"merge", "join"})
+        (clause.kind == "change_lane" and clause.verb is not None and clause.verb.lemma in {"merge", "join"})
         or any(item.is_a("ramp") and item.kinds["ramp"] == "on" for item in clause.tail)
         for clause in text.clauses
     )
@@ -330,7 +326,20 @@ def _of_clauses(text: Text) -> Iterator[Claim]:
                     )
                     break
         drive = next((item for item in [*clause.head, *clause.tail] if item.is_a("driveway")), None)
-        if drive is not None and clause.kind in {"emerge", "turn", "reverse", "depart", "begin", "travel", "intend"}:
+        if drive is None or clause.kind not in {
+            "emerge",
+            "turn",
+            "reverse",
+            "depart",
+            "begin",
+            "travel",
+            "intend",
+            "do",
+        }:
+            continue
+        place = words.index(drive)
+        led = {each.low for each in words[max(0, place - 4) : place]}
+        if led & {"from", "of", "into", "to", "out of", "onto"} or (clause.kind in {"emerge", "depart"} and place < 4):
             yield claim(
                 "driveway",
                 value=True,

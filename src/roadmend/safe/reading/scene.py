@@ -156,12 +156,13 @@ class _Scene:
         return weight + straight + (0.8 * max(0.0, straight) if way.action is Action.MOVE_FORWARD else 0.0)
 
     def judged(self) -> dict[str, Judged]:
-        roads = dict(self._roads().items())
+        roads = self._roads()
         sums: dict[str, dict[Any, float]] = {}
         groups = list(self._groups())
-        for road, stem in [
-            (road, stem) for road in _ROADS for stem in (Compass if road is RoadType.T_INTERSECTION else (None,))
-        ]:
+        stems: list[Compass | None] = [*Compass]
+        for road, stem in (
+            (kind, at) for kind in _ROADS for at in (stems if kind is RoadType.T_INTERSECTION else [None])
+        ):
             score = roads[road] + (
                 _evidence(self.claims.get("stem_direction", [])).get(stem, 0.0) - math.log(len(Compass))
                 if stem is not None
@@ -201,7 +202,11 @@ class _Scene:
             )  # a T is one
         if said.get(RoadType.CURVE, 0.0) > 0 and said.get(RoadType.STRAIGHT, 0.0) > 0:
             weights[RoadType.CURVE] += 0.7  # a bend in a road that is straight elsewhere
-        if self.has_driveway:
+        u_turns = any(
+            each.value is Manoeuvre.U_TURN for vehicle in range(self.count) for each in self._of(vehicle, "manoeuvre")
+        )
+        weights[RoadType.STRAIGHT] += 0.4 if u_turns else 0.0
+        if self.has_driveway and max(said.get(road, 0.0) for road in _JUNCTIONS) <= 0:
             weights[RoadType.STRAIGHT] += 1.2
         if RoadType.MERGING in said and not any(self._of(vehicle, "on_ramp") for vehicle in range(self.count)):
             weights[RoadType.MERGING] -= 2.0
@@ -229,16 +234,10 @@ class _Scene:
     ) -> tuple[float, list[tuple[str, dict[Any, float]]]]:
         """Log of the sum over all scenes of a group, and of the shares of each field's values."""
         scores: list[tuple[tuple[_Way, ...], float]] = []
-        pairs = (
-            {
-                (one, other): self._pair_table(one, other, road)
-                for one, other in itertools.combinations(range(len(group)), 2)
-                if self._tied(group[one], group[other])
-            }
-            if len(group) > 1
-            else {}
-        )
-        tables = {key: {} for key in pairs}
+        pairs = [
+            pair for pair in itertools.combinations(range(len(group)), 2) if self._tied(*(group[at] for at in pair))
+        ]
+        known: dict[tuple[int, int, _Way, _Way], float] = {}
         options = [
             [
                 (
@@ -253,12 +252,12 @@ class _Scene:
         ]
         for chosen in itertools.product(*options):
             weight = sum(each[1] for each in chosen)
-            for (one, other), links in pairs.items():
-                ways = chosen[one][0], chosen[other][0]
-                table = tables[one, other]
-                if ways not in table:
-                    table[ways] = sum(link(group[one], group[other], *ways, road) for link in links)
-                weight += table[ways]
+            for one, other in pairs:
+                key = (one, other, chosen[one][0], chosen[other][0])
+                if key not in known:
+                    first, second = group[one], group[other]
+                    known[key] = self._related(first, second, *key[2:]) + self._met(first, second, *key[2:], road)
+                weight += known[key]
             scores.append((tuple(each[0] for each in chosen), weight))
         top = max(weight for _, weight in scores)
         total = top + math.log(sum(math.exp(weight - top) for _, weight in scores))
@@ -292,10 +291,7 @@ class _Scene:
             {each.striking, each.struck} == {one, other} for each in self.contacts
         )
 
-    def _pair_table(self, one: int, other: int, road: RoadType) -> list[Any]:
-        return [self._related, self._met]
-
-    def _related(self, one: int, other: int, first: _Way, second: _Way, road: RoadType) -> float:
+    def _related(self, one: int, other: int, first: _Way, second: _Way) -> float:
         weight = 0.0
         for each in self.relations:
             if {each.first, each.second} != {one, other}:

@@ -152,13 +152,12 @@ def _weather(items: Sequence[Item], place: int, not_weather: frozenset[str], *, 
     ):
         return
     elif (
-        (value is Weather.SNOWY
-        and any(each.low in {"cleared", "packed", "covered", "ploughed", "plowed", "fresh"} for each in before))
-        or (
-            item.low == "snow"
-            and after
-            and after[0].low in {"covered", "packed", "tires", "tyres", "bank", "banks", "plow"}
-        )
+        value is Weather.SNOWY
+        and any(each.low in {"cleared", "packed", "covered", "ploughed", "plowed", "fresh"} for each in before)
+    ) or (
+        item.low == "snow"
+        and after
+        and after[0].low in {"covered", "packed", "tires", "tyres", "bank", "banks", "plow"}
     ):
         yield claim("env.weather", value, 0.45, f"the text says {item.low}", item.span)
         return

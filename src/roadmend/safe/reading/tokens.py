@@ -23,7 +23,48 @@ _TOKEN = re.compile(
     re.IGNORECASE,
 )
 _ABBREVIATIONS = frozenset(
-    ["vs", "mr", "mrs", "ms", "dr", "st", "ave", "rd", "blvd", "hwy", "no", "veh", "approx", "ft", "mi", "jr", "sr", "sgt", "lt", "capt", "cpl", "dept", "ln", "dr", "pkwy", "u.s", "a.m", "p.m", "m.p.h", "i.e", "e.g", "n", "s", "e", "w", "pass", "op", "opr", "mph", "kmh"]
+    [
+        "vs",
+        "mr",
+        "mrs",
+        "ms",
+        "dr",
+        "st",
+        "ave",
+        "rd",
+        "blvd",
+        "hwy",
+        "no",
+        "veh",
+        "approx",
+        "ft",
+        "mi",
+        "jr",
+        "sr",
+        "sgt",
+        "lt",
+        "capt",
+        "cpl",
+        "dept",
+        "ln",
+        "dr",
+        "pkwy",
+        "u.s",
+        "a.m",
+        "p.m",
+        "m.p.h",
+        "i.e",
+        "e.g",
+        "n",
+        "s",
+        "e",
+        "w",
+        "pass",
+        "op",
+        "opr",
+        "mph",
+        "kmh",
+    ]
 )
 _JOINED = 5  # letters of a phrase that may be told without a hyphen or a slash in it: not "a t" for "at"
 _PARTICLES = frozenset({"into", "with", "off", "onto", "against", "through"})
@@ -150,7 +191,7 @@ def _ends(text: str, place: int, tokens: Sequence[Token]) -> bool:
 def _is_careless(text: str) -> bool:
     """Whether sentences begin in lower case."""
     begins = re.findall(r"(?:^|[.!?]\s+)([^\W\d_])", text)
-    return sum(letter.islower() for letter in begins) * 4 > len(begins)
+    return bool(sum(letter.islower() for letter in begins) * 4 > len(begins))
 
 
 def _continues_name(rest: str) -> bool:

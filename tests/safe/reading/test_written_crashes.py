@@ -1,0 +1,39 @@
+"""The reader on crashes that were written for it, in the words of many kinds of writers; every field has to be right."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from roadmend.safe.dsl_data import dump_data
+from roadmend.safe.reading.reader import read_summary
+
+CASES = yaml.safe_load((Path(__file__).parent / "written_crashes.yaml").read_text())
+OPEN = "none"
+
+
+def fits(found, wanted):
+    return wanted is None or found == (None if wanted == OPEN else wanted)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case["text"][:40])
+def test_a_crash_in_other_words(case):
+    reading = read_summary(case["text"])
+    data = dump_data(reading.scenario)
+    road_type, lanes, stem = case["road"]
+    assert data["road_type"] == road_type
+    assert data["num_lanes"] == lanes
+    assert data["stem_direction"] == stem
+    found = [
+        [vehicle[name] for name in ("model", "initial_position", "action", "speed_limit_mph")]
+        for vehicle in data["vehicles"]
+    ]
+    assert len(found) == len(case["vehicles"])
+    for one, wanted in zip(found, case["vehicles"], strict=True):
+        assert all(map(fits, one, wanted)), (one, wanted)
+    assert all(map(fits, (data["env"]["time"], data["env"]["weather"]), case["env"]))
+
+
+def test_the_same_text_is_read_the_same_way():
+    text = CASES[0]["text"]
+    assert read_summary(text) == read_summary(text)
