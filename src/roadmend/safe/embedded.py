@@ -50,7 +50,7 @@ _FUNCTION_WORDS = frozenset(_WORDS.findall(_ENGLISH)) | _SHORTHAND
 _LEAST_ENGLISH = 0.2  # share of function words; in English prose it is near one half
 _TRUST_IN_SKETCH = 0.6
 _FEWEST_WORDS = 12  # below that, shares say nothing
-_IN_DOUBT = 0.7  # a field below that is named in the notes
+_IN_DOUBT = 0.6  # a field below that is named in the notes
 _SECOND = 0.1  # a second reading that is told
 
 

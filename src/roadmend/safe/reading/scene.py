@@ -191,7 +191,7 @@ class _Scene:
         return _judged(ranked, self.claims.get(path, []))
 
     def _roads(self) -> dict[RoadType, float]:
-        said = _evidence(self.claims.get("road_type", []))
+        said = _among(_evidence(self.claims.get("road_type", [])), len(_ROADS))
         weights = {road: said.get(road, 0.0) - 0.9 for road in _ROADS}
         weights[RoadType.STRAIGHT] += 0.9
         if max(said.get(road, 0.0) for road in _JUNCTIONS) > 0:
