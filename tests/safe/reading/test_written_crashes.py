@@ -21,9 +21,9 @@ def test_a_crash_in_other_words(case):
     reading = read_summary(case["text"])
     data = dump_data(reading.scenario)
     road_type, lanes, stem = case["road"]
-    assert data["road_type"] == road_type
-    assert data["num_lanes"] == lanes
-    assert data["stem_direction"] == stem
+    assert fits(data["road_type"], road_type)
+    assert fits(data["num_lanes"], lanes)
+    assert data["stem_direction"] == stem or road_type is None
     found = [
         [vehicle[name] for name in ("model", "initial_position", "action", "speed_limit_mph")]
         for vehicle in data["vehicles"]

@@ -12,7 +12,7 @@ _PARKED = frozenset({"parked", "legally parked", "illegally parked", "unattended
 _GENERIC = 0.8  # a word for a body that is surer than this rules others out
 _LIKE: dict[str, set[DslModel | None]] = {
     "truck": {DslModel.PICKUP, DslModel.SEMI_TRUCK},
-    "car": {DslModel.SEDAN, DslModel.SUV, None},
+    "car": {DslModel.SEDAN, DslModel.SUV, DslModel.MINIVAN, None},
     "tractor": {DslModel.SEMI_TRUCK},
     "trailer": {DslModel.SEMI_TRUCK},
     "rig": {DslModel.SEMI_TRUCK},

@@ -225,7 +225,7 @@ class _Walker:
         ):
             vehicles = ()  # "the vehicle in front of him"
         elif mention.kind is MentionKind.BOTH:
-            vehicles = tuple(range(self.count)) if self.count <= 3 else (0, 1)
+            vehicles = self._both(mention)
         elif mention.kind is MentionKind.OTHER:
             mine = focus.vehicles if focus is not None else ()
             rest = [each for each in range(min(self.count, 2)) if each not in mine]
@@ -270,6 +270,14 @@ class _Walker:
                 )
                 vehicles = vehicles[:1] if mention.kind is not MentionKind.ONE or len(vehicles) == 1 else vehicles
         return Actor(vehicles, None, mention.is_person, mention.span)
+
+    def _both(self, mention: Mention) -> tuple[int, ...]:
+        """The vehicles that "both" or "they all" mean: of more than two, the last that have done something."""
+        if self.count <= 2 or "all" in self.sentence.items[mention.first].low:
+            return tuple(range(min(self.count, 3)))
+        done = [each.subject.vehicles[0] for each in self.clauses if each.subject is not None and each.subject.vehicles]
+        recent = [*dict.fromkeys([*reversed(done), *range(self.count)])]
+        return tuple(sorted(recent[:2]))
 
     def _place(self, items: Sequence[Item], first: int, last: int, actor: Actor) -> None:
         """Give a noun group its part in the clause."""
@@ -370,12 +378,7 @@ class _Walker:
             subject = old.object  # "he saw that the car was stopped"
         else:
             subject = old.subject if old is not None else self.focus
-            if (
-                old is not None
-                and old.kind in _GOVERNING | {"stop", "slow", "park"}
-                and not any(each.low in ",;" or each.is_a("conjunction") for each in old.tail)
-                and not any(actor.span.end > item.span.start for _, actor in old.others)
-            ):
+            if old is not None and self._governs(old, item):
                 governed = old.governed | {old.kind}
                 if old.is_denied and old.kind in {"intend", "begin", "do"}:
                     governed |= {"avoid"}
@@ -423,6 +426,15 @@ class _Walker:
         self.clause, self.pending, self.head = clause, None, []
         if subject is not None and subject.vehicles:
             self.focus = subject
+
+    def _governs(self, old: Clause, item: Item) -> bool:
+        """Whether a verb depends on the one before it: "attempted to turn", "was stopped waiting to turn"."""
+        if old.kind not in _GOVERNING | {"stop", "slow", "park"}:
+            return False
+        if old.kind in {"intend", "begin", "fail"} and any(each.kinds and each.low != _TO for each in old.tail):
+            return False
+        apart = any(each.low in ",;" or each.is_a("conjunction") for each in old.tail)
+        return not apart and not any(actor.span.end > item.span.start for _, actor in old.others)
 
     def _is_reduced(self, items: Sequence[Item], place: int, verb: VerbSense, old: Clause) -> bool:
         """Whether the verb says something of the noun group before it: "struck V2 parked at the curb"."""

@@ -1,7 +1,7 @@
 """How many lanes the road has, both directions together; at a junction, the larger road."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from roadmend.safe.claims import Claim, Span
 from roadmend.safe.dsl import MAX_LANES
@@ -9,7 +9,7 @@ from roadmend.safe.reading.facts import Text, claim
 from roadmend.safe.reading.tokens import Item, Sentence
 
 _REACH = 6  # words between a number and its "lanes"
-_NOT_COUNTED = {"other"}
+_LIST = 12  # characters between two counts of one list
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,7 @@ class LaneCount:
 
 def read_lanes(text: Text) -> Iterator[Claim]:
     """The claims of a text about the number of its lanes; the largest road of a place counts."""
-    counts = [count for sentence in text.sentences for count in _of_sentence(sentence)]
+    counts = _shared([count for sentence in text.sentences for count in _of_sentence(sentence)])
     middle = {sentence.index for sentence in text.sentences if any(item.is_a("middle_lane") for item in sentence.items)}
     counts += [
         LaneCount(1, "", "center", is_each=False, is_divided=False, span=Span(0, 0), sentence=index)
@@ -52,6 +52,11 @@ def read_lanes(text: Text) -> Iterator[Claim]:
             )
         elif count.is_each and count.kind in {"travel", ""}:
             center = _center(counts, count)
+            center += 2 * sum(
+                each.number
+                for each in counts
+                if each.is_each and each.sentence == count.sentence and each.kind == "turn"
+            )
             totals.append((2 * count.number + center, 0.92, "the text counts the lanes of each direction", count.span))
         elif count.way in {"NS", "EW"} and count.kind == "travel":
             totals.append((count.number, 0.75, "the text counts the lanes of both directions", count.span))
@@ -69,11 +74,32 @@ def read_lanes(text: Text) -> Iterator[Claim]:
         yield from _implied(text)
 
 
+def _shared(counts: Sequence[LaneCount]) -> list[LaneCount]:
+    """Let "each direction" hold for all that is listed before it: "two through lanes and a turn lane for each direction"."""
+    found = list(counts)
+    for place in range(len(found) - 1, 0, -1):
+        one, other = found[place - 1], found[place]
+        near = one.sentence == other.sentence and other.span.start - one.span.end < _LIST
+        if (
+            other.is_each
+            and near
+            and one.kind != other.kind
+            and len(one.way) != 1
+            and not one.is_each
+            and one.kind in {"travel", "turn"}
+        ):
+            found[place - 1] = replace(one, is_each=True)
+    return found
+
+
 def _center(counts: Sequence[LaneCount], count: LaneCount) -> int:
     near = [
         each
         for each in counts
-        if each.kind in {"center", "turn"} and abs(each.sentence - count.sentence) <= 1 and each.way == ""
+        if each.kind in {"center", "turn"}
+        and abs(each.sentence - count.sentence) <= 1
+        and each.way == ""
+        and not each.is_each
     ]
     return near[0].number if near and (near[0].kind == "center" or near[0].sentence == count.sentence) else 0
 

@@ -59,7 +59,8 @@ def _of_sentence(sentence: Sentence, text: Text, *, is_metric: bool) -> Iterator
             continue
         unit = items[place + 1].kinds.get("mph") if place + 1 < len(items) else None
         nearest = min((abs(place - word) for word in words), default=99)
-        alone = unit is not None and len(items) <= 3
+        listed = any(item.is_a("time", "weather") for item in items) and all(item.verb is None for item in items)
+        alone = unit is not None and (len(items) <= 3 or listed)
         zone = (
             alone
             or (place + 1 < len(items) and items[place + 1].low in {"zone", "limit"})

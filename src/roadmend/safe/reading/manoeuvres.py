@@ -49,7 +49,7 @@ def read_manoeuvres(text: Text) -> Iterator[Claim]:
 
 
 def _of_clause(clause: Clause) -> Iterator[tuple[str, Action | Manoeuvre, float, str, Span]]:
-    turn = _turn(clause)
+    turn = turn_of(clause)
     if turn is not None:
         hand, confidence, span = turn
         meant = bool(clause.governed & {"intend"}) or clause.kind in {"intend", "stop"}
@@ -106,7 +106,7 @@ def _of_clause(clause: Clause) -> Iterator[tuple[str, Action | Manoeuvre, float,
         yield "manoeuvre", found[0], found[1], "the text says so", clause.span
 
 
-def _turn(clause: Clause) -> tuple[Side, float, Span] | None:
+def turn_of(clause: Clause) -> tuple[Side, float, Span] | None:
     """Which way a clause says that its subject turns, how surely, and where it says so."""
     if clause.kind in STRIKES | {"after", "own", "see", "drift"} and clause.kind != "own":
         items = clause.head

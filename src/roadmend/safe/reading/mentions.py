@@ -23,6 +23,7 @@ _BETWEEN = frozenset(
         ")",
         "-",
         ":",
+        "=",
         "#",
         "'s",
         "being",
@@ -71,6 +72,7 @@ class Mention:
         traits: words that go with it and say something of it: "northbound", "parked".
         description: of a described one.
         is_person: whether it is the driver that is spoken of.
+        twin: the mention beside it that is of the same vehicle.
     """
 
     first: int
@@ -82,6 +84,7 @@ class Mention:
     traits: tuple[Item, ...] = ()
     description: Description | None = None
     is_person: bool = False
+    twin: "Mention | None" = None
 
 
 @dataclass(slots=True)
@@ -109,6 +112,8 @@ def find_mentions(sentences: Sequence[Sentence]) -> Spoken:
     for sentence, row in zip(sentences, found, strict=True):
         is_headline = _is_headline(sentence, sentences)
         for mention in row:
+            if mention.twin is not None and mention.twin.vehicles:
+                mention.vehicles = mention.twin.vehicles
             if mention.vehicles:
                 spoken.roll.latest = mention.vehicles[0]
             elif mention.description is not None:
@@ -184,15 +189,17 @@ def _couple(sentence: Sentence, row: Sequence[Mention]) -> None:
             continue
         merged = one.description.merged(other.description)
         one.description = other.description = merged
-        other.is_new = one.is_new
+        other.is_new, other.twin = one.is_new, one
 
 
 def _is_apposition(between: Sequence[Item], other: Mention) -> bool:
     if not between:
         return True
     is_copula = all(item.kinds.get("auxiliary") == "be" for item in between)
-    has_mark = any(item.low in {",", "(", "-", ":"} for item in between)
+    has_mark = any(item.low in {",", "(", "-", ":", "="} for item in between)
     plain = all(item.low in _BETWEEN or item.is_a("thing", "descriptor") for item in between)
+    if not has_mark and len(between) <= 2 and all(not item.kinds and item.low.isalpha() for item in between):
+        return True  # "veh 1 unk pickup"
     return (is_copula and other.is_new) or (plain and has_mark)
 
 
@@ -589,7 +596,12 @@ def _pronoun(items: Sequence[Item], place: int) -> Mention | None:
             or (item.low == "all" and after is not None and after.is_a("bound", "auxiliary", "verb"))
             or last > place
             or after is None
-            or not after.is_a("road", "determiner", "junction", "lane", "bound", "compass", "hand")
+            or (
+                not after.is_a("road", "determiner", "junction", "lane", "compass", "hand")
+                and not (
+                    after.is_a("bound") and place + 2 < len(items) and items[place + 2].is_a("lane", "road", "lanekind")
+                )
+            )
             else None
         )
     if item.low == "her" and after is not None and (_is_part(after) or after.is_a("lane", "road")):

@@ -63,7 +63,7 @@ def read_roads(text: Text) -> Iterator[Claim]:
 def _of_word(items: Sequence[Item], place: int, item: Item) -> Iterator[Claim]:
     before, after = items[max(0, place - _NEAR) : place], items[place + 1 : place + 1 + _NEAR]
     denied = any(each.is_a("negation") or each.low in {"no", "not"} for each in before[-2:])
-    if item.is_a("junction") and not denied:
+    if item.is_a("junction") and not denied and not (before and before[-1].is_a("ramp")):
         is_tee = item.kinds["junction"] == "tee"
         led = {each.low for each in before[-4:]}
         distant = (any(each.is_a("compass") for each in before[-3:]) and "of" in led) or bool(
@@ -227,7 +227,7 @@ def _on_stem(text: Text) -> Iterator[Claim]:
                 and clause.kind == "approach"
                 and clause.verb is not None
                 and clause.verb.lemma in {"cross", "travel", "go"}
-                and any(each.is_a("lane") for each in words[place : place + 3])
+                and any(each.is_a("lane", "road") for each in words[place : place + 3])
             ):
                 yield claim(
                     path, value=True, confidence=0.75, reason="it crosses the road that goes through", where=item.span
@@ -319,7 +319,7 @@ def _of_clauses(text: Text) -> Iterator[Claim]:
                         words[place + 1].text[:1].isupper()
                         or any(each.is_a("road") for each in words[place + 1 : place + 4])
                     )
-                    and any(each.is_a("hand", "lanekind") for each in words[:place])
+                    and (clause.kind == "turn" or any(each.is_a("hand", "lanekind") for each in words[:place]))
                 ):
                     yield claim(
                         "road_type", RoadType.INTERSECTION, 0.75, "a vehicle turns into another road", item.span

@@ -225,6 +225,8 @@ def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
         named = names().get(key, ()) if key and _may_be_name(taken) else ()
         if named:
             kinds["name"] = named
+        if length == 1 and key.isdigit():
+            kinds["number"] = int(key)  # an Audi 100, and a hundred
         if key and kinds:
             return length, kinds
     token = tokens[place]

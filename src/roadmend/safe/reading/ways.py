@@ -7,6 +7,7 @@ from roadmend.safe.claims import Claim, DirectionClaim, Relation
 from roadmend.safe.compass import opposite
 from roadmend.safe.reading.clauses import STRIKES, Clause
 from roadmend.safe.reading.facts import Text, claim, crash_places, direction, of_vehicle, relation, weakened
+from roadmend.safe.reading.manoeuvres import turn_of
 from roadmend.safe.reading.tokens import Item
 
 _GOING = frozenset(
@@ -80,17 +81,28 @@ _NOT_A_WAY = frozenset(
     }
 )
 _SKIPPED = ("hand", "lanekind", "number", "ordinal", "determiner", "descriptor", "pronoun", "path", "stationary")
+_HAPPENED = frozenset({"occurred", "happened", "took", "involved", "was", "occured"})
 _FACING = frozenset({"face", "facing", "faced", "faces", "pointed", "pointing"})
 
 
 def read_ways(text: Text) -> Iterator[Claim | DirectionClaim]:
     """The claims of a text about directions of travel."""
     afterwards = crash_places(text.clauses)
+    sides = [
+        item
+        for sentence in text.sentences
+        if any(item.is_a("driveway") for item in sentence.items[:4])
+        for item in _sides(sentence.items)
+    ]
+    turned: set[tuple[int, tuple[int, ...]]] = set()  # who is said to turn, by sentence
     for place, clause in enumerate(text.clauses):
-        yield from _of_clause(clause, is_after=afterwards[place])
-        yield from _from_driveway(clause)
-        yield from _of_place(clause, text.count)
+        who = (clause.sentence.index, clause.subject.vehicles if clause.subject is not None else ())
+        yield from _of_clause(clause, is_after=afterwards[place], has_turned=who in turned)
+        if turn_of(clause) is not None:
+            turned.add(who)
+        yield from _from_driveway(clause, sides)
         yield from _relations(clause, text.count)
+    yield from _of_place(text)
     for row in text.spoken.mentions:
         for mention in row:
             for trait in mention.traits:
@@ -110,7 +122,7 @@ def read_ways(text: Text) -> Iterator[Claim | DirectionClaim]:
                     )
 
 
-def _of_clause(clause: Clause, *, is_after: bool) -> Iterator[Claim]:
+def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool) -> Iterator[Claim]:
     if clause.subject is None or not clause.subject.vehicles:
         return
     if (
@@ -135,6 +147,8 @@ def _of_clause(clause: Clause, *, is_after: bool) -> Iterator[Claim]:
             if found is None:
                 continue
             what, confidence = found
+            if has_turned and not is_head and item.is_a("compass") and what in {"initial_position", "heading_on"}:
+                what = "destination"
             if what in {"origin", "against"}:
                 what, way = "initial_position", opposite(way)
             for vehicle in clause.subject.vehicles:
@@ -142,7 +156,7 @@ def _of_clause(clause: Clause, *, is_after: bool) -> Iterator[Claim]:
                     of_vehicle(vehicle, what),
                     way,
                     weakened(confidence, is_after=is_after),
-                    _REASONS[found[0]],
+                    _REASONS[what if what in _REASONS else found[0]],
                     item.span,
                 )
 
@@ -224,52 +238,45 @@ def _meaning(clause: Clause, items: Sequence[Item], place: int, *, is_head: bool
 _REASONS["heading_on"] = "it meant to go on that way"
 
 
-def _of_place(clause: Clause, count: int) -> Iterator[Claim]:
+def _of_place(text: Text) -> Iterator[Claim]:
     """Where the crash was: "the crash occurred in the northbound lanes of a divided road"."""
-    if clause.kind not in {"collide", ""} or (
-        clause.subject is not None and clause.subject.vehicles and clause.kind == ""
-    ):
-        return
-    if (
-        len(clause.subject.vehicles if clause.subject is not None else ()) > 1
-        or clause.object is not None
-        or clause.others
-    ):
-        return
-    ways = {direction(item) for item in clause.tail if item.is_a("bound")}
-    if len(ways) == 1 and not any(item.is_a("axis", "junction") for item in clause.tail):
-        item = next(item for item in clause.tail if item.is_a("bound"))
-        for vehicle in range(count):
-            yield claim(
-                of_vehicle(vehicle, "initial_position"),
-                direction(item),
-                0.68,
-                "the crash was on that side of the road",
-                item.span,
-            )
+    for sentence, mentions in zip(text.sentences, text.spoken.mentions, strict=True):
+        head = sentence.items[:8]
+        told = any(item.is_a("collision") for item in head) and any(item.low in _HAPPENED for item in head)
+        ways = [item for item in sentence.items if item.is_a("bound")]
+        apart = any(item.is_a("axis", "junction") for item in sentence.items)
+        if (
+            told
+            and not apart
+            and len({direction(item) for item in ways}) == 1
+            and not any(each.vehicles for each in mentions)
+        ):
+            for vehicle in range(text.count):
+                path = of_vehicle(vehicle, "initial_position")
+                yield claim(path, direction(ways[0]), 0.68, "the crash was on that side of the road", ways[0].span)
 
 
-def _from_driveway(clause: Clause) -> Iterator[Claim]:
+def _from_driveway(clause: Clause, sides: Sequence[Item]) -> Iterator[Claim]:
     """Who comes out of a driveway on the east side of a street heads west."""
     words = [*clause.head, *clause.tail]
-    if (
-        clause.subject is None
-        or clause.kind not in {"emerge", "travel", "reverse"}
-        or not any(item.is_a("driveway") for item in words)
-    ):
+    if clause.subject is None or clause.kind not in {"emerge", "travel", "reverse", "depart"}:
         return
+    place = next((place for place, item in enumerate(words) if item.is_a("driveway")), None)
     backs = clause.kind == "reverse" or any(item.verb is not None and item.verb.kind == "reverse" for item in words)
-    for item, after in itertools.pairwise(words):
+    if place is None or backs or any(item.low in {"into", "to", "toward"} for item in words[max(0, place - 3) : place]):
+        return
+    for item in _sides(words) or sides:
         way = direction(item)
-        if way is not None and item.is_a("compass") and after.low in {"side", "edge"} and not backs:
-            for vehicle in clause.subject.vehicles[:1]:
-                yield claim(
-                    of_vehicle(vehicle, "initial_position"),
-                    opposite(way),
-                    0.85,
-                    f"it comes from the {item.low} side",
-                    item.span,
-                )
+        for vehicle in clause.subject.vehicles[:1]:
+            if way is not None:
+                path = of_vehicle(vehicle, "initial_position")
+                yield claim(path, opposite(way), 0.85, f"it comes from the {item.low} side", item.span)
+
+
+def _sides(items: Sequence[Item]) -> list[Item]:
+    """Sides of a road that are named: "on the east side"."""
+    pairs = itertools.pairwise(items)
+    return [one for one, after in pairs if one.is_a("compass") and direction(one) and after.low in {"side", "edge"}]
 
 
 def _relations(clause: Clause, count: int) -> Iterator[DirectionClaim]:
