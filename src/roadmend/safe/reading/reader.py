@@ -25,6 +25,7 @@ from roadmend.safe.reading.clauses import STRIKES, read_clauses
 from roadmend.safe.reading.contacts import read_contacts
 from roadmend.safe.reading.facts import AXES, Text, claim, of_vehicle
 from roadmend.safe.reading.lanes import read_lanes
+from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.limits import PostedLimit, claim_limits, read_limits
 from roadmend.safe.reading.manoeuvres import read_manoeuvres
 from roadmend.safe.reading.mentions import find_mentions
@@ -37,14 +38,6 @@ from roadmend.safe.reading.ways import read_ways
 _LEAST_WAY = 0.42  # probability below which a direction is left open; four of them are a quarter each
 _LEAST = 0.5  # probability of a manoeuvre that is more than driving on
 _NO_VALUE = Judged(None, 0.0, (), None, ())
-_CODES = (
-    "critical precrash",
-    "critical pre crash",
-    "critical pre-crash",
-    "critical reason",
-    "associated factor",
-    "was coded",
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +95,7 @@ def read_claims(summary: str) -> SummaryClaims | None:
     sentences = tuple(
         sentence
         for sentence in read_sentences(summary)
-        if not any(code in summary[sentence.span.start : sentence.span.end].lower() for code in _CODES)
+        if not any(code in summary[sentence.span.start : sentence.span.end].lower() for code in word_set("codes"))
     )
     spoken = find_mentions(sentences)
     if not spoken.roll.vehicles:
@@ -147,7 +140,7 @@ def _others(text: Text) -> tuple[str, ...]:
         item.kinds["walker"]
         for clause in text.clauses
         if clause.is_real and clause.kind in STRIKES | {"collide"}
-        for item in [*clause.head, *clause.tail[:5]]
+        for item in (*clause.head, *clause.tail[:5])
         if item.is_a("walker")
     }
     return tuple(sorted(found))
@@ -157,23 +150,12 @@ def _outside(text: Text, contacts: Sequence[ContactClaim]) -> tuple[int, ...]:
     """Vehicles that the text speaks of, and that touched no other."""
     touched = {place for each in contacts for place in (each.striking, each.struck)}
     vehicles = text.spoken.roll.vehicles
-    numbered = [vehicle.place for vehicle in vehicles if vehicle.description.number is not None]
-    if numbered:
-        keep = {*numbered, *touched}
-    elif touched:
-        keep = touched
-    else:
-        active = [vehicle.place for vehicle in vehicles]
-        keep = set(active[:2])
-    for _place, clause in enumerate(text.clauses):
-        subject = clause.subject
-        if (
-            subject is not None
-            and len(subject.vehicles) == 1
-            and subject.vehicles[0] not in touched
-            and any(item.is_a("outside") for item in [*clause.head, *clause.tail])
-        ):
-            keep.discard(subject.vehicles[0])
+    numbered = {vehicle.place for vehicle in vehicles if vehicle.description.number is not None}
+    keep = numbered | touched or {vehicle.place for vehicle in vehicles[:2]}
+    for clause in text.clauses:
+        who = clause.subject.vehicles
+        if len(who) == 1 and who[0] not in touched and clause.words.has("outside"):
+            keep.discard(who[0])
     keep = keep or {0}
     return tuple(vehicle.place for vehicle in vehicles if vehicle.place not in keep)
 
