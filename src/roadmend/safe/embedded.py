@@ -10,8 +10,9 @@ from roadmend.language.chat import Image
 from roadmend.safe.claims import AnyClaim, Box, Cast, Claim, Span
 from roadmend.safe.dsl import CrashScenario
 from roadmend.safe.extraction import Extraction, ExtractionError, FieldEvidence, Step, Watch, unwatched
-from roadmend.safe.reading.reader import ReportReading, SummaryClaims, assemble, read_claims
-from roadmend.safe.reading.scene import Judged
+from roadmend.safe.reading.assembly import ReportReading
+from roadmend.safe.reading.reader import SummaryClaims, assemble, read_claims
+from roadmend.safe.reading.weighing import Judged
 from roadmend.safe.report import CrashReport
 from roadmend.safe.sketch_text import SketchText, posted_limit, read_sketch
 
@@ -90,7 +91,7 @@ class EmbeddedExtractor:
         reading = assemble(said, more)
         evidence = {name: _evidence(finding, report.summary) for name, finding in reading.findings.items()}
         notes = [*report.notes, *_limits(said, reading), *_doubts(reading.findings)]
-        notes += [f"vehicle {number} touched nothing and was left out" for number in reading.left_out]
+        notes += [f"vehicle {said.cast[place].number} touched nothing and was left out" for place in reading.left_out]
         scenario = reading.scenario
         if report.sketch is not None and self.read_sketch is None:
             scenario, evidence, sketch = self._words(report.sketch, scenario, evidence)

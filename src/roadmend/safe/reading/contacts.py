@@ -23,12 +23,12 @@ def read_contacts(text: Text) -> tuple[ContactClaim, ...]:
     for clause in text.clauses:
         for contact in _of_clause(clause, text.count):
             pair = frozenset({contact.striking, contact.struck})
-            found[pair] = _joined(found[pair], contact) if pair in found else contact
+            found[pair] = joined(found[pair], contact) if pair in found else contact
     strong = [each for each in found.values() if each.confidence > 0.5] or list(found.values())
     return tuple(replace(each, order=place) for place, each in enumerate(strong))
 
 
-def _joined(one: ContactClaim, other: ContactClaim) -> ContactClaim:
+def joined(one: ContactClaim, other: ContactClaim) -> ContactClaim:
     """Two statements about one contact: the surer says who struck, each fills in what the other leaves open."""
     first, second = (other, one) if other.confidence > one.confidence + 0.1 else (one, other)
     sides = (second.striking_side, second.struck_side)
