@@ -32,7 +32,8 @@ def is_head(items: Words, place: int) -> bool:
     other = ("descriptor", "verb", "preposition", "determiner", "part", "hand", "number", "lanekind", "oncoming")
     if after.is_a("body") and item.is_name and not item.is_a(*other):
         return True
-    led = before.is_a("determiner") or before.get("pronoun") in {"own", "its", "other"} or before.low == "("
+    lead = items.at(place - 2) if before.is_a("descriptor") else before  # "the white Explorer"
+    led = lead.is_a("determiner") or lead.get("pronoun") in {"own", "its", "other"} or lead.low in {"(", "'s"}
     is_shown = item.is_name and not item.text.isupper()
     return led and is_shown and not item.is_a("number", "preposition", "hand", "bound", "compass", "lane", "road")
 
@@ -72,14 +73,16 @@ def read_group(items: Words, place: int) -> tuple[int, int, Item, Description]:
     before = items.cut(first, place)
     owner = article.get("pronoun")
     is_other = owner == "other" or any(item.get("pronoun") == "other" for item in before)
-    is_new = article.get("determiner") in {"a", "some"} or (article is NOTHING and bool(names))
+    owned = items.at(first - 1).low == "'s"  # "the woman's Ford", "my wife's Honda"
+    mine = owned and items.cut(first - 4, first - 1).says({"my", "our"})
+    is_new = article.get("determiner") in {"a", "some"} or (article is NOTHING and bool(names) and not owned)
     is_new |= is_other and before.says({"another"})
     marks = word_set("marks") | word_set("colours")
     description = Description(
         year=next((item.get("number") for item in before if item.get("number") in YEARS), None),
         names=names,
         bodies=bodies,
-        is_own=owner == "own",
+        is_own=owner == "own" or mine,
         is_theirs=owner in {"its", "one"},
         is_other=is_other,
         words=" ".join(item.low for item in items.cut(place, last + 1)),

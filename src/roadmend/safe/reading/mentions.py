@@ -94,6 +94,7 @@ def find_mentions(sentences: Sequence[Sentence]) -> Spoken:
             elif mention.description is not None:
                 mention.vehicles = roll.call(mention.description, is_new=mention.is_new, is_headline=is_headline)
     _possess(found)
+    _elliptic(sentences, found, roll)
     own = roll.own()
     for sentence, row in zip(sentences, found, strict=True):
         _seat(sentence.items, row)
@@ -116,6 +117,20 @@ def _own(items: Words, row: Sequence[Mention]) -> None:
         sits = 0 < len(between) < _REACH and between[-1].low in word_set("sits_in")
         if sits and one.kind is MentionKind.SELF and other.description is not None and not other.number:
             other.description = replace(other.description, is_own=True)
+
+
+def _elliptic(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], roll: Roll) -> None:
+    """Take the vehicle that somebody sits in for the writer's, where one speaks of "me" and of no car of mine."""
+    if roll.own() or not any(each.kind is MentionKind.SELF for row in found for each in row):
+        return
+    for sentence, row in zip(sentences, found, strict=True):
+        for mention in row:
+            led = sentence.items.at(mention.first - 1).low in {"in", "driving"}
+            seated = any(each.last < mention.first and each.kind is not MentionKind.SELF for each in row)
+            if led and not seated and mention.description and mention.vehicles and not mention.is_new:
+                vehicle = roll.vehicles[mention.vehicles[0]]
+                vehicle.description = replace(vehicle.description, is_own=True)
+                return
 
 
 def _possess(found: Sequence[Sequence[Mention]]) -> None:

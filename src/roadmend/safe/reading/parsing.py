@@ -24,7 +24,7 @@ _PASSIVE_REACH = 4  # words between "was" and "struck"
 
 def read_clauses(sentences: Sequence[Sentence], spoken: Spoken) -> tuple[Clause, ...]:
     """The clauses of a text, in its order."""
-    walker = _Walker(len(spoken.roll.vehicles))
+    walker = _Walker(len(spoken.roll.vehicles), spoken.roll.own())
     for sentence, mentions in zip(sentences, spoken.mentions, strict=True):
         walker.walk(sentence, mentions)
     return tuple(walker.clauses)
@@ -33,12 +33,13 @@ def read_clauses(sentences: Sequence[Sentence], spoken: Spoken) -> tuple[Clause,
 class _Walker:
     """Goes through the words of a text, and remembers who was last spoken of."""
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int, own: tuple[int, ...]) -> None:
         self.count = count
         self.clauses: list[Clause] = []
         self.clause: Clause | None = None
         self.pending: Actor | None = None  # a subject that waits for its verb
-        self.focus = NOBODY  # the last subject
+        # The last subject; before there is one, who writes without "I" speaks of himself.
+        self.focus = replace(NOBODY, vehicles=own, is_person=True) if own else NOBODY
         self.last = NOBODY  # the last one spoken of
         self.recent: list[int] = []  # vehicles in the order in which they were spoken of
 

@@ -14,6 +14,7 @@ _EVENING = range(17, 21)  # light or dark, by the season
 _AFTERNOON = 13
 _CLOCK = re.compile(
     r"\b(?:(?P<h>[01]?\d|2[0-3])[:.][0-5]\d|(?P<mil>(?:[01]\d|2[0-3])[0-5]\d)(?=\s*(?:hrs?|hours|h)\b)|"
+    r"(?P<bare>(?<=, )(?:0\d|1[0-8]|2[1-3])[0-5]\d(?=[.,]|$))|"
     r"(?P<hour>1[0-2]|[1-9]))\s*(?:(?P<half>[ap])\.?\s?m\b|o'?clock|(?P<hrs>hrs?|hours)\b)?",
     re.IGNORECASE,
 )
@@ -63,6 +64,8 @@ def _weather(items: Words, place: int, *, is_past: bool) -> Iterator[Claim]:
     if value is Weather.SNOWY and lies:
         yield claim("env.weather", value, 0.45, f"the text says {item.low}", item)
     elif not before.has("negation") and not before.says({"without"}):
+        if value is Weather.SUNNY:
+            yield claim("env.time", Time.DAYTIME, 0.9, f"the text says {item.low}", item)
         sure = _SURE.get(value, 0.93) * (0.5 if is_past else 1.0)
         yield claim("env.weather", value, sure, f"the text says {item.low}", item)
     elif value not in {Weather.CLEAR, Weather.SUNNY}:
@@ -96,8 +99,8 @@ def _hour(match: re.Match[str], summary: str) -> tuple[int | None, float]:
     """The hour of a time of day from 0 to 23, and how surely it is one."""
     after = summary[match.end() : match.end() + 30].lower()
     told = _TOLD.search(summary[max(0, match.start() - 20) : match.start()].lower()) or match["hrs"]
-    if match["mil"]:
-        return int(match["mil"][:2]), 0.9
+    if match["mil"] or match["bare"]:
+        return int((match["mil"] or match["bare"])[:2]), 0.9 if match["mil"] else 0.75
     hour, half, in_day = int(match["h"] or match["hour"]), (match["half"] or "").lower(), _IN_DAY.match(after)
     at_night = _AT_NIGHT.match(after) is not None and hour > 4
     if half or at_night or in_day or _AT_NIGHT.match(after):

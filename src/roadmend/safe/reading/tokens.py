@@ -14,6 +14,7 @@ _TOKEN = re.compile(
     re.IGNORECASE,
 )
 _STREET = re.compile(r"(?:[A-Z][a-z]+ )?(?:Rd|St|Ave|Blvd|Ln|Hwy|Street|Avenue|Road)\b")
+_LETTERS = frozenset("NSEW")
 _JOINED = 5  # letters of a phrase that may be told without a hyphen or a slash in it: not "a t" for "at"
 _PLAIN = dict.fromkeys(map(ord, '\u201c\u201d"\u00ab\u00bb*_'), " ") | {
     **dict.fromkeys(map(ord, "\u2019\u2018"), "'"),
@@ -195,6 +196,8 @@ def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
             kinds["name"] = named
         if length == 1 and key.isdigit():
             kinds["number"] = int(key)  # an Audi 100, and a hundred
+        if length == 1 and taken[0].text in _LETTERS:
+            kinds["compass"] = taken[0].text
         if key and kinds:
             return length, kinds
     return 1, _single(tokens[place], is_first=place == 0)
