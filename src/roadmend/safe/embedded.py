@@ -8,8 +8,9 @@ from typing import Any
 from roadmend.language.chat import Image
 from roadmend.safe.claims import AnyClaim, Box, Cast, Claim, Span
 from roadmend.safe.extraction import Extraction, ExtractionError, FieldEvidence, Step, Watch, unwatched
-from roadmend.safe.reading.reader import ReportReading, SummaryClaims, assemble, read_claims
-from roadmend.safe.reading.scene import Judged
+from roadmend.safe.reading.assembly import ReportReading
+from roadmend.safe.reading.reader import SummaryClaims, assemble, read_claims
+from roadmend.safe.reading.weighing import Judged
 from roadmend.safe.report import CrashReport
 from roadmend.safe.sketch_claims import SketchClaims, claims_of_sketch
 
@@ -83,7 +84,7 @@ class EmbeddedExtractor:
         reading = assemble(said, more)
         evidence = {name: _evidence(finding, report.summary) for name, finding in reading.findings.items()}
         notes = [*report.notes, *_limits(said, reading), *_doubts(reading.findings)]
-        notes += [f"vehicle {number} touched nothing and was left out" for number in reading.left_out]
+        notes += [f"vehicle {said.cast[place].number} touched nothing and was left out" for place in reading.left_out]
         return Extraction(reading.scenario, evidence, sketch, tuple(notes))
 
 

@@ -145,6 +145,8 @@ class Roll:
     def call(self, description: Description, *, is_new: bool, is_headline: bool) -> tuple[int, ...]:
         """The vehicle that is meant; a new one where none that is known can be."""
         vehicle = self._find(description, is_new=is_new)
+        if vehicle is None and description.words == "trailer":
+            return ()  # one that stands alone is no vehicle
         if vehicle is None:
             vehicle = Vehicle(len(self.vehicles), description, description.span, is_headline)
             self.vehicles.append(vehicle)

@@ -76,6 +76,7 @@ def squeeze(text: str) -> str:
     return re.sub(r"[ \-'.]", "", text.lower())
 
 
+@functools.cache
 def read_table(name: str) -> Any:
     """The content of one table."""
     file = importlib.resources.files(__package__).joinpath("tables", f"{name}.yaml")
@@ -235,3 +236,9 @@ def _is_slip(word: str, meant: str) -> bool:
         and word[wrong[1]] == meant[wrong[0]]
     )
     return len(wrong) == 1 or swapped
+
+
+@functools.cache
+def word_set(name: str) -> frozenset[str]:
+    """A small set of words that a rule looks for."""
+    return frozenset(read_table("sets")[name])
