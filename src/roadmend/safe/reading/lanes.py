@@ -7,12 +7,14 @@ from roadmend.safe.claims import Claim, Span
 from roadmend.safe.dsl import MAX_LANES
 from roadmend.safe.reading.facts import Text, claim
 from roadmend.safe.reading.tokens import Item, Sentence, Words
+from roadmend.safe.reading.wording import found, patterns, wording
 
 _REACH = 6  # words between a number and its "lanes"
 _MOST_COUNTED = 12
 _LIST = 12  # characters between two counts of one list
 _BETWEEN = ("lanekind", "bound", "compass", "hand", "descriptor", "straight", "two_way")
 _OPPOSITE = ({"N", "S"}, {"E", "W"})
+_EACH, _ALL = "the text counts the lanes of each direction", "the text counts the lanes of the road"
 _Total = tuple[int, float, str, Span]  # lanes, confidence, reason, place
 
 
@@ -39,13 +41,25 @@ class LaneCount:
 
 def read_lanes(text: Text) -> Iterator[Claim]:
     """The claims of a text about the number of its lanes; the largest road of a place counts."""
+    worded = [each for sentence in text.sentences for each in _worded(sentence)]
+    # What a count in front of "lanes" says is left to the grammar of counts, too: it knows more of turning lanes.
+    taken = [
+        span
+        for *_, reason, span in worded
+        if reason != _EACH or " lane" not in text.summary[span.start : span.end].lower()
+    ]
     counts = _shared([count for sentence in text.sentences for count in _of_sentence(sentence)])
+    counts = [
+        count
+        for count in counts
+        if not any(count.span.start < span.end and span.start < count.span.end for span in taken)
+    ]
     for sentence in text.sentences:
         known = any(each.kind == "center" and each.sentence == sentence.index for each in counts)
         if sentence.items.has("middle_lane") and not known:
             counts.append(LaneCount(1, "", "center", is_each=False, span=Span(0, 0), sentence=sentence.index))
     totals = [total for count in counts if (total := _total(counts, count)) is not None]
-    totals = [*totals, *_by_way(counts)] or _bare(counts, text)
+    totals = [*worded, *totals, *(() if taken else _by_way(counts))] or _bare(counts, text)
     largest = max((number for number, *_ in totals), default=0)
     for number, sure, reason, span in totals:
         if 1 <= number <= MAX_LANES:
@@ -54,15 +68,35 @@ def read_lanes(text: Text) -> Iterator[Claim]:
         yield from _implied(text)
 
 
+def _worded(sentence: Sentence) -> Iterator[_Total]:
+    """Lanes that a turn of phrase counts: "two up and two down", "one each way", "four lanes in all"."""
+    told, taken = wording(sentence), list[Span]()
+    has_middle = any(pattern.search(told.text) for pattern in patterns("lanes_middle"))
+    speaks = sentence.items.has("lane") or "laner" in told.text
+    for name in ("lanes_road", "lanes_sum", "lanes_each"):
+        for match in found(name, told) if speaks else ():
+            span = told.span(match)
+            if any(span.start < each.end and each.start < span.end for each in taken):
+                continue
+            total = sum(map(int, match.groups())) * (2 if name == "lanes_each" else 1)
+            if total > MAX_LANES or (name == "lanes_road" and total == 1):
+                continue
+            taken.append(span)
+            reason = _EACH if name == "lanes_each" else _ALL
+            yield total + (has_middle and total % 2 == 0 and name != "lanes_road"), 0.94, reason, span
+    if not taken and any(found("lanes_both", told)):
+        yield 2, 0.6, "the text speaks of both lanes", sentence.span
+
+
 def _shared(counts: Sequence[LaneCount]) -> list[LaneCount]:
     """Let "each direction" hold for what is listed before it: "two through lanes and a turn lane for each direction"."""
-    found = list(counts)
-    for place in range(len(found) - 1, 0, -1):
-        one, other = found[place - 1], found[place]
+    shared = list(counts)
+    for place in range(len(shared) - 1, 0, -1):
+        one, other = shared[place - 1], shared[place]
         near = one.sentence == other.sentence and other.span.start - one.span.end < _LIST
         if other.is_each and near and one.kind != other.kind and one.kind in {"travel", "turn"} and len(one.way) != 1:
-            found[place - 1] = replace(one, is_each=True)
-    return found
+            shared[place - 1] = replace(one, is_each=True)
+    return shared
 
 
 def _total(counts: Sequence[LaneCount], count: LaneCount) -> _Total | None:
@@ -165,7 +199,8 @@ def _count(items: Words, place: int, lane: int, number: int, sentence: int) -> L
         road.has("road") or any(e.is_name for e in road)
     )
     of_road = items[lane].low in {"lane", "ln", "lande"} or (led and not _way_of_sentence(items, place))
-    if of_road and number > 1 and not is_each and not way and kind == "travel":
+    is_single = place + 1 == lane and items.cut(lane + 1, lane + 4).has("road") and items[lane].low == "lane"
+    if of_road and (number > 1 or is_single) and not is_each and not way and kind == "travel":
         kind = "road"
     elif not way and kind != "other":
         way = _way_of_sentence(items, place)
@@ -187,7 +222,8 @@ def _way_after(items: Words, lane: int) -> tuple[str, bool]:
 
 def _is_each(items: Words, lane: int, place: int) -> bool:
     after, before = items.cut(lane + 1, lane + 6), items.cut(place - 5, place)
-    stop = next((at for at, each in enumerate(after) if each.is_a("number") or each.low == ";"), len(after))
+    ends = ("number", "shoulder", "object", "divided")
+    stop = next((at for at, each in enumerate(after) if each.is_a(*ends) or each.low == ";"), len(after))
     return after.cut(0, stop).has("each") or (before.has("each") and not before.has("lane", "number"))
 
 

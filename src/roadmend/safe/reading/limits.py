@@ -1,6 +1,7 @@
 """The posted speed limits, and for which road or vehicle each is posted."""
 
 import itertools
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -8,8 +9,22 @@ from roadmend.safe.claims import Claim, Span
 from roadmend.safe.dsl import MAX_SPEED_LIMIT, Position
 from roadmend.safe.reading.facts import AXES, Text, claim, direction, of_vehicle
 from roadmend.safe.reading.tokens import Item, Sentence, Words
+from roadmend.safe.reading.wording import Wording, patterns, wording
 
 _KMH = 1.609344
+_MOST_MPH = 85  # no road of miles is posted for more
+_USUAL_MPH = 75  # where nothing tells that the country counts miles
+_OF_MILES = re.compile(
+    r"\b(?:mph|miles?|interstate|highway|freeway|turnpike|parkway|I-\d+|US|feet|ft)\b", re.IGNORECASE
+)
+_LEAST_TOLD = 10
+# Signs of a country of kilometres: its units, its money, its words for streets, letters that English has not.
+_METRIC = re.compile(
+    r"\b(?:km|kilomet\w+|metres?|euros?|zloty|kroner|crowns|koruna|francs|tempo)\b|(?:stra(?:ss|\u00df)e|gasse|platz|weg|laan"
+    r"|straat|gatan|vej|utca|ulice|ulica)\b|\b(?:rue|via|calle|avenida|rua|corso|viale|ulica|boulevard de|national road)\b"
+    r"|(?-i:[\u00c0-\u00ff\u0100-\u012f\u0132-\u017e])|\u20ac|\b(?:european form|articulated|saloon car|gendarm\w+|carabinieri|polizei)\b",
+    re.IGNORECASE,
+)
 _REACH = 9  # words between "limit" and its number
 _FAR_REACH = 19  # where the number has a unit
 _LEAST = 5
@@ -42,20 +57,49 @@ class PostedLimit:
 def read_limits(text: Text) -> tuple[PostedLimit, ...]:
     """The limits of a text."""
     units = {item.get("mph") for sentence in text.sentences for item in sentence.items}
-    usual = "kmh" if "kmh" in units and "mph" not in units else "mph"
+    usual = "kmh" if "mph" not in units and ("kmh" in units or _METRIC.search(text.summary)) else "mph"
     return tuple(dict.fromkeys(each for sentence in text.sentences for each in _of_sentence(sentence, text, usual)))
 
 
 def _of_sentence(sentence: Sentence, text: Text, usual: str) -> Iterator[PostedLimit]:
-    items, end = sentence.items, 0
+    items, end, told = sentence.items, 0, wording(sentence)
     for place in range(len(items)):
-        if place >= end and _is_limit(items, place):
-            unit = items.at(place + 1).get("mph")
+        if place >= end and (_is_worded(told, place) or _is_limit(items, place)) and not _is_no_limit(told, place):
+            most = _MOST_MPH if _OF_MILES.search(text.summary) else _USUAL_MPH
+            unit = items.at(place + 1).get("mph") or ("kmh" if items[place].get("number") > most else None)
             value, last = _in_mph(items, place, unit or usual)
             end = last + 1
             if _LEAST <= value <= MAX_SPEED_LIMIT:
                 limit = PostedLimit(value, 0.93 if unit else 0.85, items.span(place, last))
                 yield _posted(limit, items, place, last, sentence, text)
+
+
+def _is_worded(told: Wording, place: int) -> bool:
+    """Whether the words before or after a number make it a limit: "they let you go 55", "45 on the sign"."""
+    number = told.items[place].get("number")
+    if not isinstance(number, int) or number < _LEAST_TOLD or (number % 5 and not told.items.at(place + 1).is_a("mph")):
+        return False
+    at = told.places[place]
+    before, after = told.text[:at], "#" + told.text[at + len(f"{number:g}") :]
+    if any(pattern.search(after) for pattern in patterns("limit_never_after")):
+        return False
+    led = any(
+        match.end() <= at
+        for pattern in patterns("limit_before")
+        for match in pattern.finditer(f"{before}{after}" if "#" in pattern.pattern else before)
+        if match.end() == at
+    )
+    return led or any(pattern.search(after) for pattern in patterns("limit_after"))
+
+
+def _is_no_limit(told: Wording, place: int) -> bool:
+    """Whether a number is a speed that was driven, or none."""
+    at = told.places[place]
+    before, after = told.text[:at], f"#{told.text[at + len(told.items[place].low) :]}"
+    if any(pattern.search(after) for pattern in patterns("limit_after")):
+        return any(pattern.search(before) for pattern in patterns("limit_never")[1:2])
+    never = any(pattern.search(before) for pattern in patterns("limit_never"))
+    return never or any(pattern.search(after) for pattern in patterns("limit_never_after"))
 
 
 def _is_limit(items: Words, place: int) -> bool:

@@ -178,7 +178,9 @@ def _of_pairs(clause: Clause) -> Iterator[DirectionClaim]:
         if not actor.vehicles or actor.vehicles[0] == mine[0]:
             continue
         is_path = lead.is_a("path")
-        noun = bool(kind) and lead.span.end < clause.span.end and clause.span.start < lead.span.start  # "the car ahead of me"
+        noun = (
+            bool(kind) and lead.span.end < clause.span.end and clause.span.start < lead.span.start
+        )  # "the car ahead of me"
         beside = kind in (_IN_FRONT if is_path else _BEHIND) and clause.lemma != "come"
         if lead.is_a("ahead", "behind") and (beside or noun):
             yield relation(mine[0], actor.vehicles[0], Relation.SAME, 0.78 if is_path else 0.85, lead)
