@@ -121,6 +121,7 @@ class Vehicle:
         first: where it was first spoken of.
         is_headline: whether only the headline has spoken of it so far.
         words: all its names.
+        paragraphs: that speak of it.
     """
 
     place: int
@@ -128,6 +129,7 @@ class Vehicle:
     first: Span | None = None
     is_headline: bool = False
     words: list[str] = field(default_factory=list)
+    paragraphs: set[int] = field(default_factory=set)
 
 
 @dataclass(slots=True)
@@ -157,6 +159,27 @@ class Roll:
         vehicle.words.append(description.words)
         self.latest = vehicle.place
         return (vehicle.place,)
+
+    def known(self, description: Description) -> tuple[int, ...]:
+        """The vehicle that is meant, if one is known."""
+        vehicle = self._find(description, is_new=False)
+        return () if vehicle is None else (vehicle.place,)
+
+    def note(self, places: Iterable[int], paragraph: int) -> None:
+        """Remember that a paragraph speaks of a vehicle."""
+        for place in places:
+            self.vehicles[place].paragraphs.add(paragraph)
+
+    def is_told_again(self, description: Description, paragraph: int) -> bool:
+        """Whether "a truck" is one of the lead of an article, of which a later paragraph tells at length."""
+        body = description.body()[0]
+        if body is None or description.number or description.is_other:
+            return False
+        mine = [each for each in self.vehicles if self._may_be(each, description) and not each.description.number]
+        alike = [each for each in mine if each.description.body()[0] is body and not each.description.is_own]
+        return len(alike) == 1 and bool(alike[0].paragraphs) and max(alike[0].paragraphs) < paragraph and (
+            alike[0].paragraphs == {min(place for each in self.vehicles for place in each.paragraphs)}
+        )
 
     def own(self) -> tuple[int, ...]:
         """The writer's own vehicle, if one is known."""

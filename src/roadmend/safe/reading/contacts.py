@@ -13,6 +13,7 @@ from roadmend.safe.reading.parts import Part
 _MOVES = frozenset({"drift", "travel", "emerge", "change_lane", "turn", "reverse", "depart", "continue"})
 _INTO = frozenset({"into", "with", "against", "vs", "versus", "along", "between", "on", "in", "of"})
 _AT = frozenset({"in", "on", "at", "to", "into", "along", "against", "with", "of", "by"})
+_PUSHED = frozenset({"into", "against", "onto", "on to", "in to"})
 _VERSUS = frozenset({"vs", "versus"})
 _SURE, _TOLD, _GUESSED = 0.93, 0.55, 0.7
 
@@ -91,7 +92,7 @@ def _parts(clause: Clause) -> tuple[Actor | None, Part | None, Part | None]:
 
 def _pushed(clause: Clause) -> ContactClaim | None:
     """One vehicle that is pushed into another: "shoved it into an SUV"."""
-    into = next((actor for lead, actor in clause.others if lead.low == "into" and actor.vehicles), None)
+    into = next((actor for lead, actor in clause.others if lead.low in _PUSHED and actor.vehicles), None)
     moved = (clause.object or clause.subject).vehicles
     if into is None or not moved or moved[0] == into.vehicles[0]:
         return None

@@ -45,6 +45,8 @@ def _is_body(items: Words, place: int) -> bool:
         return False  # "a 3-car crash"
     if item.low == "trailer" and before.get("determiner") != "the" and before.low != "'s":
         return False  # a truck's, not a vehicle of its own
+    if item.low == "cab" and items.says(word_set("hauling")):
+        return False  # a truck's
     if item.is_a("verb") and not before.is_a("determiner", "descriptor", "name", "number"):
         return False  # "to crossover the road"
     is_compound = after.low in word_set("compound_second") or after.is_a("object")

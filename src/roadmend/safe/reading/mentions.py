@@ -84,15 +84,22 @@ def find_mentions(sentences: Sequence[Sentence]) -> Spoken:
         for mention in row:  # first, for a report may speak of "a 2004 Civic" before it gives it a number
             if mention.description is not None and mention.number is not None:
                 mention.vehicles = roll.call(mention.description, is_new=False, is_headline=False)
-    for sentence, row in zip(sentences, found, strict=True):
-        is_headline = _is_headline(sentence, sentences)
+    paragraphs = {id(each): at.paragraph for at, row in zip(sentences, found, strict=True) for each in row}
+    headlines = [_is_headline(sentence, sentences) for sentence in sentences]
+    in_body = any(each.description for row, is_title in zip(found, headlines, strict=True) if not is_title for each in row)
+    for is_headline, row in sorted(zip(headlines, found, strict=True), key=lambda each: each[0]):
         for mention in row:
             if mention.twin is not None and mention.twin.vehicles:
                 mention.vehicles = mention.twin.vehicles
             if mention.vehicles:
                 roll.latest = mention.vehicles[0]
             elif mention.description is not None:
-                mention.vehicles = roll.call(mention.description, is_new=mention.is_new, is_headline=is_headline)
+                if is_headline and in_body:  # a headline tells of those of whom the text tells
+                    mention.vehicles = roll.known(mention.description)
+                else:
+                    is_new = mention.is_new and not roll.is_told_again(mention.description, paragraphs[id(mention)])
+                    mention.vehicles = roll.call(mention.description, is_new=is_new, is_headline=is_headline)
+                    roll.note(mention.vehicles, paragraphs[id(mention)])
     _possess(found)
     _elliptic(sentences, found, roll)
     own = roll.own()

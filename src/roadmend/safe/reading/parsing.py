@@ -12,7 +12,7 @@ from roadmend.safe.reading.clauses import NOBODY, STRIKES, Actor, Clause
 from roadmend.safe.reading.lexicon import VerbSense, word_set
 from roadmend.safe.reading.mentions import Mention, MentionKind, Spoken
 from roadmend.safe.reading.parts import read_part
-from roadmend.safe.reading.tokens import Item, Sentence, Words
+from roadmend.safe.reading.tokens import NOTHING, Item, Sentence, Words
 
 _TRANSITIVE = STRIKES | {"follow", "overtake", "avoid", "see", "after", "approach", "collide", "do", "own"}
 _OTHERS_OBJECT = STRIKES | {"avoid", "see", "follow", "overtake", "after"}  # "it struck him": not itself
@@ -142,9 +142,16 @@ class _Walker:
                 return self._but(focus.vehicles)
             case MentionKind.POSSESSIVE:
                 return (here if here.vehicles else self.last if self.last.span.end else focus).vehicles[:1]
+            case MentionKind.ONE if self.items[mention.first].low == "they" and self._meets(mention.last + 1):
+                return self._both(mention)
             case MentionKind.IT | MentionKind.ONE | MentionKind.PERSON if not mention.is_new:
                 return self._pronoun(mention, here, focus)
         return ()
+
+    def _meets(self, place: int) -> bool:
+        """Whether a verb of meeting follows."""
+        verbs = [item.verb for item in self.items.cut(place, place + 3) if item.verb is not None]
+        return bool(verbs) and verbs[0].kind in {"collide", *STRIKES}
 
     def _but(self, vehicles: Sequence[int]) -> tuple[int, ...]:
         """The other one of the first two."""
@@ -166,7 +173,8 @@ class _Walker:
         if before.is_a("ahead", "behind", "beside") and here.span.end:
             return next(((each,) for each in reversed(self.recent) if each not in here.vehicles), ())
         is_object = self.clause is not None and self.clause.kind in _OTHERS_OBJECT
-        if self.clause is not None and is_object and here.span.end and not _is_apart(self.clause.tail, ","):
+        is_object &= self.items[mention.first].low not in word_set("subject_pronouns")
+        if self.clause is not None and is_object and here.span.end and not _is_apart(self.clause.tail, ",;"):
             is_known = bool(self.last.span.end) and self.last.vehicles != here.vehicles
             return self.last.vehicles if is_known else self._but(here.vehicles)
         if is_it and here.is_person and not self.last.is_person and self.last.vehicles:
@@ -185,7 +193,12 @@ class _Walker:
             self._bring(before, actor)
         elif before.low in {"and", "&", "/", "or"} and self._joins(first, last, actor):
             return
-        elif clause is not None and clause.object is None and _takes_object(clause):
+        elif (
+            clause is not None
+            and clause.object is None
+            and _takes_object(clause)
+            and self.items[first].low not in word_set("subject_pronouns")
+        ):
             clause.object = actor
             if clause.lemma in {"drive", "operate"} and not clause.subject.vehicles:
                 clause.subject = self.focus = replace(clause.subject, vehicles=actor.vehicles)
@@ -230,7 +243,7 @@ class _Walker:
         if verb is None:
             return
         nearby = self.items.cut(max(self.acted, place - _PASSIVE_REACH), place)
-        subject, governed = self._subject(place, verb)
+        subject, governed = self._after(place, verb) or self._subject(place, verb)
         is_be = not nearby.cut(-1).says({",", ";"}) and any(each.get("auxiliary") == "be" for each in nearby)
         by = verb.kind in STRIKES and self.items.cut(place + 1, place + 3).says({"by"})
         is_denied = nearby.cut(len(nearby) - 3).has("negation") and verb.kind != "fail"
@@ -253,6 +266,16 @@ class _Walker:
         self.clause, self.acted = self.clauses[-1], place + 1
         self.focus = subject if subject.vehicles else self.focus
 
+    def _after(self, place: int, verb: VerbSense) -> tuple[Actor, frozenset[str]] | None:
+        """Who stands behind the verb: "from the ramp came a van", "behind it was a bus"."""
+        mention = self.starts.get(place + 1)
+        first = self.items.at(0) if self.clause is None else NOTHING
+        comes = verb.lemma in {"come", "emerge", "appear", "follow", "approach", "be", "stand", "sit"}
+        if self.pending is not None or mention is None or not comes or not first.is_a("preposition", "behind"):
+            return None
+        actor = self._resolve(mention)
+        return (actor, frozenset()) if actor.vehicles else None
+
     def _subject(self, place: int, verb: VerbSense) -> tuple[Actor, frozenset[str]]:
         """Who does it, and the kinds of the verbs that it depends on."""
         old, nothing = self.clause, frozenset[str]()
@@ -262,6 +285,8 @@ class _Walker:
             return self.focus, nothing
         if self._is_reduced(place, verb, old):
             return self.last, nothing
+        if old.kind == "see" and old.object is not None and verb.form == "ing" and self.items[place - 1].low == ",":
+            return old.object, nothing  # "I saw a van, coming from the west"
         if (
             old.kind in {"see", "say"}
             and old.object is not None

@@ -8,6 +8,7 @@ from roadmend.safe.reading.clauses import Clause
 from roadmend.safe.reading.facts import Text, claim, of_vehicle
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.tokens import Item, Words
+from roadmend.safe.reading.wording import found, wording
 
 _SIDES = {"N": Compass.NORTH, "S": Compass.SOUTH, "E": Compass.EAST, "W": Compass.WEST}
 _CONTROLS = {"stop_sign": Control.STOP_SIGN, "yield_sign": Control.YIELD_SIGN, "signal": Control.SIGNAL}
@@ -26,6 +27,7 @@ def read_roads(text: Text) -> Iterator[Claim]:
                 yield from _order(item)
             yield from _stem(sentence.items, place)
             yield from _corner(sentence.items, place)
+    yield from _worded_stem(text)
     yield from _ramps(text)
     yield from _on_stem(text)
     for clause in text.clauses:
@@ -89,6 +91,22 @@ def _stem(items: Words, place: int) -> Iterator[Claim]:
     ends = item.is_a("ends") and not meets and (near.has("road") or any(each.is_name for each in near))
     if ends or (item.low in {"ends", "ends there"} and items.cut(0, place).has("road")):
         yield claim("road_type", RoadType.T_INTERSECTION, 0.85, "a road ends there", item)
+
+
+def _worded_stem(text: Text) -> Iterator[Claim]:
+    """A road that goes no further, by a turn of phrase, and the side on which the text says that it lies."""
+    told = [wording(sentence) for sentence in text.sentences]
+    ending = [any(found("stem_ends", each)) and not each.items.has("ramp", "lanekind") for each in told]
+    said_tee = any(each.items.has("ends") or any(i.get("junction") == "tee" for i in each.items) for each in told)
+    for place, each in enumerate(told):
+        near = any(ending[max(0, place - 1) : place + 2])
+        if ending[place]:
+            yield claim("road_type", RoadType.T_INTERSECTION, 0.85, "a road goes no further", text.sentences[place].span)
+        for match in found("stem_side", each) if near or (said_tee and not each.items.has("mph")) else ():
+            if each.items.has("collision") or text.spoken.mentions[place] and not near:
+                continue
+            side = _SIDES.get(match[1][0].upper())
+            yield claim("stem_direction", side, 0.8 if near else 0.6, "the road that ends lies there", each.span(match))
 
 
 def _corner(items: Words, place: int) -> Iterator[Claim]:

@@ -27,6 +27,12 @@ _REASONS = {
 
 def read_ways(text: Text) -> Iterator[Claim | DirectionClaim]:
     """The claims of a text about directions of travel."""
+    told = list(_told(text))
+    yield from told
+    yield from _unclaimed(text, told)
+
+
+def _told(text: Text) -> Iterator[Claim | DirectionClaim]:
     afterwards = crash_places(text.clauses)
     sides = [side for each in text.sentences if each.items.cut(0, 4).has("driveway") for side in _sides(each.items)]
     turned: set[tuple[int, tuple[int, ...]]] = set()  # who is said to turn, by sentence
@@ -39,6 +45,7 @@ def read_ways(text: Text) -> Iterator[Claim | DirectionClaim]:
         yield from _of_pairs(clause)
         yield from _of_words(clause, text.count)
     yield from _of_place(text)
+    yield from _beside_mentions(text)
     for mention in itertools.chain(*text.spoken.mentions):
         for trait in mention.traits if len(mention.vehicles) == 1 else ():
             mine, way = mention.vehicles[0], direction(trait)
@@ -94,8 +101,10 @@ def _meaning(clause: Clause, items: Words, place: int, *, is_head: bool) -> tupl
         return "initial_position", 0.96 if kind not in _NOT_GOING else 0.7
     if lead == "from":
         return "origin", 0.88
-    if lead in {"of", "at"}:
+    if lead in {"of", "at"} and items.at(back - 1).low not in {"direction", "direction of"}:
         return None
+    if items.at(back).get("relative") or lead in word_set("that_is"):
+        return _explained(items, back)
     near = place <= 5 or items.says(word_set("heading_words"))
     if kind in {"travel", "continue", "approach", "follow"} and near and not is_head:
         goes_on = "intend" in clause.governed or kind == "continue"
@@ -103,6 +112,47 @@ def _meaning(clause: Clause, items: Words, place: int, *, is_head: bool) -> tupl
         return "heading_on" if goes_on else "initial_position", sure
     is_word = len(item.low) > 1 or item.text.isupper()
     return ("initial_position", 0.8) if (is_head or kind == "") and is_word and after is not item else None
+
+
+def _beside_mentions(text: Text) -> Iterator[Claim]:
+    """Directions directly after the name of a vehicle: "struck another sedan, eastbound on Main"."""
+    for sentence, mentions in zip(text.sentences, text.spoken.mentions, strict=True):
+        items = sentence.items
+        for mention in mentions:
+            at = mention.last + 1
+            while items.at(at).low in word_set("beside_fillers"):
+                at += 1
+            item, after = items.at(at), items.at(at + 1)
+            way = direction(item) if item.is_a("bound") else None
+            if len(mention.vehicles) == 1 and way is not None and not after.is_a("lane", "road", "lanekind"):
+                path = of_vehicle(mention.vehicles[0], "initial_position")
+                yield claim(path, way, 0.85, "it is said to travel that way", item)
+
+
+def _unclaimed(text: Text, claims: Sequence[Claim | DirectionClaim]) -> Iterator[Claim]:
+    """A direction that is said of nobody: weakly, of everybody of whom none is said."""
+    known = {each.path for each in claims if isinstance(each, Claim) and each.path.endswith("initial_position")}
+    spans = {(each.where.start, each.where.end) for each in claims if each.where is not None}
+    open_ = [each for each in range(text.count) if of_vehicle(each, "initial_position") not in known]
+    for sentence in text.sentences if open_ else ():
+        for place, item in enumerate(sentence.items):
+            lead, way = sentence.items.at(place - 1), direction(item)
+            goes = item.is_a("bound") or lead.low in word_set("goes_that_way") or lead.get("verb") is not None
+            if way is None or not goes or (item.span.start, item.span.end) in spans or item.is_a("ends"):
+                continue
+            if sentence.items.at(place + 1).low in word_set("not_a_way") or sentence.items.cut(place - 6, place).has("ends"):
+                continue
+            for vehicle in open_:
+                path = of_vehicle(vehicle, "initial_position")
+                yield claim(path, way, 0.6, "the text speaks of that direction", item)
+
+
+def _explained(items: Words, place: int) -> tuple[str, float] | None:
+    """What "that is north" explains: where one comes from, or goes."""
+    before = items.cut(place - 8, place)
+    if before.says({"from"}):
+        return "origin", 0.75
+    return ("initial_position", 0.75) if before.says({"to", "toward", "towards", "for", "up", "down"}) else None
 
 
 def _is_no_way(clause: Clause, items: Words, place: int, *, is_head: bool) -> bool:
