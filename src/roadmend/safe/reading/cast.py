@@ -1,6 +1,6 @@
 """The vehicles of a text: each described in one or more ways, and told apart by them."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from roadmend.safe.claims import Span
@@ -165,6 +165,20 @@ class Roll:
         vehicle = self._find(description, is_new=False)
         return () if vehicle is None else (vehicle.place,)
 
+    def to_come(self, description: Description, start: int, firsts: Mapping[int, int]) -> tuple[int, ...]:
+        """The vehicle that a report describes before it gives it its number."""
+        body = description.body()[0]
+        if body is None or description.number is not None:
+            return ()
+        fitting = [
+            each
+            for each in self.vehicles
+            if firsts.get(each.place, -1) > start
+            and each.description.body()[0] is body
+            and not each.description.contradicts(description)
+        ]
+        return (fitting[0].place,) if fitting else ()
+
     def note(self, places: Iterable[int], paragraph: int) -> None:
         """Remember that a paragraph speaks of a vehicle."""
         for place in places:
@@ -177,8 +191,11 @@ class Roll:
             return False
         mine = [each for each in self.vehicles if self._may_be(each, description) and not each.description.number]
         alike = [each for each in mine if each.description.body()[0] is body and not each.description.is_own]
-        return len(alike) == 1 and bool(alike[0].paragraphs) and max(alike[0].paragraphs) < paragraph and (
-            alike[0].paragraphs == {min(place for each in self.vehicles for place in each.paragraphs)}
+        return (
+            len(alike) == 1
+            and bool(alike[0].paragraphs)
+            and max(alike[0].paragraphs) < paragraph
+            and (alike[0].paragraphs == {min(place for each in self.vehicles for place in each.paragraphs)})
         )
 
     def own(self) -> tuple[int, ...]:

@@ -85,8 +85,13 @@ def find_mentions(sentences: Sequence[Sentence]) -> Spoken:
             if mention.description is not None and mention.number is not None:
                 mention.vehicles = roll.call(mention.description, is_new=False, is_headline=False)
     paragraphs = {id(each): at.paragraph for at, row in zip(sentences, found, strict=True) for each in row}
+    firsts: dict[int, int] = {}
+    for each in (each for row in found for each in row if each.number):
+        firsts.setdefault(each.vehicles[0], each.span.start)
     headlines = [_is_headline(sentence, sentences) for sentence in sentences]
-    in_body = any(each.description for row, is_title in zip(found, headlines, strict=True) if not is_title for each in row)
+    in_body = any(
+        each.description for row, is_title in zip(found, headlines, strict=True) if not is_title for each in row
+    )
     for is_headline, row in sorted(zip(headlines, found, strict=True), key=lambda each: each[0]):
         for mention in row:
             if mention.twin is not None and mention.twin.vehicles:
@@ -94,7 +99,10 @@ def find_mentions(sentences: Sequence[Sentence]) -> Spoken:
             if mention.vehicles:
                 roll.latest = mention.vehicles[0]
             elif mention.description is not None:
-                if is_headline and in_body:  # a headline tells of those of whom the text tells
+                early = roll.to_come(mention.description, mention.span.start, firsts)
+                if early:
+                    mention.vehicles = early
+                elif is_headline and in_body:  # a headline tells of those of whom the text tells
                     mention.vehicles = roll.known(mention.description)
                 else:
                     is_new = mention.is_new and not roll.is_told_again(mention.description, paragraphs[id(mention)])

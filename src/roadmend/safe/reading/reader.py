@@ -114,7 +114,7 @@ def _kept(text: Text, contacts: Sequence[ContactClaim]) -> tuple[int, ...]:
     touched = {place for each in contacts for place in (each.striking, each.struck)}
     vehicles = text.spoken.roll.vehicles
     numbered = {vehicle.place for vehicle in vehicles if vehicle.description.number is not None}
-    keep = numbered | touched or {vehicle.place for vehicle in vehicles[:2]}
+    keep = (numbered if len(numbered) > 1 else numbered | touched) or {vehicle.place for vehicle in vehicles[:2]}
     for clause in text.clauses:
         who = clause.subject.vehicles
         if len(who) == 1 and who[0] not in touched and clause.words.has("outside"):

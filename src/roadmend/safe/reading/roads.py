@@ -1,14 +1,15 @@
 """The shape of the road where the vehicles met: junction, bend, ramp, or none of these; its median and its signs."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from roadmend.safe.claims import Claim, Span
 from roadmend.safe.dsl import Compass, Control, RoadType, Side
 from roadmend.safe.reading.clauses import Clause
 from roadmend.safe.reading.facts import Text, claim, of_vehicle
 from roadmend.safe.reading.lexicon import word_set
+from roadmend.safe.reading.mentions import Mention, MentionKind
 from roadmend.safe.reading.tokens import Item, Words
-from roadmend.safe.reading.wording import found, wording
+from roadmend.safe.reading.wording import Wording, found, wording
 
 _SIDES = {"N": Compass.NORTH, "S": Compass.SOUTH, "E": Compass.EAST, "W": Compass.WEST}
 _CONTROLS = {"stop_sign": Control.STOP_SIGN, "yield_sign": Control.YIELD_SIGN, "signal": Control.SIGNAL}
@@ -96,17 +97,34 @@ def _stem(items: Words, place: int) -> Iterator[Claim]:
 def _worded_stem(text: Text) -> Iterator[Claim]:
     """A road that goes no further, by a turn of phrase, and the side on which the text says that it lies."""
     told = [wording(sentence) for sentence in text.sentences]
-    ending = [any(found("stem_ends", each)) and not each.items.has("ramp", "lanekind") for each in told]
+    ending = [
+        any(_is_of_road(each, match.start(), mentions) for match in found("stem_ends", each))
+        for each, mentions in zip(told, text.spoken.mentions, strict=True)
+    ]
     said_tee = any(each.items.has("ends") or any(i.get("junction") == "tee" for i in each.items) for each in told)
     for place, each in enumerate(told):
         near = any(ending[max(0, place - 1) : place + 2])
         if ending[place]:
-            yield claim("road_type", RoadType.T_INTERSECTION, 0.85, "a road goes no further", text.sentences[place].span)
+            yield claim(
+                "road_type", RoadType.T_INTERSECTION, 0.85, "a road goes no further", text.sentences[place].span
+            )
         for match in found("stem_side", each) if near or (said_tee and not each.items.has("mph")) else ():
             if each.items.has("collision") or text.spoken.mentions[place] and not near:
                 continue
             side = _SIDES.get(match[1][0].upper())
             yield claim("stem_direction", side, 0.8 if near else 0.6, "the road that ends lies there", each.span(match))
+
+
+def _is_of_road(told: Wording, letter: int, mentions: Sequence[Mention]) -> bool:
+    """Whether it is a road that ends there, and no vehicle, lane or ramp."""
+    at, before = told.item(letter), told.items.cut(0, told.item(letter))
+    vehicle = max((each.last for each in mentions if each.last < at and each.kind is not MentionKind.IT), default=-1)
+    named = (place for place, each in enumerate(before) if each.is_a("road") or (each.is_name and not each.kinds))
+    road = max(named, default=-1)
+    pronoun = not mentions and not before.has("ramp", "lane")
+    return not before.cut(len(before) - 4).has("ramp", "lane") and (
+        road > vehicle or pronoun or told.items.at(0).low == "it"
+    )
 
 
 def _corner(items: Words, place: int) -> Iterator[Claim]:
@@ -167,6 +185,9 @@ def _ramps(text: Text) -> Iterator[Claim]:
             continue
         place = clause.words.index(ramp)
         led = {each.low for each in clause.words.cut(place - _NEAR, place)}
+        if led & word_set("near_ramp") or ("by" in led and "lane" in led):
+            continue
+        led |= {"on"} if clause.lemma == "be" and clause.kind == "travel" and place <= _NEAR else set()
         enters = bool(led & word_set("ramp_entered")) and not led & {"from", "on", "along", "of"}
         uses = bool(led & word_set("ramp_used")) or (not enters and "lane" in led)
         enters |= clause.kind == "approach" and not uses
@@ -177,7 +198,8 @@ def _ramps(text: Text) -> Iterator[Claim]:
             of_vehicle(vehicle, "on_ramp"), value=True, confidence=sure, reason="it comes from a ramp", where=ramp
         )
         if sure > 0.5:
-            yield claim("road_type", RoadType.MERGING, sure - 0.2 * (not merges), "a vehicle joins from a ramp", ramp)
+            kind_sure = min(0.97, sure + 0.1) if merges else sure - 0.1
+            yield claim("road_type", RoadType.MERGING, kind_sure, "a vehicle joins from a ramp", ramp)
 
 
 def _turns_off(clause: Clause, text: Text) -> Iterator[Claim]:

@@ -20,6 +20,7 @@ from roadmend.safe.reading.weighing import Judged, add, evidence, judge, log_odd
 _MOST_TOGETHER = 4  # vehicles whose scenes are enumerated together
 _STRAIGHT_ON = 1.0  # [nats] vehicles go straight on unless something says otherwise
 _SAID_STRAIGHT = 0.8  # of the weight of "meant to go on north" speaks for going straight
+_JOINS = 3.0  # [nats] from which it is sure enough that a vehicle joins from a ramp
 _PLAIN_ROAD = 0.9  # [nats] by which a straight road is likelier than the others before anything is said
 
 _Place = tuple[RoadType, Compass | None]
@@ -101,6 +102,9 @@ class _Scene:
             weights[RoadType.INTERSECTION] -= max(0.0, min(cross, tee, 2.5))  # a T is an intersection
         if min(said.get(RoadType.CURVE, 0.0), straight) > 0:
             weights[RoadType.CURVE] += 0.7  # a bend in a road that is straight elsewhere
+        if said.get(RoadType.MERGING, 0.0) > _JOINS:  # ramps bend, main roads are straight, and both cross others
+            for road in (RoadType.CURVE, RoadType.STRAIGHT, *JUNCTIONS):
+                weights[road] -= max(0.0, said.get(road, 0.0))
         if not any(self._of(vehicle, "on_ramp") for vehicle in range(self.count)):
             weights[RoadType.MERGING] -= 2.0 * (RoadType.MERGING in said)
         return weights

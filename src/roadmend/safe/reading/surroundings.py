@@ -12,6 +12,7 @@ from roadmend.safe.reading.tokens import Words
 _DAY = range(6, 20)  # hours
 _EVENING = range(17, 21)  # light or dark, by the season
 _AFTERNOON = 13
+_MORNING = 6
 _CLOCK = re.compile(
     r"\b(?:(?P<h>[01]?\d|2[0-3])[:.][0-5]\d|(?P<mil>(?:[01]\d|2[0-3])[0-5]\d)(?=\s*(?:hrs?|hours|h)\b)|"
     r"(?P<bare>(?<=, )(?:0\d|1[0-8]|2[1-3])[0-5]\d(?=[.,]|$))|"
@@ -58,7 +59,7 @@ def _is_other_time(items: Words, place: int) -> bool:
 def _weather(items: Words, place: int, *, is_past: bool) -> Iterator[Claim]:
     item, before = items[place], items.cut(place - 3, place)
     value = Weather(item.get("weather")[0])
-    if value is Weather.CLEAR and " " not in item.low and not _is_sky(items, place):
+    if value is Weather.CLEAR and item.low in word_set("may_be_clear") and not _is_sky(items, place):
         return
     lies = before.says(word_set("lying_snow")) or items.at(place + 1).low in word_set("lying_snow")
     if value is Weather.SNOWY and lies:
@@ -107,5 +108,7 @@ def _hour(match: re.Match[str], summary: str) -> tuple[int | None, float]:
         late = half == "p" or (not half and (at_night or (in_day is not None and in_day[1])))
         return hour % 12 + (12 if late else 0), 0.92
     if match["h"] and (told or len(match["h"]) == 2):
+        if 0 < hour < _MORNING and len(match["h"]) == 1:
+            return hour + 12, 0.6  # nobody says whether it was night: few drive then
         return hour, 0.8 if told or hour >= _AFTERNOON else 0.6
     return None, 0.0

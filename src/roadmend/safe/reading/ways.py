@@ -140,7 +140,9 @@ def _unclaimed(text: Text, claims: Sequence[Claim | DirectionClaim]) -> Iterator
             goes = item.is_a("bound") or lead.low in word_set("goes_that_way") or lead.get("verb") is not None
             if way is None or not goes or (item.span.start, item.span.end) in spans or item.is_a("ends"):
                 continue
-            if sentence.items.at(place + 1).low in word_set("not_a_way") or sentence.items.cut(place - 6, place).has("ends"):
+            if sentence.items.at(place + 1).low in word_set("not_a_way") or sentence.items.cut(place - 6, place).has(
+                "ends"
+            ):
                 continue
             for vehicle in open_:
                 path = of_vehicle(vehicle, "initial_position")
