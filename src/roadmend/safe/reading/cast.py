@@ -215,6 +215,9 @@ class Roll:
                 for each in fitting
                 if each.place != self.latest and not (description.bodies and each.description.is_own)
             ]
+        bare = [each for each in self.vehicles if not each.description.names and not each.description.bodies]
+        if is_new and len(self.vehicles) == len(bare) == 1 and description.bodies and not description.is_other:
+            return bare[0]  # "a vehicle off the road: a sedan ran off"
         if not description.names and is_new:
             marked = [
                 each for each in fitting if each.is_headline or each.description.marks & description.marks & _PARKED

@@ -72,7 +72,7 @@ def _worded(sentence: Sentence) -> Iterator[_Total]:
     """Lanes that a turn of phrase counts: "two up and two down", "one each way", "four lanes in all"."""
     told, taken = wording(sentence), list[Span]()
     has_middle = any(pattern.search(told.text) for pattern in patterns("lanes_middle"))
-    speaks = sentence.items.has("lane") or "laner" in told.text
+    speaks = sentence.items.has("lane", "divided") or "laner" in told.text or "carriageway" in told.text
     for name in ("lanes_road", "lanes_sum", "lanes_each"):
         for match in found(name, told) if speaks else ():
             span = told.span(match)

@@ -152,6 +152,17 @@ def _doubles(lemma: str) -> bool:
     return lemma[-3] not in _VOWELS
 
 
+def is_known(word: str) -> bool:
+    """Whether the tables know a word, written in full or short."""
+    return squeeze(shorthand().get(word, word)) in senses()
+
+
+@functools.cache
+def shorthand() -> Mapping[str, str]:
+    """What hasty writers write, and the word that they mean."""
+    return MappingProxyType({short: word for word, shorts in read_table("shorthand").items() for short in shorts})
+
+
 @functools.cache
 def names() -> Mapping[str, tuple[NameSense, ...]]:
     """By its letters: makes, models and both together."""

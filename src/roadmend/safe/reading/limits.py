@@ -80,7 +80,7 @@ def _is_worded(told: Wording, place: int) -> bool:
     if not isinstance(number, int) or number < _LEAST_TOLD or (number % 5 and not told.items.at(place + 1).is_a("mph")):
         return False
     at = told.places[place]
-    before, after = told.text[:at], "#" + told.text[at + len(f"{number:g}") :]
+    before, after = told.text[:at], f"# {told.text[at:].partition(' ')[2]}".strip()
     if any(pattern.search(after) for pattern in patterns("limit_never_after")):
         return False
     led = any(
@@ -95,9 +95,10 @@ def _is_worded(told: Wording, place: int) -> bool:
 def _is_no_limit(told: Wording, place: int) -> bool:
     """Whether a number is a speed that was driven, or none."""
     at = told.places[place]
-    before, after = told.text[:at], f"#{told.text[at + len(told.items[place].low) :]}"
+    before, after = told.text[:at], f"#{told.text[at:].partition(' ')[2]}"
+    after = after.replace("#", "# ", 1) if len(after) > 1 else after
     if any(pattern.search(after) for pattern in patterns("limit_after")):
-        return any(pattern.search(before) for pattern in patterns("limit_never")[1:2])
+        return any(pattern.search(before) for pattern in patterns("limit_never")[2:3])
     never = any(pattern.search(before) for pattern in patterns("limit_never"))
     return never or any(pattern.search(after) for pattern in patterns("limit_never_after"))
 
@@ -112,6 +113,8 @@ def _is_limit(items: Words, place: int) -> bool:
     word = min(words, key=lambda at: abs(at - place), default=None)
     distance = abs(word - place) if word is not None else 99
     listed = len(items) <= 3 or (items.has("time", "weather") and all(item.verb is None for item in items))
+    bare = items.has("lane", "road") and not items.has("thing", "body", "name", "person", "pronoun", "insured")
+    listed |= bare and place > 0 and items.at(place - 1).low in {",", ":", ";", "(", "-"}
     zone = (unit and items.at(place + 2).low in {"zone", "limit", "road"}) or after.low in {"zone", "limit"}
     if (unit and listed) or zone:
         return True

@@ -12,7 +12,7 @@ from roadmend.safe.reading.tokens import Item, Words
 
 _TURNS = {Side.LEFT: Action.TURN_LEFT, Side.RIGHT: Action.TURN_RIGHT}
 _REACH = 4  # words between "turn" and "left"
-_OF_ANOTHER = 0.6  # of its confidence is left to what a sentence says of nobody whom it names
+_OF_ANOTHER = 0.8  # of its confidence is left to what a sentence says of nobody whom it names
 _STRAYS = frozenset({"drift", "approach", "depart", "travel", "change_lane"})
 _IN_LANE = frozenset({"travel", "stop", "", "slow", "approach", "intend"})
 _MAY_TURN = _IN_LANE | {"do", "begin", "fail", "continue", "emerge"}
@@ -119,4 +119,8 @@ def _is_no_turn(items: Words, place: int) -> bool:
 def _is_bare(items: Words, place: int) -> bool:
     """Whether a hand after "made a" is itself the turn: "making a left onto"."""
     after: Item = items.at(place + 1)
-    return not after.low or after.is_a("preposition", "conjunction", "verb") or after.low in {"turn", ",", ".", "turns"}
+    return (
+        not after.low
+        or after.is_a("preposition", "conjunction", "verb", "relative")
+        or after.low in {"turn", ",", ".", "turns"}
+    )

@@ -1,18 +1,21 @@
 """Where a text speaks of vehicles, and which vehicle each time: "V1", "a 2004 Honda Civic", "the pickup", "my car"."""
 
 import itertools
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 from roadmend.safe.claims import Span
-from roadmend.safe.reading.cast import Description, Roll
+from roadmend.safe.reading.cast import Description, Roll, Vehicle
 from roadmend.safe.reading.heads import TRAITS, is_head, read_group
-from roadmend.safe.reading.lexicon import word_set
+from roadmend.safe.reading.lexicon import BodySense, word_set
 from roadmend.safe.reading.tokens import Item, Sentence, Words
 
 _MOST_VEHICLES = 9
+_PADDED = frozenset({"01", "02", "03", "04"})
 _HEADLINE = 16  # words
+STRIKES = frozenset({"strike", "strike_rear", "strike_side", "strike_swipe"})
 _APPOSITION = 6  # words at most between two names of one vehicle
 _REACH = 6  # words between "I" and the car that I sit in
 _LETTERS = {"a": 1, "b": 2, "c": 3, "d": 4}
@@ -46,6 +49,7 @@ class Mention:
         description: of a described one.
         is_person: whether it is the driver that is spoken of.
         twin: the mention beside it that is of the same vehicle.
+        bodies: of several: what they all are.
     """
 
     first: int
@@ -58,6 +62,7 @@ class Mention:
     description: Description | None = None
     is_person: bool = False
     twin: "Mention | None" = None
+    bodies: tuple[tuple[BodySense, Span], ...] = ()
 
     @property
     def number(self) -> int | None:
@@ -110,6 +115,12 @@ def find_mentions(sentences: Sequence[Sentence]) -> Spoken:
                     roll.note(mention.vehicles, paragraphs[id(mention)])
     _possess(found)
     _elliptic(sentences, found, roll)
+    _take_part(sentences, found, roll)
+    alike = next((each.bodies for row in found for each in row if each.bodies), ())
+    for vehicle in roll.vehicles if alike else ():
+        if vehicle.description.body()[0] is None:
+            vehicle.description = replace(vehicle.description, bodies=alike)
+    _sort(found, headlines, roll)
     own = roll.own()
     for sentence, row in zip(sentences, found, strict=True):
         _seat(sentence.items, row)
@@ -146,6 +157,51 @@ def _elliptic(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]],
                 vehicle = roll.vehicles[mention.vehicles[0]]
                 vehicle.description = replace(vehicle.description, is_own=True)
                 return
+
+
+def _take_part(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], roll: Roll) -> None:
+    """Give the writer a vehicle where the text tells that the writer drove, and of no vehicle of the writer's."""
+    if roll.own() or len(roll.vehicles) != 1 or roll.vehicles[0].description.number is not None:
+        return
+    drives = any(
+        mention.kind is MentionKind.SELF and (_drives(sentence.items, mention) or _is_struck(sentence.items, mention))
+        for sentence, row in zip(sentences, found, strict=True)
+        for mention in row
+    )
+    if not drives:
+        return
+    others = (each.description for row in found for each in row if each.description and each.vehicles)
+    like = next((each.bodies for each in others if "another" in each.marks or each.is_other), ())
+    roll.vehicles.append(Vehicle(len(roll.vehicles), Description(bodies=like, is_own=True, words="vehicle")))
+
+
+def _drives(items: Words, mention: Mention) -> bool:
+    after = items.cut(mention.last + 1, mention.last + 5)
+    told = any(item.verb is not None and item.verb.lemma in word_set("drives") for item in after.cut(0, 3))
+    return after.at(0).get("auxiliary") is not None and (told or after.has("bound", "lane"))
+
+
+def _is_struck(items: Words, mention: Mention) -> bool:
+    before = items.at(mention.first - 1)
+    return items[mention.first].low == "me" and before.verb is not None and before.verb.kind in STRIKES
+
+
+def _sort(found: Sequence[Sequence[Mention]], headlines: Sequence[bool], roll: Roll) -> None:
+    """Put the vehicles into the order in which they come up, the writer's with the first "I"."""
+    own, first = roll.own(), dict[int, int]()
+    if any(each.description.number is not None for each in roll.vehicles):
+        return
+    for is_title, row in zip(headlines, found, strict=True):
+        for mention in row if not is_title else ():
+            for place in own if mention.kind is MentionKind.SELF else mention.vehicles[:1]:
+                first.setdefault(place, mention.span.start)
+    old = sorted(range(len(roll.vehicles)), key=lambda place: (first.get(place, math.inf), place))
+    new = {place: at for at, place in enumerate(old)}
+    roll.vehicles = [roll.vehicles[place] for place in old]
+    for at, vehicle in enumerate(roll.vehicles):
+        vehicle.place = at
+    for mention in (each for row in found for each in row):
+        mention.vehicles = tuple(new[place] for place in mention.vehicles)
 
 
 def _possess(found: Sequence[Sequence[Mention]]) -> None:
@@ -216,6 +272,14 @@ def _number(items: Words, place: int) -> int | None:
 
 def _numbered(items: Words, place: int) -> Mention | None:
     head = items[place]
+    if head.low in _PADDED or (
+        head.low == "#" and _number(items, place + 1) and not items.at(place - 1).is_a("thing", "person", "lane")
+    ):
+        at = place + (head.low == "#")
+        aside = items.at(place - 1).low in {":", "/", "$"} or items.at(at + 1).low in {":", "/"}
+        if not aside and not items.at(at + 1).is_a("lane", "mph", "time", "number"):
+            described = Description(number=_number(items, at), span=items.span(place, at))
+            return Mention(place, at, MentionKind.NAMED, description=described)
     is_person = head.get("person") == "driver"
     if not (head.is_a("thing") or is_person or head.low in word_set("bare_things")):
         return None
@@ -253,7 +317,7 @@ def _described(items: Words, place: int) -> Mention | None:
     first, last, article, described = read_group(items, place)
     is_plural = items[last].low.endswith("s") and items[last].is_a("body") and not described.names
     if (is_plural and items[last].low != "bus") or article.low in {"both", "two", "all"}:
-        return Mention(first, last, MentionKind.BOTH)
+        return Mention(first, last, MentionKind.BOTH, bodies=described.bodies)
     traits = tuple(item for item in items[first:place] if item.is_a(*TRAITS))
     kind = MentionKind.OTHER if described.is_other and not described.names else MentionKind.NAMED
     return Mention(first, last, kind, is_new=not described.is_definite, traits=traits, description=described)
@@ -292,13 +356,16 @@ def _pronoun(items: Words, place: int) -> Mention | None:
         return _other(items, place)
     if kind == "both":
         return _both(items, place)
+    if before.verb is not None and before.verb.kind == "do" and after.is_a("hand") and kind in {"own", "its"}:
+        if not items.at(place + 2).is_a("part", "flank", "hand"):
+            return None  # "to make her left"
     if item.low == "her" and after.is_a("part", "flank", "hand", "lane", "road"):
         kind = "its"
     if kind in {"it", "one", "its"} and item.low not in {"this", "that"}:
         return Mention(place, place, MentionKind(kind), is_person=kind == "one")
     if item.get("thing") == "vehicles" and before.is_a("determiner"):
         return Mention(place - 1, place, MentionKind.BOTH)
-    if item.is_a("thing") and len(item.low) > 3:
+    if (item.is_a("thing") and len(item.low) > 3) or (item.low == "one" and before.low in word_set("colours")):
         return _thing(items, place)
     if person == "other":
         return Mention(place, place, MentionKind.PERSON, is_person=True, is_new=True)

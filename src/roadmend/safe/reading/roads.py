@@ -15,7 +15,7 @@ _SIDES = {"N": Compass.NORTH, "S": Compass.SOUTH, "E": Compass.EAST, "W": Compas
 _CONTROLS = {"stop_sign": Control.STOP_SIGN, "yield_sign": Control.YIELD_SIGN, "signal": Control.SIGNAL}
 _NEAR = 5  # words
 _ON_ROAD = frozenset({"", "travel", "approach", "emerge", "turn", "stop"})
-_JOINING = _ON_ROAD - {"stop"} | {"change_lane", "intend", "drift", "begin", "do"}
+_JOINING = _ON_ROAD | {"change_lane", "intend", "drift", "begin", "do", "depart", "continue", "slow"}
 _AT_DRIVEWAY = frozenset({"emerge", "turn", "reverse", "depart", "begin", "travel", "intend", "do"})
 
 
@@ -31,6 +31,7 @@ def read_roads(text: Text) -> Iterator[Claim]:
     yield from _worded_stem(text)
     yield from _ramps(text)
     yield from _on_stem(text)
+    yield from _single_on_stem(text)
     for clause in text.clauses:
         yield from _turns_off(clause, text)
 
@@ -173,15 +174,33 @@ def _on_stem(text: Text) -> Iterator[Claim]:
                 )
 
 
+def _single_on_stem(text: Text) -> Iterator[Claim]:
+    """Who stops at a sign of a T comes along its stem; so does who runs off at the end of a road, alone."""
+    for clause in text.clauses:
+        signed = clause.words.first("stop_sign", "yield_sign")
+        if clause.kind in {"stop", "emerge"} and signed is not None and len(clause.subject.vehicles) == 1:
+            path = of_vehicle(clause.subject.vehicles[0], "on_stem")
+            yield claim(path, value=True, confidence=0.75, reason="it stops at the sign", where=signed)
+    if text.count == 1:
+        yield claim(of_vehicle(0, "on_stem"), value=True, confidence=0.75, reason="it is alone", where=None)
+
+
 def _ramps(text: Text) -> Iterator[Claim]:
     """Vehicles that come from a ramp."""
     ramps: dict[int, tuple[float, Item]] = {}
-    merges = False
+    words = [item for sentence in text.sentences for item in sentence.items]
+    is_freeway = any(item.get("road") == "divided" for item in words) and not any(i.get("ramp") == "off" for i in words)
+    merges = any(item.get("ramp") == "on" for item in words) or (is_freeway and any(i.is_a("ramp") for i in words))
+    joins = any(item.verb is not None and item.verb.lemma in {"merge", "join"} for item in words)
     for clause in text.clauses:
         ramp = clause.words.first("ramp")
         merges |= clause.kind == "change_lane" and clause.lemma in {"merge", "join"}
         merges |= any(item.get("ramp") == "on" for item in clause.tail) and bool(clause.subject.vehicles)
-        if ramp is None or clause.kind not in _JOINING or ramp.get("ramp") == "off" or not clause.subject.vehicles:
+        merging = clause.kind == "change_lane" and clause.lemma in {"merge", "join"} and bool(clause.subject.vehicles)
+        if ramp is None and merging and any(i.is_a("ramp") for i in words) and clause.subject.vehicles[0] not in ramps:
+            ramps[clause.subject.vehicles[0]] = (0.7, next(i for i in words if i.is_a("ramp")))
+        is_off = ramp is not None and ramp.get("ramp") == "off" and not (joins and clause.lemma in {"come", "get"})
+        if ramp is None or clause.kind not in _JOINING or is_off or not clause.subject.vehicles:
             continue
         place = clause.words.index(ramp)
         led = {each.low for each in clause.words.cut(place - _NEAR, place)}

@@ -15,9 +15,10 @@ _AFTERNOON = 13
 _MORNING = 6
 _CLOCK = re.compile(
     r"\b(?:(?P<h>[01]?\d|2[0-3])[:.][0-5]\d|(?P<mil>(?:[01]\d|2[0-3])[0-5]\d)(?=\s*(?:hrs?|hours|h)\b)|"
+    r"(?P<log>(?:(?<=time )|(?<=time: )|(?<=rcvd )|(?<=call )|(?<=arr )|(?<=at )|^|(?<=, )|(?<=\n))(?:[01]\d|2[0-3])[0-5]\d(?=[\s,.]))|"
     r"(?P<bare>(?<=, )(?:0\d|1[0-8]|2[1-3])[0-5]\d(?=[.,]|$))|"
     r"(?P<hour>1[0-2]|[1-9]))\s*(?:(?P<half>[ap])\.?\s?m\b|o'?clock|(?P<hrs>hrs?|hours)\b)?",
-    re.IGNORECASE,
+    re.IGNORECASE | re.MULTILINE,
 )
 _AT_NIGHT = re.compile(r"[\s,]*(?:in the evening|at night|tonight|p\.?m)")
 _IN_DAY = re.compile(r"[\s,]*in the (?:morning|(afternoon))")
@@ -100,8 +101,11 @@ def _hour(match: re.Match[str], summary: str) -> tuple[int | None, float]:
     """The hour of a time of day from 0 to 23, and how surely it is one."""
     after = summary[match.end() : match.end() + 30].lower()
     told = _TOLD.search(summary[max(0, match.start() - 20) : match.start()].lower()) or match["hrs"]
-    if match["mil"] or match["bare"]:
-        return int((match["mil"] or match["bare"])[:2]), 0.9 if match["mil"] else 0.75
+    log = match["log"] if match["log"] and not match["log"].startswith(("19", "20")) else None
+    if match["mil"] or match["bare"] or log:
+        return int((match["mil"] or match["bare"] or log)[:2]), 0.9 if match["mil"] else 0.75
+    if match["log"]:
+        return None, 0.0
     hour, half, in_day = int(match["h"] or match["hour"]), (match["half"] or "").lower(), _IN_DAY.match(after)
     at_night = _AT_NIGHT.match(after) is not None and hour > 4
     if half or at_night or in_day or _AT_NIGHT.match(after):

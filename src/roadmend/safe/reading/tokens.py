@@ -7,7 +7,18 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from roadmend.safe.claims import Span
-from roadmend.safe.reading.lexicon import LONGEST, Senses, VerbSense, mend, names, senses, squeeze, verb_heads, word_set
+from roadmend.safe.reading.lexicon import (
+    LONGEST,
+    Senses,
+    VerbSense,
+    mend,
+    names,
+    senses,
+    shorthand,
+    squeeze,
+    verb_heads,
+    word_set,
+)
 
 _TOKEN = re.compile(
     r"\d+(?:st|nd|rd|th)\b|\d{1,3}(?:,\d{3})+(?!\d)|\d+(?:\.\d+)?|[^\W\d_]+(?:'(?!s\b)[^\W\d_]+)?|'s\b|[^\w\s]",
@@ -146,7 +157,8 @@ def _cut(text: str, start: int, end: int) -> Iterator[list[Token]]:
                 yield tokens
             tokens = []
         elif word != "." or not is_glued:
-            tokens.append(Token(word, word.lower(), match.start(), match.end(), is_glued))
+            low = shorthand().get(word.lower(), word.lower())
+            tokens.append(Token(word, low, match.start(), match.end(), is_glued))
     if tokens:
         yield tokens
 
