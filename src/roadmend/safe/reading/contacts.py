@@ -58,6 +58,10 @@ def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
     strikers, struck = me.vehicles, target.vehicles if target is not None else ()
     if clause.is_passive:
         strikers, struck, mine, theirs = struck, strikers, theirs, mine
+    wielded = [actor for lead, actor in clause.others if lead.low == "with" and actor.part and actor.vehicles]
+    if wielded and not clause.is_passive and wielded[0].vehicles != strikers and len(wielded[0].vehicles) == 1:
+        strikers, mine = wielded[0].vehicles, wielded[0].part  # "she hit him with the front of the Ford": the Ford did
+        struck = struck if struck != strikers else me.vehicles
     sure = _SURE if kind in STRIKES else 0.75 if kind == "collide" else _TOLD
     hints = target is not None or mine or theirs or clause.is_passive
     hits_thing = clause.tail.cut(0, 6).has("object", "walker")

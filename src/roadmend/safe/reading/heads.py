@@ -33,6 +33,14 @@ def is_head(items: Words, place: int) -> bool:
     if after.is_a("body") and item.is_name and not item.is_a(*other):
         return True
     lead = items.at(place - 2) if before.is_a("descriptor") else before  # "the white Explorer"
+    chain = items.cut(place - 5, place)
+    if (
+        len(item.kinds) == 1
+        and chain.says({"in", "driving"})
+        and chain.cut(1).has("determiner")
+        and not chain.has("road")
+    ):
+        return True  # "in a beat up ranger"
     led = lead.is_a("determiner") or lead.get("pronoun") in {"own", "its", "other"} or lead.low in {"(", "'s"}
     is_shown = item.is_name and not item.text.isupper()
     return led and is_shown and not item.is_a("number", "preposition", "hand", "bound", "compass", "lane", "road")
@@ -137,7 +145,8 @@ def _left_of(items: Words, place: int) -> tuple[int, Item]:
         acts = item.verb is not None and item.verb.form not in {"ing", "both", "participle"}
         if item.low in word_set("group_ends") or (acts and not item.is_a("descriptor", *TRAITS)):
             break
-    first = place
+    short_year = items.at(place - 1).low.isdigit() and len(items.at(place - 1).low) == 2 and items[place].is_a("name")
+    first = place - short_year  # "09 Ford F150"
     while first and _is_attribute(items[first - 1]):
         first -= 1
     return first, NOTHING

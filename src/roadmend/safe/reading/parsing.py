@@ -41,6 +41,7 @@ class _Walker:
         # The last subject; before there is one, who writes without "I" speaks of himself.
         self.focus = replace(NOBODY, vehicles=own, is_person=True) if own else NOBODY
         self.last = NOBODY  # the last one spoken of
+        self.genders: dict[int, str] = {}  # of who drives
         self.recent: list[int] = []  # vehicles in the order in which they were spoken of
 
     def walk(self, sentence: Sentence, mentions: Sequence[Mention]) -> None:
@@ -129,8 +130,19 @@ class _Walker:
 
     def _resolve(self, mention: Mention) -> Actor:
         """Which vehicles a mention means here."""
-        vehicles = mention.vehicles or self._meant(mention)
-        return Actor(vehicles, None, mention.is_person, mention.span)
+        word = self.items.cut(mention.first, mention.last + 1).first("gender")
+        gender = word.get("gender") if word is not None else ""
+        vehicles = mention.vehicles or self._of_gender(self._meant(mention), gender)
+        if len(vehicles) == 1 and gender:
+            self.genders.setdefault(vehicles[0], gender)
+        return Actor(vehicles, None, mention.is_person, mention.span, gender)
+
+    def _of_gender(self, vehicles: tuple[int, ...], gender: str) -> tuple[int, ...]:
+        """The same, unless it is known that a man drives and "she" is spoken of."""
+        if len(vehicles) != 1 or not gender or self.genders.get(vehicles[0], gender) == gender:
+            return vehicles
+        same = [each for each, known in self.genders.items() if known == gender]
+        return (same[-1],) if same else self._but(vehicles)
 
     def _meant(self, mention: Mention) -> tuple[int, ...]:
         here = (self.clause.subject if self.clause is not None else self.pending) or NOBODY
@@ -189,6 +201,8 @@ class _Walker:
             clause.object = actor
             if clause.lemma in {"drive", "operate"} and not clause.subject.vehicles:
                 clause.subject = self.focus = replace(clause.subject, vehicles=actor.vehicles)
+                for vehicle in actor.vehicles if clause.subject.gender else ():
+                    self.genders[vehicle] = clause.subject.gender
         else:
             self._flush()
             self._wait(actor)

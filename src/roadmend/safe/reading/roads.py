@@ -154,6 +154,14 @@ def _ramps(text: Text) -> Iterator[Claim]:
         enters |= clause.kind == "approach" and not uses
         sure, vehicle = 0.35 if enters else 0.9 if ramp.get("ramp") == "on" else 0.75, clause.subject.vehicles[0]
         ramps[vehicle] = max(ramps.get(vehicle, (0.0, ramp)), (sure, ramp), key=lambda each: each[0])
+    near = next((item for sentence in text.sentences for item in sentence.items if item.is_a("ramp")), None)
+    for clause in text.clauses if near is not None and near.get("ramp") != "off" else ():
+        onto = not clause.tail.cut(0, 1).has("junction") and (
+            clause.tail.cut(0, 3).has("road") or clause.tail.at(0).low in {"", ","}
+        )
+        if near is not None and clause.lemma == "enter" and onto and clause.subject.vehicles:
+            ramps.setdefault(clause.subject.vehicles[0], (0.72, near))
+            merges = True
     for vehicle, (sure, ramp) in ramps.items():
         yield claim(
             of_vehicle(vehicle, "on_ramp"), value=True, confidence=sure, reason="it comes from a ramp", where=ramp

@@ -32,7 +32,9 @@ def read_ways(text: Text) -> Iterator[Claim | DirectionClaim]:
     turned: set[tuple[int, tuple[int, ...]]] = set()  # who is said to turn, by sentence
     for place, clause in enumerate(text.clauses):
         who = (clause.sentence.index, clause.subject.vehicles)
-        yield from _of_clause(clause, is_after=afterwards[place], has_turned=who in turned)
+        before = text.clauses[place - 1] if place else clause
+        stood = before.kind in {"stop", "park"} and before.sentence is clause.sentence
+        yield from _of_clause(clause, is_after=afterwards[place], has_turned=who in turned, stood=stood)
         if turn_of(clause) is not None:
             turned.add(who)
         yield from _from_driveway(clause, sides)
@@ -49,8 +51,8 @@ def read_ways(text: Text) -> Iterator[Claim | DirectionClaim]:
                 yield claim(of_vehicle(mine, "initial_position"), way, 0.93, f"it is called {trait.low}", trait)
 
 
-def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool) -> Iterator[Claim]:
-    faces = clause.lemma == "face" and (not is_after or bool(clause.governed & {"stop", "park"}))
+def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool, stood: bool) -> Iterator[Claim]:
+    faces = clause.lemma == "face" and (not is_after or stood or bool(clause.governed & {"stop", "park"}))
     for item in clause.tail.cut(0, 3) if faces else ():
         for vehicle in clause.subject.vehicles:
             if (way := direction(item)) is not None:
@@ -178,7 +180,9 @@ def _of_pairs(clause: Clause) -> Iterator[DirectionClaim]:
         if not actor.vehicles or actor.vehicles[0] == mine[0]:
             continue
         is_path = lead.is_a("path")
-        noun = bool(kind) and lead.span.end < clause.span.end and clause.span.start < lead.span.start  # "the car ahead of me"
+        noun = (
+            bool(kind) and lead.span.end < clause.span.end and clause.span.start < lead.span.start
+        )  # "the car ahead of me"
         beside = kind in (_IN_FRONT if is_path else _BEHIND) and clause.lemma != "come"
         if lead.is_a("ahead", "behind") and (beside or noun):
             yield relation(mine[0], actor.vehicles[0], Relation.SAME, 0.78 if is_path else 0.85, lead)
@@ -197,11 +201,14 @@ def _of_words(clause: Clause, count: int) -> Iterator[DirectionClaim]:
     mine, other = (vehicles[0], vehicles[1]) if len(vehicles) > 1 else (vehicles[0], others[0] if others else None)
     if other is None:
         return
-    comes = kind in STRIKES | {"travel", "", "approach", "drift", "collide"} or len(vehicles) > 1
+    counts = words.has("lane") and words.has("number")  # "two lanes, and two coming the other way"
+    comes = not counts and (kind in STRIKES | {"travel", "", "approach", "drift", "collide"} or len(vehicles) > 1)
     for place, item in enumerate(words):
         far = len(item.low) > _LONG and not item.is_a("head_on", "wrong")
         if item.is_a("beside") and len(others) == 1 and kind in {"travel", "", "drift", "change_lane"}:
             yield relation(mine, other, Relation.SAME, 0.7, item)
+        if item.is_a("wrong") and item.low.endswith("lane") and item.low.split()[0] in {"my", "our", "his", "her"}:
+            yield relation(mine, other, Relation.OPPOSITE, 0.62, item)
         if item.is_a("same_way") and "lane" not in item.low:
             yield relation(mine, other, Relation.SAME, 0.88, item)
         elif item.is_a("oncoming") and comes and (far or len(vehicles) > 1):
