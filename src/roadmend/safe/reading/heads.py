@@ -1,14 +1,16 @@
 """Noun groups that describe a vehicle: where one begins and ends, and what it says: "a silver 2004 Honda Civic sedan"."""
 
+import re
 from collections.abc import Sequence
 
 from roadmend.safe.claims import Span
 from roadmend.safe.reading.cast import Description
-from roadmend.safe.reading.lexicon import BodySense, NameSense, word_set
+from roadmend.safe.reading.lexicon import BodySense, NameSense, squeeze, word_set
 from roadmend.safe.reading.tokens import NOTHING, Item, Words
 
 YEARS = range(1920, 2100)
 TRAITS = ("bound", "oncoming", "parked", "stationary")
+_ROAD_NUMBER = re.compile(r"[a-z]{1,2}\d{1,3}")
 _REACH = 6  # words before a noun in which its article is looked for
 _FILL = 4  # words between the parts of a name
 
@@ -23,6 +25,9 @@ def is_head(items: Words, place: int) -> bool:
     if after.is_a("road") and not after.is_a("body") and not item.low[-1].isdigit():
         return False  # "Lincoln Avenue"
     senses: tuple[NameSense, ...] = item.get("name")
+    if _ROAD_NUMBER.fullmatch(squeeze(item.low)) and not before.is_a("name") and before.get("number") not in YEARS:
+        if before.low in word_set("road_leads") or after.is_a("bound", "compass", "ramp", "road"):
+            return False  # "the A4", "I-40"
     if not all(sense.is_everyday for sense in senses) and not item.is_a("verb", "bound", "weather"):
         return not (before.low in {"on", "along", "onto"} and item.low.isalpha() and senses[0].model is None)
     if before.get("number") in YEARS:

@@ -115,6 +115,9 @@ def _own(items: Words, row: Sequence[Mention]) -> None:
     for one, other in itertools.pairwise(row):
         between = items.cut(one.last + 1, other.first)
         sits = 0 < len(between) < _REACH and between[-1].low in word_set("sits_in")
+        sits |= (
+            1 < len(between) < _REACH and between[-1].get("auxiliary") == "be" and between.has("thing")
+        )  # "my vehicle is"
         if sits and one.kind is MentionKind.SELF and other.description is not None and not other.number:
             other.description = replace(other.description, is_own=True)
 

@@ -12,8 +12,8 @@ from roadmend.safe.reading.tokens import Item, Words
 _SIDES = {"N": Compass.NORTH, "S": Compass.SOUTH, "E": Compass.EAST, "W": Compass.WEST}
 _CONTROLS = {"stop_sign": Control.STOP_SIGN, "yield_sign": Control.YIELD_SIGN, "signal": Control.SIGNAL}
 _NEAR = 5  # words
-_ON_ROAD = frozenset({"", "travel", "approach", "emerge", "turn", "stop"})
-_JOINING = _ON_ROAD - {"stop"} | {"change_lane", "intend", "drift", "begin", "do"}
+_ON_ROAD = frozenset({"", "travel", "approach", "emerge", "turn", "stop", "continue"})
+_JOINING = _ON_ROAD - {"stop", "continue"} | {"change_lane", "intend", "drift", "begin", "do"}
 _AT_DRIVEWAY = frozenset({"emerge", "turn", "reverse", "depart", "begin", "travel", "intend", "do"})
 
 
@@ -124,6 +124,12 @@ def _on_stem(text: Text) -> Iterator[Claim]:
                 sure = 0.9
             elif ends and words.cut(0, place).has("road", "relative"):
                 sure = 0.85
+            elif (
+                item.low == "across"
+                and words.cut(place, place + 6).has("road")
+                and clause.kind in {"continue", "travel"}
+            ):
+                sure = 0.7
             elif crosses and words.cut(place, place + 3).has("lane", "road"):
                 sure = 0.75
             if sure:

@@ -75,9 +75,12 @@ def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool, stood: bool)
 def _meaning(clause: Clause, items: Words, place: int, *, is_head: bool) -> tuple[str, float] | None:
     """What a direction says of a clause's subject: how it came, or where it goes."""
     item, after, kind = items[place], items.at(place + 1), clause.kind
+    at_road = items.cut(place - 4, place).says({"on"}) and item.is_a("bound") and not after.is_a("lane", "lanekind")
+    if kind in STRIKES and not is_head and at_road:
+        return "initial_position", 0.68  # "struck it on the M5 southbound"
     if _is_no_way(clause, items, place, is_head=is_head):
         return None
-    if items.cut(place - 4, place).says(word_set("facing")):
+    if items.cut(place - 6, place).says(word_set("facing")):
         return "initial_position", 0.9 if kind in {"park", "stop", ""} else 0.7
     ahead, back = place + 1, place - 1
     while items.at(ahead).is_a(*_SKIPPED) and not items.at(ahead).is_a("lane", "road"):
