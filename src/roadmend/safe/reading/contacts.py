@@ -51,7 +51,8 @@ def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
         return
     if kind not in STRIKES | {"collide"} and not _is_told(clause):
         return
-    if kind == "collide" and len(me.vehicles) > 1 and clause.object is None:
+    each_other = clause.object is not None and clause.object.vehicles == me.vehicles
+    if len(me.vehicles) > 1 and (each_other or (kind == "collide" and clause.object is None)):
         yield _contact(clause, me.vehicles[0], me.vehicles[1], me.part, None, 0.8)
         return
     target, mine, theirs = _parts(clause)

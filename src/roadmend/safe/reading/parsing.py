@@ -119,7 +119,8 @@ class _Walker:
     def _owner(self, mention: Mention, place: int) -> tuple[Actor, int]:
         """A mention with the part of it that is named after it: "V1's left side", "its front"."""
         actor, last = self._resolve(mention), mention.last
-        owned = self.items.at(last + 1).low == "'s"
+        is_short = mention.kind in {MentionKind.ONE, MentionKind.IT, MentionKind.SELF} and mention.first == last
+        owned = self.items.at(last + 1).low == "'s" and not is_short  # "she's" is "she is"
         is_own = self.items[place].get("pronoun") == "own"
         may_own = owned or is_own or mention.kind is MentionKind.POSSESSIVE or mention.description is not None
         found = read_part(self.items, last + 1 + owned, is_led=True) if may_own else None
@@ -204,8 +205,10 @@ class _Walker:
                 for vehicle in actor.vehicles if clause.subject.gender else ():
                     self.genders[vehicle] = clause.subject.gender
         else:
+            early = Words(self.head if clause is None and self.pending is None else ())
             self._flush()
             self._wait(actor)
+            self.head = list(early) if early.has("bound") else []  # "While southbound on Main Street, my car"
         if actor.vehicles:
             self.last = actor
             self.recent.extend(actor.vehicles)

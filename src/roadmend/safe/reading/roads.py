@@ -158,6 +158,7 @@ def _ramps(text: Text) -> Iterator[Claim]:
         enters = bool(led & word_set("ramp_entered")) and not led & {"from", "on", "along", "of"}
         uses = bool(led & word_set("ramp_used")) or (not enters and "lane" in led)
         enters |= clause.kind == "approach" and not uses
+        merges |= bool(led & {"off", "down"})
         sure, vehicle = 0.35 if enters else 0.9 if ramp.get("ramp") == "on" else 0.75, clause.subject.vehicles[0]
         ramps[vehicle] = max(ramps.get(vehicle, (0.0, ramp)), (sure, ramp), key=lambda each: each[0])
     near = next((item for sentence in text.sentences for item in sentence.items if item.is_a("ramp")), None)
@@ -182,9 +183,12 @@ def _turns_off(clause: Clause, text: Text) -> Iterator[Claim]:
     if not clause.subject.vehicles:
         return
     out = {vehicle for each in text.clauses if each.words.has("driveway") for vehicle in each.subject.vehicles}
-    for place, item in enumerate(words[:-1] if kind in {"turn", "do", "begin", "intend"} else ()):
+    onto = kind == "travel" and words.says({"onto", "on to"})
+    for place, item in enumerate(words[:-1] if kind in {"turn", "do", "begin", "intend"} or onto else ()):
         to_road = words[place + 1].is_name or words.cut(place + 1, place + 4).has("road")
-        turns = kind == "turn" or words.cut(0, place).has("hand", "lanekind")
+        turns = (
+            kind == "turn" or (onto and item.low in {"onto", "on to"}) or words.cut(0, place).has("hand", "lanekind")
+        )
         if item.low in word_set("turn_targets") and to_road and turns and not out & {*clause.subject.vehicles}:
             yield claim("road_type", RoadType.INTERSECTION, 0.75, "a vehicle turns into another road", item)
             break

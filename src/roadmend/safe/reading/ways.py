@@ -210,6 +210,9 @@ def _of_words(clause: Clause, count: int) -> Iterator[DirectionClaim]:
         far = len(item.low) > _LONG and not item.is_a("head_on", "wrong")
         if item.is_a("beside") and len(others) == 1 and kind in {"travel", "", "drift", "change_lane"}:
             yield relation(mine, other, Relation.SAME, 0.7, item)
+        bare = item.is_a("behind") and words.at(place + 1).low in {"", ",", "and"} and len(others) == 1
+        if bare and kind in _BEHIND:
+            yield relation(mine, other, Relation.SAME, 0.75, item)
         if item.is_a("wrong") and item.low.endswith("lane") and item.low.split()[0] in {"my", "our", "his", "her"}:
             yield relation(mine, other, Relation.OPPOSITE, 0.62, item)
         if item.is_a("same_way") and "lane" not in item.low:
