@@ -25,9 +25,12 @@ def is_head(items: Words, place: int) -> bool:
     if after.is_a("road") and not after.is_a("body") and not item.low[-1].isdigit():
         return False  # "Lincoln Avenue"
     senses: tuple[NameSense, ...] = item.get("name")
-    if _ROAD_NUMBER.fullmatch(squeeze(item.low)) and not before.is_a("name") and before.get("number") not in YEARS:
-        if before.low in word_set("road_leads") or after.is_a("bound", "compass", "ramp", "road"):
-            return False  # "the A4", "I-40"
+    is_number = (
+        _ROAD_NUMBER.fullmatch(squeeze(item.low)) and not before.is_a("name") and before.get("number") not in YEARS
+    )
+    on_it = before.low in word_set("road_leads") or after.is_a("bound", "compass", "ramp", "road")
+    if is_number and on_it:
+        return False  # "the A4", "I-40"
     if not all(sense.is_everyday for sense in senses) and not item.is_a("verb", "bound", "weather"):
         return not (before.low in {"on", "along", "onto"} and item.low.isalpha() and senses[0].model is None)
     if before.get("number") in YEARS:

@@ -168,7 +168,8 @@ class _Walker:
         """The vehicles that "both" or "they all" mean: of more than two, the last that have done something."""
         if self.count <= 2 or "all" in self.items[mention.first].low:
             return tuple(range(min(self.count, 3)))
-        done = [each.subject.vehicles[0] for each in self.clauses if each.subject.vehicles]
+        subjects = [*(each.subject for each in self.clauses), self.pending or NOBODY]
+        done = [each.vehicles[0] for each in subjects if each.vehicles]
         return tuple(sorted([*dict.fromkeys([*reversed(done), *range(self.count)])][:2]))
 
     def _pronoun(self, mention: Mention, here: Actor, focus: Actor) -> tuple[int, ...]:

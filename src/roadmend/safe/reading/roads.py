@@ -151,7 +151,14 @@ def _ramps(text: Text) -> Iterator[Claim]:
         ramp = clause.words.first("ramp")
         merges |= clause.kind == "change_lane" and clause.lemma in {"merge", "join"}
         merges |= any(item.get("ramp") == "on" for item in clause.tail) and bool(clause.subject.vehicles)
-        if ramp is None or clause.kind not in _JOINING or ramp.get("ramp") == "off" or not clause.subject.vehicles:
+        from_it = clause.kind == "depart" and clause.lemma in {"come", "leave"}  # "came off the ramp"
+        merges |= from_it and ramp is not None
+        if (
+            ramp is None
+            or not (clause.kind in _JOINING or from_it)
+            or ramp.get("ramp") == "off"
+            or not clause.subject.vehicles
+        ):
             continue
         place = clause.words.index(ramp)
         led = {each.low for each in clause.words.cut(place - _NEAR, place)}

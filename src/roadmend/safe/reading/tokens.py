@@ -194,6 +194,8 @@ def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
         named = names().get(key, ()) if key and _may_be_name(taken) else ()
         if named:
             kinds["name"] = named
+        if length == 1 and "driveway" in kinds and taken[0].text.istitle() and place:
+            del kinds["driveway"]  # "Church Street", not a church
         if length == 1 and key.isdigit():
             kinds["number"] = int(key)  # an Audi 100, and a hundred
         following = tokens[place + 1] if place + 1 < len(tokens) else None

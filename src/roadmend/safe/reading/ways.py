@@ -198,7 +198,7 @@ def _of_pairs(clause: Clause) -> Iterator[DirectionClaim]:
 def _of_words(clause: Clause, count: int) -> Iterator[DirectionClaim]:
     """How ways lie to each other by a clause's words: "in the same direction", "from the left"."""
     kind, words, vehicles = clause.kind, clause.words, clause.subject.vehicles
-    if not vehicles or clause.is_denied:
+    if not vehicles or (clause.is_denied and kind not in {"stop", "slow"}):
         return
     others = [each for each in range(count) if each not in vehicles]
     mine, other = (vehicles[0], vehicles[1]) if len(vehicles) > 1 else (vehicles[0], others[0] if others else None)
