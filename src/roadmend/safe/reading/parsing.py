@@ -58,7 +58,7 @@ class _Walker:
             if self._is_relative(place):
                 self._flush()
                 self._wait(self.last)
-            elif _is_verb(self.items, place, after_actor=self._follows(place)):
+            elif _is_verb(self.items, place, after_actor=self._follows(place) or self._goes_on(place)):
                 self._act(place)
             else:
                 self._keep(self.items[place])
@@ -80,6 +80,11 @@ class _Walker:
     def _follows(self, place: int) -> bool:
         """Whether a place is directly after the last noun group."""
         return place > 0 and bool(self.last.span.end) and self.last.span.end == self.items[place - 1].span.end
+
+    def _goes_on(self, place: int) -> bool:
+        """Whether a place is after an "and" that goes on with a bare verb: "saw it come out and turn"."""
+        verb = self.clause.verb if self.clause is not None else None
+        return self.items.at(place - 1).low in {"and", "then"} and verb is not None and verb.form == "base"
 
     def _is_relative(self, place: int) -> bool:
         """Whether a "which" or "that" takes up the noun group before it."""

@@ -96,7 +96,7 @@ def _meaning(clause: Clause, items: Words, place: int, *, is_head: bool) -> tupl
     if names_road:
         return _of_lane(clause, items, place, lead, is_lane=items.at(ahead).is_a("lane"))
     if not item.is_a("compass"):
-        return "initial_position", 0.96 if kind not in _NOT_GOING else 0.7
+        return "initial_position", 0.96 if is_head or kind not in _NOT_GOING else 0.7
     if lead == "from":
         return "origin", 0.88
     if lead in {"of", "at"}:
