@@ -259,3 +259,31 @@ def test_places_in_the_cast_and_boxes():
         Box(2, 0, 1, 1)
     with pytest.raises(ValueError, match="span"):
         Span(3, 2)
+
+
+def test_what_investigators_code_is_not_told():
+    codes = "The critical precrash event for V1 was coded as other vehicle stopped in the southbound lane."
+    scenario = read(f"{codes} {PAIR} The speed limit for V2 was 45 mph.")
+    assert [vehicle.initial_position for vehicle in scenario.vehicles] == [Position.S2N, Position.N2S]
+    assert [vehicle.speed_limit_mph for vehicle in scenario.vehicles] == [None, 45]
+
+
+@pytest.mark.parametrize("text", ["", ".", "V", "1 1 1", "the the the", "\n\n\n"])
+def test_what_says_nothing(text):
+    assert read_summary(text) is None
+
+
+def test_many_vehicles_are_read_in_one_go():
+    numbers = range(1, 10)
+    text = " ".join(f"V{number}, a sedan, was northbound and hit V{number % 9 + 1} in the rear." for number in numbers)
+    assert [vehicle.initial_position for vehicle in read(text).vehicles] == [Position.S2N] * 9
+
+
+def test_she_and_he_are_told_apart():
+    text = (
+        "A woman was driving a Honda Civic north. A man was driving a Ford F-150 behind her. He was looking at his "
+        "phone and struck her car in the rear."
+    )
+    scenario = read(text)
+    assert [vehicle.initial_position for vehicle in scenario.vehicles] == [Position.S2N, Position.S2N]
+    assert (scenario.collisions[0].striking, scenario.collisions[0].struck) == (2, 1)

@@ -19,12 +19,14 @@ class Actor:
         part: that is spoken of.
         is_person: whether it is the driver who is spoken of.
         span: in the summary.
+        gender: "f" or "m", where the text says so.
     """
 
     vehicles: tuple[int, ...]
     part: Part | None
     is_person: bool
     span: Span
+    gender: str = ""
 
 
 NOBODY = Actor((), None, is_person=False, span=Span(0, 0))

@@ -47,18 +47,23 @@ def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
     kind, me = clause.kind, clause.subject
     if not clause.is_real:
         return
-    if clause.lemma in word_set("pushes") and (pushed := _pushed(clause)) is not None:
-        yield pushed
+    if clause.lemma in word_set("pushes") and (pushed := _pushed(clause)):
+        yield from pushed
         return
     if kind not in STRIKES | {"collide"} and not _is_told(clause):
         return
-    if kind == "collide" and len(me.vehicles) > 1 and clause.object is None:
+    each_other = clause.object is not None and clause.object.vehicles == me.vehicles
+    if len(me.vehicles) > 1 and (each_other or (kind == "collide" and clause.object is None)):
         yield _contact(clause, me.vehicles[0], me.vehicles[1], me.part, None, 0.8)
         return
     target, mine, theirs = _parts(clause)
     strikers, struck = me.vehicles, target.vehicles if target is not None else ()
     if clause.is_passive:
         strikers, struck, mine, theirs = struck, strikers, theirs, mine
+    wielded = [actor for lead, actor in clause.others if lead.low == "with" and actor.part and actor.vehicles]
+    if wielded and not clause.is_passive and wielded[0].vehicles != strikers and len(wielded[0].vehicles) == 1:
+        strikers, mine = wielded[0].vehicles, wielded[0].part  # "she hit him with the front of the Ford": the Ford did
+        struck = struck if struck != strikers else me.vehicles
     sure = _SURE if kind in STRIKES else 0.75 if kind == "collide" else _TOLD
     hints = target is not None or mine or theirs or clause.is_passive
     hits_thing = clause.tail.cut(0, 6).has("object", "walker")
@@ -90,15 +95,20 @@ def _parts(clause: Clause) -> tuple[Actor | None, Part | None, Part | None]:
     return target, mine, theirs
 
 
-def _pushed(clause: Clause) -> ContactClaim | None:
-    """One vehicle that is pushed into another: "shoved it into an SUV"."""
+def _pushed(clause: Clause) -> list[ContactClaim]:
+    """One vehicle that is pushed into another, and who pushes it: "V1 shoved V2 into an SUV"."""
     into = next((actor for lead, actor in clause.others if lead.low in _PUSHED and actor.vehicles), None)
-    moved = (clause.object or clause.subject).vehicles
+    moved = (clause.object or clause.subject).vehicles[:1]
     if into is None or not moved or moved[0] == into.vehicles[0]:
-        return None
-    side = into.part.side if into.part is not None else None
-    mine, reason = Side.FRONT if side is Side.REAR else None, "the one was pushed into the other"
-    return ContactClaim(moved[0], into.vehicles[0], mine, side, 0, 0.85, ClaimSource.SUMMARY, reason, clause.span)
+        return []
+    side, found = into.part.side if into.part is not None else None, list[ContactClaim]()
+    pairs = [(moved[0], into.vehicles[0], Side.FRONT if side is Side.REAR else None, side)]
+    if clause.object is not None and not clause.is_passive and clause.subject.vehicles[:1] not in {(), moved}:
+        pairs.insert(0, (clause.subject.vehicles[0], moved[0], Side.FRONT, None))
+    for striking, struck, mine, theirs in pairs:
+        reason = "the one was pushed into the other"
+        found.append(ContactClaim(striking, struck, mine, theirs, 0, 0.85, ClaimSource.SUMMARY, reason, clause.span))
+    return found
 
 
 def _is_told(clause: Clause) -> bool:

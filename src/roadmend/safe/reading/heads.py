@@ -1,14 +1,16 @@
 """Noun groups that describe a vehicle: where one begins and ends, and what it says: "a silver 2004 Honda Civic sedan"."""
 
+import re
 from collections.abc import Sequence
 
 from roadmend.safe.claims import Span
 from roadmend.safe.reading.cast import Description
-from roadmend.safe.reading.lexicon import BodySense, NameSense, word_set
+from roadmend.safe.reading.lexicon import BodySense, NameSense, squeeze, word_set
 from roadmend.safe.reading.tokens import NOTHING, Item, Words
 
 YEARS = range(1920, 2100)
 TRAITS = ("bound", "oncoming", "parked", "stationary")
+_ROAD_NUMBER = re.compile(r"[a-z]{1,2}\d{1,3}")
 _REACH = 6  # words before a noun in which its article is looked for
 _FILL = 4  # words between the parts of a name
 
@@ -23,6 +25,12 @@ def is_head(items: Words, place: int) -> bool:
     if after.is_a("road") and not after.is_a("body") and not item.low[-1].isdigit():
         return False  # "Lincoln Avenue"
     senses: tuple[NameSense, ...] = item.get("name")
+    is_number = (
+        _ROAD_NUMBER.fullmatch(squeeze(item.low)) and not before.is_a("name") and before.get("number") not in YEARS
+    )
+    on_it = before.low in word_set("road_leads") or after.is_a("bound", "compass", "ramp", "road")
+    if is_number and on_it:
+        return False  # "the A4", "I-40"
     if not all(sense.is_everyday for sense in senses) and not item.is_a("verb", "bound", "weather"):
         return not (before.low in {"on", "along", "onto"} and item.low.isalpha() and senses[0].model is None)
     if before.get("number") in YEARS:
@@ -33,6 +41,14 @@ def is_head(items: Words, place: int) -> bool:
     if after.is_a("body") and item.is_name and not item.is_a(*other):
         return True
     lead = items.at(place - 2) if before.is_a("descriptor") else before  # "the white Explorer"
+    chain = items.cut(place - 5, place)
+    if (
+        len(item.kinds) == 1
+        and chain.says({"in", "driving"})
+        and chain.cut(1).has("determiner")
+        and not chain.has("road")
+    ):
+        return True  # "in a beat up ranger"
     led = lead.is_a("determiner") or lead.get("pronoun") in {"own", "its", "other"} or lead.low in {"(", "'s"}
     is_shown = item.is_name and not item.text.isupper()
     return led and is_shown and not item.is_a("number", "preposition", "hand", "bound", "compass", "lane", "road")
@@ -139,7 +155,8 @@ def _left_of(items: Words, place: int) -> tuple[int, Item]:
         acts = item.verb is not None and item.verb.form not in {"ing", "both", "participle"}
         if item.low in word_set("group_ends") or (acts and not item.is_a("descriptor", *TRAITS)):
             break
-    first = place
+    short_year = items.at(place - 1).low.isdigit() and len(items.at(place - 1).low) == 2 and items[place].is_a("name")
+    first = place - short_year  # "09 Ford F150"
     while first and _is_attribute(items[first - 1]):
         first -= 1
     return first, NOTHING

@@ -164,7 +164,9 @@ def _of_sentence(sentence: Sentence) -> Iterator[LaneCount]:
         number, after = item.get("number"), items.at(place + 1)
         if item.low in {"a", "an"}:  # "a lane each way", "a center turn lane"
             is_each = after.is_a("lane") and items.at(place + 2).is_a("each")
-            number = 1 if is_each or (after.get("lanekind") == "center" and items.at(place + 2).is_a("lane")) else None
+            near = items.cut(place + 1, place + 4)
+            is_center = any(each.get("lanekind") == "center" for each in near.cut(0, 2)) and near.has("lane")
+            number = 1 if is_each or is_center else None
         if isinstance(number, int) and 1 <= number <= _MOST_COUNTED and not item.is_a("time"):
             lane = _lane_after(items, place)
             if lane is not None:
@@ -214,7 +216,7 @@ def _way_after(items: Words, lane: int) -> tuple[str, bool]:
         if item.low in ",;" or item.is_a("number"):
             break
         heads = item.is_a("compass") and after.at(at - 1).low in {"for", "heading", "going", "traveling"}
-        if item.is_a("bound", "axis") or heads:
+        if item.is_a("bound", "axis") or heads or (at == 0 and item.is_a("compass")):
             both = {each.get("bound") for each in after.cut(at, at + 4)} - {None}
             return item.get("axis") or item.get("bound") or item.get("compass") or "", both in _OPPOSITE
     return "", False

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from roadmend.safe.claims import Claim, Span
 from roadmend.safe.dsl import MAX_SPEED_LIMIT, Position
 from roadmend.safe.reading.facts import AXES, Text, claim, direction, of_vehicle
+from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.tokens import Item, Sentence, Words
 from roadmend.safe.reading.wording import Wording, patterns, wording
 
@@ -118,10 +119,20 @@ def _is_limit(items: Words, place: int) -> bool:
     zone = (unit and items.at(place + 2).low in {"zone", "limit", "road"}) or after.low in {"zone", "limit"}
     if (unit and listed) or zone:
         return True
+    is_it = items.at(place - 1).low in {"'s", "is", "was"} and items.at(place - 2).low in {"it", "limit"}
+    if is_it and number % 5 == 0 and after.low in word_set("road_follows") and items.at(place - 2).low == "it":
+        return True  # "it's 40 there"
+    of_clock = items.at(place - 1).low == ":" and items.at(place - 2).is_a("number")
+    if of_clock or after.low in word_set("clock_marks"):
+        return False
     before = items.cut(place - 5, place)
     driven = any(each.verb is not None and each.verb.kind != "own" for each in before)
     of_road = before.has("lane", "road", "divided", "each", "two_way", "middle_lane") and not driven
-    is_fact = of_road and (unit is not None or (number % 5 == 0 and items.at(place - 1).low == ","))
+    is_fact = (
+        of_road
+        and items.at(place - 1).low not in word_set("driven_at")
+        and (unit is not None or (number % 5 == 0 and items.at(place - 1).low == ","))
+    )
     if not is_fact and distance > (_FAR_REACH if unit else _REACH):
         return False
     if (

@@ -141,6 +141,9 @@ def _own(items: Words, row: Sequence[Mention]) -> None:
     for one, other in itertools.pairwise(row):
         between = items.cut(one.last + 1, other.first)
         sits = 0 < len(between) < _REACH and between[-1].low in word_set("sits_in")
+        sits |= (
+            1 < len(between) < _REACH and between[-1].get("auxiliary") == "be" and between.has("thing")
+        )  # "my vehicle is"
         if sits and one.kind is MentionKind.SELF and other.description is not None and not other.number:
             other.description = replace(other.description, is_own=True)
 
@@ -222,6 +225,12 @@ def _seat(items: Words, row: Sequence[Mention]) -> None:
         sits = 0 < len(between) <= 3 and between[-1].low in word_set("sits_in") - {"'s"}
         if sits and one.kind in {MentionKind.ONE, MentionKind.PERSON} and not one.vehicles and other.description:
             one.vehicles = other.vehicles
+    for place, one in enumerate(row):  # "the woman who hit me was in a Nissan"
+        if one.kind is MentionKind.PERSON and not one.vehicles and items.at(one.last + 1).is_a("relative"):
+            seats = [each for each in row[place + 1 :] if each.description and each.vehicles]
+            led = items.cut(seats[0].first - 2, seats[0].first) if seats else Words()
+            if led.says(word_set("sits_in")) and led.at(0).get("auxiliary") == "be":
+                one.vehicles = seats[0].vehicles
 
 
 def _couple(items: Words, row: Sequence[Mention]) -> None:
@@ -258,6 +267,10 @@ def _mentions(items: Words) -> Iterator[Mention]:
             place += 1
             continue
         _take_driver(items, mention)
+        after = items.at(mention.last + 1)
+        ends = items.at(mention.last + 2).low in word_set("trait_ends") or items.at(mention.last + 2).is_a("negation")
+        if after.is_a("bound") and ends and mention.description is not None:
+            mention.traits = (*mention.traits, after)  # "struck U2 EB"
         while mention is not None:
             mention.span = items.span(mention.first, mention.last)
             yield mention

@@ -41,6 +41,7 @@ class _Walker:
         # The last subject; before there is one, who writes without "I" speaks of himself.
         self.focus = replace(NOBODY, vehicles=own, is_person=True) if own else NOBODY
         self.last = NOBODY  # the last one spoken of
+        self.genders: dict[int, str] = {}  # of who drives
         self.recent: list[int] = []  # vehicles in the order in which they were spoken of
 
     def walk(self, sentence: Sentence, mentions: Sequence[Mention]) -> None:
@@ -57,7 +58,7 @@ class _Walker:
             if self._is_relative(place):
                 self._flush()
                 self._wait(self.last)
-            elif _is_verb(self.items, place, after_actor=self._follows(place)):
+            elif _is_verb(self.items, place, after_actor=self._follows(place) or self._goes_on(place)):
                 self._act(place)
             else:
                 self._keep(self.items[place])
@@ -79,6 +80,11 @@ class _Walker:
     def _follows(self, place: int) -> bool:
         """Whether a place is directly after the last noun group."""
         return place > 0 and bool(self.last.span.end) and self.last.span.end == self.items[place - 1].span.end
+
+    def _goes_on(self, place: int) -> bool:
+        """Whether a place is after an "and" that goes on with a bare verb: "saw it come out and turn"."""
+        verb = self.clause.verb if self.clause is not None else None
+        return self.items.at(place - 1).low in {"and", "then"} and verb is not None and verb.form == "base"
 
     def _is_relative(self, place: int) -> bool:
         """Whether a "which" or "that" takes up the noun group before it."""
@@ -118,7 +124,8 @@ class _Walker:
     def _owner(self, mention: Mention, place: int) -> tuple[Actor, int]:
         """A mention with the part of it that is named after it: "V1's left side", "its front"."""
         actor, last = self._resolve(mention), mention.last
-        owned = self.items.at(last + 1).low == "'s"
+        is_short = mention.kind in {MentionKind.ONE, MentionKind.IT, MentionKind.SELF} and mention.first == last
+        owned = self.items.at(last + 1).low == "'s" and not is_short  # "she's" is "she is"
         is_own = self.items[place].get("pronoun") == "own"
         may_own = owned or is_own or mention.kind is MentionKind.POSSESSIVE or mention.description is not None
         found = read_part(self.items, last + 1 + owned, is_led=True) if may_own else None
@@ -129,8 +136,19 @@ class _Walker:
 
     def _resolve(self, mention: Mention) -> Actor:
         """Which vehicles a mention means here."""
-        vehicles = mention.vehicles or self._meant(mention)
-        return Actor(vehicles, None, mention.is_person, mention.span)
+        word = self.items.cut(mention.first, mention.last + 1).first("gender")
+        gender = word.get("gender") if word is not None else ""
+        vehicles = mention.vehicles or self._of_gender(self._meant(mention), gender)
+        if len(vehicles) == 1 and gender:
+            self.genders.setdefault(vehicles[0], gender)
+        return Actor(vehicles, None, mention.is_person, mention.span, gender)
+
+    def _of_gender(self, vehicles: tuple[int, ...], gender: str) -> tuple[int, ...]:
+        """The same, unless it is known that a man drives and "she" is spoken of."""
+        if len(vehicles) != 1 or not gender or self.genders.get(vehicles[0], gender) == gender:
+            return vehicles
+        same = [each for each, known in self.genders.items() if known == gender]
+        return (same[-1],) if same else self._but(vehicles)
 
     def _meant(self, mention: Mention) -> tuple[int, ...]:
         here = (self.clause.subject if self.clause is not None else self.pending) or NOBODY
@@ -162,7 +180,8 @@ class _Walker:
         """The vehicles that "both" or "they all" mean: of more than two, the last that have done something."""
         if self.count <= 2 or "all" in self.items[mention.first].low:
             return tuple(range(min(self.count, 3)))
-        done = [each.subject.vehicles[0] for each in self.clauses if each.subject.vehicles]
+        subjects = [*(each.subject for each in self.clauses), self.pending or NOBODY]
+        done = [each.vehicles[0] for each in subjects if each.vehicles]
         return tuple(sorted([*dict.fromkeys([*reversed(done), *range(self.count)])][:2]))
 
     def _pronoun(self, mention: Mention, here: Actor, focus: Actor) -> tuple[int, ...]:
@@ -202,9 +221,13 @@ class _Walker:
             clause.object = actor
             if clause.lemma in {"drive", "operate"} and not clause.subject.vehicles:
                 clause.subject = self.focus = replace(clause.subject, vehicles=actor.vehicles)
+                for vehicle in actor.vehicles if clause.subject.gender else ():
+                    self.genders[vehicle] = clause.subject.gender
         else:
+            early = Words(self.head if clause is None and self.pending is None else ())
             self._flush()
             self._wait(actor)
+            self.head = list(early) if early.has("bound") else []  # "While southbound on Main Street, my car"
         if actor.vehicles:
             self.last = actor
             self.recent.extend(actor.vehicles)

@@ -5,7 +5,7 @@ that make claims (``ways``, ``manoeuvres``, ``contacts``, ``roads``, ``lanes``, 
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from roadmend.safe.claims import AnyClaim, CastMember, Claim, ContactClaim
 from roadmend.safe.reading.assembly import ReportReading, put_together
@@ -59,7 +59,8 @@ def read_summary(summary: str, more: Sequence[AnyClaim] = ()) -> ReportReading |
 
 def read_claims(summary: str) -> SummaryClaims | None:
     """What a summary says, before anything is decided; None where it speaks of no vehicle."""
-    sentences = tuple(sentence for sentence in read_sentences(summary) if not _is_code(sentence, summary))
+    told = (sentence for sentence in read_sentences(summary) if not _is_code(sentence, summary))
+    sentences = tuple(replace(sentence, index=index) for index, sentence in enumerate(told))
     spoken = find_mentions(sentences)
     if not spoken.roll.vehicles:
         return None

@@ -14,7 +14,7 @@ from roadmend.safe.reading.wording import Wording, found, wording
 _SIDES = {"N": Compass.NORTH, "S": Compass.SOUTH, "E": Compass.EAST, "W": Compass.WEST}
 _CONTROLS = {"stop_sign": Control.STOP_SIGN, "yield_sign": Control.YIELD_SIGN, "signal": Control.SIGNAL}
 _NEAR = 5  # words
-_ON_ROAD = frozenset({"", "travel", "approach", "emerge", "turn", "stop"})
+_ON_ROAD = frozenset({"", "travel", "approach", "emerge", "turn", "stop", "continue"})
 _JOINING = _ON_ROAD | {"change_lane", "intend", "drift", "begin", "do", "depart", "continue", "slow"}
 _AT_DRIVEWAY = frozenset({"emerge", "turn", "reverse", "depart", "begin", "travel", "intend", "do"})
 
@@ -161,6 +161,12 @@ def _on_stem(text: Text) -> Iterator[Claim]:
                 sure = 0.9
             elif ends and words.cut(0, place).has("road", "relative"):
                 sure = 0.85
+            elif (
+                item.low == "across"
+                and words.cut(place, place + 6).has("road")
+                and clause.kind in {"continue", "travel"}
+            ):
+                sure = 0.7
             elif crosses and words.cut(place, place + 3).has("lane", "road"):
                 sure = 0.75
             if sure:
@@ -199,6 +205,8 @@ def _ramps(text: Text) -> Iterator[Claim]:
         merging = clause.kind == "change_lane" and clause.lemma in {"merge", "join"} and bool(clause.subject.vehicles)
         if ramp is None and merging and any(i.is_a("ramp") for i in words) and clause.subject.vehicles[0] not in ramps:
             ramps[clause.subject.vehicles[0]] = (0.7, next(i for i in words if i.is_a("ramp")))
+        from_it = clause.kind == "depart" and clause.lemma in {"come", "leave"}  # "came off the ramp"
+        merges |= from_it and ramp is not None
         is_off = ramp is not None and ramp.get("ramp") == "off" and not (joins and clause.lemma in {"come", "get"})
         if ramp is None or clause.kind not in _JOINING or is_off or not clause.subject.vehicles:
             continue
@@ -210,8 +218,17 @@ def _ramps(text: Text) -> Iterator[Claim]:
         enters = bool(led & word_set("ramp_entered")) and not led & {"from", "on", "along", "of"}
         uses = bool(led & word_set("ramp_used")) or (not enters and "lane" in led)
         enters |= clause.kind == "approach" and not uses
+        merges |= bool(led & {"off", "down"})
         sure, vehicle = 0.35 if enters else 0.9 if ramp.get("ramp") == "on" else 0.75, clause.subject.vehicles[0]
         ramps[vehicle] = max(ramps.get(vehicle, (0.0, ramp)), (sure, ramp), key=lambda each: each[0])
+    near = next((item for sentence in text.sentences for item in sentence.items if item.is_a("ramp")), None)
+    for clause in text.clauses if near is not None and near.get("ramp") != "off" else ():
+        onto = not clause.tail.cut(0, 1).has("junction") and (
+            clause.tail.cut(0, 3).has("road") or clause.tail.at(0).low in {"", ","}
+        )
+        if near is not None and clause.lemma == "enter" and onto and clause.subject.vehicles:
+            ramps.setdefault(clause.subject.vehicles[0], (0.72, near))
+            merges = True
     for vehicle, (sure, ramp) in ramps.items():
         yield claim(
             of_vehicle(vehicle, "on_ramp"), value=True, confidence=sure, reason="it comes from a ramp", where=ramp
@@ -227,9 +244,12 @@ def _turns_off(clause: Clause, text: Text) -> Iterator[Claim]:
     if not clause.subject.vehicles:
         return
     out = {vehicle for each in text.clauses if each.words.has("driveway") for vehicle in each.subject.vehicles}
-    for place, item in enumerate(words[:-1] if kind in {"turn", "do", "begin", "intend"} else ()):
+    onto = kind == "travel" and words.says({"onto", "on to"})
+    for place, item in enumerate(words[:-1] if kind in {"turn", "do", "begin", "intend"} or onto else ()):
         to_road = words[place + 1].is_name or words.cut(place + 1, place + 4).has("road")
-        turns = kind == "turn" or words.cut(0, place).has("hand", "lanekind")
+        turns = (
+            kind == "turn" or (onto and item.low in {"onto", "on to"}) or words.cut(0, place).has("hand", "lanekind")
+        )
         if item.low in word_set("turn_targets") and to_road and turns and not out & {*clause.subject.vehicles}:
             yield claim("road_type", RoadType.INTERSECTION, 0.75, "a vehicle turns into another road", item)
             break

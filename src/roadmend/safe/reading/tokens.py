@@ -206,9 +206,13 @@ def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
         named = names().get(key, ()) if key and _may_be_name(taken) else ()
         if named:
             kinds["name"] = named
+        if length == 1 and "driveway" in kinds and taken[0].text.istitle() and place:
+            del kinds["driveway"]  # "Church Street", not a church
         if length == 1 and key.isdigit():
             kinds["number"] = int(key)  # an Audi 100, and a hundred
-        if length == 1 and taken[0].text in _LETTERS:
+        following = tokens[place + 1] if place + 1 < len(tokens) else None
+        is_glued = following is not None and following.is_glued and following.text.isdigit()  # the road "N2"
+        if length == 1 and taken[0].text in _LETTERS and not is_glued:
             kinds["compass"] = taken[0].text
         if key and kinds:
             return length, kinds

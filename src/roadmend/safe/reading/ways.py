@@ -38,7 +38,9 @@ def _told(text: Text) -> Iterator[Claim | DirectionClaim]:
     turned: set[tuple[int, tuple[int, ...]]] = set()  # who is said to turn, by sentence
     for place, clause in enumerate(text.clauses):
         who = (clause.sentence.index, clause.subject.vehicles)
-        yield from _of_clause(clause, is_after=afterwards[place], has_turned=who in turned)
+        before = text.clauses[place - 1] if place else clause
+        stood = before.kind in {"stop", "park"} and before.sentence is clause.sentence
+        yield from _of_clause(clause, is_after=afterwards[place], has_turned=who in turned, stood=stood)
         if turn_of(clause) is not None:
             turned.add(who)
         yield from _from_driveway(clause, sides)
@@ -56,8 +58,8 @@ def _told(text: Text) -> Iterator[Claim | DirectionClaim]:
                 yield claim(of_vehicle(mine, "initial_position"), way, 0.93, f"it is called {trait.low}", trait)
 
 
-def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool) -> Iterator[Claim]:
-    faces = clause.lemma == "face" and (not is_after or bool(clause.governed & {"stop", "park"}))
+def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool, stood: bool) -> Iterator[Claim]:
+    faces = clause.lemma == "face" and (not is_after or stood or bool(clause.governed & {"stop", "park"}))
     for item in clause.tail.cut(0, 3) if faces else ():
         for vehicle in clause.subject.vehicles:
             if (way := direction(item)) is not None:
@@ -80,9 +82,12 @@ def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool) -> Iterator[
 def _meaning(clause: Clause, items: Words, place: int, *, is_head: bool) -> tuple[str, float] | None:
     """What a direction says of a clause's subject: how it came, or where it goes."""
     item, after, kind = items[place], items.at(place + 1), clause.kind
+    at_road = items.cut(place - 4, place).says({"on"}) and item.is_a("bound") and not after.is_a("lane", "lanekind")
+    if kind in STRIKES and not is_head and at_road:
+        return "initial_position", 0.68  # "struck it on the M5 southbound"
     if _is_no_way(clause, items, place, is_head=is_head):
         return None
-    if items.cut(place - 4, place).says(word_set("facing")):
+    if items.cut(place - 6, place).says(word_set("facing")):
         return "initial_position", 0.9 if kind in {"park", "stop", ""} else 0.7
     ahead, back = place + 1, place - 1
     while items.at(ahead).is_a(*_SKIPPED) and not items.at(ahead).is_a("lane", "road"):
@@ -98,7 +103,7 @@ def _meaning(clause: Clause, items: Words, place: int, *, is_head: bool) -> tupl
     if names_road:
         return _of_lane(clause, items, place, lead, is_lane=items.at(ahead).is_a("lane"))
     if not item.is_a("compass"):
-        return "initial_position", 0.96 if kind not in _NOT_GOING else 0.7
+        return "initial_position", 0.96 if is_head or kind not in _NOT_GOING else 0.7
     if lead == "from":
         return "origin", 0.88
     if lead in {"of", "at"} and items.at(back - 1).low not in {"direction", "direction of"}:
@@ -245,17 +250,23 @@ def _of_pairs(clause: Clause) -> Iterator[DirectionClaim]:
 def _of_words(clause: Clause, count: int) -> Iterator[DirectionClaim]:
     """How ways lie to each other by a clause's words: "in the same direction", "from the left"."""
     kind, words, vehicles = clause.kind, clause.words, clause.subject.vehicles
-    if not vehicles or clause.is_denied:
+    if not vehicles or (clause.is_denied and kind not in {"stop", "slow"}):
         return
     others = [each for each in range(count) if each not in vehicles]
     mine, other = (vehicles[0], vehicles[1]) if len(vehicles) > 1 else (vehicles[0], others[0] if others else None)
     if other is None:
         return
-    comes = kind in STRIKES | {"travel", "", "approach", "drift", "collide"} or len(vehicles) > 1
+    counts = words.has("lane") and words.has("number")  # "two lanes, and two coming the other way"
+    comes = not counts and (kind in STRIKES | {"travel", "", "approach", "drift", "collide"} or len(vehicles) > 1)
     for place, item in enumerate(words):
         far = len(item.low) > _LONG and not item.is_a("head_on", "wrong")
         if item.is_a("beside") and len(others) == 1 and kind in {"travel", "", "drift", "change_lane"}:
             yield relation(mine, other, Relation.SAME, 0.7, item)
+        bare = item.is_a("behind") and words.at(place + 1).low in {"", ",", "and"} and len(others) == 1
+        if bare and kind in _BEHIND:
+            yield relation(mine, other, Relation.SAME, 0.75, item)
+        if item.is_a("wrong") and item.low.endswith("lane") and item.low.split()[0] in {"my", "our", "his", "her"}:
+            yield relation(mine, other, Relation.OPPOSITE, 0.62, item)
         if item.is_a("same_way") and "lane" not in item.low:
             yield relation(mine, other, Relation.SAME, 0.88, item)
         elif item.is_a("oncoming") and comes and (far or len(vehicles) > 1):
