@@ -162,7 +162,9 @@ class Roll:
 
     def known(self, description: Description) -> tuple[int, ...]:
         """The vehicle that is meant, if one is known."""
-        vehicle = self._find(description, is_new=False)
+        body = description.body()[0]
+        exact = [each for each in self.vehicles if body is not None and each.description.body()[0] is body]
+        vehicle = exact[0] if len(exact) == 1 and not description.names else self._find(description, is_new=False)
         return () if vehicle is None else (vehicle.place,)
 
     def to_come(self, description: Description, start: int, firsts: Mapping[int, int]) -> tuple[int, ...]:

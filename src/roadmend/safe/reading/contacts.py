@@ -98,7 +98,7 @@ def _parts(clause: Clause) -> tuple[Actor | None, Part | None, Part | None]:
 def _pushed(clause: Clause) -> list[ContactClaim]:
     """One vehicle that is pushed into another, and who pushes it: "V1 shoved V2 into an SUV"."""
     into = next((actor for lead, actor in clause.others if lead.low in _PUSHED and actor.vehicles), None)
-    moved = (clause.object or clause.subject).vehicles[:1]
+    moved = (clause.subject if clause.is_passive or clause.object is None else clause.object).vehicles[:1]
     if into is None or not moved or moved[0] == into.vehicles[0]:
         return []
     side, found = into.part.side if into.part is not None else None, list[ContactClaim]()

@@ -24,6 +24,9 @@ def is_head(items: Words, place: int) -> bool:
         return False
     if after.is_a("road") and not after.is_a("body") and not item.low[-1].isdigit():
         return False  # "Lincoln Avenue"
+    named = items.cut(place + 2, place + 4) if after.low == "'s" else items.cut(place + 1, place + 3)
+    if item.low.isalpha() and named.has("road") and named.at(0).is_name and not named.has("body", "name", "verb"):
+        return False  # "Cooper's Landing Road"
     senses: tuple[NameSense, ...] = item.get("name")
     is_number = (
         _ROAD_NUMBER.fullmatch(squeeze(item.low)) and not before.is_a("name") and before.get("number") not in YEARS
@@ -57,7 +60,12 @@ def is_head(items: Words, place: int) -> bool:
 def _is_body(items: Words, place: int) -> bool:
     item, before, after = items.at(place), items.at(place - 1), items.at(place + 1)
     numbered = items.at(place - 2).is_a("thing") or items.at(place - 2).low == "#"
-    if before.get("number") in range(2, 20) and not numbered and not after.is_a("name", "body"):
+    if (
+        before.get("number") in range(2, 20)
+        and not item.low.endswith("s")
+        and not numbered
+        and not after.is_a("name", "body")
+    ):
         return False  # "a 3-car crash"
     if item.low == "trailer" and before.get("determiner") != "the" and before.low != "'s":
         return False  # a truck's, not a vehicle of its own

@@ -73,6 +73,7 @@ def _worded(sentence: Sentence) -> Iterator[_Total]:
     told, taken = wording(sentence), list[Span]()
     has_middle = any(pattern.search(told.text) for pattern in patterns("lanes_middle"))
     speaks = sentence.items.has("lane", "divided") or "laner" in told.text or "carriageway" in told.text
+    speaks |= sentence.items.has("road", "each")
     for name in ("lanes_road", "lanes_sum", "lanes_each"):
         for match in found(name, told) if speaks else ():
             span = told.span(match)
@@ -181,6 +182,8 @@ def _lane_after(items: Words, place: int) -> int | None:
         listed = item.low in {"and", ","} and items.at(at + 1).is_a("number")
         both = item.is_a("number", "bound") and items.cut(place + 1, at).has("bound")
         plain = item.is_a(*_BETWEEN) or not item.kinds or item.low in {"and", "only"}
+        if item.low in {"ft", "feet", "foot", "m", "meters", "metres", "car", "cars"}:
+            return None
         if not (listed or both or plain) or (not listed and (item.low in ".,;:()%" or item.is_a("mph"))):
             return None
     return None

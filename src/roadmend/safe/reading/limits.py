@@ -22,8 +22,8 @@ _LEAST_TOLD = 10
 # Signs of a country of kilometres: its units, its money, its words for streets, letters that English has not.
 _METRIC = re.compile(
     r"\b(?:km|kilomet\w+|metres?|euros?|zloty|kroner|crowns|koruna|francs|tempo)\b|(?:stra(?:ss|\u00df)e|gasse|platz|weg|laan"
-    r"|straat|gatan|vej|utca|ulice|ulica)\b|\b(?:rue|via|calle|avenida|rua|corso|viale|ulica|boulevard de|national road)\b"
-    r"|(?-i:[\u00c0-\u00ff\u0100-\u012f\u0132-\u017e])|\u20ac|\b(?:european form|articulated|saloon car|gendarm\w+|carabinieri|polizei)\b",
+    r"|straat|gatan|vej|utca|ulice|ulica)\b|\b(?:rue|calle|avenida|rua|corso|viale|ulica|boulevard de|national road)\b"
+    r"|(?-i:[\u00c0-\u00ff\u0100-\u012f\u0132-\u017e]).*\s.*(?-i:[\u00c0-\u00ff\u0100-\u012f\u0132-\u017e])|\u20ac|\b(?:european form|articulated|saloon car|gendarm\w+|carabinieri|polizei)\b",
     re.IGNORECASE,
 )
 _REACH = 9  # words between "limit" and its number

@@ -87,7 +87,9 @@ def turn_of(clause: Clause) -> tuple[Side, float, Span] | None:
         if item.is_a("hand") and (clause.kind == "turn" or _is_bare(clause.tail, place)):
             return Side(item.get("hand")), 0.96, Span(clause.span.start, item.span.end)
     for place, item in enumerate(clause.tail.cut(0, 2) if clause.lemma in {"go", "head", "pull"} else ()):
-        led = clause.tail.cut(0, place).says({"the", "from", "to"}) or clause.tail.at(place + 1).low in {"of", "lane"}
+        led = clause.tail.cut(0, place).says({"the", "from", "to"}) or clause.tail.at(place + 1).low in word_set(
+            "no_turn_after"
+        )
         if item.is_a("hand") and not led and clause.kind in {"travel", "emerge"}:
             return Side(item.get("hand")), 0.85, item.span
     if clause.kind == "after":

@@ -126,7 +126,7 @@ def find_mentions(sentences: Sequence[Sentence]) -> Spoken:
         _seat(sentence.items, row)
         for mention in row:
             mention.vehicles = own if mention.kind is MentionKind.SELF else mention.vehicles
-        spoken.mentions.append([each for each in row if each.kind is not MentionKind.SELF or own])
+        spoken.mentions.append(list(row))
     return spoken
 
 
@@ -195,9 +195,18 @@ def _sort(found: Sequence[Sequence[Mention]], headlines: Sequence[bool], roll: R
     if any(each.description.number is not None for each in roll.vehicles):
         return
     for is_title, row in zip(headlines, found, strict=True):
-        for mention in row if not is_title else ():
-            for place in own if mention.kind is MentionKind.SELF else mention.vehicles[:1]:
+        for mention in () if is_title else row:
+            for place in mention.vehicles[:1] if mention.kind is not MentionKind.SELF else ():
                 first.setdefault(place, mention.span.start)
+    unnamed = own if own and own[0] not in first else ()
+    titled = any(
+        each.vehicles == own for is_title, row in zip(headlines, found, strict=True) for each in row if is_title
+    )
+    starts = [each.span.start for row in found for each in row if each.kind is MentionKind.SELF]
+    if own and titled:
+        first[own[0]] = -1
+    elif unnamed and starts:
+        first[own[0]] = starts[0]
     old = sorted(range(len(roll.vehicles)), key=lambda place: (first.get(place, math.inf), place))
     new = {place: at for at, place in enumerate(old)}
     roll.vehicles = [roll.vehicles[place] for place in old]
@@ -252,7 +261,7 @@ def _couple(items: Words, row: Sequence[Mention]) -> None:
 def _is_apposition(between: Words, other: Mention) -> bool:
     if not between:
         return True
-    is_copula = all(item.get("auxiliary") == "be" for item in between)
+    is_copula = all(item.get("auxiliary") == "be" or item.low == ")" for item in between)
     has_mark = between.says(word_set("apposition_marks"))
     plain = all(item.low in word_set("apposition") or item.is_a("thing", "descriptor") for item in between)
     unknown = len(between) <= 2 and all(not item.kinds and item.low.isalpha() for item in between)  # "veh 1 unk pickup"
@@ -285,6 +294,10 @@ def _number(items: Words, place: int) -> int | None:
 
 def _numbered(items: Words, place: int) -> Mention | None:
     head = items[place]
+    ordinal = items.at(place - 1).get("ordinal")
+    if head.low in {"vehicle", "unit"} and ordinal and items.at(place + 1).low == ",":
+        described = Description(number=ordinal, span=items.span(place - 1, place))
+        return Mention(place, place, MentionKind.NAMED, description=described)
     if head.low in _PADDED or (
         head.low == "#" and _number(items, place + 1) and not items.at(place - 1).is_a("thing", "person", "lane")
     ):
@@ -424,6 +437,8 @@ def _thing(items: Words, place: int) -> Mention | None:
         return None
     backs = range(place - 1, max(-1, place - 4), -1)
     first = next((back for back in backs if items[back].is_a("determiner")), place - 1)
+    if items[place].low == "one" and items.at(first - 1).low == ",":
+        return None  # "the other van, a white one"
     traits = tuple(each for each in items[first:place] if each.is_a(*TRAITS))
     is_new, marks = items[first].get("determiner") == "a", frozenset(each.low for each in traits)
     described = Description(words="vehicle", span=items[place].span, is_definite=not is_new, marks=marks)

@@ -304,6 +304,8 @@ class _Walker:
         old, nothing = self.clause, frozenset[str]()
         if self.pending is not None:
             return self.pending, nothing
+        if old is None and verb.form == "ing" and self._follows(place) and self.last.vehicles:
+            return self.last, nothing  # "some kid in a Civic coming south"
         if old is None:
             return self.focus, nothing
         if self._is_reduced(place, verb, old):
@@ -372,7 +374,11 @@ def _is_verb(items: Words, place: int, *, after_actor: bool) -> bool:
     if owned and verb.form != "ing" and before.low not in word_set("loose_determiners"):
         return False
     if verb.form in {"base", "s"}:
-        led = before.is_a("auxiliary", "relative", "negation", "pronoun") or before.low in word_set("base_verb_leads")
+        led = (
+            before.is_a("auxiliary", "relative", "negation", "pronoun")
+            or before.low in word_set("base_verb_leads")
+            or before.low.endswith(" to")
+        )
         return after_actor or led or (before.low in {"and", "then", ","} and verb.form == "s")
     if verb.form == "ing" and before.is_a("determiner"):
         return not after.low or after.is_a("determiner", "preposition", "hand")

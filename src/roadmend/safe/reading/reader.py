@@ -116,6 +116,9 @@ def _kept(text: Text, contacts: Sequence[ContactClaim]) -> tuple[int, ...]:
     vehicles = text.spoken.roll.vehicles
     numbered = {vehicle.place for vehicle in vehicles if vehicle.description.number is not None}
     keep = (numbered if len(numbered) > 1 else numbered | touched) or {vehicle.place for vehicle in vehicles[:2]}
+    alone = any(phrase in text.summary.lower() for phrase in word_set("alone"))
+    if alone and numbered:
+        keep = {min(numbered)}
     for clause in text.clauses:
         who = clause.subject.vehicles
         if len(who) == 1 and who[0] not in touched and clause.words.has("outside"):

@@ -15,7 +15,7 @@ _SIDES = {"N": Compass.NORTH, "S": Compass.SOUTH, "E": Compass.EAST, "W": Compas
 _CONTROLS = {"stop_sign": Control.STOP_SIGN, "yield_sign": Control.YIELD_SIGN, "signal": Control.SIGNAL}
 _NEAR = 5  # words
 _ON_ROAD = frozenset({"", "travel", "approach", "emerge", "turn", "stop", "continue"})
-_JOINING = _ON_ROAD | {"change_lane", "intend", "drift", "begin", "do", "depart", "continue", "slow"}
+_JOINING = _ON_ROAD | {"change_lane", "intend", "drift", "begin", "do", "depart", "continue", "slow", "follow"}
 _AT_DRIVEWAY = frozenset({"emerge", "turn", "reverse", "depart", "begin", "travel", "intend", "do"})
 
 
@@ -217,6 +217,7 @@ def _ramps(text: Text) -> Iterator[Claim]:
         led |= {"on"} if clause.lemma == "be" and clause.kind == "travel" and place <= _NEAR else set()
         enters = bool(led & word_set("ramp_entered")) and not led & {"from", "on", "along", "of"}
         uses = bool(led & word_set("ramp_used")) or (not enters and "lane" in led)
+        uses |= "of" in led and bool(led & {"end", "top", "foot", "tip", "bottom"})
         enters |= clause.kind == "approach" and not uses
         merges |= bool(led & {"off", "down"})
         sure, vehicle = 0.35 if enters else 0.9 if ramp.get("ramp") == "on" else 0.75, clause.subject.vehicles[0]

@@ -15,10 +15,18 @@ _AFTERNOON = 13
 _MORNING = 6
 _CLOCK = re.compile(
     r"\b(?:(?P<h>[01]?\d|2[0-3])[:.][0-5]\d|(?P<mil>(?:[01]\d|2[0-3])[0-5]\d)(?=\s*(?:hrs?|hours|h)\b)|"
-    r"(?P<log>(?:(?<=time )|(?<=time: )|(?<=rcvd )|(?<=call )|(?<=arr )|(?<=at )|^|(?<=, )|(?<=\n))(?:[01]\d|2[0-3])[0-5]\d(?=[\s,.]))|"
+    r"(?P<log>(?:(?<=time )|(?<=time: )|(?<=rcvd )|(?<=call )|(?<=arr )|(?<=at )|^|(?<=, )|(?<=\. )|(?<=\n))(?:[01]\d|2[0-3])[0-5]\d(?=[\s,.]))|"
     r"(?P<bare>(?<=, )(?:0\d|1[0-8]|2[1-3])[0-5]\d(?=[.,]|$))|"
     r"(?P<hour>1[0-2]|[1-9]))\s*(?:(?P<half>[ap])\.?\s?m\b|o'?clock|(?P<hrs>hrs?|hours)\b)?",
     re.IGNORECASE | re.MULTILINE,
+)
+_HOURS = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
+_WORDED = re.compile(
+    r"(?P<past>\b(?:a )?(?:quarter|half|five|ten|twenty|twenty[- ]five)(?: minutes)? (?:past|after|to|before|of|till) )?"
+    rf"\b(?P<hour>{'|'.join(_HOURS)})\b(?P<then>[- ](?:fifteen|thirty|forty[- ]five|ten|twenty|forty|fifty))?"
+    r"(?P<clock> o'?clock)?,?(?: or so)?(?: (?P<when>in the (?:morning|afternoon|evening)|at night|p\.?m\b|a\.?m\b|(?:on )?\w+ night|"
+    r"that (?:night|evening|morning|afternoon)|last night|tonight))?",
+    re.IGNORECASE,
 )
 _AT_NIGHT = re.compile(r"[\s,]*(?:in the evening|at night|tonight|p\.?m)")
 _IN_DAY = re.compile(r"[\s,]*in the (?:morning|(afternoon))")
@@ -30,6 +38,7 @@ _NAMES = {"weather", "sky", "skies"}
 def read_surroundings(text: Text) -> Iterator[Claim]:
     """The claims of a text about light and weather."""
     yield from _clock(text.summary)
+    yield from _told_hours(text.summary)
     past = read_table("surroundings")["past"]
     for sentence in text.sentences:
         for place, item in enumerate(sentence.items):
@@ -61,6 +70,8 @@ def _weather(items: Words, place: int, *, is_past: bool) -> Iterator[Claim]:
     item, before = items[place], items.cut(place - 3, place)
     value = Weather(item.get("weather")[0])
     if value is Weather.CLEAR and item.low in word_set("may_be_clear") and not _is_sky(items, place):
+        return
+    if item.low in {"cloud", "sun"} and items.at(place + 1).low in word_set("no_weather_after"):
         return
     lies = before.says(word_set("lying_snow")) or items.at(place + 1).low in word_set("lying_snow")
     if value is Weather.SNOWY and lies:
@@ -95,6 +106,24 @@ def _clock(summary: str) -> Iterator[Claim]:
             value = Time.DAYTIME if hour in _DAY else Time.NIGHTTIME
             sure = min(sure, 0.6 if hour in _EVENING or hour == _DAY[0] else 0.9)
             yield claim("env.time", value, sure, f"the clock says {match[0].strip()}", Span(*match.span()))
+
+
+def _told_hours(summary: str) -> Iterator[Claim]:
+    """Hours in words: "a quarter to nine in the evening", "eleven-fifteen p.m."."""
+    for match in _WORDED.finditer(summary):
+        minutes, when = match["past"] or match["then"] or match["clock"], (match["when"] or "").lower()
+        hour = _HOURS.index(match["hour"].lower()) + 1
+        if not (minutes or when):
+            continue
+        late = any(word in when for word in ("night", "evening", "afternoon", "p"))
+        early = any(word in when for word in ("morning", "a.m", "am"))
+        if "night" in when and hour < _MORNING:
+            late = False
+        if not (late or early):
+            late = hour < _MORNING
+        value = Time.DAYTIME if hour % 12 + 12 * late in _DAY else Time.NIGHTTIME
+        sure = 0.9 if when else 0.6
+        yield claim("env.time", value, sure, f"the clock says {match[0].strip()}", Span(*match.span()))
 
 
 def _hour(match: re.Match[str], summary: str) -> tuple[int | None, float]:

@@ -151,7 +151,7 @@ def _cut(text: str, start: int, end: int) -> Iterator[list[Token]]:
         around = text[match.start() - 1 : match.start()] + text[match.end() : match.end() + 1]
         if word == "-" and not any(letter.isspace() for letter in around):
             continue  # a hyphen within a word
-        is_glued = bool(tokens) and text[tokens[-1].end : match.start()] in {"", "-"}
+        is_glued = bool(tokens) and text[tokens[-1].end : match.start()] in {"", "-", "."}
         if word in ".!?" and _ends(text, match.start(), tokens):
             if tokens:
                 yield tokens
