@@ -24,6 +24,8 @@ def is_head(items: Words, place: int) -> bool:
         return False
     if after.is_a("road") and not after.is_a("body") and not item.low[-1].isdigit():
         return False  # "Lincoln Avenue"
+    if item.low.startswith("i ") and item.low[2:].isdigit() and len(item.low) == len("i 40"):
+        return before.is_a("name")  # an interstate, if no make is named
     named = items.cut(place + 2, place + 4) if after.low == "'s" else items.cut(place + 1, place + 3)
     if item.low.isalpha() and named.has("road") and named.at(0).is_name and not named.has("body", "name", "verb"):
         return False  # "Cooper's Landing Road"

@@ -196,7 +196,7 @@ def _sort(found: Sequence[Sequence[Mention]], headlines: Sequence[bool], roll: R
         return
     for is_title, row in zip(headlines, found, strict=True):
         for mention in () if is_title else row:
-            for place in mention.vehicles[:1] if mention.kind is not MentionKind.SELF else ():
+            for place in mention.vehicles[:1] if mention.description is not None else ():
                 first.setdefault(place, mention.span.start)
     unnamed = own if own and own[0] not in first else ()
     titled = any(
@@ -302,7 +302,12 @@ def _numbered(items: Words, place: int) -> Mention | None:
         head.low == "#" and _number(items, place + 1) and not items.at(place - 1).is_a("thing", "person", "lane")
     ):
         at = place + (head.low == "#")
-        aside = items.at(place - 1).low in {":", "/", "$"} or items.at(at + 1).low in {":", "/"}
+        aside = (
+            items.at(place - 1).low in {":", "/", "$"}
+            or items.at(at + 1).low in {":", "/"}
+            or items.at(at + 1).is_a("name")
+        )
+        aside |= items.at(place - 1).is_a("thing", "number", "person")
         if not aside and not items.at(at + 1).is_a("lane", "mph", "time", "number"):
             described = Description(number=_number(items, at), span=items.span(place, at))
             return Mention(place, at, MentionKind.NAMED, description=described)

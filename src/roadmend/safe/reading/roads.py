@@ -207,6 +207,8 @@ def _ramps(text: Text) -> Iterator[Claim]:
             ramps[clause.subject.vehicles[0]] = (0.7, next(i for i in words if i.is_a("ramp")))
         from_it = clause.kind == "depart" and clause.lemma in {"come", "leave"}  # "came off the ramp"
         merges |= from_it and ramp is not None
+        if ramp is not None and not joins and any(i.get("ramp") == "off" for i in words):
+            continue
         is_off = ramp is not None and ramp.get("ramp") == "off" and not (joins and clause.lemma in {"come", "get"})
         if ramp is None or clause.kind not in _JOINING or is_off or not clause.subject.vehicles:
             continue
