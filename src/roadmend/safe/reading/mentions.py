@@ -385,6 +385,8 @@ def _pronoun(items: Words, place: int) -> Mention | None:
         return Mention(place, place + after.is_a("thing"), MentionKind.SELF) if owns else None
     if kind == "other":
         return _other(items, place)
+    if kind in {"former", "latter"}:
+        return Mention(place, place, MentionKind.IT)
     if kind == "both":
         return _both(items, place)
     if before.verb is not None and before.verb.kind == "do" and after.is_a("hand") and kind in {"own", "its"}:

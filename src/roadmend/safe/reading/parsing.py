@@ -34,7 +34,7 @@ class _Walker:
     """Goes through the words of a text, and remembers who was last spoken of."""
 
     def __init__(self, count: int, own: tuple[int, ...]) -> None:
-        self.count = count
+        self.count, self.own = count, own
         self.clauses: list[Clause] = []
         self.clause: Clause | None = None
         self.pending: Actor | None = None  # a subject that waits for its verb
@@ -154,6 +154,10 @@ class _Walker:
         here = (self.clause.subject if self.clause is not None else self.pending) or NOBODY
         focus = here if here.span.end else self.focus
         match mention.kind:
+            case MentionKind.IT if self.items[mention.first].is_a("pronoun") and self.items[mention.first].get(
+                "pronoun"
+            ) in {"former", "latter"}:
+                return self._of_two(mention)
             case MentionKind.BOTH:
                 return self._both(mention)
             case MentionKind.OTHER:
@@ -176,13 +180,21 @@ class _Walker:
         rest = [each for each in range(min(self.count, 2)) if each not in vehicles]
         return (rest[0],) if len(rest) == 1 else ()
 
+    def _of_two(self, mention: Mention) -> tuple[int, ...]:
+        """The former or the latter of the last two."""
+        last = list(dict.fromkeys(reversed(self.recent)))
+        at = 0 if self.items[mention.first].get("pronoun") == "latter" else 1
+        return (last[at],) if at < len(last) else ()
+
     def _both(self, mention: Mention) -> tuple[int, ...]:
         """The vehicles that "both" or "they all" mean: of more than two, the last that have done something."""
         if self.count <= 2 or "all" in self.items[mention.first].low:
             return tuple(range(min(self.count, 3)))
         subjects = [*(each.subject for each in self.clauses), self.pending or NOBODY]
         done = [each.vehicles[0] for each in subjects if each.vehicles]
-        return tuple(sorted([*dict.fromkeys([*reversed(done), *range(self.count)])][:2]))
+        is_they = self.items[mention.first].low == "they" and bool(self.own)
+        ranked = [each for each in dict.fromkeys([*reversed(done), *range(self.count)])]
+        return tuple(sorted(sorted(ranked, key=lambda each: is_they and each == self.own[0])[:2]))
 
     def _pronoun(self, mention: Mention, here: Actor, focus: Actor) -> tuple[int, ...]:
         before, after = self.items.at(mention.first - 1), self.items.at(mention.last + 1)
@@ -267,7 +279,10 @@ class _Walker:
             return
         nearby = self.items.cut(max(self.acted, place - _PASSIVE_REACH), place)
         subject, governed = self._after(place, verb) or self._subject(place, verb)
-        is_be = not nearby.cut(-1).says({",", ";"}) and any(each.get("auxiliary") == "be" for each in nearby)
+        be = max((at for at, each in enumerate(nearby) if each.get("auxiliary") == "be"), default=None)
+        after_be = nearby.cut(be + 1) if be is not None else Words()
+        is_be = be is not None and not after_be.says({",", ";"})
+        is_be &= verb.form != "past" or not after_be.has("conjunction")  # "was damaged and came"
         by = verb.kind in STRIKES and self.items.cut(place + 1, place + 3).says({"by"})
         is_denied = nearby.cut(len(nearby) - 3).has("negation") and verb.kind != "fail"
         is_denied |= verb.kind == "avoid" and old is not None and self.pending is None and old.kind == "fail"

@@ -4,6 +4,7 @@ Text, sentences, clauses, claims, and one scene that satisfies them: see ``token
 that make claims (``ways``, ``manoeuvres``, ``contacts``, ``roads``, ``lanes``, ``limits``, ``surroundings``), and ``scene``.
 """
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -23,6 +24,12 @@ from roadmend.safe.reading.roads import read_roads
 from roadmend.safe.reading.surroundings import read_surroundings
 from roadmend.safe.reading.tokens import Sentence, read_sentences
 from roadmend.safe.reading.ways import read_ways
+
+_ALONE = re.compile(
+    r"\b(?:single|one|1)[- ](?:vehicle|veh|car|unit)\b[- ]?(?:traffic )?"
+    r"(?:crash|accident|event|collision|incident|pdo|rollover|wreck|run|tc|mva|inj)",
+    re.IGNORECASE,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,9 +123,11 @@ def _kept(text: Text, contacts: Sequence[ContactClaim]) -> tuple[int, ...]:
     vehicles = text.spoken.roll.vehicles
     numbered = {vehicle.place for vehicle in vehicles if vehicle.description.number is not None}
     keep = (numbered if len(numbered) > 1 else numbered | touched) or {vehicle.place for vehicle in vehicles[:2]}
-    alone = any(phrase in text.summary.lower() for phrase in word_set("alone"))
-    if alone and numbered:
+    alone = _ALONE.search(text.summary) is not None
+    if alone and len(numbered) == 1:
         keep = {min(numbered)}
+    elif alone:
+        keep = {min(vehicles, key=lambda each: (not each.description.names, not each.description.bodies)).place}
     for clause in text.clauses:
         who = clause.subject.vehicles
         if len(who) == 1 and who[0] not in touched and clause.words.has("outside"):

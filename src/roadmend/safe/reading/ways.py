@@ -110,6 +110,8 @@ def _meaning(clause: Clause, items: Words, place: int, *, is_head: bool) -> tupl
         return None
     if items.at(back).get("relative") or lead in word_set("that_is"):
         return _explained(items, back)
+    if kind == "depart" and "intend" in clause.governed and clause.lemma == "go":
+        return "destination", 0.75
     near = place <= 5 or items.says(word_set("heading_words"))
     if kind in {"travel", "continue", "approach", "follow"} and near and not is_head:
         goes_on = "intend" in clause.governed or kind == "continue"
