@@ -80,6 +80,8 @@ def _is_worded(told: Wording, place: int) -> bool:
     number = told.items[place].get("number")
     if not isinstance(number, int) or number < _LEAST_TOLD or (number % 5 and not told.items.at(place + 1).is_a("mph")):
         return False
+    if told.items.cut(place - 4, place).has("advisory"):
+        return False
     at = told.places[place]
     before, after = told.text[:at], f"# {told.text[at:].partition(' ')[2]}".strip()
     if any(pattern.search(after) for pattern in patterns("limit_never_after")):

@@ -438,6 +438,8 @@ def _both(items: Words, place: int) -> Mention | None:
 def _thing(items: Words, place: int) -> Mention | None:
     """One that is known by "the vehicle"; "a vehicle" and "the parked vehicle" may be another."""
     before = items.at(place - 1)
+    if items.at(place + 1).is_a("collision"):
+        return None  # "a single-vehicle event"
     if before.get("determiner") == "the":
         return Mention(place - 1, place, MentionKind.IT)
     if before.get("determiner") != "a" and not before.is_a("descriptor", *TRAITS):
@@ -448,5 +450,6 @@ def _thing(items: Words, place: int) -> Mention | None:
         return None  # "the other van, a white one"
     traits = tuple(each for each in items[first:place] if each.is_a(*TRAITS))
     is_new, marks = items[first].get("determiner") == "a", frozenset(each.low for each in traits)
+    marks |= {before.low} & word_set("colours")
     described = Description(words="vehicle", span=items[place].span, is_definite=not is_new, marks=marks)
     return Mention(first, place, MentionKind.NAMED, is_new=is_new, traits=traits, description=described)
