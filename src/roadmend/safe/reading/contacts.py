@@ -90,7 +90,12 @@ def _parts(clause: Clause) -> tuple[Actor | None, Part | None, Part | None]:
             mine = actor.part
         elif actor.part is not None and lead.low in _AT and (not actor.vehicles or is_theirs):
             theirs = actor.part
-        elif actor.vehicles and lead.low in _INTO and target is None and actor.vehicles[0] not in me.vehicles:
+        elif (
+            actor.vehicles
+            and (lead.low in _INTO or (lead.low == "to" and actor.part and mine))
+            and target is None
+            and actor.vehicles[0] not in me.vehicles
+        ):
             target, theirs = (None, theirs) if clause.is_passive else (actor, actor.part)
     return target, mine, theirs
 
@@ -118,6 +123,11 @@ def _is_told(clause: Clause) -> bool:
     if any(lead.low in _VERSUS for lead, _ in clause.others) or (clause.kind in _MOVES and leads & {"into", "against"}):
         return True
     told = clause.kind in {"", "own", "do", "avoid"} and clause.words.has("collision", "head_on", "end_on")
+    ends_meet = clause.subject.part and any(
+        lead.low == "to" and actor.vehicles and actor.part for lead, actor in clause.others
+    )
+    if ends_meet and clause.kind == "":
+        return True  # "V1 front to V2 left side"
     return (told and bool(leads & {"with", "between", "by", "into"})) or (into_part and clause.kind in {"", "travel"})
 
 

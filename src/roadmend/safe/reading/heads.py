@@ -45,7 +45,7 @@ def is_head(items: Words, place: int) -> bool:
     other = ("descriptor", "verb", "preposition", "determiner", "part", "hand", "number", "lanekind", "oncoming")
     if after.is_a("body") and item.is_name and not item.is_a(*other):
         return True
-    lead = items.at(place - 2) if before.is_a("descriptor") else before  # "the white Explorer"
+    lead = items.at(place - 2) if before.is_a("descriptor", "name") else before  # "the white Explorer"
     chain = items.cut(place - 5, place)
     if (
         len(item.kinds) == 1
@@ -54,7 +54,9 @@ def is_head(items: Words, place: int) -> bool:
         and not chain.has("road")
     ):
         return True  # "in a beat up ranger"
-    led = lead.is_a("determiner") or lead.get("pronoun") in {"own", "its", "other"} or lead.low in {"(", "'s"}
+    led = lead.is_a("determiner") or lead.get("pronoun") in {"own", "its", "other"} or lead.low in {"(", "'s", "her"}
+    if led and item.low in word_set("models_in_small_letters") and not after.is_a("road"):
+        return True
     is_shown = item.is_name and not item.text.isupper()
     return led and is_shown and not item.is_a("number", "preposition", "hand", "bound", "compass", "lane", "road")
 

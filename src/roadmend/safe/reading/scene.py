@@ -112,6 +112,8 @@ class _Scene:
     def _ties(self) -> Iterator[frozenset[int]]:
         yield from (frozenset({each.first, each.second}) for each in self.relations)
         yield from (frozenset({each.striking, each.struck}) for each in self.contacts)
+        if not self.contacts and self.count == 2:
+            yield frozenset({0, 1})
 
     def _groups(self) -> Iterator[tuple[int, ...]]:
         """Vehicles that contacts and relations tie together."""
@@ -159,6 +161,8 @@ class _Scene:
                 held = holds(each.relation, ways[each.first].heading, ways[each.second].heading)
                 weight += log_odds(each.confidence) * held
         contact = next((each for each in self.contacts if {each.striking, each.struck} == {one, other}), None)
+        if contact is None and not self.contacts and self.count == 2:  # somehow they met
+            return weight + explains(first, second, None, None, crosses=road in JUNCTIONS or self.has_driveway)
         if contact is None:
             return weight
         sides, crosses = (contact.striking_side, contact.struck_side), road in JUNCTIONS or self.has_driveway

@@ -70,7 +70,14 @@ def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool, stood: bool)
             if way is None or (clause.is_denied and clause.kind not in {"stop", "avoid"}):
                 continue
             what, confidence = _meaning(clause, items, place, is_head=is_head) or ("", 0.0)
-            if has_turned and not is_head and item.is_a("compass") and what in {"initial_position", "heading_on"}:
+            turn = turn_of(clause)
+            turned_here = turn is not None and clause.kind != "turn" and turn[2].end <= item.span.start
+            if (
+                (has_turned or turned_here)
+                and not is_head
+                and item.is_a("compass")
+                and what in {"initial_position", "heading_on"}
+            ):
                 what = "destination"
             turned_round = what in {"origin", "against"}
             for vehicle in clause.subject.vehicles if what else ():
