@@ -113,6 +113,9 @@ def _meaning(clause: Clause, items: Words, place: int, *, is_head: bool) -> tupl
         return "initial_position", 0.96 if is_head or kind not in _NOT_GOING else 0.7
     if lead == "from":
         return "origin", 0.88
+    numbered = items.at(place - 1).is_a("number") or items.at(place - 1).low[-1:].isdigit()
+    if numbered and item.is_a("compass") and kind in {"", "travel", "stop", "slow", "own", "merge", "follow"}:
+        return "initial_position", 0.8  # "on 95 north"
     if lead in {"of", "at"} and items.at(back - 1).low not in {"direction", "direction of"}:
         return None
     if items.at(back).get("relative") or lead in word_set("that_is"):
