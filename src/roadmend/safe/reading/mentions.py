@@ -114,6 +114,7 @@ def find_mentions(sentences: Sequence[Sentence]) -> Spoken:
                     mention.vehicles = roll.call(mention.description, is_new=is_new, is_headline=is_headline)
                     roll.note(mention.vehicles, paragraphs[id(mention)])
     _possess(found)
+    _relate(sentences, found)
     _elliptic(sentences, found, roll)
     _take_part(sentences, found, roll)
     alike = next((each.bodies for row in found for each in row if each.bodies), ())
@@ -214,6 +215,17 @@ def _sort(found: Sequence[Sequence[Mention]], headlines: Sequence[bool], roll: R
         vehicle.place = at
     for mention in (each for row in found for each in row):
         mention.vehicles = tuple(new[place] for place in mention.vehicles)
+
+
+def _relate(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]]) -> None:
+    """Put a person into the vehicle that the same sentence calls hers or his: "a teacher was turning in her Corsa"."""
+    for sentence, row in zip(sentences, found, strict=True):
+        theirs = next((each for each in row if each.description is not None and each.description.is_theirs), None)
+        for mention in row if theirs is not None else ():
+            item = sentence.items[mention.last]
+            someone = item.get("person") == "someone" or item.low in word_set("relatives")
+            if mention.kind is MentionKind.PERSON and not mention.vehicles and someone and theirs is not None:
+                mention.vehicles = theirs.vehicles if mention.last < theirs.first else ()
 
 
 def _possess(found: Sequence[Sequence[Mention]]) -> None:

@@ -239,7 +239,7 @@ class _Walker:
             early = Words(self.head if clause is None and self.pending is None else ())
             self._flush()
             self._wait(actor)
-            self.head = list(early) if early.has("bound") else []  # "While southbound on Main Street, my car"
+            self.head = list(early) if early.has("bound", "ramp") else []  # "While southbound on Main Street, my car"
         if actor.vehicles:
             self.last = actor
             self.recent.extend(actor.vehicles)

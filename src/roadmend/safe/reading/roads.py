@@ -123,9 +123,9 @@ def _is_of_road(told: Wording, letter: int, mentions: Sequence[Mention]) -> bool
     named = (place for place, each in enumerate(before) if each.is_a("road") or (each.is_name and not each.kinds))
     road = max(named, default=-1)
     pronoun = not mentions and not before.has("ramp", "lane")
-    return not before.cut(len(before) - 4).has("ramp", "lane") and (
-        road > vehicle or pronoun or told.items.at(0).low == "it"
-    )
+    near = before.cut(len(before) - 4)
+    of_lane = near.has("ramp") or any(each.is_a("lane") and not each.is_name for each in near)
+    return not of_lane and (road > vehicle or pronoun or told.items.at(0).low == "it")
 
 
 def _corner(items: Words, place: int) -> Iterator[Claim]:
