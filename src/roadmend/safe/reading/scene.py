@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from roadmend.safe.claims import AnyClaim, Claim, ContactClaim, DirectionClaim
+from roadmend.safe.claims import AnyClaim, Claim, ContactClaim, DirectionClaim, Relation
 from roadmend.safe.compass import DIRECTIONS
 from roadmend.safe.dsl import Action, Compass, Manoeuvre, RoadType
 from roadmend.safe.reading.geometry import JUNCTIONS, Way, explains, fits_road, holds
@@ -20,6 +20,8 @@ from roadmend.safe.reading.weighing import Judged, add, evidence, judge, log_odd
 _MOST_TOGETHER = 4  # vehicles whose scenes are enumerated together
 _STRAIGHT_ON = 1.0  # [nats] vehicles go straight on unless something says otherwise
 _SAID_STRAIGHT = 0.8  # of the weight of "meant to go on north" speaks for going straight
+_HINT = 0.6  # [nats] of a manoeuvre for how two ways lie to each other
+_TOLD = 0.6  # confidence from which a manoeuvre hints at that
 _JOINS = 3.0  # [nats] from which it is sure enough that a vehicle joins from a ramp
 _PLAIN_ROAD = 0.9  # [nats] by which a straight road is likelier than the others before anything is said
 
@@ -153,6 +155,13 @@ class _Scene:
         may_turn = self.has_driveway or u_turns
         return self.alone[vehicle][way] + fits_road(way, *place, may_turn=may_turn, on_stem=on_stem)
 
+    def _by_manoeuvre(self, one: int, other: int, first: Way, second: Way) -> float:
+        """Who changes lane meets somebody of the same way, who comes over the centre line somebody who comes towards it."""
+        done = {each.value for vehicle in (one, other) for each in self._of(vehicle, "manoeuvre") if each.confidence > _TOLD}
+        same = bool(done & {Manoeuvre.CHANGING_LANE, Manoeuvre.MERGE}) and holds(Relation.SAME, first.heading, second.heading)
+        astray = Manoeuvre.ENTER_THE_WRONG_WAY in done
+        return _HINT * (same + (astray and holds(Relation.OPPOSITE, first.heading, second.heading)))
+
     def _together(self, one: int, other: int, first: Way, second: Way, *, road: RoadType) -> float:
         """What the relations and the first contact of two vehicles weigh for their ways."""
         ways, weight = {one: first, other: second}, 0.0
@@ -160,6 +169,8 @@ class _Scene:
             if {each.first, each.second} == {one, other}:
                 held = holds(each.relation, ways[each.first].heading, ways[each.second].heading)
                 weight += log_odds(each.confidence) * held
+        if not any({each.first, each.second} == {one, other} for each in self.relations):
+            weight += self._by_manoeuvre(one, other, first, second)
         contact = next((each for each in self.contacts if {each.striking, each.struck} == {one, other}), None)
         if contact is None and not self.contacts and self.count == 2:  # somehow they met
             return weight + explains(first, second, None, None, crosses=road in JUNCTIONS or self.has_driveway)
