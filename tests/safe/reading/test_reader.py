@@ -287,3 +287,36 @@ def test_she_and_he_are_told_apart():
     scenario = read(text)
     assert [vehicle.initial_position for vehicle in scenario.vehicles] == [Position.S2N, Position.S2N]
     assert (scenario.collisions[0].striking, scenario.collisions[0].struck) == (2, 1)
+
+
+@pytest.mark.parametrize(
+    ("text", "mph"),
+    [
+        ("They let you go 55.", 55),
+        ("Fifty is what the signs say on that road.", 50),
+        ("It is a thirty-five zone.", 35),
+        ("They raised it to 45 last year.", 45),
+        ("The road is restricted to 80 km/h.", 50),
+        ("Everybody was going seventy, which is what is allowed.", 70),
+        ("The car was doing 60 there.", None),
+        ("The wind was gusting to 50.", None),
+    ],
+)
+def test_limits_in_other_words(text, mph):
+    scenario = read(f"{PAIR} {text}")
+    assert [vehicle.speed_limit_mph for vehicle in scenario.vehicles] == [mph, mph]
+
+
+@pytest.mark.parametrize(
+    ("text", "lanes"),
+    [
+        ("The road has two lanes up and two down.", 4),
+        ("It has one lane each way and a middle turning lane.", 3),
+        ("It is a dual two-lane road.", 4),
+        ("The street has four lanes in all.", 4),
+        ("It is a six-laner.", 6),
+        ("There are three lanes that way and three the other way.", 6),
+    ],
+)
+def test_lanes_in_other_words(text, lanes):
+    assert read(f"{PAIR} {text}").road.lanes == lanes

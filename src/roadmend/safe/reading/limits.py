@@ -92,7 +92,9 @@ def _is_worded(told: Wording, place: int) -> bool:
         for match in pattern.finditer(f"{before}{after}" if "#" in pattern.pattern else before)
         if match.end() == at
     )
-    return led or any(pattern.search(after) for pattern in patterns("limit_after"))
+    there = any(pattern.search(after) for pattern in patterns("limit_place"))
+    there &= not any(pattern.search(before) for pattern in patterns("limit_never"))
+    return led or there or any(pattern.search(after) for pattern in patterns("limit_after"))
 
 
 def _is_no_limit(told: Wording, place: int) -> bool:

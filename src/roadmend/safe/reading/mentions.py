@@ -113,7 +113,7 @@ def find_mentions(sentences: Sequence[Sentence]) -> Spoken:
                     is_new = mention.is_new and not roll.is_told_again(mention.description, paragraphs[id(mention)])
                     mention.vehicles = roll.call(mention.description, is_new=is_new, is_headline=is_headline)
                     roll.note(mention.vehicles, paragraphs[id(mention)])
-    _possess(found)
+    _possess(sentences, found)
     _relate(sentences, found)
     _elliptic(sentences, found, roll)
     _take_part(sentences, found, roll)
@@ -121,6 +121,7 @@ def find_mentions(sentences: Sequence[Sentence]) -> Spoken:
     for vehicle in roll.vehicles if alike else ():
         if vehicle.description.body()[0] is None:
             vehicle.description = replace(vehicle.description, bodies=alike)
+    _lead(sentences, found, headlines, roll)
     _sort(found, headlines, roll)
     own = roll.own()
     for sentence, row in zip(sentences, found, strict=True):
@@ -190,6 +191,28 @@ def _is_struck(items: Words, mention: Mention) -> bool:
     return items[mention.first].low == "me" and before.verb is not None and before.verb.kind in STRIKES
 
 
+def _lead(
+    sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], headlines: Sequence[bool], roll: Roll
+) -> None:
+    """Let "a driver" who strikes one of two vehicles in the first sentence be the other's."""
+    if len(roll.vehicles) != 2:
+        return
+    rows = zip(sentences, found, headlines, strict=True)
+    sentence, row = next(((each, row) for each, row, is_title in rows if not is_title and row), (None, ()))
+    struck = next((each for each in row if each.description is not None and len(each.vehicles) == 1), None)
+    person = row[0] if row else None
+    if sentence is None or struck is None or person is None or person.kind is not MentionKind.PERSON or person.vehicles:
+        return
+    between = sentence.items.cut(person.last + 1, struck.first)
+    strikes = any(item.verb is not None and item.verb.kind in STRIKES for item in between)
+    if (
+        strikes
+        and not between.has("conjunction")
+        and sentence.items[person.last].get("person") in {"driver", "someone"}
+    ):
+        person.vehicles = (1 - struck.vehicles[0],)
+
+
 def _sort(found: Sequence[Sequence[Mention]], headlines: Sequence[bool], roll: Roll) -> None:
     """Put the vehicles into the order in which they come up, the writer's with the first "I"."""
     own, first = roll.own(), dict[int, int]()
@@ -197,7 +220,11 @@ def _sort(found: Sequence[Sequence[Mention]], headlines: Sequence[bool], roll: R
         return
     for is_title, row in zip(headlines, found, strict=True):
         for mention in () if is_title else row:
-            for place in mention.vehicles[:1] if mention.description is not None else ():
+            for place in (
+                mention.vehicles[:1]
+                if mention.description is not None or (row[0] is mention and mention.kind is MentionKind.PERSON)
+                else ()
+            ):
                 first.setdefault(place, mention.span.start)
     unnamed = own if own and own[0] not in first else ()
     titled = any(
@@ -228,14 +255,16 @@ def _relate(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]]) -
                 mention.vehicles = theirs.vehicles if mention.last < theirs.first else ()
 
 
-def _possess(found: Sequence[Sequence[Mention]]) -> None:
+def _possess(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]]) -> None:
     """Give a "she" with whom a text begins the vehicle that it calls hers: "drifted into her Altima"."""
     rows = [(place, mention) for place, row in enumerate(found) for mention in row]
     described = [(place, each) for place, each in rows if each.description is not None]
     hers = next(((place, each) for place, each in described if each.description and each.description.is_theirs), None)
     for place, mention in rows if hers is not None else ():
         early = mention.span.start < described[0][1].span.start
-        if hers is not None and early and place <= hers[0] and mention.kind is MentionKind.ONE and not mention.vehicles:
+        someone = mention.kind is MentionKind.PERSON and sentences[place].items[mention.last].get("person") == "someone"
+        is_one = mention.kind is MentionKind.ONE or someone
+        if hers is not None and early and place <= hers[0] and is_one and not mention.vehicles:
             mention.vehicles = hers[1].vehicles
 
 

@@ -235,7 +235,9 @@ def _ramps(text: Text) -> Iterator[Claim]:
     halted = {place for clause in text.clauses if clause.kind in {"stop", "slow"} for place in clause.subject.vehicles}
     for clause in text.clauses:  # who comes up behind one that waits on a ramp is on it, too
         for lead, actor in clause.others if clause.kind in {"", "follow", "travel", "stop"} else ():
-            queued = lead.is_a("behind") and actor.vehicles and actor.vehicles[0] in ramps and actor.vehicles[0] in halted
+            queued = (
+                lead.is_a("behind") and actor.vehicles and actor.vehicles[0] in ramps and actor.vehicles[0] in halted
+            )
             if queued and clause.subject.vehicles and not clause.words.has("lane"):
                 ramps.setdefault(clause.subject.vehicles[0], (0.7, lead))
     for vehicle, (sure, ramp) in ramps.items():

@@ -157,8 +157,12 @@ class _Scene:
 
     def _by_manoeuvre(self, one: int, other: int, first: Way, second: Way) -> float:
         """Who changes lane meets somebody of the same way, who comes over the centre line somebody who comes towards it."""
-        done = {each.value for vehicle in (one, other) for each in self._of(vehicle, "manoeuvre") if each.confidence > _TOLD}
-        same = bool(done & {Manoeuvre.CHANGING_LANE, Manoeuvre.MERGE}) and holds(Relation.SAME, first.heading, second.heading)
+        done = {
+            each.value for vehicle in (one, other) for each in self._of(vehicle, "manoeuvre") if each.confidence > _TOLD
+        }
+        same = bool(done & {Manoeuvre.CHANGING_LANE, Manoeuvre.MERGE}) and holds(
+            Relation.SAME, first.heading, second.heading
+        )
         astray = Manoeuvre.ENTER_THE_WRONG_WAY in done
         return _HINT * (same + (astray and holds(Relation.OPPOSITE, first.heading, second.heading)))
 
