@@ -10,7 +10,8 @@ from dataclasses import replace
 from roadmend.safe.claims import Span
 from roadmend.safe.reading.clauses import NOBODY, STRIKES, Actor, Clause
 from roadmend.safe.reading.lexicon import VerbSense, word_set
-from roadmend.safe.reading.mentions import Mention, MentionKind, Spoken
+from roadmend.safe.reading.mentions import Spoken
+from roadmend.safe.reading.naming import Mention, MentionKind
 from roadmend.safe.reading.parts import read_part
 from roadmend.safe.reading.tokens import NOTHING, Item, Sentence, Words
 
@@ -193,7 +194,7 @@ class _Walker:
         subjects = [*(each.subject for each in self.clauses), self.pending or NOBODY]
         done = [each.vehicles[0] for each in subjects if each.vehicles]
         is_they = self.items[mention.first].low == "they" and bool(self.own)
-        ranked = [each for each in dict.fromkeys([*reversed(done), *range(self.count)])]
+        ranked = list(dict.fromkeys([*reversed(done), *range(self.count)]))
         return tuple(sorted(sorted(ranked, key=lambda each: is_they and each == self.own[0])[:2]))
 
     def _pronoun(self, mention: Mention, here: Actor, focus: Actor) -> tuple[int, ...]:

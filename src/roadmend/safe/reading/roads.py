@@ -7,7 +7,7 @@ from roadmend.safe.dsl import Compass, Control, RoadType, Side
 from roadmend.safe.reading.clauses import Clause
 from roadmend.safe.reading.facts import Text, claim, of_vehicle
 from roadmend.safe.reading.lexicon import word_set
-from roadmend.safe.reading.mentions import Mention, MentionKind
+from roadmend.safe.reading.naming import Mention, MentionKind
 from roadmend.safe.reading.tokens import Item, Words
 from roadmend.safe.reading.wording import Wording, found, wording
 
