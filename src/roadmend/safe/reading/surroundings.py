@@ -131,8 +131,9 @@ def _hour(match: re.Match[str], summary: str) -> tuple[int | None, float]:
     after = summary[match.end() : match.end() + 30].lower()
     told = _TOLD.search(summary[max(0, match.start() - 20) : match.start()].lower()) or match["hrs"]
     log = match["log"] if match["log"] and not match["log"].startswith(("19", "20")) else None
-    if match["mil"] or match["bare"] or log:
-        return int((match["mil"] or match["bare"] or log)[:2]), 0.9 if match["mil"] else 0.75
+    figures = match["mil"] or match["bare"] or log
+    if figures:
+        return int(figures[:2]), 0.9 if match["mil"] else 0.75
     if match["log"]:
         return None, 0.0
     hour, half, in_day = int(match["h"] or match["hour"]), (match["half"] or "").lower(), _IN_DAY.match(after)

@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Iterator, Sequence
 
-from roadmend.safe.claims import Claim, DirectionClaim, Relation
+from roadmend.safe.claims import Claim, DirectionClaim, Relation, Span
 from roadmend.safe.compass import opposite
 from roadmend.safe.reading.clauses import STRIKES, Clause
 from roadmend.safe.reading.facts import Text, claim, crash_places, direction, of_vehicle, relation, weakened
@@ -149,7 +149,7 @@ def _beside_mentions(text: Text) -> Iterator[Claim]:
 def _unclaimed(text: Text, claims: Sequence[Claim | DirectionClaim]) -> Iterator[Claim]:
     """A direction that is said of nobody: weakly, of everybody of whom none is said."""
     known = {each.path for each in claims if isinstance(each, Claim) and each.path.endswith("initial_position")}
-    spans = {(each.where.start, each.where.end) for each in claims if each.where is not None}
+    spans = {(each.where.start, each.where.end) for each in claims if isinstance(each.where, Span)}
     open_ = [each for each in range(text.count) if of_vehicle(each, "initial_position") not in known]
     for sentence in text.sentences if open_ else ():
         for place, item in enumerate(sentence.items):
