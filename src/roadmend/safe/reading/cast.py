@@ -250,6 +250,8 @@ class Roll:
         pool = with_words or pool
         if description.words == "truck":  # who means a pickup says so where there is a heavier one
             pool = [each for each in fitting if each.description.body()[0] is DslModel.SEMI_TRUCK] or pool
+        if description.words == "car":  # who has a sedan and a van before him calls the sedan a car
+            pool = [each for each in pool if each.description.body()[0] is DslModel.SEDAN] or pool
         if len(pool) > 1 and description.is_definite and self.latest is not None and not description.marks:
             current = [each for each in pool if each.place == self.latest]
             pool = current or pool
