@@ -25,6 +25,8 @@ _TOKEN = re.compile(
     re.IGNORECASE,
 )
 _STREET = re.compile(r"(?:[A-Z][a-z]+ )?(?:Rd|St|Ave|Blvd|Ln|Hwy|Street|Avenue|Road)\b")
+# A short first line without a full stop over a longer one is a title; the match is the break after it.
+_TITLE = re.compile(r"(?=[^\n.!?:;,]{10,65}\n[A-Z][^\n]{80})[^\n]*(?P<end>\n)")
 _LETTERS = frozenset("NSEW")
 _JOINED = 5  # letters of a phrase that may be told without a hyphen or a slash in it: not "a t" for "at"
 _PLAIN = dict.fromkeys(map(ord, '\u201c\u201d"\u00ab\u00bb*_'), " ") | {
@@ -135,13 +137,19 @@ def read_sentences(summary: str) -> tuple[Sentence, ...]:
     text = summary.translate(_PLAIN)  # keeps the places
     found: list[Sentence] = []
     start = 0
-    breaks = [*re.finditer(r"\n\s*\n", text), None]
+    title = _TITLE.match(text)
+    breaks = [*([title] if title is not None else []), *re.finditer(r"\n\s*\n", text), None]
     for paragraph, match in enumerate(breaks):
-        for tokens in _cut(text, start, match.start() if match is not None else len(text)):
+        for tokens in _cut(text, start, _break(match) if match is not None else len(text)):
             span = Span(tokens[0].start, tokens[-1].end)
             found.append(Sentence(len(found), paragraph, Words(_items(tokens)), span))
         start = match.end() if match is not None else start
     return tuple(found)
+
+
+def _break(match: re.Match[str]) -> int:
+    """Where the text before a break ends."""
+    return match.start("end") if "end" in match.re.groupindex else match.start()
 
 
 def _cut(text: str, start: int, end: int) -> Iterator[list[Token]]:
