@@ -7,6 +7,7 @@ from roadmend.safe.dsl import (
     MAX_SPEED_LIMIT,
     Action,
     Compass,
+    Control,
     CrashScenario,
     DescribedCollision,
     DescribedEnvironment,
@@ -63,7 +64,14 @@ def scenarios(draw):
         else st.nothing()
     )
     return CrashScenario(
-        DescribedRoadNetwork(road_type, draw(st.none() | st.integers(1, MAX_LANES)), stem),
+        DescribedRoadNetwork(
+            road_type,
+            draw(st.none() | st.integers(1, MAX_LANES)),
+            stem,
+            draw(st.none() | st.booleans()),
+            draw(st.sampled_from((None, Side.LEFT, Side.RIGHT))),
+            draw(st.none() | st.sampled_from(Control)),
+        ),
         vehicles,
         DescribedEnvironment(
             draw(st.none() | st.sampled_from(Time)), draw(st.none() | st.sampled_from(Weather)), draw(_extras)

@@ -8,8 +8,10 @@ from typing import Any
 from roadmend.language.chat import Image
 from roadmend.safe.claims import AnyClaim, Box, Cast, Claim, Span
 from roadmend.safe.extraction import Extraction, ExtractionError, FieldEvidence, Step, Watch, unwatched
-from roadmend.safe.reading.reader import ReportReading, SummaryClaims, assemble, read_claims
-from roadmend.safe.reading.scene import Judged
+from roadmend.safe.reading.assembly import ReportReading
+from roadmend.safe.reading.lexicon import is_known
+from roadmend.safe.reading.reader import SummaryClaims, assemble, read_claims
+from roadmend.safe.reading.weighing import Judged
 from roadmend.safe.report import CrashReport
 from roadmend.safe.sketch_claims import SketchClaims, claims_of_sketch
 
@@ -46,6 +48,7 @@ _SHORTHAND = frozenset(
 )
 _FUNCTION_WORDS = frozenset(_WORDS.findall(_ENGLISH)) | _SHORTHAND
 _LEAST_ENGLISH = 0.2  # share of function words; in English prose it is near one half
+_LEAST_KNOWN = 0.35  # share of words that the tables know: shorthand has few function words, and many of these
 _FEWEST_WORDS = 12  # below that, shares say nothing
 _IN_DOUBT = 0.6  # a field below that is named in the notes
 _SECOND = 0.1  # a second reading that is told
@@ -70,7 +73,8 @@ class EmbeddedExtractor:
         watch(Step("read"))
         words = [word.lower() for word in _WORDS.findall(report.summary)]
         share = sum(word in _FUNCTION_WORDS for word in words) / max(len(words), 1)
-        if len(words) >= _FEWEST_WORDS and share < _LEAST_ENGLISH:
+        known = sum(word in _FUNCTION_WORDS or is_known(word) for word in words) / max(len(words), 1)
+        if len(words) >= _FEWEST_WORDS and share < _LEAST_ENGLISH and known < _LEAST_KNOWN:
             raise ExtractionError("the summary does not read as English; the openai backend may know its language")
         said = read_claims(report.summary)
         if said is None:
@@ -83,7 +87,7 @@ class EmbeddedExtractor:
         reading = assemble(said, more)
         evidence = {name: _evidence(finding, report.summary) for name, finding in reading.findings.items()}
         notes = [*report.notes, *_limits(said, reading), *_doubts(reading.findings)]
-        notes += [f"vehicle {number} touched nothing and was left out" for number in reading.left_out]
+        notes += [f"vehicle {said.cast[place].number} touched nothing and was left out" for place in reading.left_out]
         return Extraction(reading.scenario, evidence, sketch, tuple(notes))
 
 

@@ -259,3 +259,64 @@ def test_places_in_the_cast_and_boxes():
         Box(2, 0, 1, 1)
     with pytest.raises(ValueError, match="span"):
         Span(3, 2)
+
+
+def test_what_investigators_code_is_not_told():
+    codes = "The critical precrash event for V1 was coded as other vehicle stopped in the southbound lane."
+    scenario = read(f"{codes} {PAIR} The speed limit for V2 was 45 mph.")
+    assert [vehicle.initial_position for vehicle in scenario.vehicles] == [Position.S2N, Position.N2S]
+    assert [vehicle.speed_limit_mph for vehicle in scenario.vehicles] == [None, 45]
+
+
+@pytest.mark.parametrize("text", ["", ".", "V", "1 1 1", "the the the", "\n\n\n"])
+def test_what_says_nothing(text):
+    assert read_summary(text) is None
+
+
+def test_many_vehicles_are_read_in_one_go():
+    numbers = range(1, 10)
+    text = " ".join(f"V{number}, a sedan, was northbound and hit V{number % 9 + 1} in the rear." for number in numbers)
+    assert [vehicle.initial_position for vehicle in read(text).vehicles] == [Position.S2N] * 9
+
+
+def test_she_and_he_are_told_apart():
+    text = (
+        "A woman was driving a Honda Civic north. A man was driving a Ford F-150 behind her. He was looking at his "
+        "phone and struck her car in the rear."
+    )
+    scenario = read(text)
+    assert [vehicle.initial_position for vehicle in scenario.vehicles] == [Position.S2N, Position.S2N]
+    assert (scenario.collisions[0].striking, scenario.collisions[0].struck) == (2, 1)
+
+
+@pytest.mark.parametrize(
+    ("text", "mph"),
+    [
+        ("They let you go 55.", 55),
+        ("Fifty is what the signs say on that road.", 50),
+        ("It is a thirty-five zone.", 35),
+        ("They raised it to 45 last year.", 45),
+        ("The road is restricted to 80 km/h.", 50),
+        ("Everybody was going seventy, which is what is allowed.", 70),
+        ("The car was doing 60 there.", None),
+        ("The wind was gusting to 50.", None),
+    ],
+)
+def test_limits_in_other_words(text, mph):
+    scenario = read(f"{PAIR} {text}")
+    assert [vehicle.speed_limit_mph for vehicle in scenario.vehicles] == [mph, mph]
+
+
+@pytest.mark.parametrize(
+    ("text", "lanes"),
+    [
+        ("The road has two lanes up and two down.", 4),
+        ("It has one lane each way and a middle turning lane.", 3),
+        ("It is a dual two-lane road.", 4),
+        ("The street has four lanes in all.", 4),
+        ("It is a six-laner.", 6),
+        ("There are three lanes that way and three the other way.", 6),
+    ],
+)
+def test_lanes_in_other_words(text, lanes):
+    assert read(f"{PAIR} {text}").road.lanes == lanes

@@ -1,6 +1,6 @@
 """The vehicles of a text: each described in one or more ways, and told apart by them."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from roadmend.safe.claims import Span
@@ -121,6 +121,7 @@ class Vehicle:
         first: where it was first spoken of.
         is_headline: whether only the headline has spoken of it so far.
         words: all its names.
+        paragraphs: that speak of it.
     """
 
     place: int
@@ -128,6 +129,7 @@ class Vehicle:
     first: Span | None = None
     is_headline: bool = False
     words: list[str] = field(default_factory=list)
+    paragraphs: set[int] = field(default_factory=set)
 
 
 @dataclass(slots=True)
@@ -145,6 +147,8 @@ class Roll:
     def call(self, description: Description, *, is_new: bool, is_headline: bool) -> tuple[int, ...]:
         """The vehicle that is meant; a new one where none that is known can be."""
         vehicle = self._find(description, is_new=is_new)
+        if vehicle is None and description.words == "trailer":
+            return ()  # one that stands alone is no vehicle
         if vehicle is None:
             vehicle = Vehicle(len(self.vehicles), description, description.span, is_headline)
             self.vehicles.append(vehicle)
@@ -155,6 +159,46 @@ class Roll:
         vehicle.words.append(description.words)
         self.latest = vehicle.place
         return (vehicle.place,)
+
+    def known(self, description: Description) -> tuple[int, ...]:
+        """The vehicle that is meant, if one is known."""
+        body = description.body()[0]
+        exact = [each for each in self.vehicles if body is not None and each.description.body()[0] is body]
+        vehicle = exact[0] if len(exact) == 1 and not description.names else self._find(description, is_new=False)
+        return () if vehicle is None else (vehicle.place,)
+
+    def to_come(self, description: Description, start: int, firsts: Mapping[int, int]) -> tuple[int, ...]:
+        """The vehicle that a report describes before it gives it its number."""
+        body = description.body()[0]
+        if body is None or description.number is not None:
+            return ()
+        fitting = [
+            each
+            for each in self.vehicles
+            if firsts.get(each.place, -1) > start
+            and each.description.body()[0] is body
+            and not each.description.contradicts(description)
+        ]
+        return (fitting[0].place,) if fitting else ()
+
+    def note(self, places: Iterable[int], paragraph: int) -> None:
+        """Remember that a paragraph speaks of a vehicle."""
+        for place in places:
+            self.vehicles[place].paragraphs.add(paragraph)
+
+    def is_told_again(self, description: Description, paragraph: int) -> bool:
+        """Whether "a truck" is one of the lead of an article, of which a later paragraph tells at length."""
+        body = description.body()[0]
+        if body is None or description.number or description.is_other:
+            return False
+        mine = [each for each in self.vehicles if self._may_be(each, description) and not each.description.number]
+        alike = [each for each in mine if each.description.body()[0] is body and not each.description.is_own]
+        return (
+            len(alike) == 1
+            and bool(alike[0].paragraphs)
+            and max(alike[0].paragraphs) < paragraph
+            and (alike[0].paragraphs == {min(place for each in self.vehicles for place in each.paragraphs)})
+        )
 
     def own(self) -> tuple[int, ...]:
         """The writer's own vehicle, if one is known."""
@@ -173,6 +217,9 @@ class Roll:
                 for each in fitting
                 if each.place != self.latest and not (description.bodies and each.description.is_own)
             ]
+        bare = [each for each in self.vehicles if not each.description.names and not each.description.bodies]
+        if is_new and len(self.vehicles) == len(bare) == 1 and description.bodies and not description.is_other:
+            return bare[0]  # "a vehicle off the road: a sedan ran off"
         if not description.names and is_new:
             marked = [
                 each for each in fitting if each.is_headline or each.description.marks & description.marks & _PARKED
@@ -203,6 +250,8 @@ class Roll:
         pool = with_words or pool
         if description.words == "truck":  # who means a pickup says so where there is a heavier one
             pool = [each for each in fitting if each.description.body()[0] is DslModel.SEMI_TRUCK] or pool
+        if description.words == "car":  # who has a sedan and a van before him calls the sedan a car
+            pool = [each for each in pool if each.description.body()[0] is DslModel.SEDAN] or pool
         if len(pool) > 1 and description.is_definite and self.latest is not None and not description.marks:
             current = [each for each in pool if each.place == self.latest]
             pool = current or pool

@@ -5,194 +5,144 @@ from dataclasses import replace
 
 from roadmend.safe.claims import ClaimSource, ContactClaim
 from roadmend.safe.dsl import Side
-from roadmend.safe.reading.clauses import STRIKES, Actor, Clause, Part
+from roadmend.safe.reading.clauses import STRIKES, Actor, Clause
 from roadmend.safe.reading.facts import Text
-from roadmend.safe.reading.tokens import Item
+from roadmend.safe.reading.lexicon import word_set
+from roadmend.safe.reading.parts import Part
 
-_STRUCK_BY = frozenset({"by"})
-_INTO = frozenset({"into", "with", "against", "vs", "versus", "along", "between", "on", "in", "of"})
 _MOVES = frozenset({"drift", "travel", "emerge", "change_lane", "turn", "reverse", "depart", "continue"})
-_PUSHES = frozenset({"push", "shove", "knock", "propel", "throw", "force", "send", "drive", "deflect", "redirect"})
+_INTO = frozenset({"into", "with", "against", "vs", "versus", "along", "between", "on", "in", "of"})
+_AT = frozenset({"in", "on", "at", "to", "into", "along", "against", "with", "of", "by"})
+_PUSHED = frozenset({"into", "against", "onto", "on to", "in to"})
+_VERSUS = frozenset({"vs", "versus"})
+_SURE, _TOLD, _GUESSED = 0.93, 0.55, 0.7
 
 
 def read_contacts(text: Text) -> tuple[ContactClaim, ...]:
-    """The contacts of a text, in their order; each pair once, unless it is said to have touched again."""
-    found: list[ContactClaim] = []
+    """The contacts of a text, in their order, each pair once."""
+    found: dict[frozenset[int], ContactClaim] = {}
     for clause in text.clauses:
         for contact in _of_clause(clause, text.count):
-            known = next(
-                (
-                    place
-                    for place, each in enumerate(found)
-                    if {each.striking, each.struck} == {contact.striking, contact.struck}
-                ),
-                None,
-            )
-            if known is None:
-                found.append(contact)
-            else:
-                found[known] = _joined(found[known], contact)
-    strong = [each for each in found if each.confidence > 0.5] or found
+            pair = frozenset({contact.striking, contact.struck})
+            found[pair] = joined(found[pair], contact) if pair in found else contact
+    strong = [each for each in found.values() if each.confidence > 0.5] or list(found.values())
     return tuple(replace(each, order=place) for place, each in enumerate(strong))
 
 
-def _joined(one: ContactClaim, other: ContactClaim) -> ContactClaim:
+def joined(one: ContactClaim, other: ContactClaim) -> ContactClaim:
     """Two statements about one contact: the surer says who struck, each fills in what the other leaves open."""
     first, second = (other, one) if other.confidence > one.confidence + 0.1 else (one, other)
-    same = first.striking == second.striking
+    sides = (second.striking_side, second.struck_side)
+    mine, theirs = sides if first.striking == second.striking else sides[::-1]
+    sure = min(0.97, first.confidence + 0.02)
     return replace(
         first,
-        striking_side=first.striking_side or (second.striking_side if same else second.struck_side),
-        struck_side=first.struck_side or (second.struck_side if same else second.striking_side),
-        confidence=min(0.97, first.confidence + 0.02),
+        striking_side=first.striking_side or mine,
+        struck_side=first.struck_side or theirs,
+        confidence=sure,
     )
 
 
 def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
-    words = [*clause.head, *clause.tail]
-    kind = clause.kind
-    if not clause.is_real and not (clause.governed & {"avoid"} and clause.governed & {"fail"}):
+    kind, me = clause.kind, clause.subject
+    if not clause.is_real:
         return
-    pushed = _pushed(clause)
-    if pushed is not None:
-        yield pushed
+    if clause.lemma in word_set("pushes") and (pushed := _pushed(clause)):
+        yield from pushed
         return
-    if clause.is_denied or (kind not in STRIKES | {"collide"} and not _is_told(clause, words)):
+    if kind not in STRIKES | {"collide"} and not _is_told(clause):
         return
-    me, them = clause.subject, clause.object
-    if kind == "collide" and me is not None and len(me.vehicles) > 1 and them is None:
-        yield _contact(me.vehicles[0], me.vehicles[1], me.part, None, clause, words, 0.8)
+    each_other = clause.object is not None and clause.object.vehicles == me.vehicles
+    if len(me.vehicles) > 1 and (each_other or (kind == "collide" and clause.object is None)):
+        yield _contact(clause, me.vehicles[0], me.vehicles[1], me.part, None, 0.8)
         return
-    mine, theirs = me.part if me is not None else None, them.part if them is not None else None
-    target: Actor | None = them
-    for lead, actor in clause.others:
-        if clause.is_passive and lead.low in _STRUCK_BY and actor.vehicles:
-            target, theirs = actor, actor.part or theirs
-        elif (
-            actor.part is not None
-            and me is not None
-            and (lead.low in {"with", "using"})
-            and (actor.vehicles == me.vehicles or not actor.vehicles)
-        ):
-            if clause.is_passive and target is not None:
-                theirs = actor.part
-            else:
-                mine = actor.part
-        elif (
-            actor.part is not None
-            and lead.low in {"in", "on", "at", "to", "into", "along", "against", "with", "of", "by"}
-            and (
-                not actor.vehicles
-                or (target is not None and actor.vehicles == target.vehicles)
-                or (clause.is_passive and me is not None and actor.vehicles == me.vehicles)
-            )
-        ):
-            if clause.is_passive:
-                mine = actor.part
-            else:
-                theirs = actor.part
-                target = target or (actor if actor.vehicles else None)
-        elif (
-            actor.vehicles
-            and lead.low in _INTO
-            and target is None
-            and (me is None or actor.vehicles[0] not in me.vehicles)
-            and not clause.is_passive
-        ):
-            target, theirs = actor, actor.part
-    confidence = 0.93
-    if kind not in STRIKES:
-        confidence = 0.75 if kind == "collide" else 0.55
-    strikers = me.vehicles if me is not None else ()
-    struck = target.vehicles if target is not None else ()
+    target, mine, theirs = _parts(clause)
+    strikers, struck = me.vehicles, target.vehicles if target is not None else ()
     if clause.is_passive:
         strikers, struck, mine, theirs = struck, strikers, theirs, mine
-    hits_thing = any(item.is_a("object", "walker") for item in clause.tail[:6])
-    if (
-        count == 2
-        and not hits_thing
-        and (bool(strikers) != bool(struck))
-        and (kind in STRIKES and (target is not None or mine or theirs or clause.is_passive))
-    ):
-        known = (strikers or struck)[0]
-        strikers, struck = ((known,), (1 - known,)) if strikers else ((1 - known,), (known,))
-        confidence = 0.7
-    if not strikers or not struck or strikers[0] == struck[0]:
-        return
-    for other in struck if len(strikers) == 1 else struck[:1]:
+    wielded = [actor for lead, actor in clause.others if lead.low == "with" and actor.part and actor.vehicles]
+    if wielded and not clause.is_passive and wielded[0].vehicles != strikers and len(wielded[0].vehicles) == 1:
+        strikers, mine = wielded[0].vehicles, wielded[0].part  # "she hit him with the front of the Ford": the Ford did
+        struck = struck if struck != strikers else me.vehicles
+    sure = _SURE if kind in STRIKES else 0.75 if kind == "collide" else _TOLD
+    hints = target is not None or mine or theirs or clause.is_passive
+    hits_thing = clause.tail.cut(0, 6).has("object", "walker")
+    if count == 2 and kind in STRIKES and hints and not hits_thing and bool(strikers) != bool(struck):
+        known, sure = (strikers or struck)[0], _GUESSED  # of two, it was the other one
+        strikers, struck = (strikers or (1 - known,)), (struck or (1 - known,))
+    for other in (struck if len(strikers) == 1 else struck[:1]) if strikers else ():
         if other != strikers[0]:
-            yield _contact(strikers[0], other, mine, theirs, clause, words, confidence)
+            yield _contact(clause, strikers[0], other, mine, theirs, sure)
 
 
-def _pushed(clause: Clause) -> ContactClaim | None:
-    """One vehicle that is pushed into another: "shoved it into an SUV"."""
-    if clause.verb is None or clause.verb.lemma not in _PUSHES or clause.subject is None:
-        return None
-    into = next((actor for lead, actor in clause.others if lead.low == "into" and actor.vehicles), None)
-    moved = clause.object.vehicles if clause.object is not None else clause.subject.vehicles
+def _parts(clause: Clause) -> tuple[Actor | None, Part | None, Part | None]:
+    """Who else takes part in a contact, the part of the subject, and that of the other."""
+    me, target = clause.subject, clause.object
+    mine, theirs = me.part, target.part if target is not None else None
+    for lead, actor in clause.others:
+        is_mine = not actor.vehicles or actor.vehicles == me.vehicles
+        is_theirs = target is not None and actor.vehicles == target.vehicles
+        if clause.is_passive and lead.low == "by" and actor.vehicles:
+            target, theirs = actor, actor.part or theirs
+        elif actor.part is not None and lead.low in {"with", "using"} and is_mine:
+            mine, theirs = (mine, actor.part) if clause.is_passive and target is not None else (actor.part, theirs)
+        elif actor.part is not None and lead.low in _AT and clause.is_passive and (is_mine or is_theirs):
+            mine = actor.part
+        elif actor.part is not None and lead.low in _AT and (not actor.vehicles or is_theirs):
+            theirs = actor.part
+        elif (
+            actor.vehicles
+            and (lead.low in _INTO or (lead.low == "to" and actor.part and mine))
+            and target is None
+            and actor.vehicles[0] not in me.vehicles
+        ):
+            target, theirs = (None, theirs) if clause.is_passive else (actor, actor.part)
+    return target, mine, theirs
+
+
+def _pushed(clause: Clause) -> list[ContactClaim]:
+    """One vehicle that is pushed into another, and who pushes it: "V1 shoved V2 into an SUV"."""
+    into = next((actor for lead, actor in clause.others if lead.low in _PUSHED and actor.vehicles), None)
+    moved = (clause.subject if clause.is_passive or clause.object is None else clause.object).vehicles[:1]
     if into is None or not moved or moved[0] == into.vehicles[0]:
-        return None
-    struck_side = into.part.side if into.part is not None else None
-    mine = Side.FRONT if struck_side is Side.REAR else None
-    return ContactClaim(
-        moved[0],
-        into.vehicles[0],
-        mine,
-        struck_side,
-        0,
-        0.85,
-        ClaimSource.SUMMARY,
-        "the one was pushed into the other",
-        clause.span,
-    )
+        return []
+    side, found = into.part.side if into.part is not None else None, list[ContactClaim]()
+    pairs = [(moved[0], into.vehicles[0], Side.FRONT if side is Side.REAR else None, side)]
+    if clause.object is not None and not clause.is_passive and clause.subject.vehicles[:1] not in {(), moved}:
+        pairs.insert(0, (clause.subject.vehicles[0], moved[0], Side.FRONT, None))
+    for striking, struck, mine, theirs in pairs:
+        reason = "the one was pushed into the other"
+        found.append(ContactClaim(striking, struck, mine, theirs, 0, 0.85, ClaimSource.SUMMARY, reason, clause.span))
+    return found
 
 
-def _is_told(clause: Clause, words: list[Item]) -> bool:
-    """Whether a clause without a verb of contact tells of one: "V1 was involved in a crash with V2", "V2 front vs V1 side"."""
-    if any(lead.low in {"vs", "versus"} for lead, _ in clause.others):
+def _is_told(clause: Clause) -> bool:
+    """Whether a clause without a verb of contact tells of one: "V1 was in a crash with V2", "V2 front vs V1 side"."""
+    leads = {lead.low for lead, actor in clause.others if actor.vehicles}
+    into_part = any(lead.low in {"into", "in"} and actor.vehicles and actor.part for lead, actor in clause.others)
+    if any(lead.low in _VERSUS for lead, _ in clause.others) or (clause.kind in _MOVES and leads & {"into", "against"}):
         return True
-    if clause.kind in _MOVES and any(
-        lead.low in {"into", "against"} and actor.vehicles for lead, actor in clause.others
-    ):
-        return True
-    crash = any(item.is_a("collision", "head_on", "end_on") for item in words)
-    with_whom = any(lead.low in {"with", "between", "by", "into"} and actor.vehicles for lead, actor in clause.others)
-    in_back = any(
-        lead.low in {"into", "in"} and actor.vehicles and actor.part is not None for lead, actor in clause.others
+    told = clause.kind in {"", "own", "do", "avoid"} and clause.words.has("collision", "head_on", "end_on")
+    ends_meet = clause.subject.part and any(
+        lead.low == "to" and actor.vehicles and actor.part for lead, actor in clause.others
     )
-    return (crash and with_whom and clause.kind in {"", "own", "do", "avoid"}) or (
-        in_back and clause.kind in {"", "travel"} and clause.subject is not None
-    )
+    if ends_meet and clause.kind == "":
+        return True  # "V1 front to V2 left side"
+    return (told and bool(leads & {"with", "between", "by", "into"})) or (into_part and clause.kind in {"", "travel"})
 
 
 def _contact(
-    striking: int,
-    struck: int,
-    mine: Part | None,
-    theirs: Part | None,
-    clause: Clause,
-    words: list[Item],
-    confidence: float,
+    clause: Clause, striking: int, struck: int, mine: Part | None, theirs: Part | None, sure: float
 ) -> ContactClaim:
     one, other = mine.side if mine is not None else None, theirs.side if theirs is not None else None
-    if clause.kind == "strike_rear" or any(item.low in {"from behind", "from the rear"} for item in words):
+    kind = clause.kind
+    if kind == "strike_rear" or clause.words.says({"from behind", "from the rear"}):
         one, other = one or Side.FRONT, other or Side.REAR
-    elif other is Side.REAR and clause.kind != "strike_swipe":
+    elif other is Side.REAR and kind != "strike_swipe":
         one = one or Side.FRONT
-    elif any(item.is_a("head_on") for item in words):
+    elif clause.words.has("head_on"):
         one, other = one or Side.FRONT, other or Side.FRONT
-    elif clause.kind == "strike_side" or (
-        other is not None and one is None and clause.kind == "strike" and not clause.is_passive
-    ):
+    elif kind == "strike_side" or (other is not None and kind == "strike" and not clause.is_passive):
         one = one or Side.FRONT
-    return ContactClaim(
-        striking,
-        struck,
-        one,
-        other,
-        0,
-        confidence,
-        ClaimSource.SUMMARY,
-        f"the text says that they touched ({clause.verb.lemma if clause.verb else 'told'})",
-        clause.span,
-    )
+    reason = f"the text says that they touched ({clause.lemma or 'told'})"
+    return ContactClaim(striking, struck, one, other, 0, sure, ClaimSource.SUMMARY, reason, clause.span)

@@ -11,11 +11,8 @@ from roadmend.safe.reading.mentions import Spoken
 from roadmend.safe.reading.tokens import Item, Sentence
 
 TOWARDS = {"N": Position.S2N, "S": Position.N2S, "E": Position.W2E, "W": Position.E2W}
-AXES = {
-    "NS": frozenset({Position.S2N, Position.N2S}),
-    "EW": frozenset({Position.W2E, Position.E2W}),
-}
-AFTERWARDS = 0.86  # of its confidence is left to what is told after the crash
+AXES = {"NS": frozenset({Position.S2N, Position.N2S}), "EW": frozenset({Position.W2E, Position.E2W})}
+_AFTERWARDS = 0.86  # of its confidence is left to what is told after the crash
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,9 +30,10 @@ class Text:
         return len(self.spoken.roll.vehicles)
 
 
-def claim(path: str, value: Any, confidence: float, reason: str, where: Span | None) -> Claim:
+def claim(path: str, value: Any, confidence: float, reason: str, where: Item | Span | None) -> Claim:
     """A claim that the summary makes."""
-    return Claim(path, value, confidence, ClaimSource.SUMMARY, reason, where)
+    place = where.span if isinstance(where, Item) else where
+    return Claim(path, value, confidence, ClaimSource.SUMMARY, reason, place)
 
 
 def of_vehicle(vehicle: int, field: str) -> str:
@@ -43,40 +41,29 @@ def of_vehicle(vehicle: int, field: str) -> str:
     return f"vehicles[{vehicle}].{field}"
 
 
-def relation(first: int, second: int, kind: Relation, confidence: float, reason: str, where: Span) -> DirectionClaim:
+def relation(first: int, second: int, kind: Relation, confidence: float, where: Item | Span) -> DirectionClaim:
     """A claim that the summary makes of two ways."""
-    return DirectionClaim(first, second, kind, confidence, ClaimSource.SUMMARY, reason, where)
+    place = where.span if isinstance(where, Item) else where
+    return DirectionClaim(first, second, kind, confidence, ClaimSource.SUMMARY, f"the text tells: {kind}", place)
 
 
 def direction(item: Item) -> Position | None:
     """The way that a word points: "northbound", "north"."""
-    letter = item.kinds.get("bound") or item.kinds.get("compass")
-    return TOWARDS.get(letter) if letter else None
+    return TOWARDS.get(item.get("bound") or item.get("compass") or "")
 
 
 def crash_places(clauses: Sequence[Clause]) -> dict[int, bool]:
     """By place of a clause: whether vehicles have touched before it."""
     touched, found = False, {}
     for place, clause in enumerate(clauses):
-        found[place] = touched or (clause.kind == "after" and clause.verb is not None and clause.verb.lemma != "face")
-        if (
-            clause.is_real
-            and (clause.kind in STRIKES or clause.kind == "collide")
-            and clause.subject is not None
-            and clause.subject.vehicles
-        ):
-            several = clause.kind != "collide" or len(clause.subject.vehicles) > 1
-            touched |= clause.object is not None or (
-                several and (clause.is_passive or bool(clause.others) or clause.kind == "collide")
-            )
+        found[place] = touched or (clause.kind == "after" and clause.lemma != "face")
+        if clause.is_real and clause.subject.vehicles:
+            one, several = clause.kind in STRIKES, clause.kind == "collide" and len(clause.subject.vehicles) > 1
+            with_other = clause.object is not None and (one or clause.kind == "collide")
+            touched |= with_other or several or (one and (clause.is_passive or bool(clause.others)))
     return found
 
 
 def weakened(confidence: float, *, is_after: bool) -> float:
     """The confidence of what may belong to the time after the crash."""
-    return confidence * AFTERWARDS if is_after else confidence
-
-
-def hull(items: Sequence[Item]) -> Span:
-    """From the first to the last of some words."""
-    return Span(min(item.span.start for item in items), max(item.span.end for item in items))
+    return confidence * _AFTERWARDS if is_after else confidence

@@ -76,6 +76,7 @@ def squeeze(text: str) -> str:
     return re.sub(r"[ \-'.]", "", text.lower())
 
 
+@functools.cache
 def read_table(name: str) -> Any:
     """The content of one table."""
     file = importlib.resources.files(__package__).joinpath("tables", f"{name}.yaml")
@@ -149,6 +150,17 @@ def _doubles(lemma: str) -> bool:
     if not 2 < len(lemma) <= _SHORT or lemma[-1] in f"{_VOWELS}wxy" or lemma[-2] not in _VOWELS:
         return False
     return lemma[-3] not in _VOWELS
+
+
+def is_known(word: str) -> bool:
+    """Whether the tables know a word, written in full or short."""
+    return squeeze(shorthand().get(word, word)) in senses()
+
+
+@functools.cache
+def shorthand() -> Mapping[str, str]:
+    """What hasty writers write, and the word that they mean."""
+    return MappingProxyType({short: word for word, shorts in read_table("shorthand").items() for short in shorts})
 
 
 @functools.cache
@@ -235,3 +247,9 @@ def _is_slip(word: str, meant: str) -> bool:
         and word[wrong[1]] == meant[wrong[0]]
     )
     return len(wrong) == 1 or swapped
+
+
+@functools.cache
+def word_set(name: str) -> frozenset[str]:
+    """A small set of words that a rule looks for."""
+    return frozenset(read_table("sets")[name])

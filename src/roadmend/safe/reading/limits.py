@@ -1,17 +1,35 @@
 """The posted speed limits, and for which road or vehicle each is posted."""
 
 import itertools
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from roadmend.safe.claims import Claim, Span
 from roadmend.safe.dsl import MAX_SPEED_LIMIT, Position
 from roadmend.safe.reading.facts import AXES, Text, claim, direction, of_vehicle
-from roadmend.safe.reading.tokens import Item, Sentence
+from roadmend.safe.reading.lexicon import word_set
+from roadmend.safe.reading.tokens import Item, Sentence, Words
+from roadmend.safe.reading.wording import Wording, patterns, wording
 
 _KMH = 1.609344
+_MOST_MPH = 85  # no road of miles is posted for more
+_USUAL_MPH = 75  # where nothing tells that the country counts miles
+_OF_MILES = re.compile(
+    r"\b(?:mph|miles?|interstate|highway|freeway|turnpike|parkway|I-\d+|US|feet|ft)\b", re.IGNORECASE
+)
+_LEAST_TOLD = 10
+# Signs of a country of kilometres: its units, its money, its words for streets, letters that English has not.
+_METRIC = re.compile(
+    r"\b(?:km|kilomet\w+|metres?|euros?|zloty|kroner|crowns|koruna|francs|tempo)\b|(?:stra(?:ss|\u00df)e|gasse|platz|weg|laan"
+    r"|straat|gatan|vej|utca|ulice|ulica)\b|\b(?:rue|calle|avenida|rua|corso|viale|ulica|boulevard de|national road)\b"
+    r"|(?-i:[\u00c0-\u00ff\u0100-\u012f\u0132-\u017e]).*\s.*(?-i:[\u00c0-\u00ff\u0100-\u012f\u0132-\u017e])|\u20ac|\b(?:european form|articulated|saloon car|gendarm\w+|carabinieri|polizei)\b",
+    re.IGNORECASE,
+)
 _REACH = 9  # words between "limit" and its number
+_FAR_REACH = 19  # where the number has a unit
 _LEAST = 5
+_ON_ROAD = frozenset({"", "travel", "approach", "stop", "emerge", "slow", "continue"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,243 +38,208 @@ class PostedLimit:
 
     Attributes:
         mph: its value [mph], rounded to whole ones.
+        confidence: that it is a limit.
+        span: in the summary.
         ways: directions of travel that it is posted for; empty for all.
         vehicles: for which it is posted; empty for all.
         names: of the road, in lower case; empty for all.
         lanes: of the road that it is posted on, where it is called by them.
-        confidence: that it is a limit.
-        span: in the summary.
     """
 
     mph: int
-    ways: frozenset[Position]
-    vehicles: frozenset[int]
-    names: frozenset[str]
-    lanes: int | None
     confidence: float
     span: Span
+    ways: frozenset[Position] = frozenset()
+    vehicles: frozenset[int] = frozenset()
+    names: frozenset[str] = frozenset()
+    lanes: int | None = None
 
 
 def read_limits(text: Text) -> tuple[PostedLimit, ...]:
     """The limits of a text."""
-    is_metric = any(
-        item.kinds.get("mph") == "kmh" for sentence in text.sentences for item in sentence.items
-    ) and not any(item.kinds.get("mph") == "mph" for sentence in text.sentences for item in sentence.items)
-    found = [limit for sentence in text.sentences for limit in _of_sentence(sentence, text, is_metric=is_metric)]
-    return tuple(dict.fromkeys(found))
+    units = {item.get("mph") for sentence in text.sentences for item in sentence.items}
+    usual = "kmh" if "mph" not in units and ("kmh" in units or _METRIC.search(text.summary)) else "mph"
+    return tuple(dict.fromkeys(each for sentence in text.sentences for each in _of_sentence(sentence, text, usual)))
 
 
-def _of_sentence(sentence: Sentence, text: Text, *, is_metric: bool) -> Iterator[PostedLimit]:
-    items = sentence.items
+def _of_sentence(sentence: Sentence, text: Text, usual: str) -> Iterator[PostedLimit]:
+    items, end, told = sentence.items, 0, wording(sentence)
+    for place in range(len(items)):
+        if place >= end and (_is_worded(told, place) or _is_limit(items, place)) and not _is_no_limit(told, place):
+            most = _MOST_MPH if _OF_MILES.search(text.summary) else _USUAL_MPH
+            unit = items.at(place + 1).get("mph") or ("kmh" if items[place].get("number") > most else None)
+            value, last = _in_mph(items, place, unit or usual)
+            end = last + 1
+            if _LEAST <= value <= MAX_SPEED_LIMIT:
+                limit = PostedLimit(value, 0.93 if unit else 0.85, items.span(place, last))
+                yield _posted(limit, items, place, last, sentence, text)
+
+
+def _is_worded(told: Wording, place: int) -> bool:
+    """Whether the words before or after a number make it a limit: "they let you go 55", "45 on the sign"."""
+    number = told.items[place].get("number")
+    if not isinstance(number, int) or number < _LEAST_TOLD or (number % 5 and not told.items.at(place + 1).is_a("mph")):
+        return False
+    if told.items.cut(place - 4, place).has("advisory"):
+        return False
+    at = told.places[place]
+    before, after = told.text[:at], f"# {told.text[at:].partition(' ')[2]}".strip()
+    if any(pattern.search(after) for pattern in patterns("limit_never_after")):
+        return False
+    led = any(
+        match.end() <= at
+        for pattern in patterns("limit_before")
+        for match in pattern.finditer(f"{before}{after}" if "#" in pattern.pattern else before)
+        if match.end() == at
+    )
+    there = any(pattern.search(after) for pattern in patterns("limit_place"))
+    there &= not any(pattern.search(before) for pattern in patterns("limit_never"))
+    return led or there or any(pattern.search(after) for pattern in patterns("limit_after"))
+
+
+def _is_no_limit(told: Wording, place: int) -> bool:
+    """Whether a number is a speed that was driven, or none."""
+    at = told.places[place]
+    before, after = told.text[:at], f"#{told.text[at:].partition(' ')[2]}"
+    after = after.replace("#", "# ", 1) if len(after) > 1 else after
+    if any(pattern.search(after) for pattern in patterns("limit_after")):
+        return any(pattern.search(before) for pattern in patterns("limit_never")[2:3])
+    never = any(pattern.search(before) for pattern in patterns("limit_never"))
+    return never or any(pattern.search(after) for pattern in patterns("limit_never_after"))
+
+
+def _is_limit(items: Words, place: int) -> bool:
+    """Whether a number is a limit, and no speed driven, no count of lanes, no time."""
+    number, unit, after = items[place].get("number"), items.at(place + 1).get("mph"), items.at(place + 1)
+    if not isinstance(number, int | float) or number < _LEAST:
+        return False
     says = any(item.verb is not None and item.verb.kind == "say" for item in items)
-    words = [
-        place for place, item in enumerate(items) if item.is_a("limit") or (says and item.low in {"sign", "signs"})
-    ]
-    used: set[int] = set()
-    for place, item in enumerate(items):
-        number = item.kinds.get("number")
-        if not isinstance(number, int | float) or place in used or number < _LEAST:
-            continue
-        unit = items[place + 1].kinds.get("mph") if place + 1 < len(items) else None
-        nearest = min((abs(place - word) for word in words), default=99)
-        listed = any(item.is_a("time", "weather") for item in items) and all(item.verb is None for item in items)
-        alone = unit is not None and (len(items) <= 3 or listed)
-        zone = (
-            alone
-            or (place + 1 < len(items) and items[place + 1].low in {"zone", "limit"})
-            or (place + 2 < len(items) and unit and items[place + 2].low in {"zone", "limit", "road"})
-        )
-        is_fact = _is_road_fact(items, place) and (
-            unit is not None or (number % 5 == 0 and place > 0 and items[place - 1].low == ",")
-        )
-        if nearest > _REACH + (10 if unit else 0) and not zone and not is_fact:
-            continue
-        if (
-            unit is None
-            and not zone
-            and not is_fact
-            and (
-                nearest > _REACH
-                or number % 5
-                or (place + 1 < len(items) and items[place + 1].is_a("lane", "thing", "body", "time"))
-                or not _is_bare_limit(items, place, words)
-            )
-        ):
-            continue
-        if (
-            any(each.is_a("advisory", "speed") for each in items[max(0, place - 4) : place])
-            and not any(each.is_a("limit") for each in items[max(0, place - 3) : place])
-            and not zone
-        ):
-            follows = any(each.is_a("limit") for each in items[place + 1 : place + 8])
-            if not follows or any(each.is_a("advisory") for each in items[max(0, place - 4) : place]):
-                continue
-        value, last = _in_mph(items, place, unit or ("kmh" if is_metric else "mph"))
-        used.update(range(place, last + 1))
-        if not _LEAST <= value <= MAX_SPEED_LIMIT:
-            continue
-        ways, vehicles, names, lanes = _place(items, place, last, sentence, text)
-        yield PostedLimit(
-            value, ways, vehicles, names, lanes, 0.93 if unit else 0.85, Span(item.span.start, items[last].span.end)
-        )
-
-
-def _is_bare_limit(items: Sequence[Item], place: int, words: Sequence[int]) -> bool:
-    """Whether nothing else comes between the word "limit" and a number without a unit."""
-    word = min(words, key=lambda each: abs(each - place))
-    between = items[min(word, place) + 1 : max(word, place)]
-    return not any(
-        each.is_a("number", "time", "name", "body", "verb")
-        and not (each.verb is not None and each.verb.kind in {"say", "see"})
-        for each in between
+    words = [at for at, each in enumerate(items) if each.is_a("limit") or (says and each.low in {"sign", "signs"})]
+    word = min(words, key=lambda at: abs(at - place), default=None)
+    distance = abs(word - place) if word is not None else 99
+    listed = len(items) <= 3 or (items.has("time", "weather") and all(item.verb is None for item in items))
+    bare = items.has("lane", "road") and not items.has("thing", "body", "name", "person", "pronoun", "insured")
+    listed |= bare and place > 0 and items.at(place - 1).low in {",", ":", ";", "(", "-"}
+    zone = (unit and items.at(place + 2).low in {"zone", "limit", "road"}) or after.low in {"zone", "limit"}
+    if (unit and listed) or zone:
+        return True
+    is_it = items.at(place - 1).low in {"'s", "is", "was"} and items.at(place - 2).low in {"it", "limit"}
+    if is_it and number % 5 == 0 and after.low in word_set("road_follows") and items.at(place - 2).low == "it":
+        return True  # "it's 40 there"
+    of_clock = items.at(place - 1).low == ":" and items.at(place - 2).is_a("number")
+    if of_clock or after.low in word_set("clock_marks"):
+        return False
+    before = items.cut(place - 5, place)
+    driven = any(each.verb is not None and each.verb.kind != "own" for each in before)
+    of_road = before.has("lane", "road", "divided", "each", "two_way", "middle_lane") and not driven
+    is_fact = (
+        of_road
+        and items.at(place - 1).low not in word_set("driven_at")
+        and (unit is not None or (number % 5 == 0 and items.at(place - 1).low == ","))
     )
+    if not is_fact and distance > (_FAR_REACH if unit else _REACH):
+        return False
+    if (
+        not is_fact
+        and not unit
+        and (number % 5 or after.is_a("lane", "thing", "body", "time") or _parted(items, place, word))
+    ):
+        return False
+    near = items.cut(place - 4, place)
+    if near.has("advisory", "speed") and not near.cut(1).has("limit"):
+        return items.cut(place + 1, place + 8).has("limit") and not near.has("advisory")
+    return True
 
 
-def _is_road_fact(items: Sequence[Item], place: int) -> bool:
-    """Whether a speed stands among facts about the road: "2 lane rd, 45 mph"."""
-    near = items[max(0, place - 5) : place]
-    return any(each.is_a("lane", "road", "divided", "each", "two_way", "middle_lane") for each in near) and not any(
-        each.verb is not None and each.verb.kind != "own" for each in near
-    )
+def _parted(items: Words, place: int, word: int | None) -> bool:
+    """Whether something else comes between the word "limit" and a number without a unit."""
+    between = items.cut(min(word or place, place) + 1, max(word or place, place))
+    said = {"say", "see"}
+    others = [each for each in between if each.is_a("number", "time", "name", "body", "verb")]
+    return any(each.verb is None or each.verb.kind not in said for each in others)
 
 
-def _in_mph(items: Sequence[Item], place: int, unit: str) -> tuple[int, int]:
+def _in_mph(items: Words, place: int, unit: str) -> tuple[int, int]:
     """The value in miles, and the last word of it: "72 km/h (45 mph)" says it twice, and best in miles."""
-    number = items[place].kinds["number"]
-    last = place + 1 if place + 1 < len(items) and items[place + 1].is_a("mph") else place
-    for ahead in range(last + 1, min(last + 4, len(items) - 1)):
-        other = items[ahead].kinds.get("number")
-        if isinstance(other, int | float) and items[ahead + 1].is_a("mph") and items[ahead + 1].kinds["mph"] != unit:
-            if items[ahead + 1].kinds["mph"] == "mph":
-                return round(other), ahead + 1
-            return round(number), ahead + 1
-        if items[ahead].low not in {"(", "/", "or", ","}:
+    number = items[place].get("number")
+    last = place + items.at(place + 1).is_a("mph")
+    for ahead in range(last + 1, last + 4):
+        other, its_unit = items.at(ahead).get("number"), items.at(ahead + 1).get("mph")
+        if isinstance(other, int | float) and its_unit and its_unit != unit:
+            return round(other if its_unit == "mph" else number), ahead + 1
+        if items.at(ahead).low not in {"(", "/", "or", ","}:
             break
     return round(number if unit == "mph" else number / _KMH), last
 
 
-def _place(
-    items: Sequence[Item], place: int, last: int, sentence: Sentence, text: Text
-) -> tuple[frozenset[Position], frozenset[int], frozenset[str], int | None]:
+def _posted(limit: PostedLimit, items: Words, place: int, last: int, sentence: Sentence, text: Text) -> PostedLimit:
     """What a limit is posted for, from the words around it up to the next limit."""
-    numbers = [
-        at
-        for at, item in enumerate(items)
-        if item.is_a("mph") and at > 0 and isinstance(items[at - 1].kinds.get("number"), int | float)
-    ]
-    end = next((at - 1 for at in numbers if at > last), len(items))
-    begin = max((at + 1 for at in numbers if at < place), default=0)
-    after = items[last + 1 : min(end, last + 9)]
-    before = items[max(begin, place - 14) : place]
-    for part in (after if any(each.low in {"for", "on", "in", "along", "both"} for each in after[:2]) else [], before):
-        if not part:
-            continue
-        if any(each.low == "both" for each in part):
-            return frozenset(), frozenset(), frozenset(), None
-        ways = {way for each in part if (way := direction(each)) is not None and each.is_a("bound")}
-        axes = [AXES[each.kinds["axis"]] for each in part if each.is_a("axis")]
-        found = frozenset().union(*axes) if axes else frozenset(ways)
-        vehicles = frozenset(
-            vehicle
-            for mention in text.spoken.mentions[sentence.index]
-            if part[0].span.start <= mention.span.start < part[-1].span.end
-            and mention.description is not None
-            and _belongs(items, mention.first, mention.last)
-            for vehicle in mention.vehicles
-        )
-        lanes = next(
-            (
-                each.kinds["number"]
-                for each, following in itertools.pairwise(part)
-                if each.is_a("number") and following.is_a("lane")
-            ),
-            None,
-        )
-        names = frozenset(
-            _name(each)
-            for each, following in zip(part, [*part[1:], None], strict=False)
-            if (each.text[:1].isupper() and each.is_a("ordinal"))
-            or (
-                each.text[:1].isupper()
-                and not each.kinds
-                and not each.text.isupper()
-                and each.span.start > sentence.span.start
-            )
-            or (
-                each.text[:1].isupper()
-                and not each.kinds
-                and following is not None
-                and (following.is_a("road") or following.is_a("auxiliary"))
-            )
-        )
-        if found or vehicles or lanes or names:
-            return found, vehicles, names, lanes
-    return frozenset(), frozenset(), frozenset(), None
+    units = [at for at, item in enumerate(items) if item.is_a("mph") and items.at(at - 1).is_a("number")]
+    end = min([at - 1 for at in units if at > last], default=len(items))
+    begin = max([at + 1 for at in units if at < place], default=0)
+    after, before = items.cut(last + 1, min(end, last + 9)), items.cut(max(begin, place - 14), place)
+    for part in (after if after.cut(0, 2).says({"for", "on", "in", "along", "both"}) else Words(), before):
+        if part.says({"both"}):
+            return limit
+        axes = [AXES[item.get("axis")] for item in part if item.is_a("axis")]
+        ways = frozenset(way for item in part if item.is_a("bound") and (way := direction(item)) is not None)
+        mine = [
+            each
+            for each in text.spoken.mentions[sentence.index]
+            if part and part[0].span.start <= each.span.start < part[-1].span.end and each.description is not None
+        ]
+        belongs = [
+            each for each in mine if items.at(each.first - 1).low == "for" or items.at(each.last + 1).low == "'s"
+        ]
+        vehicles = frozenset(vehicle for each in belongs for vehicle in each.vehicles)
+        pairs = itertools.pairwise(part)
+        lanes = next((one.get("number") for one, other in pairs if one.is_a("number") and other.is_a("lane")), None)
+        names = frozenset(_name(item) for at, item in enumerate(part) if _is_road_name(part, at, sentence.span.start))
+        if axes or ways or vehicles or lanes or names:
+            found = frozenset().union(*axes) if axes else ways
+            return PostedLimit(limit.mph, limit.confidence, limit.span, found, vehicles, names, lanes)
+    return limit
+
+
+def _is_road_name(part: Words, at: int, start: int) -> bool:
+    item, after = part[at], part.at(at + 1)
+    proper = not item.kinds and (
+        after.is_a("road", "auxiliary") or (not item.text.isupper() and item.span.start > start)
+    )
+    return item.is_name and (proper or item.is_a("ordinal"))
 
 
 def _name(item: Item) -> str:
     """A road's name; "4th" and "Fourth" are one."""
-    return str(item.kinds.get("ordinal", item.low))
-
-
-def _belongs(items: Sequence[Item], first: int, last: int) -> bool:
-    """Whether a limit is said to be this vehicle's: "for V2", "V2's limit"."""
-    return (first > 0 and items[first - 1].low == "for") or (last + 1 < len(items) and items[last + 1].low == "'s")
+    return str(item.get("ordinal") or item.low)
 
 
 def claim_limits(text: Text, limits: Sequence[PostedLimit]) -> Iterator[Claim]:
     """The claims about the vehicles' limits that need no direction: those for one vehicle, or for all."""
     roads = _roads_of_vehicles(text)
-    for limit in limits:
-        for vehicle in range(text.count):
-            mine = roads.get(vehicle, frozenset())
-            others = (
-                frozenset().union(*(names for each, names in roads.items() if each != vehicle))
-                if roads
-                else frozenset()
-            )
-            if limit.vehicles:
-                confidence = limit.confidence if vehicle in limit.vehicles else 0.35
-            elif limit.names & mine:
-                confidence = limit.confidence
-            elif limit.names and limit.names & others:
-                confidence = 0.3 if mine else 0.62
-            elif limit.names and mine and len({each.mph for each in limits}) > 1:
-                confidence = 0.3
-            elif (limit.ways or limit.lanes) and not limit.names:
-                continue
-            else:
-                confidence = limit.confidence - (0.2 if len({each.mph for each in limits}) > 1 else 0.0)
-            yield claim(
-                of_vehicle(vehicle, "speed_limit_mph"),
-                limit.mph,
-                confidence,
-                "the limit posted there" if confidence > 0.5 else "a limit posted elsewhere",
-                limit.span,
-            )
+    several = len({each.mph for each in limits}) > 1
+    for limit, vehicle in itertools.product(limits, range(text.count)):
+        mine = roads.get(vehicle, set())
+        elsewhere = any(limit.names & names for each, names in roads.items() if each != vehicle)
+        sure = limit.confidence - 0.2 * several
+        if limit.vehicles:
+            sure = limit.confidence if vehicle in limit.vehicles else 0.35
+        elif limit.names & mine:
+            sure = limit.confidence
+        elif limit.names and (elsewhere or (mine and several)):
+            sure = 0.3 if mine else 0.62
+        elif (limit.ways or limit.lanes) and not limit.names:
+            continue
+        reason = "the limit posted there" if sure > 0.5 else "a limit posted elsewhere"
+        yield claim(of_vehicle(vehicle, "speed_limit_mph"), limit.mph, sure, reason, limit.span)
 
 
-def _roads_of_vehicles(text: Text) -> dict[int, frozenset[str]]:
+def _roads_of_vehicles(text: Text) -> dict[int, set[str]]:
     """By vehicle: the names of the roads that it is said to travel on."""
     found: dict[int, set[str]] = {}
     for clause in text.clauses:
-        if clause.subject is None or clause.kind not in {
-            "",
-            "travel",
-            "approach",
-            "stop",
-            "emerge",
-            "slow",
-            "continue",
-        }:
-            continue
-        words = [*clause.head, *clause.tail]
-        for place, item in enumerate(words):
-            if (
-                item.low in {"on", "along", "down", "off"}
-                and place + 1 < len(words)
-                and (words[place + 1].text[:1].isupper() or words[place + 1].is_a("ordinal"))
-            ):
+        for item, after in itertools.pairwise(clause.words) if clause.kind in _ON_ROAD else ():
+            if item.low in {"on", "along", "down", "off"} and (after.is_name or after.is_a("ordinal")):
                 for vehicle in clause.subject.vehicles:
-                    found.setdefault(vehicle, set()).add(_name(words[place + 1]))
-    return {vehicle: frozenset(names) for vehicle, names in found.items()}
+                    found.setdefault(vehicle, set()).add(_name(after))
+    return found

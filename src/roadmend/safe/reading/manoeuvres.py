@@ -1,184 +1,128 @@
 """What the vehicles do: turn, stand, change lane, come over the centre line."""
 
-from collections.abc import Iterator, Sequence
+import itertools
+from collections.abc import Iterator
 
 from roadmend.safe.claims import Claim, Span
 from roadmend.safe.dsl import Action, Manoeuvre, Side
 from roadmend.safe.reading.clauses import STRIKES, Clause
 from roadmend.safe.reading.facts import Text, claim, crash_places, of_vehicle, weakened
-from roadmend.safe.reading.tokens import Item
+from roadmend.safe.reading.lexicon import word_set
+from roadmend.safe.reading.tokens import Item, Words
 
-_TURNS = {"Left": Action.TURN_LEFT, "Right": Action.TURN_RIGHT}
+_TURNS = {Side.LEFT: Action.TURN_LEFT, Side.RIGHT: Action.TURN_RIGHT}
 _REACH = 4  # words between "turn" and "left"
-_NOT_A_TURN = frozenset({"wheel", "steering", "head", "signal", "indicator", "blinker", "arrow"})
-_STRAIGHT = frozenset({"straight", "through", "thru", "straight ahead", "straight through", "across"})
+_OF_ANOTHER = 0.8  # of its confidence is left to what a sentence says of nobody whom it names
+_STRAYS = frozenset({"drift", "approach", "depart", "travel", "change_lane"})
+_IN_LANE = frozenset({"travel", "stop", "", "slow", "approach", "intend"})
+_MAY_TURN = _IN_LANE | {"do", "begin", "fail", "continue", "emerge"}
 
 
 def read_manoeuvres(text: Text) -> Iterator[Claim]:
     """The claims of a text about actions and manoeuvres."""
     afterwards = crash_places(text.clauses)
     for place, clause in enumerate(text.clauses):
-        if clause.subject is None or not clause.subject.vehicles or clause.is_denied:
-            continue
-        for what, value, confidence, reason, span in _of_clause(clause):
-            if afterwards[place] and what == "manoeuvre" and value is Manoeuvre.RUN_OFF:
-                continue
-            for vehicle in clause.subject.vehicles:
-                sure = confidence if clause.subject.span.start >= clause.sentence.span.start else 0.6 * confidence
-                yield claim(of_vehicle(vehicle, what), value, weakened(sure, is_after=afterwards[place]), reason, span)
-    for row in text.spoken.mentions:
-        for mention in row:
-            for trait in mention.traits:
-                for vehicle in mention.vehicles[:1]:
-                    if trait.is_a("parked"):
-                        yield claim(
-                            of_vehicle(vehicle, "manoeuvre"),
-                            Manoeuvre.PARKED,
-                            0.9,
-                            f"it is called {trait.low}",
-                            trait.span,
-                        )
-                    elif trait.is_a("stationary"):
-                        yield claim(
-                            of_vehicle(vehicle, "manoeuvre"),
-                            Manoeuvre.STOP,
-                            0.85,
-                            f"it is called {trait.low}",
-                            trait.span,
-                        )
+        is_own = clause.subject.span.start >= clause.sentence.span.start
+        for what, value, confidence, reason, span in () if clause.is_denied else _of_clause(clause):
+            sure = weakened(confidence if is_own else _OF_ANOTHER * confidence, is_after=afterwards[place])
+            if not (afterwards[place] and value is Manoeuvre.RUN_OFF):
+                for vehicle in clause.subject.vehicles:
+                    yield claim(of_vehicle(vehicle, what), value, sure, reason, span)
+    for mention in itertools.chain(*text.spoken.mentions):
+        for trait in mention.traits if mention.vehicles else ():
+            path, reason = of_vehicle(mention.vehicles[0], "manoeuvre"), f"it is called {trait.low}"
+            if trait.is_a("parked", "stationary"):
+                yield claim(path, Manoeuvre.PARKED if trait.is_a("parked") else Manoeuvre.STOP, 0.9, reason, trait)
 
 
 def _of_clause(clause: Clause) -> Iterator[tuple[str, Action | Manoeuvre, float, str, Span]]:
-    turn = turn_of(clause)
+    turn, kind, governed = turn_of(clause), clause.kind, clause.governed
     if turn is not None:
         hand, confidence, span = turn
-        meant = bool(clause.governed & {"intend"}) or clause.kind in {"intend", "stop"}
-        waits = bool(clause.governed & {"stop"}) or clause.kind == "stop"
-        confidence = min(confidence, 0.86 if waits else 0.92 if meant else 1.0)
-        yield (
-            "action",
-            _TURNS[hand.value],
-            confidence,
-            "it is said to turn that way" if not meant else "it is said to mean to turn that way",
-            span,
+        limit = (
+            0.86 if "stop" in governed or kind == "stop" else 0.92 if "intend" in governed or kind == "intend" else 1.0
         )
-    words = [*clause.head, *clause.tail]
-    kind, meant = clause.kind, bool(clause.governed & {"intend", "avoid"})
+        yield "action", _TURNS[hand], min(confidence, limit), "it is said to turn, or to mean to turn, that way", span
     if kind in {"continue", "travel", "approach"}:
-        straight = next((item for item in clause.tail if item.low in _STRAIGHT or item.is_a("straight")), None)
+        straight = next(
+            (item for item in clause.tail if item.low in word_set("straight_on") or item.is_a("straight")), None
+        )
         if straight is not None and turn is None:
             yield "action", Action.MOVE_FORWARD, 0.85, "it is said to go straight on", straight.span
-        elif kind == "continue" or (
-            "intend" in clause.governed and any(item.is_a("compass", "bound") for item in clause.tail)
-        ):
-            yield "straight_on", Action.MOVE_FORWARD, 0.8, "it meant to go on its way", clause.span
-    found: tuple[Manoeuvre, float] | None = None
-    has = {
-        name: any(item.is_a(name) for item in words)
-        for name in ("centerline", "wrong", "driveway", "shoulder", "lane", "ramp", "parked", "stationary")
-    }
     if kind == "uturn":
-        found = Manoeuvre.U_TURN, 0.9
-        if True:
-            yield "action", Action.TURN_LEFT, 0.9, "a U-turn leads to the left", clause.span
-    elif kind == "park" or (kind == "" and has["parked"]):
-        found = Manoeuvre.PARKED, 0.9
-    elif kind == "reverse":
-        found = Manoeuvre.REVERSE, 0.9
-    elif kind == "stop" or (
-        kind == "" and has["stationary"] and clause.subject is not None and not clause.subject.part
-    ):
-        found = Manoeuvre.STOP, 0.6 if meant else 0.75
-    elif (
-        kind in {"drift", "approach", "depart", "travel", "change_lane"} and (has["centerline"] or has["wrong"])
-    ) and not clause.is_denied:
-        found = Manoeuvre.ENTER_THE_WRONG_WAY, 0.85
-    elif kind == "change_lane":
-        lemma = clause.verb.lemma if clause.verb is not None else ""
-        found = (Manoeuvre.MERGE if lemma in {"merge", "filter", "join"} else Manoeuvre.CHANGING_LANE), 0.8
-    elif kind == "overtake":
-        found = Manoeuvre.OVERTAKE, 0.7
-    elif kind == "emerge" and has["driveway"]:
-        found = Manoeuvre.LEAVE_DRIVEWAY, 0.85
-    elif kind == "depart" and any(item.is_a("road", "shoulder") for item in words):
-        found = Manoeuvre.RUN_OFF, 0.8
+        yield "action", Action.TURN_LEFT, 0.9, "a U-turn leads to the left", clause.span
+    meant = bool(governed & {"intend", "avoid"})
+    found = _manoeuvre(clause)
     if found is not None and not (meant and kind in {"stop", "drift", "depart"}):
-        yield "manoeuvre", found[0], found[1], "the text says so", clause.span
+        yield "manoeuvre", *found, "the text says so", clause.span
+
+
+def _manoeuvre(clause: Clause) -> tuple[Manoeuvre, float] | None:
+    kind, words = clause.kind, clause.words
+    if kind == "park" or (kind == "" and words.has("parked")):
+        return Manoeuvre.PARKED, 0.9
+    if kind == "stop" or (kind == "" and words.has("stationary") and clause.subject.part is None):
+        return Manoeuvre.STOP, 0.75
+    if kind in _STRAYS and words.has("centerline", "wrong"):
+        return Manoeuvre.ENTER_THE_WRONG_WAY, 0.85
+    if kind == "change_lane":
+        return Manoeuvre.MERGE if clause.lemma in {"merge", "filter", "join"} else Manoeuvre.CHANGING_LANE, 0.8
+    if kind == "emerge" and words.has("driveway"):
+        return Manoeuvre.LEAVE_DRIVEWAY, 0.85
+    if kind == "depart" and words.has("road", "shoulder"):
+        return Manoeuvre.RUN_OFF, 0.8
+    plain = {
+        "uturn": (Manoeuvre.U_TURN, 0.9),
+        "reverse": (Manoeuvre.REVERSE, 0.9),
+        "overtake": (Manoeuvre.OVERTAKE, 0.7),
+    }
+    return plain.get(kind)
 
 
 def turn_of(clause: Clause) -> tuple[Side, float, Span] | None:
     """Which way a clause says that its subject turns, how surely, and where it says so."""
-    if clause.kind in STRIKES | {"after", "own", "see", "drift"} and clause.kind != "own":
-        items = clause.head
-    else:
-        items = [*clause.head, *clause.tail]
-    if clause.kind in {"turn", "do", "change_lane"} or (
-        clause.verb is not None and clause.verb.lemma in {"hang", "bear"}
-    ):
-        for place, item in enumerate(clause.tail[:_REACH]):
-            if any(each.low in _NOT_A_TURN for each in clause.tail[place : place + 3]) or (
-                clause.tail[place + 1 : place + 2] and clause.tail[place + 1].is_a("lane")
-            ):
-                break
-            if item.is_a("hand") and (clause.kind == "turn" or (clause.kind == "do" and _is_bare(clause.tail, place))):
-                return Side(item.kinds["hand"]), 0.96, Span(clause.span.start, item.span.end)
-    if clause.kind in {"travel", "emerge"} and clause.verb is not None and clause.verb.lemma in {"go", "head", "pull"}:
-        for place, item in enumerate(clause.tail[:2]):
-            after = clause.tail[place + 1] if place + 1 < len(clause.tail) else None
-            if (
-                item.is_a("hand")
-                and (after is None or after.low not in {"of", "lane"})
-                and not any(each.low in {"the", "from", "to"} for each in clause.tail[:place])
-            ):
-                return Side(item.kinds["hand"]), 0.85, item.span
+    for place, item in enumerate(clause.tail.cut(0, _REACH) if clause.kind in {"turn", "do"} else ()):
+        if _is_no_turn(clause.tail, place) or clause.tail.at(place + 1).is_a("lane"):
+            break
+        if item.is_a("hand") and (clause.kind == "turn" or _is_bare(clause.tail, place)):
+            return Side(item.get("hand")), 0.96, Span(clause.span.start, item.span.end)
+    for place, item in enumerate(clause.tail.cut(0, 2) if clause.lemma in {"go", "head", "pull"} else ()):
+        led = clause.tail.cut(0, place).says({"the", "from", "to"}) or clause.tail.at(place + 1).low in word_set(
+            "no_turn_after"
+        )
+        if item.is_a("hand") and not led and clause.kind in {"travel", "emerge"}:
+            return Side(item.get("hand")), 0.85, item.span
     if clause.kind == "after":
         return None
-    for place, item in enumerate(items):
-        after = items[place + 1] if place + 1 < len(items) else None
-        words = item.low.split()
-        is_turn = item.kinds.get("lanekind") == "turn" and words[0] in {"left", "right"}
-        if item.is_a("hand") and after is not None and after.low in {"turn", "turning", "turns", "hand turn"}:
-            is_turn, after, words = (
-                True,
-                items[place + 2] if place + 2 < len(items) else None,
-                [item.kinds["hand"].lower()],
-            )
-        if not is_turn or any(each.low in _NOT_A_TURN for each in items[place : place + 3]):
-            continue
-        if after is not None and after.is_a("curve"):
-            continue
-        if after is not None and (after.is_a("lane") or after.low in {"only", "bay", "pocket"}):
-            led = items[place - 1] if place else None
-            led_in = any(each.low == "in" for each in items[max(0, place - 4) : place])
-            counted = any(
-                each.is_a("number", "relative") and each.low not in {"one", "1"} for each in items[:place]
-            ) or any(each.is_a("limit") for each in items)
-            if (
-                led is not None
-                and led_in
-                and clause.kind in {"travel", "stop", "", "slow", "approach", "intend"}
-                and not counted
-            ):
-                return Side(words[0].title()), 0.8, item.span
-            continue
-        if clause.kind in {
-            "",
-            "do",
-            "begin",
-            "intend",
-            "stop",
-            "travel",
-            "slow",
-            "approach",
-            "fail",
-            "continue",
-            "emerge",
-        }:
-            return Side(words[0].title()), 0.9, item.span
-    return None
+    items = clause.head if clause.kind in STRIKES | {"see", "drift"} else clause.words
+    return next((found for place in range(len(items)) if (found := _noun_turn(clause, items, place))), None)
 
 
-def _is_bare(items: Sequence[Item], place: int) -> bool:
+def _noun_turn(clause: Clause, items: Words, place: int) -> tuple[Side, float, Span] | None:
+    """A turn that is a noun, "made a left turn", or the kind of a lane that a vehicle is in."""
+    item, after = items[place], items.at(place + 1)
+    hand = item.low.split()[0].title() if item.get("lanekind") == "turn" else ""
+    if item.is_a("hand") and after.low in {"turn", "turning", "turns", "hand turn"}:
+        hand, after = item.get("hand"), items.at(place + 2)
+    if hand not in {"Left", "Right"} or _is_no_turn(items, place) or after.is_a("curve"):
+        return None
+    if not after.is_a("lane") and after.low not in {"only", "bay", "pocket"}:
+        return (Side(hand), 0.9, item.span) if clause.kind in _MAY_TURN else None
+    before = items.cut(0, place)
+    counted = any(each.is_a("number", "relative") and each.low not in {"one", "1"} for each in before)
+    in_it = before.cut(place - 4).says({"in"}) and clause.kind in _IN_LANE
+    return (Side(hand), 0.8, item.span) if in_it and not counted and not items.has("limit") else None
+
+
+def _is_no_turn(items: Words, place: int) -> bool:
+    return items.cut(place, place + 3).says(word_set("not_a_turn"))
+
+
+def _is_bare(items: Words, place: int) -> bool:
     """Whether a hand after "made a" is itself the turn: "making a left onto"."""
-    after = items[place + 1] if place + 1 < len(items) else None
-    return after is None or after.is_a("preposition", "conjunction", "verb") or after.low in {"turn", ",", ".", "turns"}
+    after: Item = items.at(place + 1)
+    return (
+        not after.low
+        or after.is_a("preposition", "conjunction", "verb", "relative")
+        or after.low in {"turn", ",", ".", "turns"}
+    )

@@ -4,346 +4,269 @@ from collections.abc import Iterator, Sequence
 
 from roadmend.safe.claims import Claim, Span
 from roadmend.safe.dsl import Compass, Control, RoadType, Side
-from roadmend.safe.reading.facts import Text, claim
-from roadmend.safe.reading.tokens import Item
+from roadmend.safe.reading.clauses import Clause
+from roadmend.safe.reading.facts import Text, claim, of_vehicle
+from roadmend.safe.reading.lexicon import word_set
+from roadmend.safe.reading.naming import Mention, MentionKind
+from roadmend.safe.reading.tokens import Item, Words
+from roadmend.safe.reading.wording import Wording, found, wording
 
 _SIDES = {"N": Compass.NORTH, "S": Compass.SOUTH, "E": Compass.EAST, "W": Compass.WEST}
-_FAR = frozenset(
-    {
-        "near",
-        "past",
-        "beyond",
-        "after",
-        "from",
-        "of",
-        "toward",
-        "towards",
-        "feet",
-        "meters",
-        "metres",
-        "yards",
-        "miles",
-        "km",
-        "adjacent",
-        "next",
-        "until",
-    }
-)
-_AT_IT = frozenset(
-    {
-        "at",
-        "in",
-        "into",
-        "through",
-        "within",
-        "entered",
-        "enter",
-        "entering",
-        "approaching",
-        "approached",
-        "crossing",
-        "cross",
-    }
-)
+_CONTROLS = {"stop_sign": Control.STOP_SIGN, "yield_sign": Control.YIELD_SIGN, "signal": Control.SIGNAL}
 _NEAR = 5  # words
+_ON_ROAD = frozenset({"", "travel", "approach", "emerge", "turn", "stop", "continue"})
+_JOINING = _ON_ROAD | {"change_lane", "intend", "drift", "begin", "do", "depart", "continue", "slow", "follow"}
+_AT_DRIVEWAY = frozenset({"emerge", "turn", "reverse", "depart", "begin", "travel", "intend", "do"})
 
 
 def read_roads(text: Text) -> Iterator[Claim]:
     """The claims of a text about its road."""
     for sentence in text.sentences:
-        items = sentence.items
-        for place, item in enumerate(items):
-            yield from _of_word(items, place, item)
-        yield from _stems(items)
-        yield from _corner(items)
-    yield from _of_clauses(text)
+        for place, item in enumerate(sentence.items):
+            if not sentence.items.cut(place - 2, place).has("negation"):
+                yield from _shape(sentence.items, place)
+                yield from _order(item)
+            yield from _stem(sentence.items, place)
+            yield from _corner(sentence.items, place)
+    yield from _worded_stem(text)
+    yield from _ramps(text)
     yield from _on_stem(text)
+    yield from _single_on_stem(text)
+    for clause in text.clauses:
+        yield from _turns_off(clause, text)
 
 
-def _of_word(items: Sequence[Item], place: int, item: Item) -> Iterator[Claim]:
-    before, after = items[max(0, place - _NEAR) : place], items[place + 1 : place + 1 + _NEAR]
-    denied = any(each.is_a("negation") or each.low in {"no", "not"} for each in before[-2:])
-    if item.is_a("junction") and not denied and not (before and before[-1].is_a("ramp")):
-        is_tee = item.kinds["junction"] == "tee"
-        led = {each.low for each in before[-4:]}
-        distant = (any(each.is_a("compass") for each in before[-3:]) and "of" in led) or bool(
-            led & {"feet", "meters", "metres", "yards", "adjacent", "prior", "past", "next", "before", "after"}
-        )
-        weight = 0.6 if distant else 0.9
-        if is_tee:
-            yield claim(
-                "road_type", RoadType.T_INTERSECTION, weight + 0.06, f"the text speaks of a {item.low}", item.span
-            )
-        else:
-            at_it = led & _AT_IT or any(
-                each.verb is not None and each.verb.kind in {"approach", "turn"} for each in before
-            )
-            yield claim(
-                "road_type",
-                RoadType.INTERSECTION,
-                weight if at_it else weight - 0.15,
-                f"the text speaks of an {item.low}",
-                item.span,
-            )
-    elif item.is_a("curve") and not denied and not item.is_a("junction"):
-        if not any(each.is_a("stop_sign") or each.low in {"warning", "airbag", "airbags"} for each in after[:1]):
-            yield claim("road_type", RoadType.CURVE, 0.85, f"the text speaks of a {item.low}", item.span)
-            hand = next((each for each in [*reversed(before[-3:]), *after[:4]] if each.is_a("hand")), None)
-            if hand is not None:
-                yield claim("bend", Side(hand.kinds["hand"]), 0.85, "the text says which way the road bends", hand.span)
-    elif item.is_a("straight") and not denied:
-        road_near = any(
-            each.is_a("road", "lane") or each.low in {"level", "stretch", "section"}
-            for each in [*before[-4:], *after[:4]]
-        )
-        goes = any(each.verb is not None for each in before[-2:])
-        if road_near and not goes and not (after and after[0].is_a("lane")):
-            yield claim("road_type", RoadType.STRAIGHT, 0.75, "the road is called straight", item.span)
-    if item.is_a("undivided"):
-        yield claim("is_divided", value=False, confidence=0.9, reason=f"the text says {item.low}", where=item.span)
-    elif (item.is_a("divided") or item.kinds.get("road") == "divided") and not denied:
+def _shape(items: Words, place: int) -> Iterator[Claim]:
+    """Words for junctions and bends."""
+    item, before, after = items[place], items.cut(place - _NEAR, place), items.cut(place + 1, place + 5)
+    led = {each.low for each in before}
+    if item.is_a("junction") and not before.cut(-1).has("ramp"):
+        aside = (before.cut(-3).has("compass") and "of" in led) or bool(led & word_set("far_from"))
+        comes = any(each.verb is not None and each.verb.kind in {"approach", "turn"} for each in before)
+        sure = (0.6 if aside else 0.9) - (0.0 if comes or led & word_set("at_it") else 0.15)
+        is_tee = item.get("junction") == "tee"
+        kind = RoadType.T_INTERSECTION if is_tee else RoadType.INTERSECTION
         yield claim(
-            "is_divided",
-            value=True,
-            confidence=0.9 if item.is_a("divided") else 0.7,
-            reason=f"the text says {item.low}",
-            where=item.span,
+            "road_type", kind, 0.66 if is_tee and aside else 0.96 if is_tee else sure, f"it says {item.low}", item
         )
-    if (
-        item.is_a("signal", "stop_sign", "yield_sign")
-        and not denied
-        and item.low not in {"signal", "lights", "signals", "signaled"}
-    ):
-        yield claim("road_type", RoadType.INTERSECTION, 0.62, f"the text speaks of a {item.low}", item.span)
-    for name, control in (
-        ("stop_sign", Control.STOP_SIGN),
-        ("yield_sign", Control.YIELD_SIGN),
-        ("signal", Control.SIGNAL),
-        ("uncontrolled", Control.NONE),
-    ):
-        if item.is_a(name) and not denied and item.low not in {"signal", "lights", "signals"}:
-            yield claim("control", control, 0.85, f"the text speaks of a {item.low}", item.span)
+    elif item.is_a("curve") and not items.at(place + 1).is_a("stop_sign") and items.at(place + 1).low != "warning":
+        yield claim("road_type", RoadType.CURVE, 0.85, f"the text speaks of a {item.low}", item)
+        hand = Words((*reversed(before.cut(len(before) - 3)), *after)).first("hand")
+        if hand is not None:
+            yield claim("bend", Side(hand.get("hand")), 0.85, "the text says which way the road bends", hand)
+    elif item.is_a("straight") and not after.cut(0, 1).has("lane"):
+        near = Words((*before.cut(1), *after))
+        goes = any(each.verb is not None for each in before.cut(len(before) - 2))
+        if (near.has("road", "lane") or near.says({"level", "stretch", "section"})) and not goes:
+            yield claim("road_type", RoadType.STRAIGHT, 0.75, "the road is called straight", item)
 
 
-def _stems(items: Sequence[Item]) -> Iterator[Claim]:
-    """A road that ends, and on which side it lies."""
-    for place, item in enumerate(items):
-        if (
-            item.low in {"crosses", "crossed by", "intersects"}
-            and place
-            and (items[place - 1].is_a("road", "number") or items[place - 1].text[:1].isupper())
-        ):
-            yield claim("road_type", RoadType.INTERSECTION, 0.85, "a road crosses there", item.span)
-        verb = (
-            item.low
-            in {
-                "joins",
-                "comes in",
-                "meets",
-                "enters",
-                "ends",
-                "tees",
-                "joining",
-                "dead ends",
-                "intersects",
-                "met",
-                "joined",
-                "comes",
-                "terminates",
-                "branches",
-            }
-            or item.is_a("ends")
-            or item.kinds.get("junction") == "tee"
-        )
-        if not verb:
-            continue
-        for ahead in range(place + 1, min(place + 9, len(items))):
-            side = _SIDES.get(items[ahead].kinds.get("compass", ""))
-            led = {each.low for each in items[max(place, ahead - 3) : ahead]}
-            if side is not None and led & {"from", "on"}:
-                yield claim("stem_direction", side, 0.85, "the road that ends comes from there", items[ahead].span)
-                yield claim(
-                    "road_type",
-                    RoadType.T_INTERSECTION,
-                    0.85,
-                    "a road joins from one side",
-                    Span(item.span.start, items[ahead].span.end),
-                )
-                break
-        if (
-            item.is_a("ends")
-            and not item.low.startswith(("stops", "meets", "joins"))
-            and any(each.is_a("road") or each.text[:1].isupper() for each in items[max(0, place - 6) : place])
-        ):
-            yield claim("road_type", RoadType.T_INTERSECTION, 0.85, "a road ends there", item.span)
-        if item.low in {"ends", "ends there"} and any(each.is_a("road") for each in items[:place]):
-            yield claim("road_type", RoadType.T_INTERSECTION, 0.8, "a road ends there", item.span)
+def _order(item: Item) -> Iterator[Claim]:
+    """Words for medians, signs and signals."""
+    reason = f"the text speaks of {item.low}"
+    if item.is_a("undivided", "divided") or item.get("road") == "divided":
+        sure = 0.9 if item.is_a("divided", "undivided") else 0.7
+        yield claim("is_divided", not item.is_a("undivided"), sure, reason, item)
+    if item.is_a("uncontrolled"):
+        yield claim("control", Control.NONE, 0.85, reason, item)
+    for name in _CONTROLS if item.low not in word_set("bare_signals") else ():
+        if item.is_a(name):
+            yield claim("road_type", RoadType.INTERSECTION, 0.62, reason, item)
+            yield claim("control", _CONTROLS[name], 0.85, reason, item)
+
+
+def _stem(items: Words, place: int) -> Iterator[Claim]:
+    """A road that ends or crosses, and on which side it lies."""
+    item, before = items[place], items.at(place - 1)
+    if item.low in {"crosses", "crossed by", "intersects"} and (before.is_a("road", "number") or before.is_name):
+        yield claim("road_type", RoadType.INTERSECTION, 0.85, "a road crosses there", item)
+    if not (item.low in word_set("joins") or item.is_a("ends") or item.get("junction") == "tee"):
+        return
+    for ahead in range(place + 1, min(place + 9, len(items))):
+        side = _SIDES.get(items[ahead].get("compass") or "")
+        if side is not None and items.cut(max(place, ahead - 3), ahead).says({"from", "on"}):
+            yield claim("stem_direction", side, 0.85, "the road that ends comes from there", items[ahead])
+            span = Span(item.span.start, items[ahead].span.end)
+            yield claim("road_type", RoadType.T_INTERSECTION, 0.85, "a road joins from one side", span)
+            break
+    near, meets = items.cut(place - 6, place), item.low.startswith(("stops", "meets", "joins"))
+    ends = item.is_a("ends") and not meets and (near.has("road") or any(each.is_name for each in near))
+    if ends or (item.low in {"ends", "ends there"} and items.cut(0, place).has("road")):
+        yield claim("road_type", RoadType.T_INTERSECTION, 0.85, "a road ends there", item)
+
+
+def _worded_stem(text: Text) -> Iterator[Claim]:
+    """A road that goes no further, by a turn of phrase, and the side on which the text says that it lies."""
+    told = [wording(sentence) for sentence in text.sentences]
+    ending = [
+        any(_is_of_road(each, match.start(), mentions) for match in found("stem_ends", each))
+        for each, mentions in zip(told, text.spoken.mentions, strict=True)
+    ]
+    said_tee = any(each.items.has("ends") or any(i.get("junction") == "tee" for i in each.items) for each in told)
+    for place, each in enumerate(told):
+        near = any(ending[max(0, place - 1) : place + 2])
+        if ending[place]:
+            yield claim(
+                "road_type", RoadType.T_INTERSECTION, 0.85, "a road goes no further", text.sentences[place].span
+            )
+        for match in found("stem_side", each) if near or (said_tee and not each.items.has("mph")) else ():
+            if each.items.has("collision") or (text.spoken.mentions[place] and not near):
+                continue
+            side = _SIDES.get(match[1][0].upper())
+            yield claim("stem_direction", side, 0.8 if near else 0.6, "the road that ends lies there", each.span(match))
+
+
+def _is_of_road(told: Wording, letter: int, mentions: Sequence[Mention]) -> bool:
+    """Whether it is a road that ends there, and no vehicle, lane or ramp."""
+    at, before = told.item(letter), told.items.cut(0, told.item(letter))
+    vehicle = max((each.last for each in mentions if each.last < at and each.kind is not MentionKind.IT), default=-1)
+    named = (place for place, each in enumerate(before) if each.is_a("road") or (each.is_name and not each.kinds))
+    road = max(named, default=-1)
+    pronoun = not mentions and not before.has("ramp", "lane")
+    near = before.cut(len(before) - 4)
+    of_lane = near.has("ramp") or any(each.is_a("lane") and not each.is_name for each in near)
+    return not of_lane and (road > vehicle or pronoun or told.items.at(0).low == "it")
+
+
+def _corner(items: Words, place: int) -> Iterator[Claim]:
+    """Two roads named together: "at Ninth and Colfax", "the corner of Oak and Pine"."""
+    item, names = items[place], items.cut(place + 1, place + 8)
+    joint = next((at for at, each in enumerate(names.cut(0, 4)) if each.low in {"and", "/", "&"}), 0)
+    if not (item.low == "at" or item.is_a("corner")) or not joint:
+        return
+    one, other = names.cut(0, joint), names.at(joint + 1)
+    proper = all(each.is_name or each.is_a("ordinal", "road", "number", "compass") for each in one)
+    if proper and (other.is_name or other.is_a("ordinal")) and not other.is_a("thing", "name", "body"):
+        span = Span(item.span.start, other.span.end)
+        yield claim("road_type", RoadType.INTERSECTION, 0.85, "two roads are named together", span)
 
 
 def _on_stem(text: Text) -> Iterator[Claim]:
     """Vehicles that come along the road that ends at a T, or cross the road that goes through."""
-    ending: dict[str, Span] = {}
+    ending: set[str] = set()
     for sentence in text.sentences:
         for place, item in enumerate(sentence.items):
-            if item.is_a("ends") or item.low in {"ends", "dead ends", "joins", "comes in"}:
-                near = sentence.items[max(0, place - 3) : place]
-                name = next(
-                    (
-                        each
-                        for each in reversed(near)
-                        if each.text[:1].isupper() and not each.is_a("determiner", "road", "pronoun")
-                    ),
-                    None,
-                )
-                if name is not None:
-                    ending[name.low] = item.span
+            near = sentence.items.cut(place - 3, place)
+            names = [each for each in near if each.is_name and not each.is_a("determiner", "road", "pronoun")]
+            if names and (item.is_a("ends") or item.low in {"ends", "dead ends", "joins", "comes in"}):
+                ending.add(names[-1].low)
     for clause in text.clauses:
-        if (
-            clause.subject is None
-            or len(clause.subject.vehicles) != 1
-            or clause.kind not in {"", "travel", "approach", "emerge", "turn", "stop"}
-        ):
-            continue
-        path = f"vehicles[{clause.subject.vehicles[0]}].on_stem"
-        words = [*clause.head, *clause.tail]
-        for place, item in enumerate(words):
-            led = any(
-                each.low in {"on", "along", "down", "of", "off", "from"} for each in words[max(0, place - 2) : place]
-            )
+        words = clause.words
+        for place, item in enumerate(words if clause.kind in _ON_ROAD and len(clause.subject.vehicles) == 1 else ()):
+            led = words.cut(place - 2, place).says(word_set("along"))
+            ends = item.is_a("ends") and item.low.startswith(("ends", "ended", "dead", "terminates"))
+            crosses = item.is_a("axis") and clause.kind == "approach" and clause.lemma in {"cross", "travel", "go"}
+            sure = 0.0
             if item.low in ending and led:
-                yield claim(
-                    path, value=True, confidence=0.9, reason="it comes along the road that ends there", where=item.span
-                )
+                sure = 0.9
+            elif ends and words.cut(0, place).has("road", "relative"):
+                sure = 0.85
             elif (
-                item.is_a("ends")
-                and item.low.startswith(("ends", "ended", "dead", "terminates"))
-                and any(each.is_a("road", "relative") for each in words[:place])
+                item.low == "across"
+                and words.cut(place, place + 6).has("road")
+                and clause.kind in {"continue", "travel"}
             ):
+                sure = 0.7
+            elif crosses and words.cut(place, place + 3).has("lane", "road"):
+                sure = 0.75
+            if sure:
+                reason = "it comes along the road that ends, or crosses the one that goes through"
                 yield claim(
-                    path, value=True, confidence=0.85, reason="it comes along a road that ends", where=item.span
-                )
-            elif (
-                item.is_a("axis")
-                and clause.kind == "approach"
-                and clause.verb is not None
-                and clause.verb.lemma in {"cross", "travel", "go"}
-                and any(each.is_a("lane", "road") for each in words[place : place + 3])
-            ):
-                yield claim(
-                    path, value=True, confidence=0.75, reason="it crosses the road that goes through", where=item.span
+                    of_vehicle(clause.subject.vehicles[0], "on_stem"),
+                    value=True,
+                    confidence=sure,
+                    reason=reason,
+                    where=item,
                 )
 
 
-def _corner(items: Sequence[Item]) -> Iterator[Claim]:
-    """Two roads named together: "at Ninth and Colfax", "the corner of Oak and Pine"."""
-    for place, item in enumerate(items):
-        if not (item.low == "at" or item.is_a("corner")) or place + 3 >= len(items):
-            continue
-        names = list(items[place + 1 : place + 8])
-        joint = next((at for at, each in enumerate(names) if each.low in {"and", "/", "&"}), None)
-        if joint is None or joint == 0 or joint > 3 or joint + 1 >= len(names):
-            continue
-        one, other = names[:joint], names[joint + 1]
-        proper = all(each.text[:1].isupper() or each.is_a("ordinal", "road", "number", "compass") for each in one) and (
-            other.text[:1].isupper() or other.is_a("ordinal")
-        )
-        if proper and not other.is_a("thing", "name", "body"):
-            yield claim(
-                "road_type",
-                RoadType.INTERSECTION,
-                0.85,
-                "two roads are named together",
-                Span(item.span.start, other.span.end),
-            )
-
-
-def _of_clauses(text: Text) -> Iterator[Claim]:
-    ramps: dict[int, tuple[float, Span]] = {}
+def _single_on_stem(text: Text) -> Iterator[Claim]:
+    """Who stops at a sign of a T comes along its stem; so does who runs off at the end of a road, alone."""
     for clause in text.clauses:
-        if clause.subject is None or not clause.subject.vehicles or clause.kind == "after":
+        signed = clause.words.first("stop_sign", "yield_sign")
+        if clause.kind in {"stop", "emerge"} and signed is not None and len(clause.subject.vehicles) == 1:
+            path = of_vehicle(clause.subject.vehicles[0], "on_stem")
+            yield claim(path, value=True, confidence=0.75, reason="it stops at the sign", where=signed)
+    if text.count == 1:
+        yield claim(of_vehicle(0, "on_stem"), value=True, confidence=0.75, reason="it is alone", where=None)
+
+
+def _ramps(text: Text) -> Iterator[Claim]:
+    """Vehicles that come from a ramp."""
+    ramps: dict[int, tuple[float, Item]] = {}
+    words = [item for sentence in text.sentences for item in sentence.items]
+    is_freeway = any(item.get("road") == "divided" for item in words) and not any(i.get("ramp") == "off" for i in words)
+    merges = any(item.get("ramp") == "on" for item in words) or (is_freeway and any(i.is_a("ramp") for i in words))
+    joins = any(item.verb is not None and item.verb.lemma in {"merge", "join"} for item in words)
+    for clause in text.clauses:
+        ramp = clause.words.first("ramp")
+        merges |= clause.kind == "change_lane" and clause.lemma in {"merge", "join"}
+        merges |= any(item.get("ramp") == "on" for item in clause.tail) and bool(clause.subject.vehicles)
+        merging = clause.kind == "change_lane" and clause.lemma in {"merge", "join"} and bool(clause.subject.vehicles)
+        if ramp is None and merging and any(i.is_a("ramp") for i in words) and clause.subject.vehicles[0] not in ramps:
+            ramps[clause.subject.vehicles[0]] = (0.7, next(i for i in words if i.is_a("ramp")))
+        from_it = clause.kind == "depart" and clause.lemma in {"come", "leave"}  # "came off the ramp"
+        merges |= from_it and ramp is not None
+        if ramp is not None and not joins and any(i.get("ramp") == "off" for i in words):
             continue
-        words = [*clause.head, *clause.tail]
-        ramp = next((item for item in words if item.is_a("ramp")), None)
-        joins = clause.kind in {
-            "change_lane",
-            "approach",
-            "emerge",
-            "travel",
-            "",
-            "intend",
-            "drift",
-            "begin",
-            "turn",
-            "do",
-        }
-        if ramp is not None and joins and ramp.kinds["ramp"] != "off":
-            place = words.index(ramp)
-            led = {each.low for each in words[max(0, place - 5) : place]}
-            enters = bool(led & {"onto", "into", "toward", "towards", "to"}) and not led & {"from", "on", "along", "of"}
-            from_it = bool(led & {"from", "on", "along", "by", "via", "down", "using"}) or (
-                not enters and "lane" in led
+        is_off = ramp is not None and ramp.get("ramp") == "off" and not (joins and clause.lemma in {"come", "get"})
+        if ramp is None or clause.kind not in _JOINING or is_off or not clause.subject.vehicles:
+            continue
+        place = clause.words.index(ramp)
+        led = {each.low for each in clause.words.cut(place - _NEAR, place)}
+        if led & word_set("near_ramp") or ("by" in led and "lane" in led):
+            continue
+        led |= {"on"} if clause.lemma == "be" and clause.kind == "travel" and place <= _NEAR else set()
+        enters = bool(led & word_set("ramp_entered")) and not led & {"from", "on", "along", "of"}
+        uses = bool(led & word_set("ramp_used")) or (not enters and "lane" in led)
+        uses |= "of" in led and bool(led & {"end", "top", "foot", "tip", "bottom"})
+        enters |= clause.kind == "approach" and not uses
+        merges |= bool(led & {"off", "down"})
+        sure, vehicle = 0.35 if enters else 0.9 if ramp.get("ramp") == "on" else 0.75, clause.subject.vehicles[0]
+        ramps[vehicle] = max(ramps.get(vehicle, (0.0, ramp)), (sure, ramp), key=lambda each: each[0])
+    near = next((item for sentence in text.sentences for item in sentence.items if item.is_a("ramp")), None)
+    for clause in text.clauses if near is not None and near.get("ramp") != "off" else ():
+        onto = not clause.tail.cut(0, 1).has("junction") and (
+            clause.tail.cut(0, 3).has("road") or clause.tail.at(0).low in {"", ","}
+        )
+        if near is not None and clause.lemma == "enter" and onto and clause.subject.vehicles:
+            ramps.setdefault(clause.subject.vehicles[0], (0.72, near))
+            merges = True
+    halted = {place for clause in text.clauses if clause.kind in {"stop", "slow"} for place in clause.subject.vehicles}
+    for clause in text.clauses:  # who comes up behind one that waits on a ramp is on it, too
+        for lead, actor in clause.others if clause.kind in {"", "follow", "travel", "stop"} else ():
+            queued = (
+                lead.is_a("behind") and actor.vehicles and actor.vehicles[0] in ramps and actor.vehicles[0] in halted
             )
-            enters |= clause.kind == "approach" and not from_it
-            weight = 0.35 if enters else 0.9 if ramp.kinds["ramp"] == "on" else 0.75
-            for vehicle in clause.subject.vehicles[:1]:
-                if weight > ramps.get(vehicle, (0.0, clause.span))[0]:
-                    ramps[vehicle] = weight, ramp.span
-    merges = any(
-        (clause.kind == "change_lane" and clause.verb is not None and clause.verb.lemma in {"merge", "join"})
-        or any(item.is_a("ramp") and item.kinds["ramp"] == "on" for item in clause.tail)
-        for clause in text.clauses
-    )
-    for vehicle, (weight, span) in ramps.items():
+            if queued and clause.subject.vehicles and not clause.words.has("lane"):
+                ramps.setdefault(clause.subject.vehicles[0], (0.7, lead))
+    for vehicle, (sure, ramp) in ramps.items():
         yield claim(
-            f"vehicles[{vehicle}].on_ramp", value=True, confidence=weight, reason="it comes from a ramp", where=span
+            of_vehicle(vehicle, "on_ramp"), value=True, confidence=sure, reason="it comes from a ramp", where=ramp
         )
-        if weight > 0.5:
-            yield claim(
-                "road_type", RoadType.MERGING, weight if merges else weight - 0.2, "a vehicle joins from a ramp", span
-            )
-    for clause in text.clauses:
-        if clause.subject is None or not clause.subject.vehicles:
-            continue
-        words = [*clause.head, *clause.tail]
-        out = {
-            vehicle
-            for each in text.clauses
-            if each.subject is not None and any(item.is_a("driveway") for item in [*each.head, *each.tail])
-            for vehicle in each.subject.vehicles
-        }
-        if clause.kind in {"turn", "do", "begin", "intend"} and not out & {*clause.subject.vehicles}:
-            for place, item in enumerate(words[:-1]):
-                if (
-                    item.low in {"onto", "into", "on to", "down", "to"}
-                    and (
-                        words[place + 1].text[:1].isupper()
-                        or any(each.is_a("road") for each in words[place + 1 : place + 4])
-                    )
-                    and (clause.kind == "turn" or any(each.is_a("hand", "lanekind") for each in words[:place]))
-                ):
-                    yield claim(
-                        "road_type", RoadType.INTERSECTION, 0.75, "a vehicle turns into another road", item.span
-                    )
-                    break
-        drive = next((item for item in [*clause.head, *clause.tail] if item.is_a("driveway")), None)
-        if drive is None or clause.kind not in {
-            "emerge",
-            "turn",
-            "reverse",
-            "depart",
-            "begin",
-            "travel",
-            "intend",
-            "do",
-        }:
-            continue
+        if sure > 0.5:
+            kind_sure = min(0.97, sure + 0.1) if merges else sure - 0.1
+            yield claim("road_type", RoadType.MERGING, kind_sure, "a vehicle joins from a ramp", ramp)
+
+
+def _turns_off(clause: Clause, text: Text) -> Iterator[Claim]:
+    """Who turns into another road, and who comes out of a driveway or turns into one."""
+    words, kind = clause.words, clause.kind
+    if not clause.subject.vehicles:
+        return
+    out = {vehicle for each in text.clauses if each.words.has("driveway") for vehicle in each.subject.vehicles}
+    onto = kind == "travel" and words.says({"onto", "on to"})
+    for place, item in enumerate(words[:-1] if kind in {"turn", "do", "begin", "intend"} or onto else ()):
+        to_road = words[place + 1].is_name or words.cut(place + 1, place + 4).has("road")
+        turns = (
+            kind == "turn" or (onto and item.low in {"onto", "on to"}) or words.cut(0, place).has("hand", "lanekind")
+        )
+        if item.low in word_set("turn_targets") and to_road and turns and not out & {*clause.subject.vehicles}:
+            yield claim("road_type", RoadType.INTERSECTION, 0.75, "a vehicle turns into another road", item)
+            break
+    drive = words.first("driveway")
+    if drive is not None and kind in _AT_DRIVEWAY:
         place = words.index(drive)
-        led = {each.low for each in words[max(0, place - 4) : place]}
-        if led & {"from", "of", "into", "to", "out of", "onto"} or (clause.kind in {"emerge", "depart"} and place < 4):
-            yield claim(
-                "driveway",
-                value=True,
-                confidence=0.8,
-                reason="a vehicle comes from or turns into a driveway",
-                where=drive.span,
-            )
+        led = words.cut(place - 4, place).says(word_set("driveway_leads"))
+        if led or (kind in {"emerge", "depart"} and place < 4):
+            yield claim("driveway", value=True, confidence=0.8, reason="a vehicle uses a driveway", where=drive)

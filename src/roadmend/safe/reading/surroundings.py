@@ -1,61 +1,53 @@
 """Light and weather."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from roadmend.safe.claims import Claim, Span
 from roadmend.safe.dsl import Time, Weather
 from roadmend.safe.reading.facts import Text, claim
-from roadmend.safe.reading.lexicon import read_table
-from roadmend.safe.reading.tokens import Item
+from roadmend.safe.reading.lexicon import read_table, word_set
+from roadmend.safe.reading.tokens import Words
 
 _DAY = range(6, 20)  # hours
 _EVENING = range(17, 21)  # light or dark, by the season
+_AFTERNOON = 13
+_MORNING = 6
 _CLOCK = re.compile(
-    r"\b(?:(?P<h>[01]?\d|2[0-3])[:.](?P<m>[0-5]\d)|(?P<mil>(?:[01]\d|2[0-3])[0-5]\d)(?=\s*(?:hrs?|hours|h)\b)|(?P<hour>1[0-2]|[1-9]))\s*(?:(?P<half>[ap])\.?\s?m\b|(?P<oclock>o'?clock)|(?P<hrs>hrs?|hours)\b)?",
+    r"\b(?:(?P<h>[01]?\d|2[0-3])[:.][0-5]\d|(?P<mil>(?:[01]\d|2[0-3])[0-5]\d)(?=\s*(?:hrs?|hours|h)\b)|"
+    r"(?P<log>(?:(?<=time )|(?<=time: )|(?<=rcvd )|(?<=call )|(?<=arr )|(?<=at )|^|(?<=, )|(?<=\. )|(?<=\n))(?:[01]\d|2[0-3])[0-5]\d(?=[\s,.]))|"
+    r"(?P<bare>(?<=, )(?:0\d|1[0-8]|2[1-3])[0-5]\d(?=[.,]|$))|"
+    r"(?P<hour>1[0-2]|[1-9]))\s*(?:(?P<half>[ap])\.?\s?m\b|o'?clock|(?P<hrs>hrs?|hours)\b)?",
+    re.IGNORECASE | re.MULTILINE,
+)
+_HOURS = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
+_WORDED = re.compile(
+    r"(?P<past>\b(?:a )?(?:quarter|half|five|ten|twenty|twenty[- ]five)(?: minutes)? (?:past|after|to|before|of|till) )?"
+    rf"\b(?P<hour>{'|'.join(_HOURS)})\b(?P<then>[- ](?:fifteen|thirty|forty[- ]five|ten|twenty|forty|fifty))?"
+    r"(?P<clock> o'?clock)?,?(?: or so)?(?: (?P<when>in the (?:morning|afternoon|evening)|at night|p\.?m\b|a\.?m\b|(?:on )?\w+ night|"
+    r"that (?:night|evening|morning|afternoon)|last night|tonight))?",
     re.IGNORECASE,
 )
-_SKY = frozenset(
-    {
-        "sky",
-        "skies",
-        "weather",
-        "conditions",
-        "day",
-        "night",
-        "atmospheric",
-        "sunny",
-        "dry",
-        "morning",
-        "afternoon",
-        "evening",
-        "it",
-        "was",
-        "clear",
-        "daylight",
-        "dark",
-        "wx",
-        "and",
-        "with",
-        "/",
-    }
-)
+_AT_NIGHT = re.compile(r"[\s,]*(?:in the evening|at night|tonight|p\.?m)")
+_IN_DAY = re.compile(r"[\s,]*in the (?:morning|(afternoon))")
+_TOLD = re.compile(r"(?:\bat|around|about|approximately|aprox|approx|past|after|before|@|by|near|till|until)\s*$")
+_SURE = {Weather.CLEAR: 0.75, Weather.CLOUDY: 0.85, Weather.WINDY: 0.85, Weather.SUNNY: 0.88}
+_NAMES = {"weather", "sky", "skies"}
 
 
 def read_surroundings(text: Text) -> Iterator[Claim]:
     """The claims of a text about light and weather."""
     yield from _clock(text.summary)
-    tables = read_table("surroundings")
-    not_weather, past = frozenset(tables["not_weather"]), tuple(tables["past"])
+    yield from _told_hours(text.summary)
+    past = read_table("surroundings")["past"]
     for sentence in text.sentences:
         for place, item in enumerate(sentence.items):
             if item.is_a("time") and not _is_other_time(sentence.items, place):
-                value, confidence = item.kinds["time"]
-                yield claim("env.time", Time(value), confidence, f"the text says {item.low}", item.span)
+                value, confidence = item.get("time")
+                yield claim("env.time", Time(value), confidence, f"the text says {item.low}", item)
             if item.is_a("weather"):
-                low = _around(text.summary, sentence.span, item.span)
-                is_past = any(word in low for word in past)
-                yield from _weather(sentence.items, place, not_weather, is_past=is_past)
+                around = _around(text.summary, sentence.span, item.span)
+                yield from _weather(sentence.items, place, is_past=any(word in around for word in past))
 
 
 def _around(summary: str, sentence: Span, place: Span) -> str:
@@ -64,141 +56,93 @@ def _around(summary: str, sentence: Span, place: Span) -> str:
     return before + re.split(r"[,;]|\bbut\b", summary[place.start : sentence.end].lower())[0]
 
 
-def _is_other_time(items: Sequence[Item], place: int) -> bool:
-    """Whether a word for a time is of another time than the crash: "treated later that morning", "released the same day"."""
-    item = items[place]
-    low = {each.low for each in items[max(0, place - 4) : place]}
-    after = items[place + 1].low if place + 1 < len(items) else ""
+def _is_other_time(items: Words, place: int) -> bool:
+    """Whether a word is of another time than the crash: "treated later that morning", "released the same day"."""
+    item, before = items[place], items.cut(place - 4, place)
     if item.low == "day":
-        return not (low & {"sunny", "bright", "clear", "rainy", "windy", "snowy", "cloudy", "foggy"})
-    treated = any(
-        each.verb is not None
-        and each.verb.lemma in {"treat", "transport", "admit", "release", "interview", "arrest", "die"}
-        for each in items[:place]
-    )
-    return (
-        treated
-        or (
-            low
-            & {
-                "later",
-                "next",
-                "following",
-                "until",
-                "since",
-                "by",
-                "previous",
-                "before",
-                "worked",
-                "every",
-                "spokesman",
-            }
-            != set()
-            and item.low != "daylight"
-        )
-        or (
-            item.low == "dark"
-            and after
-            in {
-                "blue",
-                "green",
-                "grey",
-                "gray",
-                "red",
-                "color",
-                "colour",
-                "colored",
-                "coloured",
-                "signal",
-                "suv",
-                "car",
-                "sedan",
-            }
-        )
-    )
+        return not before.says(word_set("bright_days"))
+    treated = any(each.verb is not None and each.verb.lemma in word_set("treated") for each in items[:place])
+    later = before.says(word_set("other_time")) and item.low != "daylight"
+    return treated or later or (item.low == "dark" and items.at(place + 1).low in word_set("dark_colours"))
 
 
-def _weather(items: Sequence[Item], place: int, not_weather: frozenset[str], *, is_past: bool) -> Iterator[Claim]:
-    item = items[place]
-    value = Weather(item.kinds["weather"][0])
-    before, after = items[max(0, place - 3) : place], items[place + 1 : place + 2]
-    denied = any(each.is_a("negation") or each.low in {"no", "without"} for each in before)
-    if value is Weather.CLEAR and len(item.low.split()) == 1:
-        around = {each.low for each in [*items[max(0, place - 6) : place], *items[place + 1 : place + 4]]}
-        follows = after[0].low if after else ""
-        led = items[place - 1].low if place else ""
-        is_listed = led in {",", ":", "", "/", "-"} and follows in {",", "", "/", ";", "dry"}
-        if is_listed:
-            yield claim("env.weather", value, 0.75, f"the text says {item.low}", item.span)
-            return
-        if (
-            (follows in not_weather and not around & {"weather", "sky", "skies"})
-            or not around & _SKY
-            or (
-                led in {"to", "a", "of"}
-                and not any(each.is_a("time") or each.low in {"day", "sky"} for each in items[place + 1 : place + 5])
-            )
-        ):
-            return
-        if any(
-            each.is_a("road", "lane", "signal") or each.low in {"view", "traffic", "coast", "way"} for each in before
-        ) and not around & {"weather", "sky", "skies"}:
-            return
-    elif (
-        value is Weather.WINDY
-        and item.low in {"wind", "winds"}
-        and after
-        and after[0].low in {"screen", "shield", "ing"}
-    ):
+def _weather(items: Words, place: int, *, is_past: bool) -> Iterator[Claim]:
+    item, before = items[place], items.cut(place - 3, place)
+    value = Weather(item.get("weather")[0])
+    if value is Weather.CLEAR and item.low in word_set("may_be_clear") and not _is_sky(items, place):
         return
-    elif (
-        value is Weather.SNOWY
-        and any(each.low in {"cleared", "packed", "covered", "ploughed", "plowed", "fresh"} for each in before)
-    ) or (
-        item.low == "snow"
-        and after
-        and after[0].low in {"covered", "packed", "tires", "tyres", "bank", "banks", "plow"}
-    ):
-        yield claim("env.weather", value, 0.45, f"the text says {item.low}", item.span)
+    if item.low in {"cloud", "sun"} and items.at(place + 1).low in word_set("no_weather_after"):
         return
-    if denied:
-        if value not in {Weather.CLEAR, Weather.SUNNY}:
-            yield claim("env.weather", Weather.CLEAR, 0.4, f"the text denies {item.low}", item.span)
-        return
-    confidence = {Weather.CLEAR: 0.75, Weather.CLOUDY: 0.85, Weather.WINDY: 0.85, Weather.SUNNY: 0.88}.get(value, 0.93)
-    yield claim("env.weather", value, confidence * (0.5 if is_past else 1.0), f"the text says {item.low}", item.span)
+    lies = before.says(word_set("lying_snow")) or items.at(place + 1).low in word_set("lying_snow")
+    if value is Weather.SNOWY and lies:
+        yield claim("env.weather", value, 0.45, f"the text says {item.low}", item)
+    elif not before.has("negation") and not before.says({"without"}):
+        if value is Weather.SUNNY:
+            yield claim("env.time", Time.DAYTIME, 0.9, f"the text says {item.low}", item)
+        sure = _SURE.get(value, 0.93) * (0.5 if is_past else 1.0)
+        yield claim("env.weather", value, sure, f"the text says {item.low}", item)
+    elif value not in {Weather.CLEAR, Weather.SUNNY}:
+        yield claim("env.weather", Weather.CLEAR, 0.4, f"the text denies {item.low}", item)
+
+
+def _is_sky(items: Words, place: int) -> bool:
+    """Whether it is the sky that is clear or fine, not a view or a road."""
+    led, follows = items.at(place - 1).low, items.at(place + 1).low
+    if led in {",", ":", "", "/", "-"} and follows in {",", "", "/", ";", "dry"}:
+        return True
+    around = {each.low for each in (*items.cut(place - 6, place), *items.cut(place + 1, place + 4))}
+    named = bool(around & _NAMES)
+    ahead, before = items.cut(place + 1, place + 5), items.cut(place - 3, place)
+    if led in {"to", "a", "of"} and not ahead.has("time") and not ahead.says({"day", "sky"}):
+        return False
+    other = before.has("road", "lane", "signal") or before.says({"view", "traffic", "coast", "way"})
+    return bool(around & word_set("sky")) and (named or (not other and follows not in word_set("not_weather")))
 
 
 def _clock(summary: str) -> Iterator[Claim]:
     for match in _CLOCK.finditer(summary):
         hour, sure = _hour(match, summary)
-        if hour is None:
+        if hour is not None:
+            value = Time.DAYTIME if hour in _DAY else Time.NIGHTTIME
+            sure = min(sure, 0.6 if hour in _EVENING or hour == _DAY[0] else 0.9)
+            yield claim("env.time", value, sure, f"the clock says {match[0].strip()}", Span(*match.span()))
+
+
+def _told_hours(summary: str) -> Iterator[Claim]:
+    """Hours in words: "a quarter to nine in the evening", "eleven-fifteen p.m."."""
+    for match in _WORDED.finditer(summary):
+        minutes, when = match["past"] or match["then"] or match["clock"], (match["when"] or "").lower()
+        hour = _HOURS.index(match["hour"].lower()) + 1
+        if not (minutes or when):
             continue
-        value = Time.DAYTIME if hour in _DAY else Time.NIGHTTIME
-        confidence = 0.6 if hour in _EVENING or hour == _DAY[0] else 0.9
-        yield claim("env.time", value, min(confidence, sure), f"the clock says {match[0].strip()}", Span(*match.span()))
+        late = any(word in when for word in ("night", "evening", "afternoon", "p"))
+        early = any(word in when for word in ("morning", "a.m", "am"))
+        if "night" in when and hour < _MORNING:
+            late = False
+        if not (late or early):
+            late = hour < _MORNING
+        value = Time.DAYTIME if hour % 12 + 12 * late in _DAY else Time.NIGHTTIME
+        sure = 0.9 if when else 0.6
+        yield claim("env.time", value, sure, f"the clock says {match[0].strip()}", Span(*match.span()))
 
 
 def _hour(match: re.Match[str], summary: str) -> tuple[int | None, float]:
-    after, before = (
-        summary[match.end() : match.end() + 30].lower(),
-        summary[max(0, match.start() - 20) : match.start()].lower(),
-    )
-    if match["mil"]:
-        return int(match["mil"][:2]), 0.9
-    hour = int(match["h"] or match["hour"])
-    half = (match["half"] or "").lower()
-    at_night = re.match(r"[\s,]*(?:in the evening|at night|tonight|p\.?m)", after)
-    in_day = re.match(r"[\s,]*(?:in the morning|in the afternoon)", after)
-    told = re.search(
-        r"(?:\bat|around|about|approximately|aprox|approx|past|after|before|@|by|near|shortly|till|until)\s*$", before
-    )
-    if half:
-        return (hour % 12) + (12 if half == "p" else 0), 0.92
-    if at_night:
-        return (hour % 12) + (12 if hour > 4 else 0), 0.92
-    if in_day:
-        return (hour % 12) + (12 if "afternoon" in in_day[0] else 0), 0.92
-    if match["h"] and (told or match["hrs"] or hour >= 13 or len(match["h"]) == 2):
-        return hour, 0.8 if told or match["hrs"] or hour >= 13 else 0.6
+    """The hour of a time of day from 0 to 23, and how surely it is one."""
+    after = summary[match.end() : match.end() + 30].lower()
+    told = _TOLD.search(summary[max(0, match.start() - 20) : match.start()].lower()) or match["hrs"]
+    log = match["log"] if match["log"] and not match["log"].startswith(("19", "20")) else None
+    figures = match["mil"] or match["bare"] or log
+    if figures:
+        return int(figures[:2]), 0.9 if match["mil"] else 0.75
+    if match["log"]:
+        return None, 0.0
+    hour, half, in_day = int(match["h"] or match["hour"]), (match["half"] or "").lower(), _IN_DAY.match(after)
+    at_night = _AT_NIGHT.match(after) is not None and hour > 4
+    if half or at_night or in_day or _AT_NIGHT.match(after):
+        late = half == "p" or (not half and (at_night or (in_day is not None and in_day[1])))
+        return hour % 12 + (12 if late else 0), 0.92
+    if match["h"] and (told or len(match["h"]) == 2):
+        if 0 < hour < _MORNING and len(match["h"]) == 1:
+            return hour + 12, 0.6  # nobody says whether it was night: few drive then
+        return hour, 0.8 if told or hour >= _AFTERNOON else 0.6
     return None, 0.0

@@ -2,73 +2,37 @@
 
 import functools
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from roadmend.safe.claims import Span
 from roadmend.safe.reading.lexicon import (
     LONGEST,
-    NameSense,
     Senses,
     VerbSense,
     mend,
     names,
     senses,
+    shorthand,
     squeeze,
     verb_heads,
+    word_set,
 )
 
 _TOKEN = re.compile(
     r"\d+(?:st|nd|rd|th)\b|\d{1,3}(?:,\d{3})+(?!\d)|\d+(?:\.\d+)?|[^\W\d_]+(?:'(?!s\b)[^\W\d_]+)?|'s\b|[^\w\s]",
     re.IGNORECASE,
 )
-_ABBREVIATIONS = frozenset(
-    [
-        "vs",
-        "mr",
-        "mrs",
-        "ms",
-        "dr",
-        "st",
-        "ave",
-        "rd",
-        "blvd",
-        "hwy",
-        "no",
-        "veh",
-        "approx",
-        "ft",
-        "mi",
-        "jr",
-        "sr",
-        "sgt",
-        "lt",
-        "capt",
-        "cpl",
-        "dept",
-        "ln",
-        "dr",
-        "pkwy",
-        "u.s",
-        "a.m",
-        "p.m",
-        "m.p.h",
-        "i.e",
-        "e.g",
-        "n",
-        "s",
-        "e",
-        "w",
-        "pass",
-        "op",
-        "opr",
-        "mph",
-        "kmh",
-    ]
-)
+_STREET = re.compile(r"(?:[A-Z][a-z]+ )?(?:Rd|St|Ave|Blvd|Ln|Hwy|Street|Avenue|Road)\b")
+# A short first line without a full stop over a longer one is a title; the match is the break after it.
+_TITLE = re.compile(r"(?=[^\n.!?:;,]{10,65}\n[A-Z][^\n]{80})[^\n]*(?P<end>\n)")
+_LETTERS = frozenset("NSEW")
 _JOINED = 5  # letters of a phrase that may be told without a hyphen or a slash in it: not "a t" for "at"
-_PARTICLES = frozenset({"into", "with", "off", "onto", "against", "through"})
-_QUOTES = dict.fromkeys(map(ord, '“”"«»*_'), " ") | {ord("’"): "'", ord("‘"): "'", ord("–"): "-", ord("—"): "-"}  # noqa: RUF001
+_PLAIN = dict.fromkeys(map(ord, '\u201c\u201d"\u00ab\u00bb*_'), " ") | {
+    **dict.fromkeys(map(ord, "\u2019\u2018"), "'"),
+    **dict.fromkeys(map(ord, "\u2013\u2014"), "-"),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,11 +66,53 @@ class Item:
         """Whether it may mean one of these."""
         return any(kind in self.kinds for kind in kinds)
 
+    def get(self, kind: str) -> Any:
+        """What it means as a word of this kind; None where it is none."""
+        return self.kinds.get(kind)
+
     @property
     def verb(self) -> VerbSense | None:
         """The verb that it may be."""
         found: VerbSense | None = self.kinds.get("verb")
         return found
+
+    @property
+    def is_name(self) -> bool:
+        """Whether it begins with a capital."""
+        return self.text[:1].isupper()
+
+
+NOTHING = Item("", "", Span(0, 0))
+
+
+class Words(tuple[Item, ...]):
+    """Some words in their order; what lies beyond them is :data:`NOTHING`."""
+
+    __slots__ = ()
+
+    def at(self, place: int) -> Item:
+        """The word at a place."""
+        return self[place] if 0 <= place < len(self) else NOTHING
+
+    def cut(self, first: int, last: int | None = None) -> "Words":
+        """Those from one place up to another, not included."""
+        return Words(self[max(0, first) : None if last is None else max(0, last)])
+
+    def has(self, *kinds: str) -> bool:
+        """Whether one of them may be of one of these kinds."""
+        return any(item.is_a(*kinds) for item in self)
+
+    def says(self, words: Collection[str]) -> bool:
+        """Whether one of them is one of these."""
+        return any(item.low in words for item in self)
+
+    def first(self, *kinds: str) -> Item | None:
+        """The first that may be of one of these kinds."""
+        return next((item for item in self if item.is_a(*kinds)), None)
+
+    def span(self, first: int, last: int) -> Span:
+        """From one of them to another, included."""
+        return Span(self[first].span.start, self[last].span.end)
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,69 +128,61 @@ class Sentence:
 
     index: int
     paragraph: int
-    items: tuple[Item, ...]
+    items: Words
     span: Span
 
 
 def read_sentences(summary: str) -> tuple[Sentence, ...]:
     """Cut a text into sentences, and read their words."""
-    text = summary.translate(_QUOTES)  # keeps the places
+    text = summary.translate(_PLAIN)  # keeps the places
     found: list[Sentence] = []
-    for paragraph, (start, end) in enumerate(_paragraphs(text)):
-        for tokens in _cut(text, start, end):
-            items = tuple(_items(tokens))
-            if items:
-                span = Span(tokens[0].start, tokens[-1].end)
-                found.append(Sentence(len(found), paragraph, items, span))
+    start = 0
+    title = _TITLE.match(text)
+    breaks = [*([title] if title is not None else []), *re.finditer(r"\n\s*\n", text), None]
+    for paragraph, match in enumerate(breaks):
+        for tokens in _cut(text, start, _break(match) if match is not None else len(text)):
+            span = Span(tokens[0].start, tokens[-1].end)
+            found.append(Sentence(len(found), paragraph, Words(_items(tokens)), span))
+        start = match.end() if match is not None else start
     return tuple(found)
 
 
-def _paragraphs(text: str) -> Iterator[tuple[int, int]]:
-    start = 0
-    for match in re.finditer(r"\n\s*\n", text):
-        yield start, match.start()
-        start = match.end()
-    yield start, len(text)
+def _break(match: re.Match[str]) -> int:
+    """Where the text before a break ends."""
+    return match.start("end") if "end" in match.re.groupindex else match.start()
 
 
 def _cut(text: str, start: int, end: int) -> Iterator[list[Token]]:
     tokens: list[Token] = []
     for match in _TOKEN.finditer(text, start, end):
         word = match[0]
-        if (
-            word == "-"
-            and not text[match.end() : match.end() + 1].isspace()
-            and not text[match.start() - 1 : match.start()].isspace()
-        ):
+        around = text[match.start() - 1 : match.start()] + text[match.end() : match.end() + 1]
+        if word == "-" and not any(letter.isspace() for letter in around):
             continue  # a hyphen within a word
-        is_glued = bool(tokens) and (tokens[-1].end == match.start() or text[tokens[-1].end : match.start()] == "-")
+        is_glued = bool(tokens) and text[tokens[-1].end : match.start()] in {"", "-", "."}
         if word in ".!?" and _ends(text, match.start(), tokens):
             if tokens:
                 yield tokens
             tokens = []
         elif word != "." or not is_glued:
-            tokens.append(Token(word, word.lower(), match.start(), match.end(), is_glued))
+            low = shorthand().get(word.lower(), word.lower())
+            tokens.append(Token(word, low, match.start(), match.end(), is_glued))
     if tokens:
         yield tokens
 
 
 def _ends(text: str, place: int, tokens: Sequence[Token]) -> bool:
-    after = text[place + 1 : place + 3]
-    if text[place] in "!?":
-        return True
-    if after[:1] and not after[:1].isspace() and after[:1] not in ")]'":
-        return False
-    is_short = bool(tokens) and (
-        tokens[-1].low in _ABBREVIATIONS or (len(tokens[-1].low) == 1 and tokens[-1].low.isalpha())
-    )
+    """Whether a sentence ends at a full stop."""
+    after = text[place + 1 : place + 2]
+    if text[place] in "!?" or (after and not after.isspace() and after not in ")]'"):
+        return text[place] in "!?"
     rest = text[place + 1 :].lstrip(" )]'\n")
     if rest[:1].islower() and not _is_careless(text):
         return False
-    return not is_short or (
-        rest[:1].isupper()
-        and tokens[-1].low in {"mph", "kmh", "m", "rd", "hwy", "st", "ave", "blvd", "ln", "w", "e", "n", "s"}
-        and not _continues_name(rest)
-    )
+    last = tokens[-1].low if tokens else ""
+    is_short = last in word_set("abbreviations") or (len(last) == 1 and last.isalpha())
+    goes_on = not rest[:1].isupper() or last not in word_set("ends_with_capital") or bool(_STREET.match(rest))
+    return not is_short or not goes_on
 
 
 @functools.lru_cache(maxsize=8)
@@ -194,67 +192,64 @@ def _is_careless(text: str) -> bool:
     return bool(sum(letter.islower() for letter in begins) * 4 > len(begins))
 
 
-def _continues_name(rest: str) -> bool:
-    return bool(re.match(r"(?:Rd|St|Ave|Blvd|Ln|Hwy|Street|Avenue|Road)\b", rest)) or bool(
-        re.match(r"[A-Z][a-z]+ (?:Rd|St|Ave|Street|Avenue|Road|Blvd)\b", rest)
-    )
-
-
 def _items(tokens: Sequence[Token]) -> Iterator[Item]:
     place = 0
     while place < len(tokens):
         length, kinds = _longest(tokens, place)
         taken = tokens[place : place + length]
-        low = " ".join(token.low for token in taken)
-        yield Item(low, " ".join(token.text for token in taken), Span(taken[0].start, taken[-1].end), kinds)
+        low, text = (" ".join(words) for words in zip(*((token.low, token.text) for token in taken), strict=True))
+        yield Item(low, text, Span(taken[0].start, taken[-1].end), kinds)
         place += length
 
 
 def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
+    """How many words from here mean something together, and what."""
     for length in range(min(LONGEST, len(tokens) - place), 0, -1):
         taken = tokens[place : place + length]
         letters = [squeeze(token.low) for token in taken]
         key = "".join(letters) if letters[0] and letters[-1] and taken[-1].low != "'s" else ""
         if length > 1 and len(key) < _JOINED and not all(token.is_glued for token in taken[1:]):
             continue
-        kinds = dict(senses().get(key, {}))
-        if length > 2 and not kinds and taken[-1].low in _PARTICLES and _starts_verb(taken[0]):
-            kept = [taken[0], *(token for token in taken[1:] if "adverb" not in senses().get(squeeze(token.low), {}))]
-            kinds = dict(senses().get("".join(squeeze(token.low) for token in kept), {})) if len(kept) > 1 else {}
-            kinds = kinds if "verb" in kinds and taken[-1] is kept[-1] else {}
+        kinds = dict(senses().get(key, {}) or _loose_verb(taken))
         named = names().get(key, ()) if key and _may_be_name(taken) else ()
         if named:
             kinds["name"] = named
+        if length == 1 and "driveway" in kinds and taken[0].text.istitle() and place:
+            del kinds["driveway"]  # "Church Street", not a church
         if length == 1 and key.isdigit():
             kinds["number"] = int(key)  # an Audi 100, and a hundred
+        following = tokens[place + 1] if place + 1 < len(tokens) else None
+        is_glued = following is not None and following.is_glued and following.text.isdigit()  # the road "N2"
+        if length == 1 and taken[0].text in _LETTERS and not is_glued:
+            kinds["compass"] = taken[0].text
         if key and kinds:
             return length, kinds
-    token = tokens[place]
-    if token.low.replace(",", "").replace(".", "").isdigit():
-        number = float(token.low.replace(",", ""))
-        return 1, {"number": int(number) if number.is_integer() else number}
-    mended = mend(token.low) if place == 0 or token.low == token.text or token.text.isupper() else None
-    if mended is not None:
-        kinds = dict(senses().get(mended, {}))
-        if mended in names():
-            kinds["name"] = names()[mended]
-        return 1, kinds
-    return 1, {}
+    return 1, _single(tokens[place], is_first=place == 0)
 
 
-def _starts_verb(token: Token) -> bool:
-    return token.low in verb_heads()
+def _single(token: Token, *, is_first: bool) -> Senses:
+    """What a word means that no table has: a number, or a slip of the pen."""
+    figures = token.low.replace(",", "")
+    if figures.replace(".", "").isdigit():
+        number = float(figures)
+        return {"number": int(number) if number.is_integer() else number}
+    mended = mend(token.low) if is_first or token.low == token.text or token.text.isupper() else None
+    if mended is None:
+        return {}
+    named = {"name": names()[mended]} if mended in names() else {}
+    return {**senses().get(mended, {}), **named}
+
+
+def _loose_verb(taken: Sequence[Token]) -> Senses:
+    """A verb whose particle is parted from it: "ran straight into"."""
+    if len(taken) <= 2 or taken[-1].low not in word_set("particles") or taken[0].low not in verb_heads():
+        return {}
+    kept = [token.low for token in taken[1:-1] if "adverb" not in senses().get(squeeze(token.low), {})]
+    kinds = senses().get("".join(map(squeeze, [taken[0].low, *kept, taken[-1].low])), {})
+    return kinds if "verb" in kinds else {}
 
 
 def _may_be_name(taken: Sequence[Token]) -> bool:
     """Not a number alone, nor pieces far from a name: "the 3 vehicles"."""
     letters = "".join(token.low for token in taken)
-    return not (
-        letters in {"is", "a", "in", "up", "one"} or (len(taken) == 1 and taken[0].low.isdigit() and len(letters) < 3)
-    )
-
-
-def name_senses(item: Item) -> tuple[NameSense, ...]:
-    """The makes and models that it may be."""
-    found: tuple[NameSense, ...] = item.kinds.get("name", ())
-    return found
+    return not (letters in {"is", "a", "in", "up", "one"} or (letters.isdigit() and len(letters) <= 2))

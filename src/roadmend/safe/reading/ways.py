@@ -3,361 +3,287 @@
 import itertools
 from collections.abc import Iterator, Sequence
 
-from roadmend.safe.claims import Claim, DirectionClaim, Relation
+from roadmend.safe.claims import Claim, DirectionClaim, Relation, Span
 from roadmend.safe.compass import opposite
 from roadmend.safe.reading.clauses import STRIKES, Clause
 from roadmend.safe.reading.facts import Text, claim, crash_places, direction, of_vehicle, relation, weakened
+from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.manoeuvres import turn_of
-from roadmend.safe.reading.tokens import Item
+from roadmend.safe.reading.tokens import Item, Words
 
-_GOING = frozenset(
-    {
-        "",
-        "travel",
-        "continue",
-        "approach",
-        "stop",
-        "slow",
-        "park",
-        "follow",
-        "overtake",
-        "intend",
-        "begin",
-        "change_lane",
-        "drift",
-        "fail",
-        "emerge",
-        "own",
-        "do",
-        "say",
-        "see",
-        "depart",
-        "avoid",
-    }
-)
-_TURNING = frozenset({"turn", "uturn"})
-_INTO = frozenset(
-    {
-        "into",
-        "onto",
-        "on to",
-        "across",
-        "toward",
-        "towards",
-        "to",
-        "over",
-        "through",
-        "cross",
-        "crossed",
-        "crosses",
-        "crossing",
-        "entered",
-        "entering",
-        "enter",
-    }
-)
-_NOT_A_WAY = frozenset(
-    {
-        "side",
-        "leg",
-        "edge",
-        "of",
-        "end",
-        "corner",
-        "curb",
-        "shoulder",
-        "approach",
-        "roadside",
-        "/",
-        "entrance",
-        "traffic",
-        "half",
-        "part",
-        "parking",
-        "wall",
-        "quadrant",
-        "boundary",
-        "facing",
-    }
-)
+_NOT_GOING = frozenset({*STRIKES, "collide", "turn", "uturn", "reverse", "after", "flip"})
 _SKIPPED = ("hand", "lanekind", "number", "ordinal", "determiner", "descriptor", "pronoun", "path", "stationary")
-_HAPPENED = frozenset({"occurred", "happened", "took", "involved", "was", "occured"})
-_FACING = frozenset({"face", "facing", "faced", "faces", "pointed", "pointing"})
-
-
-def read_ways(text: Text) -> Iterator[Claim | DirectionClaim]:
-    """The claims of a text about directions of travel."""
-    afterwards = crash_places(text.clauses)
-    sides = [
-        item
-        for sentence in text.sentences
-        if any(item.is_a("driveway") for item in sentence.items[:4])
-        for item in _sides(sentence.items)
-    ]
-    turned: set[tuple[int, tuple[int, ...]]] = set()  # who is said to turn, by sentence
-    for place, clause in enumerate(text.clauses):
-        who = (clause.sentence.index, clause.subject.vehicles if clause.subject is not None else ())
-        yield from _of_clause(clause, is_after=afterwards[place], has_turned=who in turned)
-        if turn_of(clause) is not None:
-            turned.add(who)
-        yield from _from_driveway(clause, sides)
-        yield from _relations(clause, text.count)
-    yield from _of_place(text)
-    for row in text.spoken.mentions:
-        for mention in row:
-            for trait in mention.traits:
-                way = direction(trait)
-                others = [each for each in range(text.count) if each not in mention.vehicles]
-                if trait.is_a("oncoming") and len(mention.vehicles) == 1 and others:
-                    yield relation(
-                        others[0], mention.vehicles[0], Relation.OPPOSITE, 0.85, f"it is called {trait.low}", trait.span
-                    )
-                if way is not None and len(mention.vehicles) == 1:
-                    yield claim(
-                        of_vehicle(mention.vehicles[0], "initial_position"),
-                        way,
-                        0.93,
-                        f"it is called {trait.low}",
-                        trait.span,
-                    )
-
-
-def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool) -> Iterator[Claim]:
-    if clause.subject is None or not clause.subject.vehicles:
-        return
-    if (
-        clause.kind == "after"
-        and clause.verb is not None
-        and clause.verb.lemma == "face"
-        and (not is_after or clause.governed & {"stop", "park"})
-    ):
-        for item in clause.tail[:3]:
-            way = direction(item)
-            if way is not None:
-                for vehicle in clause.subject.vehicles:
-                    yield claim(
-                        of_vehicle(vehicle, "initial_position"), way, 0.9, "it is said to face that way", item.span
-                    )
-    for items, is_head in ((clause.head, True), (clause.tail, False)):
-        for place, item in enumerate(items):
-            way = direction(item)
-            if way is None or (clause.is_denied and clause.kind not in {"stop", "avoid"}):
-                continue
-            found = _meaning(clause, items, place, is_head=is_head)
-            if found is None:
-                continue
-            what, confidence = found
-            if has_turned and not is_head and item.is_a("compass") and what in {"initial_position", "heading_on"}:
-                what = "destination"
-            if what in {"origin", "against"}:
-                what, way = "initial_position", opposite(way)
-            for vehicle in clause.subject.vehicles:
-                yield claim(
-                    of_vehicle(vehicle, what),
-                    way,
-                    weakened(confidence, is_after=is_after),
-                    _REASONS[what if what in _REASONS else found[0]],
-                    item.span,
-                )
-
-
+_BEHIND = frozenset({"", "travel", "stop", "slow", "follow", "approach", "park", "change_lane", "own"})
+_IN_FRONT = frozenset({"", "stop", "slow", "travel", "park"})  # "pulled out in front of" says nothing of the way
+_LONG = 9  # letters of "opposing": shorter words for it are too common
 _REASONS = {
     "initial_position": "it is said to travel that way",
     "origin": "it is said to come from there",
     "against": "it entered the lane of those who come towards it",
     "destination": "it is said to go that way after its turn",
+    "heading_on": "it meant to go on that way",
 }
 
 
-def _meaning(clause: Clause, items: Sequence[Item], place: int, *, is_head: bool) -> tuple[str, float] | None:
+def read_ways(text: Text) -> Iterator[Claim | DirectionClaim]:
+    """The claims of a text about directions of travel."""
+    told = list(_told(text))
+    yield from told
+    yield from _unclaimed(text, told)
+
+
+def _told(text: Text) -> Iterator[Claim | DirectionClaim]:
+    afterwards = crash_places(text.clauses)
+    sides = [side for each in text.sentences if each.items.cut(0, 4).has("driveway") for side in _sides(each.items)]
+    turned: set[tuple[int, tuple[int, ...]]] = set()  # who is said to turn, by sentence
+    for place, clause in enumerate(text.clauses):
+        who = (clause.sentence.index, clause.subject.vehicles)
+        before = text.clauses[place - 1] if place else clause
+        stood = before.kind in {"stop", "park"} and before.sentence is clause.sentence
+        yield from _of_clause(clause, is_after=afterwards[place], has_turned=who in turned, stood=stood)
+        if turn_of(clause) is not None:
+            turned.add(who)
+        yield from _from_driveway(clause, sides)
+        yield from _of_pairs(clause)
+        yield from _of_words(clause, text.count)
+    yield from _of_place(text)
+    yield from _beside_mentions(text)
+    for mention in itertools.chain(*text.spoken.mentions):
+        for trait in mention.traits if len(mention.vehicles) == 1 else ():
+            mine, way = mention.vehicles[0], direction(trait)
+            others = [each for each in range(text.count) if each != mine]
+            if trait.is_a("oncoming") and others:
+                yield relation(others[0], mine, Relation.OPPOSITE, 0.85, trait)
+            if way is not None:
+                yield claim(of_vehicle(mine, "initial_position"), way, 0.93, f"it is called {trait.low}", trait)
+
+
+def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool, stood: bool) -> Iterator[Claim]:
+    faces = clause.lemma == "face" and (not is_after or stood or bool(clause.governed & {"stop", "park"}))
+    for item in clause.tail.cut(0, 3) if faces else ():
+        for vehicle in clause.subject.vehicles:
+            if (way := direction(item)) is not None:
+                yield claim(of_vehicle(vehicle, "initial_position"), way, 0.9, "it is said to face that way", item)
+    for items, is_head in ((clause.head, True), (clause.tail, False)):
+        for place, item in enumerate(items):
+            way = direction(item)
+            if way is None or (clause.is_denied and clause.kind not in {"stop", "avoid"}):
+                continue
+            what, confidence = _meaning(clause, items, place, is_head=is_head) or ("", 0.0)
+            turn = turn_of(clause)
+            turned_here = turn is not None and clause.kind != "turn" and turn[2].end <= item.span.start
+            if (
+                (has_turned or turned_here)
+                and not is_head
+                and item.is_a("compass")
+                and what in {"initial_position", "heading_on"}
+            ):
+                what = "destination"
+            turned_round = what in {"origin", "against"}
+            for vehicle in clause.subject.vehicles if what else ():
+                path = of_vehicle(vehicle, "initial_position" if turned_round else what)
+                sure = weakened(confidence, is_after=is_after)
+                yield claim(path, opposite(way) if turned_round else way, sure, _REASONS[what], item)
+
+
+def _meaning(clause: Clause, items: Words, place: int, *, is_head: bool) -> tuple[str, float] | None:
     """What a direction says of a clause's subject: how it came, or where it goes."""
-    item, kind = items[place], clause.kind
-    after = items[place + 1] if place + 1 < len(items) else None
-    if kind in STRIKES | {"collide"} and not is_head:
+    item, after, kind = items[place], items.at(place + 1), clause.kind
+    at_road = items.cut(place - 4, place).says({"on"}) and item.is_a("bound") and not after.is_a("lane", "lanekind")
+    if kind in STRIKES and not is_head and at_road:
+        return "initial_position", 0.68  # "struck it on the M5 southbound"
+    if _is_no_way(clause, items, place, is_head=is_head):
         return None
-    if item.low in {"sb", "s b"} and after is not None and after.low in {"used", "worn", "in use"}:
-        return None  # a seat belt
-    if any(each.is_a("ends") or each.low in {"joins", "enters", "tees"} for each in items[max(0, place - 6) : place]):
-        return None  # a road that comes from there
-    if any(each.is_a("weather") for each in items[max(0, place - 3) : place]):
-        return None  # "winds from the south"
-    if kind == "after":
-        return None
-    if after is not None and (after.low in _NOT_A_WAY or (after.is_a("shoulder") and not item.is_a("bound"))):
-        return None
-    if any(each.low in _FACING for each in items[max(0, place - 4) : place]):
+    if items.cut(place - 6, place).says(word_set("facing")):
         return "initial_position", 0.9 if kind in {"park", "stop", ""} else 0.7
-    ahead = place + 1
-    while ahead < len(items) and items[ahead].is_a(*_SKIPPED) and not items[ahead].is_a("lane", "road"):
+    ahead, back = place + 1, place - 1
+    while items.at(ahead).is_a(*_SKIPPED) and not items.at(ahead).is_a("lane", "road"):
         ahead += 1
-    names_road = (
-        ahead < len(items)
-        and items[ahead].is_a("lane", "road", "shoulder", "ramp")
-        and not any(each.low in ",;" for each in items[place:ahead])
-    )
-    back = place - 1
-    while back >= 0 and items[back].is_a(*_SKIPPED) and not items[back].is_a("preposition"):
+    while items.at(back).is_a(*_SKIPPED) and not items.at(back).is_a("preposition"):
         back -= 1
-    lead = items[back].low if back >= 0 else (clause.verb.lemma if clause.verb is not None and not is_head else "")
-    if kind in _TURNING and not is_head:
+    lead = items.at(back).low if back >= 0 else "" if is_head else clause.lemma
+    names_road = items.at(ahead).is_a("lane", "road", "shoulder", "ramp") and not items.cut(place, ahead).says(",;")
+    if kind in {"turn", "uturn"} and not is_head:
         if lead == "from":
             return ("initial_position", 0.85) if names_road or item.is_a("bound") else ("origin", 0.8)
         return "destination", 0.85
-    if names_road and item.is_a("bound", "compass"):
-        if lead in _INTO:
-            if kind in {"drift", "depart"} or (
-                kind in {"approach", "travel", "change_lane"}
-                and any(each.is_a("centerline", "wrong") for each in items[:place])
-            ):
-                return "against", 0.75
-            return ("destination", 0.7) if kind in {"emerge", "approach"} and lead in {"onto", "on to"} else None
-        if item.is_a("compass") and not items[ahead].is_a("lane"):
-            return None
-        return "initial_position", 0.9 if kind in _GOING else 0.6
-    if item.is_a("compass"):
-        if lead == "from":
-            return "origin", 0.88
-        if lead in {"of", "at"}:
-            return None
-        near = place <= 5 or any(
-            each.low in {"heading", "headed", "travelling", "traveling", "direction", "facing"} for each in items
-        )
-        if kind in {"travel", "continue", "approach", "follow"} and near and not is_head:
-            goes_on = "intend" in clause.governed or kind == "continue"
-            return "initial_position" if not goes_on else "heading_on", 0.96 if lead not in {
-                "to",
-                "toward",
-                "towards",
-            } else 0.85
-        if is_head or kind == "":
-            return ("initial_position", 0.8) if len(item.low) > 1 or item.text.isupper() else None
+    if names_road:
+        return _of_lane(clause, items, place, lead, is_lane=items.at(ahead).is_a("lane"))
+    if not item.is_a("compass"):
+        return "initial_position", 0.96 if is_head or kind not in _NOT_GOING else 0.7
+    if lead == "from":
+        return "origin", 0.88
+    numbered = items.at(place - 1).is_a("number") or items.at(place - 1).low[-1:].isdigit()
+    if numbered and item.is_a("compass") and kind in {"", "travel", "stop", "slow", "own", "merge", "follow"}:
+        return "initial_position", 0.8  # "on 95 north"
+    if lead in {"of", "at"} and items.at(back - 1).low not in {"direction", "direction of"}:
         return None
-    return "initial_position", 0.96 if kind in _GOING else 0.7
+    if items.at(back).get("relative") or lead in word_set("that_is"):
+        return _explained(items, back)
+    if kind == "depart" and "intend" in clause.governed and clause.lemma == "go":
+        return "destination", 0.75
+    near = place <= 5 or items.says(word_set("heading_words"))
+    if kind in {"travel", "continue", "approach", "follow"} and near and not is_head:
+        goes_on = "intend" in clause.governed or kind == "continue"
+        sure = 0.85 if lead in {"to", "toward", "towards"} else 0.96
+        return "heading_on" if goes_on else "initial_position", sure
+    is_word = len(item.low) > 1 or item.text.isupper()
+    return ("initial_position", 0.8) if (is_head or kind == "") and is_word and after is not item else None
 
 
-_REASONS["heading_on"] = "it meant to go on that way"
+def _beside_mentions(text: Text) -> Iterator[Claim]:
+    """Directions directly after the name of a vehicle: "struck another sedan, eastbound on Main"."""
+    for sentence, mentions in zip(text.sentences, text.spoken.mentions, strict=True):
+        items = sentence.items
+        for mention in mentions:
+            at = mention.last + 1
+            while items.at(at).low in word_set("beside_fillers"):
+                at += 1
+            item, after = items.at(at), items.at(at + 1)
+            way = direction(item) if item.is_a("bound") else None
+            if len(mention.vehicles) == 1 and way is not None and not after.is_a("lane", "road", "lanekind"):
+                path = of_vehicle(mention.vehicles[0], "initial_position")
+                yield claim(path, way, 0.85, "it is said to travel that way", item)
+
+
+def _unclaimed(text: Text, claims: Sequence[Claim | DirectionClaim]) -> Iterator[Claim]:
+    """A direction that is said of nobody: weakly, of everybody of whom none is said."""
+    known = {each.path for each in claims if isinstance(each, Claim) and each.path.endswith("initial_position")}
+    spans = {(each.where.start, each.where.end) for each in claims if isinstance(each.where, Span)}
+    open_ = [each for each in range(text.count) if of_vehicle(each, "initial_position") not in known]
+    for sentence in text.sentences if open_ else ():
+        for place, item in enumerate(sentence.items):
+            lead, way = sentence.items.at(place - 1), direction(item)
+            goes = item.is_a("bound") or lead.low in word_set("goes_that_way") or lead.get("verb") is not None
+            if way is None or not goes or (item.span.start, item.span.end) in spans or item.is_a("ends"):
+                continue
+            if sentence.items.at(place + 1).low in word_set("not_a_way") or sentence.items.cut(place - 6, place).has(
+                "ends"
+            ):
+                continue
+            for vehicle in open_:
+                path = of_vehicle(vehicle, "initial_position")
+                yield claim(path, way, 0.6, "the text speaks of that direction", item)
+
+
+def _explained(items: Words, place: int) -> tuple[str, float] | None:
+    """What "that is north" explains: where one comes from, or goes."""
+    before = items.cut(place - 8, place)
+    if before.says({"from"}):
+        return "origin", 0.75
+    return ("initial_position", 0.75) if before.says({"to", "toward", "towards", "for", "up", "down"}) else None
+
+
+def _is_no_way(clause: Clause, items: Words, place: int, *, is_head: bool) -> bool:
+    """Whether a word for a direction says nothing of a way: a side, a wind, a road's, or one after the crash."""
+    item, after = items[place], items.at(place + 1)
+    if clause.kind == "after" or (clause.kind in STRIKES | {"collide"} and not is_head):
+        return True
+    if after.low in word_set("not_a_way") or (after.is_a("shoulder") and not item.is_a("bound")):
+        return True
+    belt = item.low in {"sb", "s b"} and after.low in {"used", "worn", "in use"}
+    before = items.cut(place - 6, place)
+    of_road = before.has("ends") or before.says({"joins", "enters", "tees"})
+    return belt or of_road or items.cut(place - 3, place).has("weather")
+
+
+def _of_lane(clause: Clause, items: Words, place: int, lead: str, *, is_lane: bool) -> tuple[str, float] | None:
+    """What "northbound lane" says: of who is in it, that it travels that way; of who enters it, that it did not."""
+    kind = clause.kind
+    if lead in word_set("into"):
+        strays = kind in {"approach", "travel", "change_lane"} and items.cut(0, place).has("centerline", "wrong")
+        if kind in {"drift", "depart"} or strays:
+            return "against", 0.75
+        return ("destination", 0.7) if kind in {"emerge", "approach"} and lead in {"onto", "on to"} else None
+    if items[place].is_a("compass") and not is_lane:
+        return None
+    return "initial_position", 0.9 if kind not in _NOT_GOING else 0.6
 
 
 def _of_place(text: Text) -> Iterator[Claim]:
     """Where the crash was: "the crash occurred in the northbound lanes of a divided road"."""
     for sentence, mentions in zip(text.sentences, text.spoken.mentions, strict=True):
-        head = sentence.items[:8]
-        told = any(item.is_a("collision") for item in head) and any(item.low in _HAPPENED for item in head)
-        ways = [item for item in sentence.items if item.is_a("bound")]
-        apart = any(item.is_a("axis", "junction") for item in sentence.items)
-        if (
-            told
-            and not apart
-            and len({direction(item) for item in ways}) == 1
-            and not any(each.vehicles for each in mentions)
+        head, bound = sentence.items.cut(0, 8), [item for item in sentence.items if item.is_a("bound")]
+        told = head.has("collision") and head.says(word_set("happened")) and not sentence.items.has("axis", "junction")
+        ways = {direction(item) for item in bound}
+        for vehicle in (
+            range(text.count) if told and len(ways) == 1 and not any(each.vehicles for each in mentions) else ()
         ):
-            for vehicle in range(text.count):
-                path = of_vehicle(vehicle, "initial_position")
-                yield claim(path, direction(ways[0]), 0.68, "the crash was on that side of the road", ways[0].span)
+            path = of_vehicle(vehicle, "initial_position")
+            yield claim(path, direction(bound[0]), 0.68, "the crash was on that side of the road", bound[0])
 
 
 def _from_driveway(clause: Clause, sides: Sequence[Item]) -> Iterator[Claim]:
     """Who comes out of a driveway on the east side of a street heads west."""
-    words = [*clause.head, *clause.tail]
-    if clause.subject is None or clause.kind not in {"emerge", "travel", "reverse", "depart"}:
-        return
+    words = clause.words
     place = next((place for place, item in enumerate(words) if item.is_a("driveway")), None)
-    backs = clause.kind == "reverse" or any(item.verb is not None and item.verb.kind == "reverse" for item in words)
-    if place is None or backs or any(item.low in {"into", "to", "toward"} for item in words[max(0, place - 3) : place]):
+    backs = any(item.verb is not None and item.verb.kind == "reverse" for item in words)
+    if place is None or backs or clause.kind not in {"emerge", "travel", "depart"}:
+        return
+    if words.cut(place - 3, place).says({"into", "to", "toward"}):
         return
     for item in _sides(words) or sides:
         way = direction(item)
-        for vehicle in clause.subject.vehicles[:1]:
-            if way is not None:
-                path = of_vehicle(vehicle, "initial_position")
-                yield claim(path, opposite(way), 0.85, f"it comes from the {item.low} side", item.span)
+        for vehicle in clause.subject.vehicles[:1] if way is not None else ():
+            path = of_vehicle(vehicle, "initial_position")
+            yield claim(path, way and opposite(way), 0.85, f"it comes from the {item.low} side", item)
 
 
-def _sides(items: Sequence[Item]) -> list[Item]:
+def _sides(items: Words) -> list[Item]:
     """Sides of a road that are named: "on the east side"."""
     pairs = itertools.pairwise(items)
     return [one for one, after in pairs if one.is_a("compass") and direction(one) and after.low in {"side", "edge"}]
 
 
-def _relations(clause: Clause, count: int) -> Iterator[DirectionClaim]:
-    subject = clause.subject
-    if subject is None or not subject.vehicles or clause.is_denied:
+def _of_pairs(clause: Clause) -> Iterator[DirectionClaim]:
+    """How two vehicles' ways lie to each other, where both are named: "V1 was behind V2"."""
+    kind, mine = clause.kind, clause.subject.vehicles[:1]
+    if not mine or clause.is_denied:
         return
-    mine = subject.vehicles[0]
-    others = [each for each in range(count) if each not in subject.vehicles]
-    if (
-        clause.kind in {"follow", "overtake"}
-        and clause.object is not None
-        and clause.object.vehicles
-        and clause.object.vehicles[0] != mine
-    ):
-        yield relation(
-            mine, clause.object.vehicles[0], Relation.SAME, 0.88, "the one follows or passes the other", clause.span
-        )
+    followed = clause.object.vehicles if clause.object is not None and kind in {"follow", "overtake"} else ()
+    if followed and followed[0] != mine[0]:
+        yield relation(mine[0], followed[0], Relation.SAME, 0.88, clause.span)
     for lead, actor in clause.others:
-        if not actor.vehicles or actor.vehicles[0] == mine:
+        if not actor.vehicles or actor.vehicles[0] == mine[0]:
             continue
-        if (
-            lead.is_a("ahead", "behind")
-            and clause.kind in {"", "travel", "stop", "slow", "follow", "approach", "park", "change_lane", "own"}
-            and (not lead.is_a("path") or clause.kind in {"", "stop", "slow", "travel", "park"})
-        ):
-            if clause.verb is None or clause.verb.lemma != "come":
-                yield relation(
-                    mine,
-                    actor.vehicles[0],
-                    Relation.SAME,
-                    0.85 if not lead.is_a("path") else 0.78,
-                    f"the one was {lead.low} the other",
-                    lead.span,
-                )
-        elif lead.is_a("beside") and clause.kind in {"", "travel", "stop"}:
-            yield relation(mine, actor.vehicles[0], Relation.SAME, 0.75, f"the one was {lead.low} the other", lead.span)
+        is_path = lead.is_a("path")
+        noun = (
+            bool(kind) and lead.span.end < clause.span.end and clause.span.start < lead.span.start
+        )  # "the car ahead of me"
+        beside = kind in (_IN_FRONT if is_path else _BEHIND) and clause.lemma != "come"
+        if lead.is_a("ahead", "behind") and (beside or noun):
+            yield relation(mine[0], actor.vehicles[0], Relation.SAME, 0.78 if is_path else 0.85, lead)
+        elif lead.is_a("beside") and kind in {"", "travel", "stop"}:
+            yield relation(mine[0], actor.vehicles[0], Relation.SAME, 0.75, lead)
         elif lead.is_a("oncoming"):
-            yield relation(
-                mine, actor.vehicles[0], Relation.OPPOSITE, 0.85, "the one came towards the other", lead.span
-            )
-    words = [*clause.head, *clause.tail]
-    if len(others) == 1 or (count > 2 and others):
-        other = others[0]
-        for place, item in enumerate(words):
-            if item.is_a("beside") and len(others) == 1 and clause.kind in {"travel", "", "drift", "change_lane"}:
-                yield relation(mine, other, Relation.SAME, 0.7, f"the one was in the {item.low}", item.span)
-            if item.is_a("same_way") and "lane" not in item.low:
-                yield relation(mine, other, Relation.SAME, 0.88, "they are said to go the same way", item.span)
-            elif (
-                item.is_a("oncoming")
-                and clause.kind in {"travel", "", "approach", "drift", "collide"} | STRIKES
-                and not item.is_a("head_on")
-                and not item.is_a("wrong")
-                and len(item.low) > 9
-            ):
-                yield relation(mine, other, Relation.OPPOSITE, 0.8, "they are said to go opposite ways", item.span)
-            elif (
-                item.is_a("hand")
-                and place
-                and any(each.low == "from" for each in words[max(0, place - 2) : place])
-                and clause.kind in {"travel", "approach", "emerge", "", "see"}
-            ):
-                side = Relation.FROM_LEFT if item.kinds["hand"] == "Left" else Relation.FROM_RIGHT
-                yield relation(other, mine, side, 0.7, f"it is said to come from the {item.low}", item.span)
-    if len(subject.vehicles) > 1:
-        for item in words:
-            if item.is_a("oncoming"):
-                yield relation(
-                    subject.vehicles[0],
-                    subject.vehicles[1],
-                    Relation.OPPOSITE,
-                    0.85,
-                    "they are said to go opposite ways",
-                    item.span,
-                )
-            elif item.is_a("same_way"):
-                yield relation(
-                    subject.vehicles[0],
-                    subject.vehicles[1],
-                    Relation.SAME,
-                    0.85,
-                    "they are said to go the same way",
-                    item.span,
-                )
+            yield relation(mine[0], actor.vehicles[0], Relation.OPPOSITE, 0.85, lead)
+
+
+def _of_words(clause: Clause, count: int) -> Iterator[DirectionClaim]:
+    """How ways lie to each other by a clause's words: "in the same direction", "from the left"."""
+    kind, words, vehicles = clause.kind, clause.words, clause.subject.vehicles
+    if not vehicles or (clause.is_denied and kind not in {"stop", "slow"}):
+        return
+    others = [each for each in range(count) if each not in vehicles]
+    mine, other = (vehicles[0], vehicles[1]) if len(vehicles) > 1 else (vehicles[0], others[0] if others else None)
+    if other is None:
+        return
+    counts = words.has("lane") and words.has("number")  # "two lanes, and two coming the other way"
+    comes = not counts and (kind in STRIKES | {"travel", "", "approach", "drift", "collide"} or len(vehicles) > 1)
+    for place, item in enumerate(words):
+        far = len(item.low) > _LONG and not item.is_a("head_on", "wrong")
+        if item.is_a("beside") and len(others) == 1 and kind in {"travel", "", "drift", "change_lane"}:
+            yield relation(mine, other, Relation.SAME, 0.7, item)
+        bare = item.is_a("behind") and words.at(place + 1).low in {"", ",", "and"} and len(others) == 1
+        if bare and kind in _BEHIND:
+            yield relation(mine, other, Relation.SAME, 0.75, item)
+        if item.is_a("wrong") and item.low.endswith("lane") and item.low.split()[0] in {"my", "our", "his", "her"}:
+            yield relation(mine, other, Relation.OPPOSITE, 0.62, item)
+        if item.is_a("same_way") and "lane" not in item.low:
+            yield relation(mine, other, Relation.SAME, 0.88, item)
+        elif item.is_a("oncoming") and comes and (far or len(vehicles) > 1):
+            yield relation(mine, other, Relation.OPPOSITE, 0.8, item)
+        elif item.is_a("hand") and words.cut(place - 2, place).says({"from"}) and len(vehicles) == 1:
+            side = Relation.FROM_LEFT if item.get("hand") == "Left" else Relation.FROM_RIGHT
+            if kind in {"travel", "approach", "emerge", "", "see"}:
+                yield relation(other, mine, side, 0.7, item)

@@ -1,0 +1,401 @@
+"""Sentences taken apart into clauses.
+
+A shallow parser: noun groups are the mentions of vehicles and of their parts, verb groups come from the table of verbs,
+and a clause is a subject, a verb, an object, what prepositions bring in, and the words around the verb.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from roadmend.safe.claims import Span
+from roadmend.safe.reading.clauses import NOBODY, STRIKES, Actor, Clause
+from roadmend.safe.reading.lexicon import VerbSense, word_set
+from roadmend.safe.reading.mentions import Spoken
+from roadmend.safe.reading.naming import Mention, MentionKind
+from roadmend.safe.reading.parts import read_part
+from roadmend.safe.reading.tokens import NOTHING, Item, Sentence, Words
+
+_TRANSITIVE = STRIKES | {"follow", "overtake", "avoid", "see", "after", "approach", "collide", "do", "own"}
+_OTHERS_OBJECT = STRIKES | {"avoid", "see", "follow", "overtake", "after"}  # "it struck him": not itself
+_GOVERNING = frozenset({"intend", "begin", "avoid", "fail", "see", "say", "do", "stop", "slow", "park"})
+_STRICT = frozenset({"intend", "begin", "fail"})  # govern only with "to"
+_OBJECT_REACH = 4  # words between a verb and its object
+_PASSIVE_REACH = 4  # words between "was" and "struck"
+
+
+def read_clauses(sentences: Sequence[Sentence], spoken: Spoken) -> tuple[Clause, ...]:
+    """The clauses of a text, in its order."""
+    walker = _Walker(len(spoken.roll.vehicles), spoken.roll.own())
+    for sentence, mentions in zip(sentences, spoken.mentions, strict=True):
+        walker.walk(sentence, mentions)
+    return tuple(walker.clauses)
+
+
+class _Walker:
+    """Goes through the words of a text, and remembers who was last spoken of."""
+
+    def __init__(self, count: int, own: tuple[int, ...]) -> None:
+        self.count, self.own = count, own
+        self.clauses: list[Clause] = []
+        self.clause: Clause | None = None
+        self.pending: Actor | None = None  # a subject that waits for its verb
+        # The last subject; before there is one, who writes without "I" speaks of himself.
+        self.focus = replace(NOBODY, vehicles=own, is_person=True) if own else NOBODY
+        self.last = NOBODY  # the last one spoken of
+        self.genders: dict[int, str] = {}  # of who drives
+        self.recent: list[int] = []  # vehicles in the order in which they were spoken of
+
+    def walk(self, sentence: Sentence, mentions: Sequence[Mention]) -> None:
+        self.sentence, self.items = sentence, sentence.items
+        self.starts = {mention.first: mention for mention in mentions}
+        self.clause, self.acted, place = None, 0, 0
+        self._wait(None)
+        while place < len(self.items):
+            group = self._group(place)
+            if group is not None:
+                self._place(place, *group)
+                place = group[1] + 1
+                continue
+            if self._is_relative(place):
+                self._flush()
+                self._wait(self.last)
+            elif _is_verb(self.items, place, after_actor=self._follows(place) or self._goes_on(place)):
+                self._act(place)
+            else:
+                self._keep(self.items[place])
+            place += 1
+        self._flush()
+
+    def _keep(self, item: Item) -> None:
+        """Put a word where it belongs: behind the verb, or before it."""
+        if self.clause is not None:
+            self.clause.tail = Words((*self.clause.tail, item))
+        else:
+            self.head.append(item)
+
+    def _wait(self, subject: Actor | None) -> None:
+        """Begin anew, with a subject that has no verb yet."""
+        self.pending, self.clause = subject, None
+        self.head, self.of_head = list[Item](), list[tuple[Item, Actor]]()
+
+    def _follows(self, place: int) -> bool:
+        """Whether a place is directly after the last noun group."""
+        return place > 0 and bool(self.last.span.end) and self.last.span.end == self.items[place - 1].span.end
+
+    def _goes_on(self, place: int) -> bool:
+        """Whether a place is after an "and" that goes on with a bare verb: "saw it come out and turn"."""
+        verb = self.clause.verb if self.clause is not None else None
+        return self.items.at(place - 1).low in {"and", "then"} and verb is not None and verb.form == "base"
+
+    def _is_relative(self, place: int) -> bool:
+        """Whether a "which" or "that" takes up the noun group before it."""
+        item, after = self.items[place], self.items.at(place + 1)
+        if not item.is_a("relative") or not self.last.span.end or place + 1 >= len(self.items):
+            return False
+        return item.low != "that" or (after.is_a("auxiliary", "verb", "adverb") and self._follows(place))
+
+    def _flush(self) -> None:
+        """End what has a subject and no verb: "V1 northbound on Main Street"."""
+        if self.pending is not None and self.head:
+            end = self.head[-1].span
+            span = Span(self.pending.span.start if self.pending.span.start < end.end else end.start, end.end)
+            self.clauses.append(
+                Clause(self.sentence, self.pending, None, others=self.of_head, head=Words(self.head), span=span)
+            )
+            self.focus = self.pending
+        self.pending, self.of_head = None, []
+
+    def _group(self, place: int) -> tuple[Actor, int] | None:
+        """A noun group that begins here, and its last word: a vehicle, or a part of one, whose owner may be open."""
+        mention = self.starts.get(place)
+        if mention is not None:
+            return self._owner(mention, place)
+        led = self.items[place].is_a("determiner") and (place + 1) not in self.starts
+        found = read_part(self.items, place + led, is_led=led)
+        if found is None:
+            return None
+        part, last = found
+        span = self.items.span(place, last)
+        owner = self.starts.get(last + 2)
+        if owner is not None and self.items.at(last + 1).low == "of":
+            actor = self._resolve(owner)
+            return replace(actor, part=part, is_person=False, span=Span(span.start, actor.span.end)), owner.last
+        return Actor((), part, is_person=False, span=span), last
+
+    def _owner(self, mention: Mention, place: int) -> tuple[Actor, int]:
+        """A mention with the part of it that is named after it: "V1's left side", "its front"."""
+        actor, last = self._resolve(mention), mention.last
+        is_short = mention.kind in {MentionKind.ONE, MentionKind.IT, MentionKind.SELF} and mention.first == last
+        owned = self.items.at(last + 1).low == "'s" and not is_short  # "she's" is "she is"
+        is_own = self.items[place].get("pronoun") == "own"
+        may_own = owned or is_own or mention.kind is MentionKind.POSSESSIVE or mention.description is not None
+        found = read_part(self.items, last + 1 + owned, is_led=True) if may_own else None
+        if found is not None:
+            span = Span(actor.span.start, self.items[found[1]].span.end)
+            return replace(actor, part=found[0], is_person=False, span=span), found[1]
+        return (replace(actor, vehicles=()), last + 1) if owned else (actor, last)  # "V2's lane" is a place
+
+    def _resolve(self, mention: Mention) -> Actor:
+        """Which vehicles a mention means here."""
+        word = self.items.cut(mention.first, mention.last + 1).first("gender")
+        gender = word.get("gender") if word is not None else ""
+        vehicles = mention.vehicles or self._of_gender(self._meant(mention), gender)
+        if len(vehicles) == 1 and gender:
+            self.genders.setdefault(vehicles[0], gender)
+        return Actor(vehicles, None, mention.is_person, mention.span, gender)
+
+    def _of_gender(self, vehicles: tuple[int, ...], gender: str) -> tuple[int, ...]:
+        """The same, unless it is known that a man drives and "she" is spoken of."""
+        if len(vehicles) != 1 or not gender or self.genders.get(vehicles[0], gender) == gender:
+            return vehicles
+        same = [each for each, known in self.genders.items() if known == gender]
+        return (same[-1],) if same else self._but(vehicles)
+
+    def _meant(self, mention: Mention) -> tuple[int, ...]:
+        here = (self.clause.subject if self.clause is not None else self.pending) or NOBODY
+        focus = here if here.span.end else self.focus
+        match mention.kind:
+            case MentionKind.IT if self.items[mention.first].is_a("pronoun") and self.items[mention.first].get(
+                "pronoun"
+            ) in {"former", "latter"}:
+                return self._of_two(mention)
+            case MentionKind.BOTH:
+                return self._both(mention)
+            case MentionKind.OTHER:
+                return self._but(focus.vehicles)
+            case MentionKind.POSSESSIVE:
+                return (here if here.vehicles else self.last if self.last.span.end else focus).vehicles[:1]
+            case MentionKind.ONE if self.items[mention.first].low == "they" and self._meets(mention.last + 1):
+                return self._both(mention)
+            case MentionKind.IT | MentionKind.ONE | MentionKind.PERSON if not mention.is_new:
+                return self._pronoun(mention, here, focus)
+        return ()
+
+    def _meets(self, place: int) -> bool:
+        """Whether a verb of meeting follows."""
+        verbs = [item.verb for item in self.items.cut(place, place + 3) if item.verb is not None]
+        return bool(verbs) and verbs[0].kind in {"collide", *STRIKES}
+
+    def _but(self, vehicles: Sequence[int]) -> tuple[int, ...]:
+        """The other one of the first two."""
+        rest = [each for each in range(min(self.count, 2)) if each not in vehicles]
+        return (rest[0],) if len(rest) == 1 else ()
+
+    def _of_two(self, mention: Mention) -> tuple[int, ...]:
+        """The former or the latter of the last two."""
+        last = list(dict.fromkeys(reversed(self.recent)))
+        at = 0 if self.items[mention.first].get("pronoun") == "latter" else 1
+        return (last[at],) if at < len(last) else ()
+
+    def _both(self, mention: Mention) -> tuple[int, ...]:
+        """The vehicles that "both" or "they all" mean: of more than two, the last that have done something."""
+        if self.count <= 2 or "all" in self.items[mention.first].low:
+            return tuple(range(min(self.count, 3)))
+        subjects = [*(each.subject for each in self.clauses), self.pending or NOBODY]
+        done = [each.vehicles[0] for each in subjects if each.vehicles]
+        is_they = self.items[mention.first].low == "they" and bool(self.own)
+        ranked = list(dict.fromkeys([*reversed(done), *range(self.count)]))
+        return tuple(sorted(sorted(ranked, key=lambda each: is_they and each == self.own[0])[:2]))
+
+    def _pronoun(self, mention: Mention, here: Actor, focus: Actor) -> tuple[int, ...]:
+        before, after = self.items.at(mention.first - 1), self.items.at(mention.last + 1)
+        is_it = mention.kind is MentionKind.IT
+        if is_it and mention.last > mention.first and after.is_a("ahead", "behind"):
+            return ()  # "the vehicle in front of him"
+        if before.is_a("ahead", "behind", "beside") and here.span.end:
+            return next(((each,) for each in reversed(self.recent) if each not in here.vehicles), ())
+        is_object = self.clause is not None and self.clause.kind in _OTHERS_OBJECT
+        is_object &= self.items[mention.first].low not in word_set("subject_pronouns")
+        if self.clause is not None and is_object and here.span.end and not _is_apart(self.clause.tail, ",;"):
+            is_known = bool(self.last.span.end) and self.last.vehicles != here.vehicles
+            return self.last.vehicles if is_known else self._but(here.vehicles)
+        if is_it and here.is_person and not self.last.is_person and self.last.vehicles:
+            return self.last.vehicles[:1]  # "I did not see the van until it hit me"
+        found = focus.vehicles or self.last.vehicles
+        return found if mention.kind is MentionKind.ONE and len(found) > 1 else found[:1]
+
+    def _place(self, first: int, actor: Actor, last: int) -> None:
+        """Give a noun group its part in the clause."""
+        before, clause = self.items.at(first - 1), self.clause
+        related = before.is_a("behind", "beside") or (
+            before.is_a("ahead", "path", "ends") and before.low.endswith("of")
+        )
+        leads = before.is_a("preposition", "oncoming") and not before.is_a("number") and before.low != "before"
+        if related or leads:
+            self._bring(before, actor)
+        elif before.low in {"and", "&", "/", "or"} and self._joins(first, last, actor):
+            return
+        elif (
+            clause is not None
+            and clause.object is None
+            and _takes_object(clause)
+            and self.items[first].low not in word_set("subject_pronouns")
+        ):
+            clause.object = actor
+            if clause.lemma in {"drive", "operate"} and not clause.subject.vehicles:
+                clause.subject = self.focus = replace(clause.subject, vehicles=actor.vehicles)
+                for vehicle in actor.vehicles if clause.subject.gender else ():
+                    self.genders[vehicle] = clause.subject.gender
+        else:
+            early = Words(self.head if clause is None and self.pending is None else ())
+            self._flush()
+            self._wait(actor)
+            self.head = list(early) if early.has("bound", "ramp") else []  # "While southbound on Main Street, my car"
+        if actor.vehicles:
+            self.last = actor
+            self.recent.extend(actor.vehicles)
+
+    def _bring(self, preposition: Item, actor: Actor) -> None:
+        if self.clause is not None:
+            self.clause.others.append((preposition, actor))
+        elif self.pending is not None:
+            self.head.append(preposition)
+            self.of_head.append((preposition, actor))
+
+    def _joins(self, first: int, last: int, actor: Actor) -> bool:
+        """Join "and V2" to what stands before it, unless it begins a clause of its own."""
+        mine, clause = self.last, self.clause
+        if not mine.span.end or mine.span.end != self.items.at(first - 2).span.end:
+            return False
+        both = tuple(dict.fromkeys([*mine.vehicles, *actor.vehicles]))
+        joined = Actor(both, None, mine.is_person, Span(mine.span.start, actor.span.end))
+        if self.pending is not None and self.pending.span == mine.span:
+            self.pending = joined
+        elif clause is None or _has_verb_next(self.items, last + 1):
+            return False
+        elif clause.object is not None and clause.object.span == mine.span:
+            clause.object = joined
+        elif clause.others and clause.others[-1][1].span == mine.span:
+            clause.others[-1] = (clause.others[-1][0], joined)
+        else:
+            return False
+        self.last = joined
+        return True
+
+    def _act(self, place: int) -> None:
+        """Begin the clause of a verb."""
+        item, old = self.items[place], self.clause
+        verb = item.verb
+        if verb is None:
+            return
+        nearby = self.items.cut(max(self.acted, place - _PASSIVE_REACH), place)
+        subject, governed = self._after(place, verb) or self._subject(place, verb)
+        be = max((at for at, each in enumerate(nearby) if each.get("auxiliary") == "be"), default=None)
+        after_be = nearby.cut(be + 1) if be is not None else Words()
+        is_be = be is not None and not after_be.says({",", ";"})
+        is_be &= verb.form != "past" or not after_be.has("conjunction")  # "was damaged and came"
+        by = verb.kind in STRIKES and self.items.cut(place + 1, place + 3).says({"by"})
+        is_denied = nearby.cut(len(nearby) - 3).has("negation") and verb.kind != "fail"
+        is_denied |= verb.kind == "avoid" and old is not None and self.pending is None and old.kind == "fail"
+        start = subject.span.start if subject.span.end and subject.span.start >= self.sentence.span.start else None
+        self.clauses.append(
+            Clause(
+                self.sentence,
+                subject,
+                verb,
+                is_passive=verb.form in {"both", "participle", "past"} and (is_be or by),
+                is_denied=is_denied,
+                governed=governed,
+                others=self.of_head,
+                head=Words(self.head),
+                span=Span(item.span.start if start is None else min(start, item.span.start), item.span.end),
+            )
+        )
+        self._wait(None)
+        self.clause, self.acted = self.clauses[-1], place + 1
+        self.focus = subject if subject.vehicles else self.focus
+
+    def _after(self, place: int, verb: VerbSense) -> tuple[Actor, frozenset[str]] | None:
+        """Who stands behind the verb: "from the ramp came a van", "behind it was a bus"."""
+        mention = self.starts.get(place + 1)
+        first = self.items.at(0) if self.clause is None else NOTHING
+        comes = verb.lemma in {"come", "emerge", "appear", "follow", "approach", "be", "stand", "sit"}
+        if self.pending is not None or mention is None or not comes or not first.is_a("preposition", "behind"):
+            return None
+        actor = self._resolve(mention)
+        return (actor, frozenset()) if actor.vehicles else None
+
+    def _subject(self, place: int, verb: VerbSense) -> tuple[Actor, frozenset[str]]:
+        """Who does it, and the kinds of the verbs that it depends on."""
+        old, nothing = self.clause, frozenset[str]()
+        if self.pending is not None:
+            return self.pending, nothing
+        if old is None and verb.form == "ing" and self._follows(place) and self.last.vehicles:
+            return self.last, nothing  # "some kid in a Civic coming south"
+        if old is None:
+            return self.focus, nothing
+        if self._is_reduced(place, verb, old):
+            return self.last, nothing
+        if old.kind == "see" and old.object is not None and verb.form == "ing" and self.items[place - 1].low == ",":
+            return old.object, nothing  # "I saw a van, coming from the west"
+        if (
+            old.kind in {"see", "say"}
+            and old.object is not None
+            and self.items[place - 1].is_a("auxiliary", "negation")
+        ):
+            return old.object, nothing  # "he saw that the car was stopped"
+        if not self._governs(old, self.items[place]):
+            return old.subject, nothing
+        governed = old.governed | {old.kind}
+        if old.is_denied and old.kind in {"intend", "begin", "do"}:
+            governed |= {"avoid"}
+        if old.kind == "avoid" and (old.is_denied or "fail" in old.governed):
+            governed -= {"avoid"}  # "could not avoid striking"
+        return old.subject, governed
+
+    def _governs(self, old: Clause, item: Item) -> bool:
+        """Whether a verb depends on the one before it: "attempted to turn", "was stopped waiting to turn"."""
+        if old.kind not in _GOVERNING or _is_apart(old.tail, ",;"):
+            return False
+        loose = old.kind in _STRICT and any(each.kinds and each.low != "to" for each in old.tail)
+        return not loose and not any(actor.span.end > item.span.start for _, actor in old.others)
+
+    def _is_reduced(self, place: int, verb: VerbSense, old: Clause) -> bool:
+        """Whether the verb says something of the noun group before it: "struck V2 parked at the curb"."""
+        while place > 1 and self.items[place - 1].low in word_set("reduced_fillers"):
+            place -= 1
+        is_subject = old.subject.span == self.last.span
+        return self._follows(place) and not is_subject and verb.form in {"ing", "both", "participle"}
+
+
+def _is_apart(words: Words, marks: str) -> bool:
+    return any(item.is_a("conjunction") or item.low in marks for item in words)
+
+
+def _takes_object(clause: Clause) -> bool:
+    takes = clause.kind in _TRANSITIVE or clause.lemma in {"drive", "operate", "ride"}
+    return takes and not clause.is_passive and len(clause.tail) <= _OBJECT_REACH and not _is_apart(clause.tail, ",;(")
+
+
+def _has_verb_next(items: Words, place: int) -> bool:
+    for item in items.cut(place, place + 4):
+        if item.low in ",;" or item.is_a("preposition", "conjunction"):
+            return False
+        if item.is_a("auxiliary", "verb"):
+            return True
+    return False
+
+
+def _is_verb(items: Words, place: int, *, after_actor: bool) -> bool:
+    """Whether a word is the verb that it may be, and not a noun."""
+    item, before, after = items[place], items.at(place - 1), items.at(place + 1)
+    verb = item.verb
+    if verb is None or (item.is_a("lanekind") and after.is_a("lane", "lanekind")):
+        return False
+    if item.low == "left":  # the hand, or the past of "leave"
+        led = after_actor or before.is_a("auxiliary", "conjunction") or before.low == ","
+        goes = after.is_a("determiner", "road", "shoulder") or after.get("pronoun") == "its"
+        return led and goes and not after.is_a("hand", "lane")
+    owned = before.is_a("determiner") or before.get("pronoun") in {"its", "own"}
+    if owned and verb.form != "ing" and before.low not in word_set("loose_determiners"):
+        return False
+    if verb.form in {"base", "s"}:
+        led = (
+            before.is_a("auxiliary", "relative", "negation", "pronoun")
+            or before.low in word_set("base_verb_leads")
+            or before.low.endswith(" to")
+        )
+        return after_actor or led or (before.low in {"and", "then", ","} and verb.form == "s")
+    if verb.form == "ing" and before.is_a("determiner"):
+        return not after.low or after.is_a("determiner", "preposition", "hand")
+    return not (item.is_a("parked", "stationary") and after.is_a("thing", "body", "name"))

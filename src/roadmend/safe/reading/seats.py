@@ -1,0 +1,186 @@
+"""Who sits in which vehicle, where a text leaves it to its reader: the writer's own, hers, and that of "a driver"."""
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from roadmend.safe.reading.cast import Description, Roll, Vehicle
+from roadmend.safe.reading.clauses import STRIKES
+from roadmend.safe.reading.lexicon import word_set
+from roadmend.safe.reading.naming import Mention, MentionKind
+from roadmend.safe.reading.tokens import Sentence, Words
+
+_APPOSITION = 6  # words at most between two names of one vehicle
+_REACH = 6  # words between "I" and the car that I sit in
+
+
+def claim_own(items: Words, row: Sequence[Mention]) -> None:
+    """Take the vehicle that the writer says to sit in for the writer's: "I was in the Civic"."""
+    for one, other in itertools.pairwise(row):
+        between = items.cut(one.last + 1, other.first)
+        sits = 0 < len(between) < _REACH and between[-1].low in word_set("sits_in")
+        sits |= (
+            1 < len(between) < _REACH and between[-1].get("auxiliary") == "be" and between.has("thing")
+        )  # "my vehicle is"
+        if sits and one.kind is MentionKind.SELF and other.description is not None and not other.number:
+            other.description = replace(other.description, is_own=True)
+
+
+def seat_writer(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], roll: Roll) -> None:
+    """Take the vehicle that somebody sits in for the writer's, where one speaks of "me" and of no car of mine."""
+    if roll.own() or not any(each.kind is MentionKind.SELF for row in found for each in row):
+        return
+    for sentence, row in zip(sentences, found, strict=True):
+        for mention in row:
+            led = sentence.items.at(mention.first - 1).low in {"in", "driving"}
+            seated = any(each.last < mention.first and each.kind is not MentionKind.SELF for each in row)
+            if led and not seated and mention.description and mention.vehicles and not mention.is_new:
+                vehicle = roll.vehicles[mention.vehicles[0]]
+                vehicle.description = replace(vehicle.description, is_own=True)
+                return
+
+
+def add_writer(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], roll: Roll) -> None:
+    """Give the writer a vehicle where the text tells that the writer drove, and of no vehicle of the writer's."""
+    if roll.own() or len(roll.vehicles) != 1 or roll.vehicles[0].description.number is not None:
+        return
+    drives = any(
+        mention.kind is MentionKind.SELF and (_drives(sentence.items, mention) or _is_struck(sentence.items, mention))
+        for sentence, row in zip(sentences, found, strict=True)
+        for mention in row
+    )
+    if not drives:
+        return
+    others = (each.description for row in found for each in row if each.description and each.vehicles)
+    like = next((each.bodies for each in others if "another" in each.marks or each.is_other), ())
+    roll.vehicles.append(Vehicle(len(roll.vehicles), Description(bodies=like, is_own=True, words="vehicle")))
+
+
+def _drives(items: Words, mention: Mention) -> bool:
+    after = items.cut(mention.last + 1, mention.last + 5)
+    told = any(item.verb is not None and item.verb.lemma in word_set("drives") for item in after.cut(0, 3))
+    return after.at(0).get("auxiliary") is not None and (told or after.has("bound", "lane"))
+
+
+def _is_struck(items: Words, mention: Mention) -> bool:
+    before = items.at(mention.first - 1)
+    return items[mention.first].low == "me" and before.verb is not None and before.verb.kind in STRIKES
+
+
+def lead_in(
+    sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], headlines: Sequence[bool], roll: Roll
+) -> None:
+    """Let "a driver" who strikes one of two vehicles in the first sentence be the other's."""
+    if len(roll.vehicles) != 2:
+        return
+    rows = zip(sentences, found, headlines, strict=True)
+    sentence, row = next(((each, row) for each, row, is_title in rows if not is_title and row), (None, ()))
+    struck = next((each for each in row if each.description is not None and len(each.vehicles) == 1), None)
+    person = row[0] if row else None
+    if sentence is None or struck is None or person is None or person.kind is not MentionKind.PERSON or person.vehicles:
+        return
+    between = sentence.items.cut(person.last + 1, struck.first)
+    strikes = any(item.verb is not None and item.verb.kind in STRIKES for item in between)
+    if (
+        strikes
+        and not between.has("conjunction")
+        and sentence.items[person.last].get("person") in {"driver", "someone"}
+    ):
+        person.vehicles = (1 - struck.vehicles[0],)
+
+
+def put_in_order(found: Sequence[Sequence[Mention]], headlines: Sequence[bool], roll: Roll) -> None:
+    """Put the vehicles into the order in which they come up, the writer's with the first "I"."""
+    own, first = roll.own(), dict[int, int]()
+    if any(each.description.number is not None for each in roll.vehicles):
+        return
+    for is_title, row in zip(headlines, found, strict=True):
+        for mention in () if is_title else row:
+            for place in (
+                mention.vehicles[:1]
+                if mention.description is not None or (row[0] is mention and mention.kind is MentionKind.PERSON)
+                else ()
+            ):
+                first.setdefault(place, mention.span.start)
+    unnamed = own if own and own[0] not in first else ()
+    titled = any(
+        each.vehicles == own for is_title, row in zip(headlines, found, strict=True) for each in row if is_title
+    )
+    starts = [each.span.start for row in found for each in row if each.kind is MentionKind.SELF]
+    if own and titled:
+        first[own[0]] = -1
+    elif unnamed and starts:
+        first[own[0]] = starts[0]
+    old = sorted(range(len(roll.vehicles)), key=lambda place: (first.get(place, math.inf), place))
+    new = {place: at for at, place in enumerate(old)}
+    roll.vehicles = [roll.vehicles[place] for place in old]
+    for at, vehicle in enumerate(roll.vehicles):
+        vehicle.place = at
+    for mention in (each for row in found for each in row):
+        mention.vehicles = tuple(new[place] for place in mention.vehicles)
+
+
+def seat_people(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]]) -> None:
+    """Put a person into the vehicle that the same sentence calls hers or his: "a teacher was turning in her Corsa"."""
+    for sentence, row in zip(sentences, found, strict=True):
+        theirs = next((each for each in row if each.description is not None and each.description.is_theirs), None)
+        for mention in row if theirs is not None else ():
+            item = sentence.items[mention.last]
+            someone = item.get("person") == "someone" or item.low in word_set("relatives")
+            if mention.kind is MentionKind.PERSON and not mention.vehicles and someone and theirs is not None:
+                mention.vehicles = theirs.vehicles if mention.last < theirs.first else ()
+
+
+def possess(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]]) -> None:
+    """Give a "she" with whom a text begins the vehicle that it calls hers: "drifted into her Altima"."""
+    rows = [(place, mention) for place, row in enumerate(found) for mention in row]
+    described = [(place, each) for place, each in rows if each.description is not None]
+    hers = next(((place, each) for place, each in described if each.description and each.description.is_theirs), None)
+    for place, mention in rows if hers is not None else ():
+        early = mention.span.start < described[0][1].span.start
+        someone = mention.kind is MentionKind.PERSON and sentences[place].items[mention.last].get("person") == "someone"
+        is_one = mention.kind is MentionKind.ONE or someone
+        if hers is not None and early and place <= hers[0] and is_one and not mention.vehicles:
+            mention.vehicles = hers[1].vehicles
+
+
+def seat_persons(items: Words, row: Sequence[Mention]) -> None:
+    """Put a person into the vehicle that it is said to sit in: "he's in a Dodge Ram"."""
+    for one, other in itertools.pairwise(row):
+        between = items.cut(one.last + 1, other.first)
+        sits = 0 < len(between) <= 3 and between[-1].low in word_set("sits_in") - {"'s"}
+        if sits and one.kind in {MentionKind.ONE, MentionKind.PERSON} and not one.vehicles and other.description:
+            one.vehicles = other.vehicles
+    for place, one in enumerate(row):  # "the woman who hit me was in a Nissan"
+        if one.kind is MentionKind.PERSON and not one.vehicles and items.at(one.last + 1).is_a("relative"):
+            seats = [each for each in row[place + 1 :] if each.description and each.vehicles]
+            led = items.cut(seats[0].first - 2, seats[0].first) if seats else Words()
+            if led.says(word_set("sits_in")) and led.at(0).get("auxiliary") == "be":
+                one.vehicles = seats[0].vehicles
+
+
+def couple(items: Words, row: Sequence[Mention]) -> None:
+    """Give two names of one vehicle that stand side by side one description: "Vehicle 1, a 2004 Honda Civic"."""
+    for one, other in itertools.pairwise([each for each in row if each.description is not None]):
+        between = items.cut(one.last + 1, other.first)
+        if one.description is None or other.description is None or (one.number and other.number):
+            continue
+        named_again = bool(between) and all(item.is_a("thing") for item in between)
+        if not named_again and (len(between) > _APPOSITION or not _is_apposition(between, other)):
+            continue
+        numbered = one.number or other.number
+        if not numbered and (not other.is_new or one.description.contradicts(other.description)):
+            continue
+        one.description = other.description = one.description.merged(other.description)
+        other.is_new, other.twin = one.is_new, one
+
+
+def _is_apposition(between: Words, other: Mention) -> bool:
+    if not between:
+        return True
+    is_copula = all(item.get("auxiliary") == "be" or item.low == ")" for item in between)
+    has_mark = between.says(word_set("apposition_marks"))
+    plain = all(item.low in word_set("apposition") or item.is_a("thing", "descriptor") for item in between)
+    unknown = len(between) <= 2 and all(not item.kinds and item.low.isalpha() for item in between)  # "veh 1 unk pickup"
+    return (is_copula and other.is_new) or (plain and has_mark) or unknown
