@@ -28,7 +28,7 @@ def test_bench_writes_the_figures_with_the_papers_beside(tmp_path):
     (tmp_path / "records" / "head-on.json").write_text(json.dumps(RECORD), encoding="utf-8")
     options = ["--policy", "modular", "--samples", "1", "--budget", "12", "--workers", "1"]
     options += [
-        "--records",
+        "--crash-records",
         f"{tmp_path}/records",
         "--texts",
         f"{tmp_path}/texts",

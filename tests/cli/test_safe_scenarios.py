@@ -122,7 +122,7 @@ def test_reproduce_is_judged_by_records(crash, tmp_path, capsys):
     record = {"crash": {"road": "Straight", "vehicles": vehicles, "collisions": [hit]}}
     (records / "head-on.json").write_text(json.dumps(record), encoding="utf-8")
     arguments = ("safe", "reproduce", crash, "--out", out, "--budget", 20, "--no-pictures", "--workers", 1)
-    code, text, _ = run(capsys, *arguments, "--records", records, "--json")
+    code, text, _ = run(capsys, *arguments, "--crash-records", records, "--json")
     assert code == 0
     assert json.loads(text)["modular"]["by_records"]["names"] == ["head-on"]
     page = (out / "reproduction.md").read_text(encoding="utf-8")
@@ -131,9 +131,9 @@ def test_reproduce_is_judged_by_records(crash, tmp_path, capsys):
     assert [run["failed"] for run in judged] == [{}, None]
     vehicles[0]["from"] = "N"
     (records / "head-on.json").write_text(json.dumps(record), encoding="utf-8")
-    code, text, _ = run(capsys, *arguments, "--records", records)
+    code, text, _ = run(capsys, *arguments, "--crash-records", records)
     assert "| head-on | 1 | modular | from |" in (out / "reproduction.md").read_text(encoding="utf-8")
     assert "wrong records accepted" in text
     (records / "head-on.json").write_text("{", encoding="utf-8")
-    code, _, error = run(capsys, *arguments, "--records", records)
+    code, _, error = run(capsys, *arguments, "--crash-records", records)
     assert (code, error.count("\n")) == (2, 1)

@@ -7,8 +7,8 @@ import pytest
 
 from roadmend.cli.main import main
 
-from ..language.server import serving  # noqa: TID252 - one server for all rooms
-from ..sera.speaking import KEY, as_completion, texts  # noqa: TID252 - likewise
+from ..language.server import serving, texts  # noqa: TID252 - one server for all rooms
+from ..sera.speaking import KEY, as_completion  # noqa: TID252 - likewise
 
 SAMPLES = Path(__file__).parents[2] / "bags" / "samples"
 

@@ -287,7 +287,12 @@ def safe_test(given: SafeOptions, policies: tuple[str, ...], samples: int, *, pi
 @options_of(SafeOptions)
 @POLICIES
 @click.option("--budget", default=36, show_default=True, type=click.IntRange(1, 100_000), help="Episodes of each role.")
-@click.option("--records", type=FOLDER, help="Folder of CASE.json: what is known of each crash; who judges goes by it.")
+@click.option(
+    "--crash-records",
+    "records",
+    type=FOLDER,
+    help="Folder of CASE.json: what is known of each crash; who judges goes by it.",
+)
 @click.option("--pictures/--no-pictures", default=True, show_default=True, help="Draw every crash.")
 def reproduce(
     given: SafeOptions, policies: tuple[str, ...], budget: int, records: Path | None, *, pictures: bool

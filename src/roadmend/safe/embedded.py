@@ -59,10 +59,12 @@ class EmbeddedExtractor:
 
     Args:
         read_sketch: makes claims of a sketch, given the summary's cast.
+        solver: let the fields decide about each other; without, each stands alone, to see what that is good for.
     """
 
-    def __init__(self, read_sketch: ReadSketch = claims_of_sketch) -> None:
+    def __init__(self, read_sketch: ReadSketch = claims_of_sketch, *, solver: bool = True) -> None:
         self.read_sketch = read_sketch
+        self.solver = solver
 
     def extract(self, report: CrashReport, watch: Watch = unwatched) -> Extraction:
         """Read one report.
@@ -84,7 +86,7 @@ class EmbeddedExtractor:
         if report.sketch is not None:
             seen = self.read_sketch(report.sketch, said.cast)
             more, sketch = seen.claims, seen.note
-        reading = assemble(said, more)
+        reading = assemble(said, more, solver=self.solver)
         evidence = {name: _evidence(finding, report.summary) for name, finding in reading.findings.items()}
         notes = [*report.notes, *_limits(said, reading), *_doubts(reading.findings)]
         notes += [f"vehicle {said.cast[place].number} touched nothing and was left out" for place in reading.left_out]

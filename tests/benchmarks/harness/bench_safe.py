@@ -97,7 +97,8 @@ class _Bench:
 @click.command(name="safe")
 @click.argument("reports", type=click.Path(path_type=Path))
 @click.option(
-    "--records",
+    "--crash-records",
+    "records",
     type=click.Path(path_type=Path, file_okay=False, exists=True),
     help="Folder of CASE.json, what is known of each crash: the judge of reproduction goes by it.",
 )
@@ -185,7 +186,7 @@ def safe(
         }
     chosen = " ".join(f"--policy {policy}" for policy in policies)
     options = "".join(f" --without {name}" for name in without)
-    known = " --records RECORDS" if records is not None else ""
+    known = " --crash-records RECORDS" if records is not None else ""
     command = (
         f"./roadmend bench safe REPORTS{known} {chosen} --samples {samples} --budget {budget} --seed {seed}{options}"
     )

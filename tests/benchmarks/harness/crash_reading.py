@@ -1,13 +1,12 @@
 """Crash reports read by the embedded backend for a benchmark: with and without the sketch, kept on disk as they come."""
 
-import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from roadmend.core.errors import InputError, RoadmendError
+from roadmend.core.errors import RoadmendError
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal, entry_key
 from roadmend.safe.cases import CrashCase
@@ -17,7 +16,6 @@ from roadmend.safe.report import CrashReport, load_report
 from roadmend.safe.sketch_claims import is_sketch_read
 
 _FORMAT = "roadmend-bench-reading/1"
-_SOLVER = "solver"  # argument of the extractor that leaves its consistency solver out
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,10 +60,8 @@ def read_crashes(
         solver: let the reader's consistency solver decide.
 
     Raises:
-        InputError: a report's files are broken, or the reader has no solver to leave out.
+        InputError: a report's files are broken.
     """
-    if not solver and _SOLVER not in inspect.signature(EmbeddedExtractor).parameters:
-        raise InputError("--without solver", "the reader has none that could be left out", "leave the option out")
     reports = [load_report(path) for path in paths]
     reports = [report if sketch else replace(report, sketch=None) for report in reports]
     decided = (sketch, solver, is_sketch_read())
@@ -85,9 +81,8 @@ def read_crashes(
 
 
 def _read(report: CrashReport, *, solver: bool) -> dict[str, Any]:
-    arguments: dict[str, Any] = {} if solver else {_SOLVER: False}
     try:
-        extraction = EmbeddedExtractor(**arguments).extract(report)
+        extraction = EmbeddedExtractor(solver=solver).extract(report)
     except RoadmendError as error:
         return {"name": report.case, "data": None, "confidence": {}, "problem": str(error)}
     confidence = {

@@ -56,6 +56,8 @@ def put_together(
     sentences: Sequence[Sentence],
     kept: Sequence[int],
     count: int,
+    *,
+    solver: bool = True,
 ) -> ReportReading:
     """Solve for the scene, and put the scenario together.
 
@@ -65,10 +67,11 @@ def put_together(
         sentences: of the summary.
         kept: places in the cast of the vehicles that took part.
         count: vehicles in the cast.
+        solver: let fields decide about each other.
     """
     left_out = tuple(place for place in range(count) if place not in kept)
     claims = [_on_ramp(each) for each in claims if not _speaks_of(each, left_out)]
-    judged = solve(claims, count)
+    judged = solve(claims, count, together=solver)
     road_type = judged["road_type"]
     findings = {"road_type": road_type, "num_lanes": judged.get("num_lanes", NO_VALUE)}
     stem = judged["stem_direction"]

@@ -79,14 +79,17 @@ def read_claims(summary: str) -> SummaryClaims | None:
     return SummaryClaims(text, cast, tuple(claims), limits, _kept(text, contacts), _others(text))
 
 
-def assemble(said: SummaryClaims, more: Sequence[AnyClaim] = ()) -> ReportReading:
+def assemble(said: SummaryClaims, more: Sequence[AnyClaim] = (), *, solver: bool = True) -> ReportReading:
     """Find the scene that satisfies all claims.
 
     Args:
         said: by the summary.
         more: claims of another source about the same cast.
+        solver: let fields decide about each other.
     """
-    return put_together([*said.claims, *more], said.limits, said.text.sentences, said.kept, len(said.cast))
+    return put_together(
+        [*said.claims, *more], said.limits, said.text.sentences, said.kept, len(said.cast), solver=solver
+    )
 
 
 def _is_code(sentence: Sentence, summary: str) -> bool:

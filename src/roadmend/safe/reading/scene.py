@@ -28,28 +28,30 @@ _PLAIN_ROAD = 0.9  # [nats] by which a straight road is likelier than the others
 _Place = tuple[RoadType, Compass | None]
 
 
-def solve(claims: Sequence[AnyClaim], count: int) -> Mapping[str, Judged]:
+def solve(claims: Sequence[AnyClaim], count: int, *, together: bool = True) -> Mapping[str, Judged]:
     """Judge every field of which a claim speaks, and the directions and actions of all vehicles.
 
     Args:
         claims: of the summary and the sketch.
         count: of vehicles in the cast.
+        together: let fields decide about each other; without, each is judged by what is said of it alone.
     """
-    scene = _Scene(claims, count)
+    scene = _Scene(claims, count, together=together)
     return {path: judge(about) for path, about in scene.claims.items()} | scene.judged()
 
 
 class _Scene:
     """Enumerates the scenes of the vehicles on each type of road."""
 
-    def __init__(self, claims: Sequence[AnyClaim], count: int) -> None:
+    def __init__(self, claims: Sequence[AnyClaim], count: int, *, together: bool) -> None:
         self.count = count
+        self.together = together
         self.claims: dict[str, list[Claim]] = {}
         for each in claims:
             if isinstance(each, Claim):
                 self.claims.setdefault(each.path, []).append(each)
-        self.relations = [each for each in claims if isinstance(each, DirectionClaim)]
-        self.contacts = [each for each in claims if isinstance(each, ContactClaim)]
+        self.relations = [each for each in claims if together and isinstance(each, DirectionClaim)]
+        self.contacts = [each for each in claims if together and isinstance(each, ContactClaim)]
         self.has_driveway = "driveway" in self.claims
         self.alone = [{way: self._of_way(vehicle, way) for way in self._ways(vehicle)} for vehicle in range(count)]
 
@@ -150,6 +152,8 @@ class _Scene:
         return total[""], [(path, value, weight) for (path, value), weight in sums.items()]
 
     def _alone(self, vehicle: int, way: Way, place: _Place) -> float:
+        if not self.together:
+            return self.alone[vehicle][way]
         u_turns = any(each.value is Manoeuvre.U_TURN for each in self._of(vehicle, "manoeuvre"))
         on_stem = evidence(self._of(vehicle, "on_stem")).get(True, 0.0)
         may_turn = self.has_driveway or u_turns
