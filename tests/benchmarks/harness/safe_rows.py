@@ -24,6 +24,7 @@ _DIMENSIONS = {
     "motion": "who stands or reverses",
     "physical": "the physical bounds",
 }
+SURE = 0.9  # confidence from which 95 of 100 readings are to be right
 _NOT_MEASURED = "-"
 
 Row = list[str]
@@ -89,6 +90,24 @@ def _extraction(content: Mapping[str, Any]) -> Iterator[_Line]:
             if found.get(part):
                 cells = ", ".join(f"{name} {found[part][name]:.1f}" for name in _CATEGORIES)
                 yield f"read right, {group.replace('_', ' ')}, {title}", f"{cells} %", _NOT_MEASURED
+        bins = found["calibration"]
+        surest = next(
+            (each for each in (bins["text_only"] if isinstance(bins, dict) else bins) if each["low"] == SURE), None
+        )
+        if surest is not None:
+            title = (
+                f"fields given with a confidence of {SURE} or more that are right, {group.replace('_', ' ')}, text only"
+            )
+            yield title, f"{100 * surest['right']:.1f} % of {surest['count']}", _NOT_MEASURED
+
+    for name, ablation in content["ablations"].items():
+        for group, found in ablation.get("extraction", {}).items():
+            cells = ", ".join(f"{category} {found[category]:.1f}" for category in _CATEGORIES)
+            yield (
+                f"read right, {group.replace('_', ' ')}, text only, control: without {name}",
+                f"{cells} %",
+                _NOT_MEASURED,
+            )
 
 
 def _scored(found: Mapping[str, Any], name: str) -> str:

@@ -101,6 +101,13 @@ def _reports(content: Mapping[str, Any]) -> Iterator[list[str]]:
         share = [100 * side for side in wilson(reproduced, reports)]
         where = f"{reports} crash reports, {policy} policy"
         yield ["crashes reproduced [%]", where, f"{100 * reproduced / reports:.1f}", _span(share), more]
+    for group, what in (("unseen", "reports, text only"), ("other_registers", "texts in other registers")):
+        found = content["extraction"].get(group)
+        if found is not None:
+            cases = found["cases"]
+            share = [100 * side for side in wilson(round(found["overall"] * cases / 100), cases)]
+            where = f"{cases} {what}, none of which the reader was written on"
+            yield ["reports read right in every field [%]", where, f"{found['overall']:.1f}", _span(share), more]
 
 
 def _span(interval: Sequence[float]) -> str:
