@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 from roadmend.safe.reading.cast import Roll
 from roadmend.safe.reading.naming import Mention, MentionKind, mentions_of
+from roadmend.safe.reading.persons import seat_by_name, seat_by_role
 from roadmend.safe.reading.seats import (
     add_writer,
     claim_own,
@@ -66,6 +67,8 @@ def find_mentions(sentences: Sequence[Sentence]) -> Spoken:
                     roll.note(mention.vehicles, paragraphs[id(mention)])
     possess(sentences, found)
     seat_people(sentences, found)
+    seat_by_role(sentences, found)
+    seat_by_name(sentences, found)
     seat_writer(sentences, found, roll)
     add_writer(sentences, found, roll)
     alike = next((each.bodies for row in found for each in row if each.bodies), ())

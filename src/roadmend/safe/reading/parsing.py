@@ -20,6 +20,7 @@ _OTHERS_OBJECT = STRIKES | {"avoid", "see", "follow", "overtake", "after"}  # "i
 _GOVERNING = frozenset({"intend", "begin", "avoid", "fail", "see", "say", "do", "stop", "slow", "park"})
 _STRICT = frozenset({"intend", "begin", "fail"})  # govern only with "to"
 _OBJECT_REACH = 4  # words between a verb and its object
+_BRACKET = 8  # words of a bracket between a noun group and its verb
 _PASSIVE_REACH = 4  # words between "was" and "struck"
 
 
@@ -41,6 +42,7 @@ class _Walker:
         self.pending: Actor | None = None  # a subject that waits for its verb
         # The last subject; before there is one, who writes without "I" speaks of himself.
         self.focus = replace(NOBODY, vehicles=own, is_person=True) if own else NOBODY
+        self.road: Actor | None = None  # of which a relative clause speaks
         self.last = NOBODY  # the last one spoken of
         self.genders: dict[int, str] = {}  # of who drives
         self.recent: list[int] = []  # vehicles in the order in which they were spoken of
@@ -57,8 +59,10 @@ class _Walker:
                 place = group[1] + 1
                 continue
             if self._is_relative(place):
+                is_road = self._is_of_road(place)
                 self._flush()
-                self._wait(self.last)
+                self.road = replace(NOBODY, span=self.items[place].span) if is_road else self.road
+                self._wait(self.road if is_road else self.last)
             elif _is_verb(self.items, place, after_actor=self._follows(place) or self._goes_on(place)):
                 self._act(place)
             else:
@@ -79,7 +83,10 @@ class _Walker:
         self.head, self.of_head = list[Item](), list[tuple[Item, Actor]]()
 
     def _follows(self, place: int) -> bool:
-        """Whether a place is directly after the last noun group."""
+        """Whether a place is directly after the last noun group, or after what is in brackets behind it."""
+        if self.items.at(place - 1).low == ")":
+            opened = [at for at in range(max(0, place - _BRACKET), place) if self.items[at].low == "("]
+            place = opened[-1] if opened else place
         return place > 0 and bool(self.last.span.end) and self.last.span.end == self.items[place - 1].span.end
 
     def _goes_on(self, place: int) -> bool:
@@ -92,7 +99,15 @@ class _Walker:
         item, after = self.items[place], self.items.at(place + 1)
         if not item.is_a("relative") or not self.last.span.end or place + 1 >= len(self.items):
             return False
-        return item.low != "that" or (after.is_a("auxiliary", "verb", "adverb") and self._follows(place))
+        return item.low not in {"that", "thats"} or (after.is_a("auxiliary", "verb", "adverb") and self._follows(place))
+
+    def _is_of_road(self, place: int) -> bool:
+        """Whether "which" takes up the name of a road: "on Mill Lane, which ends at Route 12"."""
+        back = place - 1 - (self.items.at(place - 1).low == ",")
+        item, before = self.items.at(back), self.items.at(back - 1)
+        named = item.is_a("road") or (item.is_a("lane") and item.is_name) or (item.is_name and not item.kinds)
+        numbered = item.is_a("number") and before.is_a("road")
+        return (named or numbered) and self.last.span.end < item.span.end and self.items[place].low in {"which", "that"}
 
     def _flush(self) -> None:
         """End what has a subject and no verb: "V1 northbound on Main Street"."""
@@ -318,6 +333,11 @@ class _Walker:
     def _subject(self, place: int, verb: VerbSense) -> tuple[Actor, frozenset[str]]:
         """Who does it, and the kinds of the verbs that it depends on."""
         old, nothing = self.clause, frozenset[str]()
+        is_owner = self.pending is not None and self.pending.part is not None
+        if is_owner and verb.form == "ing" and self._follows(place) and self.last.vehicles:
+            return self.last, nothing  # "its left side met a truck pulling a trailer"
+        if self.pending is self.road and self.road is not None and any(item.low == "," for item in self.head):
+            return self.focus, nothing  # what a road does is over
         if self.pending is not None:
             return self.pending, nothing
         if old is None and verb.form == "ing" and self._follows(place) and self.last.vehicles:
@@ -334,6 +354,8 @@ class _Walker:
             and self.items[place - 1].is_a("auxiliary", "negation")
         ):
             return old.object, nothing  # "he saw that the car was stopped"
+        if old.subject is self.road and _is_apart(old.tail, ",") and self.focus.vehicles:
+            return self.focus, nothing  # what a road does is over
         if not self._governs(old, self.items[place]):
             return old.subject, nothing
         governed = old.governed | {old.kind}
@@ -394,6 +416,7 @@ def _is_verb(items: Words, place: int, *, after_actor: bool) -> bool:
             before.is_a("auxiliary", "relative", "negation", "pronoun")
             or before.low in word_set("base_verb_leads")
             or before.low.endswith(" to")
+            or (before.verb is not None and before.verb.kind == "intend")
         )
         return after_actor or led or (before.low in {"and", "then", ","} and verb.form == "s")
     if verb.form == "ing" and before.is_a("determiner"):

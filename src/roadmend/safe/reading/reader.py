@@ -23,6 +23,7 @@ from roadmend.safe.reading.parsing import read_clauses
 from roadmend.safe.reading.roads import read_roads
 from roadmend.safe.reading.surroundings import read_surroundings
 from roadmend.safe.reading.tokens import Sentence, read_sentences
+from roadmend.safe.reading.transcripts import join_answers
 from roadmend.safe.reading.ways import read_ways
 
 _ALONE = re.compile(
@@ -66,8 +67,8 @@ def read_summary(summary: str, more: Sequence[AnyClaim] = ()) -> ReportReading |
 
 def read_claims(summary: str) -> SummaryClaims | None:
     """What a summary says, before anything is decided; None where it speaks of no vehicle."""
-    told = (sentence for sentence in read_sentences(summary) if not _is_code(sentence, summary))
-    sentences = tuple(replace(sentence, index=index) for index, sentence in enumerate(told))
+    told = [sentence for sentence in read_sentences(summary) if not _is_code(sentence, summary)]
+    sentences = tuple(replace(sentence, index=index) for index, sentence in enumerate(join_answers(told, summary)))
     spoken = find_mentions(sentences)
     if not spoken.roll.vehicles:
         return None

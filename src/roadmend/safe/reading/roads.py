@@ -40,7 +40,7 @@ def _shape(items: Words, place: int) -> Iterator[Claim]:
     """Words for junctions and bends."""
     item, before, after = items[place], items.cut(place - _NEAR, place), items.cut(place + 1, place + 5)
     led = {each.low for each in before}
-    if item.is_a("junction") and not before.cut(-1).has("ramp"):
+    if item.is_a("junction") and not before.cut(-1).has("ramp") and not items.at(place + 1).is_a("collision"):
         aside = (before.cut(-3).has("compass") and "of" in led) or bool(led & word_set("far_from"))
         comes = any(each.verb is not None and each.verb.kind in {"approach", "turn"} for each in before)
         sure = (0.6 if aside else 0.9) - (0.0 if comes or led & word_set("at_it") else 0.15)
@@ -147,7 +147,7 @@ def _on_stem(text: Text) -> Iterator[Claim]:
     for sentence in text.sentences:
         for place, item in enumerate(sentence.items):
             near = sentence.items.cut(place - 3, place)
-            names = [each for each in near if each.is_name and not each.is_a("determiner", "road", "pronoun")]
+            names = [each for each in near if each.is_name and not each.is_a("determiner", "road", "pronoun", "lane")]
             if names and (item.is_a("ends") or item.low in {"ends", "dead ends", "joins", "comes in"}):
                 ending.add(names[-1].low)
     for clause in text.clauses:
@@ -210,7 +210,8 @@ def _ramps(text: Text) -> Iterator[Claim]:
         if ramp is not None and not joins and any(i.get("ramp") == "off" for i in words):
             continue
         is_off = ramp is not None and ramp.get("ramp") == "off" and not (joins and clause.lemma in {"come", "get"})
-        if ramp is None or clause.kind not in _JOINING or is_off or not clause.subject.vehicles:
+        is_joining = clause.kind in _JOINING or (clause.kind == "see" and ramp in clause.head)
+        if ramp is None or not is_joining or is_off or not clause.subject.vehicles:
             continue
         place = clause.words.index(ramp)
         led = {each.low for each in clause.words.cut(place - _NEAR, place)}
