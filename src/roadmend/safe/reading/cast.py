@@ -218,7 +218,8 @@ class Roll:
                 if each.place != self.latest and not (description.bodies and each.description.is_own)
             ]
         bare = [each for each in self.vehicles if not each.description.names and not each.description.bodies]
-        if is_new and len(self.vehicles) == len(bare) == 1 and description.bodies and not description.is_other:
+        is_told = bool(description.bodies or description.names)
+        if is_new and len(self.vehicles) == len(bare) == 1 and is_told and not description.is_other:
             return bare[0]  # "a vehicle off the road: a sedan ran off"
         if not description.names and is_new:
             marked = [
@@ -227,6 +228,9 @@ class Roll:
             return marked[0] if marked else None  # "a car", "another truck": not one of those known
         same = [each for each in fitting if _shares_name(each.description, description)]
         if description.names and not same:
+            unknown = [each for each in self.vehicles if not each.description.names and not each.description.bodies]
+            if len(unknown) == 1 and len(self.vehicles) > 1 and all(each.description.number for each in self.vehicles):
+                return unknown[0]  # of all that are numbered, only one was not described
             if is_new and any(name.model for name in description.names):
                 bare = [
                     each

@@ -137,7 +137,7 @@ def _is_limit(items: Words, place: int) -> bool:
     is_fact = (
         of_road
         and items.at(place - 1).low not in word_set("driven_at")
-        and (unit is not None or (number % 5 == 0 and items.at(place - 1).low == ","))
+        and (unit is not None or (number % 5 == 0 and _is_listed(items, place)))
     )
     if not is_fact and distance > (_FAR_REACH if unit else _REACH):
         return False
@@ -151,6 +151,13 @@ def _is_limit(items: Words, place: int) -> bool:
     if near.has("advisory", "speed") and not near.cut(1).has("limit"):
         return items.cut(place + 1, place + 8).has("limit") and not near.has("advisory")
     return True
+
+
+def _is_listed(items: Words, place: int) -> bool:
+    """Whether a number stands by itself in a list of facts: "two lanes, 45", "2 lns 25"."""
+    before, after = items.at(place - 1), items.at(place + 1)
+    ends = after.low in {"", ",", ";", ".", ")"} or after.is_a("weather", "mph")
+    return before.low == "," or (before.is_a("lane", "each") and ends)
 
 
 def _parted(items: Words, place: int, word: int | None) -> bool:

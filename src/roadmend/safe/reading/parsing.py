@@ -63,6 +63,8 @@ class _Walker:
                 self._flush()
                 self.road = replace(NOBODY, span=self.items[place].span) if is_road else self.road
                 self._wait(self.road if is_road else self.last)
+            elif self._is_of_place(place):
+                self._keep(self.items[place])
             elif _is_verb(self.items, place, after_actor=self._follows(place) or self._goes_on(place)):
                 self._act(place)
             else:
@@ -100,6 +102,18 @@ class _Walker:
         if not item.is_a("relative") or not self.last.span.end or place + 1 >= len(self.items):
             return False
         return item.low not in {"that", "thats"} or (after.is_a("auxiliary", "verb", "adverb") and self._follows(place))
+
+    def _is_of_place(self, place: int) -> bool:
+        """Whether a participle tells of a road before anybody is named: "On the slip road joining the A1, a van"."""
+        item, verb = self.items.at(place - 1), self.items[place].verb
+        return (
+            verb is not None
+            and verb.form == "ing"
+            and self.pending is None
+            and self.clause is None
+            and item.is_a("ramp", "road", "lane", "junction")
+            and self.items[0].is_a("preposition")
+        )
 
     def _is_of_road(self, place: int) -> bool:
         """Whether "which" takes up the name of a road: "on Mill Lane, which ends at Route 12"."""

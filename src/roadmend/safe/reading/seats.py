@@ -16,6 +16,23 @@ _REACH = 6  # words between "I" and the car that I sit in
 _SEAT = 8  # words between a numbered driver and the car that she or he sits in
 
 
+def let_speak(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]]) -> dict[int, Mention]:
+    """Who speaks as "I", by the mention's id, where drivers tell one after the other: "Driver A: I was in my Polo"."""
+    speaker: Mention | None = None
+    told: dict[int, Mention] = {}
+    for sentence, row in zip(sentences, found, strict=True):
+        first = row[0] if row else None
+        is_label = first is not None and first.number is not None and first.is_person and first.first == 0
+        if first is not None and is_label and sentence.items.at(first.last + 1).low == ":":
+            speaker = first
+        for mention in row if speaker is not None else ():
+            if mention.kind is MentionKind.SELF and speaker is not None:
+                told[id(mention)] = speaker
+            elif mention.description is not None and mention.description.is_own and speaker is not None:
+                mention.description = replace(mention.description, is_own=False, number=speaker.number)
+    return told
+
+
 def claim_own(items: Words, row: Sequence[Mention]) -> None:
     """Take the vehicle that the writer says to sit in for the writer's: "I was in the Civic"."""
     for one, other in itertools.pairwise(row):

@@ -17,7 +17,7 @@ _SMALL = (1, 2, 3, 4)  # hours before light
 _MORNING = 6
 _CLOCK = re.compile(
     r"\b(?:(?P<h>[01]?\d|2[0-3])[:.][0-5]\d|(?P<mil>(?:[01]\d|2[0-3])[0-5]\d)(?=\s*(?:hrs?|hours|h)\b)|"
-    r"(?P<log>(?:(?<=time )|(?<=time: )|(?<=rcvd )|(?<=call )|(?<=arr )|(?<=at )|(?<=\()|^|(?<=, )|(?<=\. )|(?<=\n))(?:[01]\d|2[0-3])[0-5]\d(?=[\s,.]))|"
+    r"(?P<log>(?:(?<=time )|(?<=time: )|(?<=rcvd )|(?<=call )|(?<=arr )|(?<=at )|(?<=\()|(?<=dry )|(?<=clr )|(?<=wet )|(?<=clear )|(?<=day )|(?<=dark )|^|(?<=, )|(?<=\. )|(?<=\n))(?:[01]\d|2[0-3])[0-5]\d(?=[\s,.]))|"
     r"(?P<bare>(?<=, )(?:0\d|1[0-8]|2[1-3])[0-5]\d(?=[.,]|$))|"
     r"(?P<hour>1[0-2]|[1-9]))\s*(?:(?P<half>[ap])\.?\s?m\b|o'?clock|(?P<hrs>hrs?|hours)\b)?",
     re.IGNORECASE | re.MULTILINE,

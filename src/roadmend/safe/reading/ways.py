@@ -167,6 +167,9 @@ def _unclaimed(text: Text, claims: Sequence[Claim | DirectionClaim]) -> Iterator
                 "ends"
             ):
                 continue
+            counted = [at for at in range(max(0, place - 4), place + 3) if sentence.items.at(at).is_a("number", "lane")]
+            if {sentence.items.at(at).is_a("lane") for at in counted} == {True, False}:
+                continue  # "two lanes southbound"
             for vehicle in open_:
                 path = of_vehicle(vehicle, "initial_position")
                 yield claim(path, way, 0.6, "the text speaks of that direction", item)
