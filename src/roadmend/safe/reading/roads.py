@@ -110,7 +110,7 @@ def _worded_stem(text: Text) -> Iterator[Claim]:
                 "road_type", RoadType.T_INTERSECTION, 0.85, "a road goes no further", text.sentences[place].span
             )
         for match in found("stem_side", each) if near or (said_tee and not each.items.has("mph")) else ():
-            if each.items.has("collision") or (text.spoken.mentions[place] and not near):
+            if (each.items.has("collision") and not ending[place]) or (text.spoken.mentions[place] and not near):
                 continue
             side = _SIDES.get(match[1][0].upper())
             yield claim("stem_direction", side, 0.8 if near else 0.6, "the road that ends lies there", each.span(match))
