@@ -211,6 +211,8 @@ class Roll:
             own = [each for each in self.vehicles if each.description.is_own]
             return own[0] if own else None
         fitting = [each for each in self.vehicles if self._may_be(each, description)]
+        if description.words == "truck":  # nobody calls a bus so
+            fitting = [each for each in fitting if not any(word.endswith("bus") for word in each.words)]
         if description.is_other and self.latest is not None:
             fitting = [
                 each
@@ -264,6 +266,9 @@ class Roll:
     def _may_be(self, vehicle: Vehicle, description: Description) -> bool:
         if vehicle.description.number is not None and not vehicle.words and not description.names:
             return False  # nothing is known of it yet
+        is_bus = any(word.endswith("bus") for word in vehicle.words)
+        if is_bus and description.names and description.body()[0] not in {DslModel.SEMI_TRUCK, DslModel.MINIVAN, None}:
+            return False
         colours = vehicle.description.marks and description.marks and not vehicle.description.marks & description.marks
         return not colours and not vehicle.description.contradicts(description)
 

@@ -149,7 +149,7 @@ def _described(items: Words, place: int) -> Mention | None:
         return None  # "a Mack w/ tanker"
     first, last, article, described = read_group(items, place)
     is_plural = items[last].low.endswith("s") and items[last].is_a("body") and not described.names
-    if (is_plural and items[last].low != "bus") or article.low in {"both", "two", "all"}:
+    if (is_plural and not items[last].low.endswith("bus")) or article.low in {"both", "two", "all"}:
         return Mention(first, last, MentionKind.BOTH, bodies=described.bodies)
     traits = tuple(item for item in items[first:place] if item.is_a(*TRAITS))
     kind = MentionKind.OTHER if described.is_other and not described.names else MentionKind.NAMED

@@ -126,6 +126,14 @@ def _kept(text: Text, contacts: Sequence[ContactClaim]) -> tuple[int, ...]:
     touched = {place for each in contacts for place in (each.striking, each.struck)}
     vehicles = text.spoken.roll.vehicles
     numbered = {vehicle.place for vehicle in vehicles if vehicle.description.number is not None}
+    watched = any(
+        each.items.says({"happened", "witnessed"})
+        and each.items.says({"me", "us"})
+        and each.items.has("ahead", "behind")
+        for each in text.sentences
+    )  # "it happened right ahead of me": the writer was not in it
+    if watched and len(vehicles) > 2 and not touched & {*text.spoken.roll.own()}:
+        vehicles = [each for each in vehicles if not each.description.is_own]
     keep = (numbered if len(numbered) > 1 else numbered | touched) or {vehicle.place for vehicle in vehicles[:2]}
     alone = _ALONE.search(text.summary) is not None
     if alone and len(numbered) == 1:

@@ -148,6 +148,9 @@ def _on_stem(text: Text) -> Iterator[Claim]:
         for place, item in enumerate(sentence.items):
             near = sentence.items.cut(place - 3, place)
             names = [each for each in near if each.is_name and not each.is_a("determiner", "road", "pronoun", "lane")]
+            start = sentence.items.cut(0, 3)
+            if not names and start.at(0).is_name and start.cut(1).has("road"):
+                names = [each for each in start if each.is_name and not each.is_a("determiner", "road", "lane")]
             if names and (item.is_a("ends") or item.low in {"ends", "dead ends", "joins", "comes in"}):
                 ending.add(names[-1].low)
     for clause in text.clauses:
@@ -264,6 +267,16 @@ def _turns_off(clause: Clause, text: Text) -> Iterator[Claim]:
         )
         if item.low in word_set("turn_targets") and to_road and turns and not out & {*clause.subject.vehicles}:
             yield claim("road_type", RoadType.INTERSECTION, 0.75, "a vehicle turns into another road", item)
+            break
+    for place, item in enumerate(words[:-1] if kind in {"turn", "do", ""} else ()):
+        named = words[place + 1].is_name and not words[place + 1].is_a("thing", "body", "name", "time", "determiner")
+        if (
+            item.low == "at"
+            and named
+            and words.cut(0 if kind else place - 1, place).has("hand", "lanekind")
+            and not out
+        ):
+            yield claim("road_type", RoadType.INTERSECTION, 0.65, "a vehicle turns at another road", item)
             break
     drive = words.first("driveway")
     if drive is not None and kind in _AT_DRIVEWAY:

@@ -19,6 +19,7 @@ _CLOCK = re.compile(
     r"\b(?:(?P<h>[01]?\d|2[0-3])[:.][0-5]\d|(?P<mil>(?:[01]\d|2[0-3])[0-5]\d)(?=\s*(?:hrs?|hours|h)\b)|"
     r"(?P<log>(?:(?<=time )|(?<=time: )|(?<=rcvd )|(?<=call )|(?<=arr )|(?<=at )|(?<=\()|(?<=dry )|(?<=clr )|(?<=wet )|(?<=clear )|(?<=day )|(?<=dark )|^|(?<=, )|(?<=\. )|(?<=\n))(?:[01]\d|2[0-3])[0-5]\d(?=[\s,.]))|"
     r"(?P<bare>(?<=, )(?:0\d|1[0-8]|2[1-3])[0-5]\d(?=[.,]|$))|"
+    r"(?P<joined>(?:1[0-2]|[1-9])[0-5]\d)(?=\s*[ap]\.?m\b)|"
     r"(?P<hour>1[0-2]|[1-9]))\s*(?:(?P<half>[ap])\.?\s?m\b|o'?clock|(?P<hrs>hrs?|hours)\b)?",
     re.IGNORECASE | re.MULTILINE,
 )
@@ -67,6 +68,8 @@ def _is_other_time(items: Words, place: int) -> bool:
     item, before = items[place], items.cut(place - 4, place)
     if item.low in {"morning", "the morning"} and any(each.get("number") in _SMALL for each in before):
         return True  # "two in the morning"
+    if item.low == "day" and before.at(len(before) - 1).low in {",", "/", ":"}:
+        return False
     if item.low == "day":
         return not before.says(word_set("bright_days"))
     treated = any(each.verb is not None and each.verb.lemma in word_set("treated") for each in items[:place])
@@ -148,7 +151,11 @@ def _hour(match: re.Match[str], summary: str) -> tuple[int | None, float]:
         return int(figures[:2]), 0.9 if match["mil"] else 0.75
     if match["log"]:
         return None, 0.0
-    hour, half, in_day = int(match["h"] or match["hour"]), (match["half"] or "").lower(), _IN_DAY.match(after)
+    hour, half, in_day = (
+        int(match["h"] or (match["joined"] or "")[:-2] or match["hour"]),
+        (match["half"] or "").lower(),
+        _IN_DAY.match(after),
+    )
     at_night = _AT_NIGHT.match(after) is not None and hour > 4
     if half or at_night or in_day or _AT_NIGHT.match(after):
         late = half == "p" or (not half and (at_night or (in_day is not None and in_day[1])))

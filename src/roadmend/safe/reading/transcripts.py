@@ -11,6 +11,7 @@ _LABELS = 2  # sentences that begin with a speaker and a colon, from which a tex
 _MOST_ANSWERED = 9  # words of an answer that is no statement of its own
 _ASKED = re.compile(r"\s*[)'\"\u201d]*\?")
 _YOU = {"you": "self", "your": "own", "yours": "own", "ya": "self"}
+_MARKS = {"Q", "A"}
 _SPEAKER = 3  # words at most before the colon
 
 
@@ -18,6 +19,8 @@ def join_answers(sentences: Sequence[Sentence], summary: str) -> list[Sentence]:
     """Put short answers behind their questions, and let "you" in a question be who answers."""
     questions = [_is_question(each, summary) for each in sentences]
     labels = [_label(each.items) for each in sentences]
+    if sum(each.items.at(0).text == "Q" for each in sentences) >= _LABELS:
+        labels = [label or each.items.at(0).text in _MARKS for label, each in zip(labels, sentences, strict=True)]
     is_transcript = sum(asked and bool(label) for asked, label in zip(questions, labels, strict=True)) >= _LABELS
     if not is_transcript:
         labels = [0] * len(labels)
@@ -63,5 +66,7 @@ def _addressed(item: Item) -> Item:
 
 def _is_fragment(items: Words) -> bool:
     """Whether an answer needs its question: "Forty-five", "North, on Elm"."""
+    if items.at(0).is_a("number", "bound", "compass", "time", "weather") and len(items) <= _MOST_ANSWERED:
+        return True
     has_subject = items.has("auxiliary") or any(item.get("pronoun") in {"self", "it", "one"} for item in items)
     return len(items) <= _MOST_ANSWERED and not has_subject
