@@ -81,18 +81,6 @@ class _Walker(Referents):
             return False
         return item.low not in {"that", "thats"} or (after.is_a("auxiliary", "verb", "adverb") and self._follows(place))
 
-    def _is_of_place(self, place: int) -> bool:
-        """Whether a participle tells of a road before anybody is named: "On the slip road joining the A1, a van"."""
-        item, verb = self.items.at(place - 1), self.items[place].verb
-        return (
-            verb is not None
-            and verb.form == "ing"
-            and self.pending is None
-            and self.clause is None
-            and item.is_a("ramp", "road", "lane", "junction")
-            and self.items[0].is_a("preposition")
-        )
-
     def _flush(self) -> None:
         """End what has a subject and no verb: "V1 northbound on Main Street"."""
         if self.pending is not None and self.head:
@@ -127,6 +115,9 @@ class _Walker(Referents):
                 for vehicle in actor.vehicles if clause.subject.gender else ():
                     self.genders[vehicle] = clause.subject.gender
         else:
+            if self._leads_in(first):
+                clause = self.clauses[-1]
+                clause.subject = self.focus = actor  # "Entering the freeway from the ramp, the van"
             early = Words(self.head if clause is None and self.pending is None else ())
             self._flush()
             self._wait(actor)
@@ -134,6 +125,13 @@ class _Walker(Referents):
         if actor.vehicles:
             self.last = actor
             self.recent.extend(actor.vehicles)
+
+    def _leads_in(self, first: int) -> bool:
+        """Whether the sentence begins with a participle whose subject comes now."""
+        opens = self.items.at(0).verb or (self.items.at(1).verb if self.items.at(0).is_a("conjunction") else None)
+        alone = len([each for each in self.clauses if each.sentence is self.sentence]) == 1
+        leads = opens is not None and opens.form == "ing" and alone and self.clauses[-1].verb is opens
+        return leads and self.clause is self.clauses[-1] and self.items.at(first - 1).low == ","
 
     def _bring(self, preposition: Item, actor: Actor) -> None:
         if self.clause is not None:

@@ -43,6 +43,18 @@ class Referents:
             place = opened[-1] if opened else place
         return place > 0 and bool(self.last.span.end) and self.last.span.end == self.items[place - 1].span.end
 
+    def _is_of_place(self, place: int) -> bool:
+        """Whether a participle tells of a road before anybody is named: "On the slip road joining the A1, a van"."""
+        item, verb = self.items.at(place - 1), self.items[place].verb
+        return (
+            verb is not None
+            and verb.form == "ing"
+            and self.pending is None
+            and self.clause is None
+            and item.is_a("ramp", "road", "lane", "junction")
+            and self.items[0].is_a("preposition")
+        )
+
     def _is_of_road(self, place: int) -> bool:
         """Whether "which" takes up the name of a road: "on Mill Lane, which ends at Route 12"."""
         back = place - 1 - (self.items.at(place - 1).low == ",")
