@@ -173,7 +173,8 @@ class _Walker(Referents):
         is_be = be is not None and not after_be.says({",", ";"})
         is_be &= verb.form != "past" or not after_be.has("conjunction")  # "was damaged and came"
         by = verb.kind in STRIKES and self.items.cut(place + 1, place + 3).says({"by"})
-        is_denied = nearby.cut(len(nearby) - 3).has("negation") and verb.kind != "fail"
+        near = nearby.cut(max((at + 1 for at, each in enumerate(nearby) if each.low == ";"), default=0))
+        is_denied = near.cut(len(near) - 3).has("negation") and verb.kind != "fail"
         is_denied |= verb.kind == "avoid" and old is not None and self.pending is None and old.kind == "fail"
         start = subject.span.start if subject.span.end and subject.span.start >= self.sentence.span.start else None
         self.clauses.append(
