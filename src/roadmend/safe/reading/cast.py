@@ -211,6 +211,8 @@ class Roll:
             own = [each for each in self.vehicles if each.description.is_own]
             return own[0] if own else None
         fitting = [each for each in self.vehicles if self._may_be(each, description)]
+        if description.words == "truck":  # nobody calls a bus so
+            fitting = [each for each in fitting if not any(word.endswith("bus") for word in each.words)]
         if description.is_other and self.latest is not None:
             fitting = [
                 each
@@ -218,7 +220,8 @@ class Roll:
                 if each.place != self.latest and not (description.bodies and each.description.is_own)
             ]
         bare = [each for each in self.vehicles if not each.description.names and not each.description.bodies]
-        if is_new and len(self.vehicles) == len(bare) == 1 and description.bodies and not description.is_other:
+        is_told = bool(description.bodies or description.names)
+        if is_new and len(self.vehicles) == len(bare) == 1 and is_told and not description.is_other:
             return bare[0]  # "a vehicle off the road: a sedan ran off"
         if not description.names and is_new:
             marked = [
@@ -227,6 +230,9 @@ class Roll:
             return marked[0] if marked else None  # "a car", "another truck": not one of those known
         same = [each for each in fitting if _shares_name(each.description, description)]
         if description.names and not same:
+            unknown = [each for each in self.vehicles if not each.description.names and not each.description.bodies]
+            if len(unknown) == 1 and len(self.vehicles) > 1 and all(each.description.number for each in self.vehicles):
+                return unknown[0]  # of all that are numbered, only one was not described
             if is_new and any(name.model for name in description.names):
                 bare = [
                     each
@@ -260,6 +266,9 @@ class Roll:
     def _may_be(self, vehicle: Vehicle, description: Description) -> bool:
         if vehicle.description.number is not None and not vehicle.words and not description.names:
             return False  # nothing is known of it yet
+        is_bus = any(word.endswith("bus") for word in vehicle.words)
+        if is_bus and description.names and description.body()[0] not in {DslModel.SEMI_TRUCK, DslModel.MINIVAN, None}:
+            return False
         colours = vehicle.description.marks and description.marks and not vehicle.description.marks & description.marks
         return not colours and not vehicle.description.contradicts(description)
 

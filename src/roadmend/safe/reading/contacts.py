@@ -50,6 +50,11 @@ def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
     if clause.lemma in word_set("pushes") and (pushed := _pushed(clause)):
         yield from pushed
         return
+    shoves = clause.lemma in word_set("pushes") and clause.object is not None and not clause.is_passive
+    if shoves and clause.object is not None and me.part is not None:
+        for other in clause.object.vehicles[:1] if me.vehicles and clause.object.vehicles != me.vehicles else ():
+            yield _contact(clause, me.vehicles[0], other, me.part, clause.object.part, _GUESSED)
+        return
     if kind not in STRIKES | {"collide"} and not _is_told(clause):
         return
     each_other = clause.object is not None and clause.object.vehicles == me.vehicles

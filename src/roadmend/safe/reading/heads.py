@@ -12,6 +12,7 @@ YEARS = range(1920, 2100)
 TRAITS = ("bound", "oncoming", "parked", "stationary")
 _ROAD_NUMBER = re.compile(r"[a-z]{1,2}\d{1,3}")
 _REACH = 6  # words before a noun in which its article is looked for
+_CLASSED = 0.9  # confidence from which a word for a body is more than "car" or "truck"
 _FILL = 4  # words between the parts of a name
 
 
@@ -55,6 +56,7 @@ def is_head(items: Words, place: int) -> bool:
     ):
         return True  # "in a beat up ranger"
     led = lead.is_a("determiner") or lead.get("pronoun") in {"own", "its", "other"} or lead.low in {"(", "'s", "her"}
+    led |= before.get("pronoun") in {"own", "its"}
     if led and item.low in word_set("models_in_small_letters") and not after.is_a("road"):
         return True
     is_shown = item.is_name and not item.text.isupper()
@@ -125,7 +127,7 @@ def read_group(items: Words, place: int) -> tuple[int, int, Item, Description]:
 
 def _right_of(items: Words, place: int) -> tuple[int, tuple[NameSense, ...], tuple[tuple[BodySense, Span], ...]]:
     last, names, bodies = place, list[NameSense](), list[tuple[BodySense, Span]]()
-    at = place
+    at, told = place, -2
     while at < len(items) and (is_head(items, at) or _leads_on(items, at)):
         item = items[at]
         if is_head(items, at):
@@ -134,7 +136,10 @@ def _right_of(items: Words, place: int) -> tuple[int, tuple[NameSense, ...], tup
             if chosen is not None and not (item.is_a("body") and names):
                 names.append(chosen)
             elif item.is_a("body"):
+                if bodies and at == told + 1 and item.get("body").confidence >= _CLASSED:
+                    bodies.pop()  # "a utility pickup" is a pickup
                 bodies.append((item.get("body"), item.span))
+                told = at
         at += 1
     return last, tuple(names), tuple(bodies)
 

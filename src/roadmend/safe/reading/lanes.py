@@ -1,5 +1,6 @@
 """How many lanes the road has, both directions together; at a junction, the larger road."""
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -13,6 +14,12 @@ _REACH = 6  # words between a number and its "lanes"
 _MOST_COUNTED = 12
 _LIST = 12  # characters between two counts of one list
 _BETWEEN = ("lanekind", "bound", "compass", "hand", "descriptor", "straight", "two_way")
+_PART = re.compile(r"[,;]| and | with ")
+_OVER_HERE = re.compile(r"\b(?:this|that|our|my|his|her) (?:side|way|direction|half)\b", re.IGNORECASE)
+_OVER_THERE = re.compile(
+    r"\b(?:other|opposite|opposing|oncoming|far) (?:side|way|direction|half|carriageway|traffic|lanes)\b", re.IGNORECASE
+)
+_BACK = {"N": "S", "S": "N", "E": "W", "W": "E"}
 _OPPOSITE = ({"N", "S"}, {"E", "W"})
 _EACH, _ALL = "the text counts the lanes of each direction", "the text counts the lanes of the road"
 _Total = tuple[int, float, str, Span]  # lanes, confidence, reason, place
@@ -58,8 +65,10 @@ def read_lanes(text: Text) -> Iterator[Claim]:
         known = any(each.kind == "center" and each.sentence == sentence.index for each in counts)
         if sentence.items.has("middle_lane") and not known:
             counts.append(LaneCount(1, "", "center", is_each=False, span=Span(0, 0), sentence=sentence.index))
+    mirrored = any(any(found("lanes_mirrored", wording(each))) for each in text.sentences)
+    counts = list(_sided(counts, text))
     totals = [total for count in counts if (total := _total(counts, count)) is not None]
-    totals = [*worded, *totals, *(() if taken else _by_way(counts))] or _bare(counts, text)
+    totals = [*worded, *totals, *(() if taken else _by_way(counts, is_mirrored=mirrored))] or _bare(counts, text)
     largest = max((number for number, *_ in totals), default=0)
     for number, sure, reason, span in totals:
         if 1 <= number <= MAX_LANES:
@@ -87,6 +96,25 @@ def _worded(sentence: Sentence) -> Iterator[_Total]:
             yield total + (has_middle and total % 2 == 0 and name != "lanes_road"), 0.94, reason, span
     if not taken and any(found("lanes_both", told)):
         yield 2, 0.6, "the text speaks of both lanes", sentence.span
+
+
+def _sided(counts: Sequence[LaneCount], text: Text) -> Iterator[LaneCount]:
+    """Give the lanes of "this side" and of "the other side" the directions that the text names."""
+    known = next((each.way for each in counts if len(each.way) == 1), "")
+    for count in counts:
+        sentence = text.sentences[count.sentence]
+        if count.way or count.is_each or count.kind != "travel" or not count.span.end:
+            yield count
+            continue
+        around = _PART.split(text.summary[sentence.span.start : count.span.start])[-1]
+        around += _PART.split(text.summary[count.span.start : sentence.span.end])[0]
+        here = next((each.get("bound") for each in sentence.items if len(each.get("bound") or "") == 1), "")
+        if _OVER_THERE.search(around):
+            yield replace(count, way=_BACK.get(known, "S"))
+        elif _OVER_HERE.search(around):
+            yield replace(count, way=here or _BACK.get(known, "N"))
+        else:
+            yield count
 
 
 def _shared(counts: Sequence[LaneCount]) -> list[LaneCount]:
@@ -119,12 +147,14 @@ def _total(counts: Sequence[LaneCount], count: LaneCount) -> _Total | None:
     return None
 
 
-def _by_way(counts: Sequence[LaneCount]) -> Iterator[_Total]:
+def _by_way(counts: Sequence[LaneCount], *, is_mirrored: bool) -> Iterator[_Total]:
     """Roads whose lanes are counted for each direction apart: "three northbound and two southbound lanes"."""
     for axis in ("NS", "EW"):
         mine = [each for each in counts if len(each.way) == 1 and each.way in axis and not each.is_each]
         sums = [total for way in axis if (total := _of_way([each for each in mine if each.way == way]))]
-        if len(sums) == 1:
+        if len(sums) == 1 and is_mirrored:
+            yield 2 * sums[0], 0.85, "the other direction has as many lanes", mine[0].span
+        elif len(sums) == 1:
             one = 2 if sums[0] == 1 else sums[0]
             yield one, 0.6, "the text counts the lanes of one direction alone", mine[0].span
         elif sums:

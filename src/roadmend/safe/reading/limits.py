@@ -29,6 +29,8 @@ _METRIC = re.compile(
 _REACH = 9  # words between "limit" and its number
 _FAR_REACH = 19  # where the number has a unit
 _LEAST = 5
+_ROAD_REACH = 5  # words from "on" to the name of a road
+_LEADS_ROAD = ("determiner", "road", "bound", "compass", "descriptor")
 _ON_ROAD = frozenset({"", "travel", "approach", "stop", "emerge", "slow", "continue"})
 
 
@@ -135,7 +137,7 @@ def _is_limit(items: Words, place: int) -> bool:
     is_fact = (
         of_road
         and items.at(place - 1).low not in word_set("driven_at")
-        and (unit is not None or (number % 5 == 0 and items.at(place - 1).low == ","))
+        and (unit is not None or (number % 5 == 0 and _is_listed(items, place)))
     )
     if not is_fact and distance > (_FAR_REACH if unit else _REACH):
         return False
@@ -149,6 +151,13 @@ def _is_limit(items: Words, place: int) -> bool:
     if near.has("advisory", "speed") and not near.cut(1).has("limit"):
         return items.cut(place + 1, place + 8).has("limit") and not near.has("advisory")
     return True
+
+
+def _is_listed(items: Words, place: int) -> bool:
+    """Whether a number stands by itself in a list of facts: "two lanes, 45", "2 lns 25"."""
+    before, after = items.at(place - 1), items.at(place + 1)
+    ends = after.low in {"", ",", ";", ".", ")"} or after.is_a("weather", "mph")
+    return before.low == "," or (before.is_a("lane", "each") and ends)
 
 
 def _parted(items: Words, place: int, word: int | None) -> bool:
@@ -203,10 +212,19 @@ def _posted(limit: PostedLimit, items: Words, place: int, last: int, sentence: S
 
 def _is_road_name(part: Words, at: int, start: int) -> bool:
     item, after = part[at], part.at(at + 1)
+    if _is_road_number(part, at):
+        return True
     proper = not item.kinds and (
         after.is_a("road", "auxiliary") or (not item.text.isupper() and item.span.start > start)
     )
     return item.is_name and (proper or item.is_a("ordinal"))
+
+
+def _is_road_number(words: Words, at: int) -> bool:
+    """Whether a number is a road's: "Route 12", "US-20", "the A257"."""
+    item, before = words[at], words.at(at - 1)
+    lead = before.is_a("road") or before.low in word_set("road_numbers")
+    return item.is_a("number") and lead and not words.at(at + 1).is_a("mph", "lane")
 
 
 def _name(item: Item) -> str:
@@ -227,7 +245,7 @@ def claim_limits(text: Text, limits: Sequence[PostedLimit]) -> Iterator[Claim]:
         elif limit.names & mine:
             sure = limit.confidence
         elif limit.names and (elsewhere or (mine and several)):
-            sure = 0.3 if mine else 0.62
+            sure = 0.62 if not mine else 0.3 if several else 0.55
         elif (limit.ways or limit.lanes) and not limit.names:
             continue
         reason = "the limit posted there" if sure > 0.5 else "a limit posted elsewhere"
@@ -238,8 +256,15 @@ def _roads_of_vehicles(text: Text) -> dict[int, set[str]]:
     """By vehicle: the names of the roads that it is said to travel on."""
     found: dict[int, set[str]] = {}
     for clause in text.clauses:
-        for item, after in itertools.pairwise(clause.words) if clause.kind in _ON_ROAD else ():
-            if item.low in {"on", "along", "down", "off"} and (after.is_name or after.is_a("ordinal")):
-                for vehicle in clause.subject.vehicles:
-                    found.setdefault(vehicle, set()).add(_name(after))
+        words = clause.words
+        for place, item in enumerate(words if clause.kind in _ON_ROAD else ()):
+            if item.low not in word_set("by_road"):
+                continue
+            for at in range(place + 1, min(place + _ROAD_REACH, len(words))):
+                after, number = words[at], _is_road_number(words, at)
+                if number or ((after.is_name or after.is_a("ordinal")) and after.low not in word_set("weekdays")):
+                    for vehicle in clause.subject.vehicles:
+                        found.setdefault(vehicle, set()).add(_name(after))
+                if number or not (after.is_name or after.is_a("ordinal", *_LEADS_ROAD)):
+                    break
     return found

@@ -12,6 +12,7 @@ from roadmend.safe.reading.tokens import Item, Words
 
 _TURNS = {Side.LEFT: Action.TURN_LEFT, Side.RIGHT: Action.TURN_RIGHT}
 _REACH = 4  # words between "turn" and "left"
+_SHORT = {"l": "Left", "lt": "Left", "lh": "Left", "r": "Right", "rt": "Right", "rh": "Right"}
 _OF_ANOTHER = 0.8  # of its confidence is left to what a sentence says of nobody whom it names
 _STRAYS = frozenset({"drift", "approach", "depart", "travel", "change_lane"})
 _IN_LANE = frozenset({"travel", "stop", "", "slow", "approach", "intend"})
@@ -101,7 +102,8 @@ def turn_of(clause: Clause) -> tuple[Side, float, Span] | None:
 def _noun_turn(clause: Clause, items: Words, place: int) -> tuple[Side, float, Span] | None:
     """A turn that is a noun, "made a left turn", or the kind of a lane that a vehicle is in."""
     item, after = items[place], items.at(place + 1)
-    hand = item.low.split()[0].title() if item.get("lanekind") == "turn" else ""
+    first = item.low.split()[0]
+    hand = _SHORT.get(first, first.title()) if item.get("lanekind") == "turn" else ""
     if item.is_a("hand") and after.low in {"turn", "turning", "turns", "hand turn"}:
         hand, after = item.get("hand"), items.at(place + 2)
     if hand not in {"Left", "Right"} or _is_no_turn(items, place) or after.is_a("curve"):

@@ -5,11 +5,13 @@ from dataclasses import dataclass, field, replace
 
 from roadmend.safe.reading.cast import Roll
 from roadmend.safe.reading.naming import Mention, MentionKind, mentions_of
+from roadmend.safe.reading.persons import seat_by_name, seat_by_role
 from roadmend.safe.reading.seats import (
     add_writer,
     claim_own,
     couple,
     lead_in,
+    let_speak,
     possess,
     put_in_order,
     seat_people,
@@ -34,6 +36,7 @@ def find_mentions(sentences: Sequence[Sentence]) -> Spoken:
     spoken, found = Spoken(), [list(mentions_of(sentence.items)) for sentence in sentences]
     roll = spoken.roll
     roll.enrol(sorted({each.number for row in found for each in row if each.number}))
+    speakers = let_speak(sentences, found)
     for sentence, row in zip(sentences, found, strict=True):
         couple(sentence.items, row)
         claim_own(sentence.items, row)
@@ -66,6 +69,8 @@ def find_mentions(sentences: Sequence[Sentence]) -> Spoken:
                     roll.note(mention.vehicles, paragraphs[id(mention)])
     possess(sentences, found)
     seat_people(sentences, found)
+    seat_by_role(sentences, found)
+    seat_by_name(sentences, found)
     seat_writer(sentences, found, roll)
     add_writer(sentences, found, roll)
     alike = next((each.bodies for row in found for each in row if each.bodies), ())
@@ -78,7 +83,9 @@ def find_mentions(sentences: Sequence[Sentence]) -> Spoken:
     for sentence, row in zip(sentences, found, strict=True):
         seat_persons(sentence.items, row)
         for mention in row:
-            mention.vehicles = own if mention.kind is MentionKind.SELF else mention.vehicles
+            if mention.kind is MentionKind.SELF:
+                told = speakers.get(id(mention))
+                mention.vehicles = own if told is None else told.vehicles
         spoken.mentions.append(list(row))
     return spoken
 

@@ -127,7 +127,8 @@ def _numbered(items: Words, place: int) -> Mention | None:
         start -= 1
     traits = tuple(items[start:first])
     start -= bool(traits) and items.at(start - 1).is_a("determiner")
-    described = Description(number=number, span=items.span(place, at))
+    bodies = ((head.get("body"), head.span),) if head.low == "cmv" else ()
+    described = Description(number=number, bodies=bodies, span=items.span(place, at))
     return Mention(start, at, MentionKind.NAMED, traits=traits, description=described, is_person=is_person)
 
 
@@ -142,9 +143,13 @@ def _more_numbers(items: Words, place: int) -> Mention | None:
 def _described(items: Words, place: int) -> Mention | None:
     if not is_head(items, place):
         return None
+    if items.at(place - 1).low == "a" and items.at(place - 2).low in word_set("tows") and not items[place].is_a("name"):
+        return None  # "a Mack pulling a reefer"
+    if items.at(place - 1).low == "/" and items.at(place - 2).low == "w" and items[place].is_a("body"):
+        return None  # "a Mack w/ tanker"
     first, last, article, described = read_group(items, place)
     is_plural = items[last].low.endswith("s") and items[last].is_a("body") and not described.names
-    if (is_plural and items[last].low != "bus") or article.low in {"both", "two", "all"}:
+    if (is_plural and not items[last].low.endswith("bus")) or article.low in {"both", "two", "all"}:
         return Mention(first, last, MentionKind.BOTH, bodies=described.bodies)
     traits = tuple(item for item in items[first:place] if item.is_a(*TRAITS))
     kind = MentionKind.OTHER if described.is_other and not described.names else MentionKind.NAMED

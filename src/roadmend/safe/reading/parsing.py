@@ -11,12 +11,11 @@ from roadmend.safe.claims import Span
 from roadmend.safe.reading.clauses import NOBODY, STRIKES, Actor, Clause
 from roadmend.safe.reading.lexicon import VerbSense, word_set
 from roadmend.safe.reading.mentions import Spoken
-from roadmend.safe.reading.naming import Mention, MentionKind
-from roadmend.safe.reading.parts import read_part
+from roadmend.safe.reading.naming import Mention
+from roadmend.safe.reading.referents import Referents, is_apart
 from roadmend.safe.reading.tokens import NOTHING, Item, Sentence, Words
 
 _TRANSITIVE = STRIKES | {"follow", "overtake", "avoid", "see", "after", "approach", "collide", "do", "own"}
-_OTHERS_OBJECT = STRIKES | {"avoid", "see", "follow", "overtake", "after"}  # "it struck him": not itself
 _GOVERNING = frozenset({"intend", "begin", "avoid", "fail", "see", "say", "do", "stop", "slow", "park"})
 _STRICT = frozenset({"intend", "begin", "fail"})  # govern only with "to"
 _OBJECT_REACH = 4  # words between a verb and its object
@@ -31,23 +30,11 @@ def read_clauses(sentences: Sequence[Sentence], spoken: Spoken) -> tuple[Clause,
     return tuple(walker.clauses)
 
 
-class _Walker:
-    """Goes through the words of a text, and remembers who was last spoken of."""
-
-    def __init__(self, count: int, own: tuple[int, ...]) -> None:
-        self.count, self.own = count, own
-        self.clauses: list[Clause] = []
-        self.clause: Clause | None = None
-        self.pending: Actor | None = None  # a subject that waits for its verb
-        # The last subject; before there is one, who writes without "I" speaks of himself.
-        self.focus = replace(NOBODY, vehicles=own, is_person=True) if own else NOBODY
-        self.last = NOBODY  # the last one spoken of
-        self.genders: dict[int, str] = {}  # of who drives
-        self.recent: list[int] = []  # vehicles in the order in which they were spoken of
+class _Walker(Referents):
+    """Goes through the words of a text, and makes clauses of them."""
 
     def walk(self, sentence: Sentence, mentions: Sequence[Mention]) -> None:
-        self.sentence, self.items = sentence, sentence.items
-        self.starts = {mention.first: mention for mention in mentions}
+        self._begin(sentence, mentions)
         self.clause, self.acted, place = None, 0, 0
         self._wait(None)
         while place < len(self.items):
@@ -57,8 +44,12 @@ class _Walker:
                 place = group[1] + 1
                 continue
             if self._is_relative(place):
+                is_road = self._is_of_road(place)
                 self._flush()
-                self._wait(self.last)
+                self.road = replace(NOBODY, span=self.items[place].span) if is_road else self.road
+                self._wait(self.road if is_road else self.last)
+            elif self._is_of_place(place):
+                self._keep(self.items[place])
             elif _is_verb(self.items, place, after_actor=self._follows(place) or self._goes_on(place)):
                 self._act(place)
             else:
@@ -78,10 +69,6 @@ class _Walker:
         self.pending, self.clause = subject, None
         self.head, self.of_head = list[Item](), list[tuple[Item, Actor]]()
 
-    def _follows(self, place: int) -> bool:
-        """Whether a place is directly after the last noun group."""
-        return place > 0 and bool(self.last.span.end) and self.last.span.end == self.items[place - 1].span.end
-
     def _goes_on(self, place: int) -> bool:
         """Whether a place is after an "and" that goes on with a bare verb: "saw it come out and turn"."""
         verb = self.clause.verb if self.clause is not None else None
@@ -92,7 +79,7 @@ class _Walker:
         item, after = self.items[place], self.items.at(place + 1)
         if not item.is_a("relative") or not self.last.span.end or place + 1 >= len(self.items):
             return False
-        return item.low != "that" or (after.is_a("auxiliary", "verb", "adverb") and self._follows(place))
+        return item.low not in {"that", "thats"} or (after.is_a("auxiliary", "verb", "adverb") and self._follows(place))
 
     def _flush(self) -> None:
         """End what has a subject and no verb: "V1 northbound on Main Street"."""
@@ -104,115 +91,6 @@ class _Walker:
             )
             self.focus = self.pending
         self.pending, self.of_head = None, []
-
-    def _group(self, place: int) -> tuple[Actor, int] | None:
-        """A noun group that begins here, and its last word: a vehicle, or a part of one, whose owner may be open."""
-        mention = self.starts.get(place)
-        if mention is not None:
-            return self._owner(mention, place)
-        led = self.items[place].is_a("determiner") and (place + 1) not in self.starts
-        found = read_part(self.items, place + led, is_led=led)
-        if found is None:
-            return None
-        part, last = found
-        span = self.items.span(place, last)
-        owner = self.starts.get(last + 2)
-        if owner is not None and self.items.at(last + 1).low == "of":
-            actor = self._resolve(owner)
-            return replace(actor, part=part, is_person=False, span=Span(span.start, actor.span.end)), owner.last
-        return Actor((), part, is_person=False, span=span), last
-
-    def _owner(self, mention: Mention, place: int) -> tuple[Actor, int]:
-        """A mention with the part of it that is named after it: "V1's left side", "its front"."""
-        actor, last = self._resolve(mention), mention.last
-        is_short = mention.kind in {MentionKind.ONE, MentionKind.IT, MentionKind.SELF} and mention.first == last
-        owned = self.items.at(last + 1).low == "'s" and not is_short  # "she's" is "she is"
-        is_own = self.items[place].get("pronoun") == "own"
-        may_own = owned or is_own or mention.kind is MentionKind.POSSESSIVE or mention.description is not None
-        found = read_part(self.items, last + 1 + owned, is_led=True) if may_own else None
-        if found is not None:
-            span = Span(actor.span.start, self.items[found[1]].span.end)
-            return replace(actor, part=found[0], is_person=False, span=span), found[1]
-        return (replace(actor, vehicles=()), last + 1) if owned else (actor, last)  # "V2's lane" is a place
-
-    def _resolve(self, mention: Mention) -> Actor:
-        """Which vehicles a mention means here."""
-        word = self.items.cut(mention.first, mention.last + 1).first("gender")
-        gender = word.get("gender") if word is not None else ""
-        vehicles = mention.vehicles or self._of_gender(self._meant(mention), gender)
-        if len(vehicles) == 1 and gender:
-            self.genders.setdefault(vehicles[0], gender)
-        return Actor(vehicles, None, mention.is_person, mention.span, gender)
-
-    def _of_gender(self, vehicles: tuple[int, ...], gender: str) -> tuple[int, ...]:
-        """The same, unless it is known that a man drives and "she" is spoken of."""
-        if len(vehicles) != 1 or not gender or self.genders.get(vehicles[0], gender) == gender:
-            return vehicles
-        same = [each for each, known in self.genders.items() if known == gender]
-        return (same[-1],) if same else self._but(vehicles)
-
-    def _meant(self, mention: Mention) -> tuple[int, ...]:
-        here = (self.clause.subject if self.clause is not None else self.pending) or NOBODY
-        focus = here if here.span.end else self.focus
-        match mention.kind:
-            case MentionKind.IT if self.items[mention.first].is_a("pronoun") and self.items[mention.first].get(
-                "pronoun"
-            ) in {"former", "latter"}:
-                return self._of_two(mention)
-            case MentionKind.BOTH:
-                return self._both(mention)
-            case MentionKind.OTHER:
-                return self._but(focus.vehicles)
-            case MentionKind.POSSESSIVE:
-                return (here if here.vehicles else self.last if self.last.span.end else focus).vehicles[:1]
-            case MentionKind.ONE if self.items[mention.first].low == "they" and self._meets(mention.last + 1):
-                return self._both(mention)
-            case MentionKind.IT | MentionKind.ONE | MentionKind.PERSON if not mention.is_new:
-                return self._pronoun(mention, here, focus)
-        return ()
-
-    def _meets(self, place: int) -> bool:
-        """Whether a verb of meeting follows."""
-        verbs = [item.verb for item in self.items.cut(place, place + 3) if item.verb is not None]
-        return bool(verbs) and verbs[0].kind in {"collide", *STRIKES}
-
-    def _but(self, vehicles: Sequence[int]) -> tuple[int, ...]:
-        """The other one of the first two."""
-        rest = [each for each in range(min(self.count, 2)) if each not in vehicles]
-        return (rest[0],) if len(rest) == 1 else ()
-
-    def _of_two(self, mention: Mention) -> tuple[int, ...]:
-        """The former or the latter of the last two."""
-        last = list(dict.fromkeys(reversed(self.recent)))
-        at = 0 if self.items[mention.first].get("pronoun") == "latter" else 1
-        return (last[at],) if at < len(last) else ()
-
-    def _both(self, mention: Mention) -> tuple[int, ...]:
-        """The vehicles that "both" or "they all" mean: of more than two, the last that have done something."""
-        if self.count <= 2 or "all" in self.items[mention.first].low:
-            return tuple(range(min(self.count, 3)))
-        subjects = [*(each.subject for each in self.clauses), self.pending or NOBODY]
-        done = [each.vehicles[0] for each in subjects if each.vehicles]
-        is_they = self.items[mention.first].low == "they" and bool(self.own)
-        ranked = list(dict.fromkeys([*reversed(done), *range(self.count)]))
-        return tuple(sorted(sorted(ranked, key=lambda each: is_they and each == self.own[0])[:2]))
-
-    def _pronoun(self, mention: Mention, here: Actor, focus: Actor) -> tuple[int, ...]:
-        before, after = self.items.at(mention.first - 1), self.items.at(mention.last + 1)
-        is_it = mention.kind is MentionKind.IT
-        if is_it and mention.last > mention.first and after.is_a("ahead", "behind"):
-            return ()  # "the vehicle in front of him"
-        if before.is_a("ahead", "behind", "beside") and here.span.end:
-            return next(((each,) for each in reversed(self.recent) if each not in here.vehicles), ())
-        is_object = self.clause is not None and self.clause.kind in _OTHERS_OBJECT
-        is_object &= self.items[mention.first].low not in word_set("subject_pronouns")
-        if self.clause is not None and is_object and here.span.end and not _is_apart(self.clause.tail, ",;"):
-            is_known = bool(self.last.span.end) and self.last.vehicles != here.vehicles
-            return self.last.vehicles if is_known else self._but(here.vehicles)
-        if is_it and here.is_person and not self.last.is_person and self.last.vehicles:
-            return self.last.vehicles[:1]  # "I did not see the van until it hit me"
-        found = focus.vehicles or self.last.vehicles
-        return found if mention.kind is MentionKind.ONE and len(found) > 1 else found[:1]
 
     def _place(self, first: int, actor: Actor, last: int) -> None:
         """Give a noun group its part in the clause."""
@@ -237,6 +115,9 @@ class _Walker:
                 for vehicle in actor.vehicles if clause.subject.gender else ():
                     self.genders[vehicle] = clause.subject.gender
         else:
+            if self._leads_in(first):
+                clause = self.clauses[-1]
+                clause.subject = self.focus = actor  # "Entering the freeway from the ramp, the van"
             early = Words(self.head if clause is None and self.pending is None else ())
             self._flush()
             self._wait(actor)
@@ -244,6 +125,13 @@ class _Walker:
         if actor.vehicles:
             self.last = actor
             self.recent.extend(actor.vehicles)
+
+    def _leads_in(self, first: int) -> bool:
+        """Whether the sentence begins with a participle whose subject comes now."""
+        opens = self.items.at(0).verb or (self.items.at(1).verb if self.items.at(0).is_a("conjunction") else None)
+        alone = len([each for each in self.clauses if each.sentence is self.sentence]) == 1
+        leads = opens is not None and opens.form == "ing" and alone and self.clauses[-1].verb is opens
+        return leads and self.clause is self.clauses[-1] and self.items.at(first - 1).low == ","
 
     def _bring(self, preposition: Item, actor: Actor) -> None:
         if self.clause is not None:
@@ -285,7 +173,8 @@ class _Walker:
         is_be = be is not None and not after_be.says({",", ";"})
         is_be &= verb.form != "past" or not after_be.has("conjunction")  # "was damaged and came"
         by = verb.kind in STRIKES and self.items.cut(place + 1, place + 3).says({"by"})
-        is_denied = nearby.cut(len(nearby) - 3).has("negation") and verb.kind != "fail"
+        near = nearby.cut(max((at + 1 for at, each in enumerate(nearby) if each.low == ";"), default=0))
+        is_denied = near.cut(len(near) - 3).has("negation") and verb.kind != "fail"
         is_denied |= verb.kind == "avoid" and old is not None and self.pending is None and old.kind == "fail"
         start = subject.span.start if subject.span.end and subject.span.start >= self.sentence.span.start else None
         self.clauses.append(
@@ -318,6 +207,11 @@ class _Walker:
     def _subject(self, place: int, verb: VerbSense) -> tuple[Actor, frozenset[str]]:
         """Who does it, and the kinds of the verbs that it depends on."""
         old, nothing = self.clause, frozenset[str]()
+        is_owner = self.pending is not None and self.pending.part is not None
+        if is_owner and verb.form == "ing" and self._follows(place) and self.last.vehicles:
+            return self.last, nothing  # "its left side met a truck pulling a trailer"
+        if self.pending is self.road and self.road is not None and any(item.low == "," for item in self.head):
+            return self.focus, nothing  # what a road does is over
         if self.pending is not None:
             return self.pending, nothing
         if old is None and verb.form == "ing" and self._follows(place) and self.last.vehicles:
@@ -334,6 +228,8 @@ class _Walker:
             and self.items[place - 1].is_a("auxiliary", "negation")
         ):
             return old.object, nothing  # "he saw that the car was stopped"
+        if old.subject is self.road and is_apart(old.tail, ",") and self.focus.vehicles:
+            return self.focus, nothing  # what a road does is over
         if not self._governs(old, self.items[place]):
             return old.subject, nothing
         governed = old.governed | {old.kind}
@@ -345,7 +241,7 @@ class _Walker:
 
     def _governs(self, old: Clause, item: Item) -> bool:
         """Whether a verb depends on the one before it: "attempted to turn", "was stopped waiting to turn"."""
-        if old.kind not in _GOVERNING or _is_apart(old.tail, ",;"):
+        if old.kind not in _GOVERNING or is_apart(old.tail, ",;"):
             return False
         loose = old.kind in _STRICT and any(each.kinds and each.low != "to" for each in old.tail)
         return not loose and not any(actor.span.end > item.span.start for _, actor in old.others)
@@ -358,13 +254,9 @@ class _Walker:
         return self._follows(place) and not is_subject and verb.form in {"ing", "both", "participle"}
 
 
-def _is_apart(words: Words, marks: str) -> bool:
-    return any(item.is_a("conjunction") or item.low in marks for item in words)
-
-
 def _takes_object(clause: Clause) -> bool:
     takes = clause.kind in _TRANSITIVE or clause.lemma in {"drive", "operate", "ride"}
-    return takes and not clause.is_passive and len(clause.tail) <= _OBJECT_REACH and not _is_apart(clause.tail, ",;(")
+    return takes and not clause.is_passive and len(clause.tail) <= _OBJECT_REACH and not is_apart(clause.tail, ",;(")
 
 
 def _has_verb_next(items: Words, place: int) -> bool:
@@ -394,6 +286,7 @@ def _is_verb(items: Words, place: int, *, after_actor: bool) -> bool:
             before.is_a("auxiliary", "relative", "negation", "pronoun")
             or before.low in word_set("base_verb_leads")
             or before.low.endswith(" to")
+            or (before.verb is not None and before.verb.kind == "intend")
         )
         return after_actor or led or (before.low in {"and", "then", ","} and verb.form == "s")
     if verb.form == "ing" and before.is_a("determiner"):

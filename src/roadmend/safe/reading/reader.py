@@ -23,6 +23,7 @@ from roadmend.safe.reading.parsing import read_clauses
 from roadmend.safe.reading.roads import read_roads
 from roadmend.safe.reading.surroundings import read_surroundings
 from roadmend.safe.reading.tokens import Sentence, read_sentences
+from roadmend.safe.reading.transcripts import join_answers
 from roadmend.safe.reading.ways import read_ways
 
 _ALONE = re.compile(
@@ -66,8 +67,8 @@ def read_summary(summary: str, more: Sequence[AnyClaim] = ()) -> ReportReading |
 
 def read_claims(summary: str) -> SummaryClaims | None:
     """What a summary says, before anything is decided; None where it speaks of no vehicle."""
-    told = (sentence for sentence in read_sentences(summary) if not _is_code(sentence, summary))
-    sentences = tuple(replace(sentence, index=index) for index, sentence in enumerate(told))
+    told = [sentence for sentence in read_sentences(summary) if not _is_code(sentence, summary)]
+    sentences = tuple(replace(sentence, index=index) for index, sentence in enumerate(join_answers(told, summary)))
     spoken = find_mentions(sentences)
     if not spoken.roll.vehicles:
         return None
@@ -125,6 +126,14 @@ def _kept(text: Text, contacts: Sequence[ContactClaim]) -> tuple[int, ...]:
     touched = {place for each in contacts for place in (each.striking, each.struck)}
     vehicles = text.spoken.roll.vehicles
     numbered = {vehicle.place for vehicle in vehicles if vehicle.description.number is not None}
+    watched = any(
+        each.items.says({"happened", "witnessed"})
+        and each.items.says({"me", "us"})
+        and each.items.has("ahead", "behind")
+        for each in text.sentences
+    )  # "it happened right ahead of me": the writer was not in it
+    if watched and len(vehicles) > 2 and not touched & {*text.spoken.roll.own()}:
+        vehicles = [each for each in vehicles if not each.description.is_own]
     keep = (numbered if len(numbered) > 1 else numbered | touched) or {vehicle.place for vehicle in vehicles[:2]}
     alone = _ALONE.search(text.summary) is not None
     if alone and len(numbered) == 1:

@@ -40,7 +40,7 @@ def _shape(items: Words, place: int) -> Iterator[Claim]:
     """Words for junctions and bends."""
     item, before, after = items[place], items.cut(place - _NEAR, place), items.cut(place + 1, place + 5)
     led = {each.low for each in before}
-    if item.is_a("junction") and not before.cut(-1).has("ramp"):
+    if item.is_a("junction") and not before.cut(-1).has("ramp") and not items.at(place + 1).is_a("collision"):
         aside = (before.cut(-3).has("compass") and "of" in led) or bool(led & word_set("far_from"))
         comes = any(each.verb is not None and each.verb.kind in {"approach", "turn"} for each in before)
         sure = (0.6 if aside else 0.9) - (0.0 if comes or led & word_set("at_it") else 0.15)
@@ -110,7 +110,7 @@ def _worded_stem(text: Text) -> Iterator[Claim]:
                 "road_type", RoadType.T_INTERSECTION, 0.85, "a road goes no further", text.sentences[place].span
             )
         for match in found("stem_side", each) if near or (said_tee and not each.items.has("mph")) else ():
-            if each.items.has("collision") or (text.spoken.mentions[place] and not near):
+            if (each.items.has("collision") and not ending[place]) or (text.spoken.mentions[place] and not near):
                 continue
             side = _SIDES.get(match[1][0].upper())
             yield claim("stem_direction", side, 0.8 if near else 0.6, "the road that ends lies there", each.span(match))
@@ -147,7 +147,10 @@ def _on_stem(text: Text) -> Iterator[Claim]:
     for sentence in text.sentences:
         for place, item in enumerate(sentence.items):
             near = sentence.items.cut(place - 3, place)
-            names = [each for each in near if each.is_name and not each.is_a("determiner", "road", "pronoun")]
+            names = [each for each in near if each.is_name and not each.is_a("determiner", "road", "pronoun", "lane")]
+            start = sentence.items.cut(0, 3)
+            if not names and start.at(0).is_name and start.cut(1).has("road"):
+                names = [each for each in start if each.is_name and not each.is_a("determiner", "road", "lane")]
             if names and (item.is_a("ends") or item.low in {"ends", "dead ends", "joins", "comes in"}):
                 ending.add(names[-1].low)
     for clause in text.clauses:
@@ -210,7 +213,8 @@ def _ramps(text: Text) -> Iterator[Claim]:
         if ramp is not None and not joins and any(i.get("ramp") == "off" for i in words):
             continue
         is_off = ramp is not None and ramp.get("ramp") == "off" and not (joins and clause.lemma in {"come", "get"})
-        if ramp is None or clause.kind not in _JOINING or is_off or not clause.subject.vehicles:
+        is_joining = clause.kind in _JOINING or (clause.kind == "see" and ramp in clause.head)
+        if ramp is None or not is_joining or is_off or not clause.subject.vehicles:
             continue
         place = clause.words.index(ramp)
         led = {each.low for each in clause.words.cut(place - _NEAR, place)}
@@ -263,6 +267,16 @@ def _turns_off(clause: Clause, text: Text) -> Iterator[Claim]:
         )
         if item.low in word_set("turn_targets") and to_road and turns and not out & {*clause.subject.vehicles}:
             yield claim("road_type", RoadType.INTERSECTION, 0.75, "a vehicle turns into another road", item)
+            break
+    for place, item in enumerate(words[:-1] if kind in {"turn", "do", ""} else ()):
+        named = words[place + 1].is_name and not words[place + 1].is_a("thing", "body", "name", "time", "determiner")
+        if (
+            item.low == "at"
+            and named
+            and words.cut(0 if kind else place - 1, place).has("hand", "lanekind")
+            and not out
+        ):
+            yield claim("road_type", RoadType.INTERSECTION, 0.65, "a vehicle turns at another road", item)
             break
     drive = words.first("driveway")
     if drive is not None and kind in _AT_DRIVEWAY:

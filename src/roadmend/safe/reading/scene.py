@@ -164,7 +164,7 @@ class _Scene:
         done = {
             each.value for vehicle in (one, other) for each in self._of(vehicle, "manoeuvre") if each.confidence > _TOLD
         }
-        same = bool(done & {Manoeuvre.CHANGING_LANE, Manoeuvre.MERGE}) and holds(
+        same = bool(done & {Manoeuvre.CHANGING_LANE, Manoeuvre.MERGE, Manoeuvre.OVERTAKE}) and holds(
             Relation.SAME, first.heading, second.heading
         )
         astray = Manoeuvre.ENTER_THE_WRONG_WAY in done

@@ -12,11 +12,14 @@ from roadmend.safe.reading.tokens import Words
 _DAY = range(6, 20)  # hours
 _EVENING = range(17, 21)  # light or dark, by the season
 _AFTERNOON = 13
+_PARTS = {"afternoon": Time.DAYTIME, "morning": Time.DAYTIME, "day": Time.DAYTIME, "night": Time.NIGHTTIME}
+_SMALL = (1, 2, 3, 4)  # hours before light
 _MORNING = 6
 _CLOCK = re.compile(
     r"\b(?:(?P<h>[01]?\d|2[0-3])[:.][0-5]\d|(?P<mil>(?:[01]\d|2[0-3])[0-5]\d)(?=\s*(?:hrs?|hours|h)\b)|"
-    r"(?P<log>(?:(?<=time )|(?<=time: )|(?<=rcvd )|(?<=call )|(?<=arr )|(?<=at )|^|(?<=, )|(?<=\. )|(?<=\n))(?:[01]\d|2[0-3])[0-5]\d(?=[\s,.]))|"
+    r"(?P<log>(?:(?<=time )|(?<=time: )|(?<=rcvd )|(?<=call )|(?<=arr )|(?<=at )|(?<=\()|(?<=dry )|(?<=clr )|(?<=wet )|(?<=clear )|(?<=day )|(?<=dark )|^|(?<=, )|(?<=\. )|(?<=\n))(?:[01]\d|2[0-3])[0-5]\d(?=[\s,.]))|"
     r"(?P<bare>(?<=, )(?:0\d|1[0-8]|2[1-3])[0-5]\d(?=[.,]|$))|"
+    r"(?P<joined>(?:1[0-2]|[1-9])[0-5]\d)(?=\s*[ap]\.?m\b)|"
     r"(?P<hour>1[0-2]|[1-9]))\s*(?:(?P<half>[ap])\.?\s?m\b|o'?clock|(?P<hrs>hrs?|hours)\b)?",
     re.IGNORECASE | re.MULTILINE,
 )
@@ -29,7 +32,7 @@ _WORDED = re.compile(
     re.IGNORECASE,
 )
 _AT_NIGHT = re.compile(r"[\s,]*(?:in the evening|at night|tonight|p\.?m)")
-_IN_DAY = re.compile(r"[\s,]*in the (?:morning|(afternoon))")
+_IN_DAY = re.compile(r"[\s,]*in the (?:morning?|(afternoon?))")
 _TOLD = re.compile(r"(?:\bat|around|about|approximately|aprox|approx|past|after|before|@|by|near|till|until)\s*$")
 _SURE = {Weather.CLEAR: 0.75, Weather.CLOUDY: 0.85, Weather.WINDY: 0.85, Weather.SUNNY: 0.88}
 _NAMES = {"weather", "sky", "skies"}
@@ -45,6 +48,10 @@ def read_surroundings(text: Text) -> Iterator[Claim]:
             if item.is_a("time") and not _is_other_time(sentence.items, place):
                 value, confidence = item.get("time")
                 yield claim("env.time", Time(value), confidence, f"the text says {item.low}", item)
+            if item.is_a("weather") and not item.is_a("time"):
+                part = next((each for each in item.low.split() if each in _PARTS), None)
+                if part is not None:
+                    yield claim("env.time", _PARTS[part], 0.85, f"the text says {item.low}", item)
             if item.is_a("weather"):
                 around = _around(text.summary, sentence.span, item.span)
                 yield from _weather(sentence.items, place, is_past=any(word in around for word in past))
@@ -59,9 +66,15 @@ def _around(summary: str, sentence: Span, place: Span) -> str:
 def _is_other_time(items: Words, place: int) -> bool:
     """Whether a word is of another time than the crash: "treated later that morning", "released the same day"."""
     item, before = items[place], items.cut(place - 4, place)
+    if item.low in {"morning", "the morning"} and any(each.get("number") in _SMALL for each in before):
+        return True  # "two in the morning"
+    if item.low == "day" and before.at(len(before) - 1).low in {",", "/", ":"}:
+        return False
     if item.low == "day":
         return not before.says(word_set("bright_days"))
     treated = any(each.verb is not None and each.verb.lemma in word_set("treated") for each in items[:place])
+    if item.low == "night shift" and before.says(word_set("over_with")):
+        return True
     later = before.says(word_set("other_time")) and item.low != "daylight"
     return treated or later or (item.low == "dark" and items.at(place + 1).low in word_set("dark_colours"))
 
@@ -88,6 +101,8 @@ def _weather(items: Words, place: int, *, is_past: bool) -> Iterator[Claim]:
 def _is_sky(items: Words, place: int) -> bool:
     """Whether it is the sky that is clear or fine, not a view or a road."""
     led, follows = items.at(place - 1).low, items.at(place + 1).low
+    if items.at(place + 1).is_a("time") or items.at(place - 1).is_a("time"):
+        return True
     if led in {",", ":", "", "/", "-"} and follows in {",", "", "/", ";", "dry"}:
         return True
     around = {each.low for each in (*items.cut(place - 6, place), *items.cut(place + 1, place + 4))}
@@ -136,7 +151,11 @@ def _hour(match: re.Match[str], summary: str) -> tuple[int | None, float]:
         return int(figures[:2]), 0.9 if match["mil"] else 0.75
     if match["log"]:
         return None, 0.0
-    hour, half, in_day = int(match["h"] or match["hour"]), (match["half"] or "").lower(), _IN_DAY.match(after)
+    hour, half, in_day = (
+        int(match["h"] or (match["joined"] or "")[:-2] or match["hour"]),
+        (match["half"] or "").lower(),
+        _IN_DAY.match(after),
+    )
     at_night = _AT_NIGHT.match(after) is not None and hour > 4
     if half or at_night or in_day or _AT_NIGHT.match(after):
         late = half == "p" or (not half and (at_night or (in_day is not None and in_day[1])))

@@ -28,6 +28,7 @@ _STREET = re.compile(r"(?:[A-Z][a-z]+ )?(?:Rd|St|Ave|Blvd|Ln|Hwy|Street|Avenue|R
 # A short first line without a full stop over a longer one is a title; the match is the break after it.
 _TITLE = re.compile(r"(?=[^\n.!?:;,]{10,65}\n[A-Z][^\n]{80})[^\n]*(?P<end>\n)")
 _LETTERS = frozenset("NSEW")
+_CUT = 4  # letters from which a word may have lost the last of "-ing"
 _JOINED = 5  # letters of a phrase that may be told without a hyphen or a slash in it: not "a t" for "at"
 _PLAIN = dict.fromkeys(map(ord, '\u201c\u201d"\u00ab\u00bb*_'), " ") | {
     **dict.fromkeys(map(ord, "\u2019\u2018"), "'"),
@@ -165,10 +166,17 @@ def _cut(text: str, start: int, end: int) -> Iterator[list[Token]]:
                 yield tokens
             tokens = []
         elif word != "." or not is_glued:
-            low = shorthand().get(word.lower(), word.lower())
+            low = _in_full(word.lower())
             tokens.append(Token(word, low, match.start(), match.end(), is_glued))
     if tokens:
         yield tokens
+
+
+def _in_full(word: str) -> str:
+    """A word that hasty writers cut short: "sittin" for "sitting"."""
+    full = shorthand().get(word, word)
+    is_cut = full.endswith("in") and len(full) > _CUT and f"{full}g" in senses() and full not in senses()
+    return f"{full}g" if is_cut else full
 
 
 def _ends(text: str, place: int, tokens: Sequence[Token]) -> bool:
@@ -212,6 +220,8 @@ def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
             continue
         kinds = dict(senses().get(key, {}) or _loose_verb(taken))
         named = names().get(key, ()) if key and _may_be_name(taken) else ()
+        if length == 1 and not named and not kinds and key.endswith("s") and len(key) > _JOINED:
+            named = tuple(each for each in names().get(key[:-1], ()) if not each.is_everyday)  # "the altimas door"
         if named:
             kinds["name"] = named
         if length == 1 and "driveway" in kinds and taken[0].text.istitle() and place:

@@ -75,7 +75,7 @@ def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool, stood: bool)
             if (
                 (has_turned or turned_here)
                 and not is_head
-                and item.is_a("compass")
+                and (item.is_a("compass") or _is_aim(clause, items, place))
                 and what in {"initial_position", "heading_on"}
             ):
                 what = "destination"
@@ -84,6 +84,12 @@ def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool, stood: bool)
                 path = of_vehicle(vehicle, "initial_position" if turned_round else what)
                 sure = weakened(confidence, is_after=is_after)
                 yield claim(path, opposite(way) if turned_round else way, sure, _REASONS[what], item)
+
+
+def _is_aim(clause: Clause, items: Words, place: int) -> bool:
+    """Whether "northbound" is where one wants to go: "a left turn to eastbound 96", "a right to go north bound"."""
+    led = items.at(place - 1).low in word_set("aims")
+    return led or (clause.kind == "travel" and clause.verb is not None and clause.verb.form == "base")
 
 
 def _meaning(clause: Clause, items: Words, place: int, *, is_head: bool) -> tuple[str, float] | None:
@@ -161,6 +167,9 @@ def _unclaimed(text: Text, claims: Sequence[Claim | DirectionClaim]) -> Iterator
                 "ends"
             ):
                 continue
+            counted = [at for at in range(max(0, place - 4), place + 3) if sentence.items.at(at).is_a("number", "lane")]
+            if {sentence.items.at(at).is_a("lane") for at in counted} == {True, False}:
+                continue  # "two lanes southbound"
             for vehicle in open_:
                 path = of_vehicle(vehicle, "initial_position")
                 yield claim(path, way, 0.6, "the text speaks of that direction", item)
