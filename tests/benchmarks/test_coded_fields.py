@@ -7,12 +7,12 @@ import pytest
 from harness.coded_fields import cross_check
 from roadmend.core.errors import InputError
 from roadmend.safe.contact import Part
-from roadmend.safe.crash_record import CrashRecord, RecordedCollision, RecordedVehicle
+from roadmend.safe.crash_record import CrashRecord, RecordedCollision, RecordedManoeuvre, RecordedVehicle
 
 RECORD = CrashRecord(
     "c",
     ("Intersection",),
-    (RecordedVehicle(1, 0.0, 90.0, "turn left"), RecordedVehicle(2, 180.0, 180.0)),
+    (RecordedVehicle(1, 0.0, 90.0, RecordedManoeuvre.TURN_LEFT), RecordedVehicle(2, 180.0, 180.0)),
     (RecordedCollision(2, 1, Part.FRONT, Part.RIGHT),),
 )
 

@@ -8,7 +8,7 @@ import pytest
 from roadmend.core.errors import InputError
 from roadmend.safe.casting import WAITED_FOR
 from roadmend.safe.construction import build_scenario, draw_scenario
-from roadmend.safe.dsl import DescribedCollision, DescribedEnvironment, Side, Time, Weather
+from roadmend.safe.dsl import DescribedCollision, DescribedEnvironment, Manoeuvre, Side, Time, Weather
 from roadmend.safe.open_questions import open_questions
 from roadmend.world.scenario import Drift, Follow, Heedless
 from roadmend.world.scenario_file import load_scenario, save_scenario
@@ -112,12 +112,12 @@ def test_who_was_struck_on_its_left_came_from_the_right(manoeuvre, sides, offset
 
 
 def test_a_u_turn_and_a_way_backwards_are_lines():
-    for word in ("U-turn", "Reverse"):
+    for word in (Manoeuvre.U_TURN, Manoeuvre.REVERSE):
         told = replace(vehicle(), manoeuvre=word)
         (actor,) = draw_scenario(role(crash("Straight", vehicle(), told)), 0).actors
         follow = actor.manoeuvres[-1]
         assert isinstance(follow, Follow)
-        assert follow.backwards == (word == "Reverse")
+        assert follow.backwards == (word is Manoeuvre.REVERSE)
         assert follow.points[-1][0] < follow.points[0][0]
 
 

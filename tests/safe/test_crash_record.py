@@ -12,10 +12,10 @@ CRASH = {
     "road": "Intersection",
     "vehicles": [
         {"number": 1, "from": "W", "to": "S", "manoeuvre": "turn left"},
-        {"number": 2, "from": "northbound", "to": None, "manoeuvre": "parked"},
+        {"number": 2, "from": "N", "to": None, "manoeuvre": "parked"},
     ],
     "collisions": [
-        {"striking": 2, "struck": 1, "striking_part": "front", "struck_part": "left rear corner"},
+        {"striking": 2, "struck": 1, "striking_part": "front", "struck_part": "rear-left"},
         {"striking": 1, "struck": "object: tree", "striking_part": "front", "struck_part": None},
     ],
     "doubt": "none",
@@ -24,8 +24,8 @@ CRASH = {
 
 @pytest.fixture
 def load(tmp_path):
-    def run(**changes):
-        content = {"case": "a", "crash": CRASH | changes, "annotator": "somebody"}
+    def run(oracle=None, **changes):
+        content = {"case": "a", "crash": CRASH | changes, "annotator": "somebody", "oracle": oracle}
         (tmp_path / "a.json").write_text(json.dumps(content), encoding="utf-8")
         return load_record(tmp_path / "a.json")
 
@@ -45,7 +45,7 @@ def test_a_record_is_read(load, tmp_path):
 
 
 def test_a_road_may_have_a_stem_and_alternatives(load):
-    record = load(road={"road_type": "T-intersection", "stem_direction": "West", "alternatives": ["Straight"]})
+    record = load(oracle={"alternatives": {"road_type": ["Straight"]}}, road="T-intersection", stem="W")
     assert (record.roads, record.stem) == (("T-intersection", "Straight"), 180.0)
 
 
@@ -56,10 +56,12 @@ def test_a_road_may_have_a_stem_and_alternatives(load):
         ({"vehicles": [{"number": 0}]}, "number"),
         ({"vehicles": [{"number": 1}, {"number": 1}]}, "two vehicles"),
         ({"vehicles": [{"number": 1, "from": "up"}]}, "from"),
-        ({"vehicles": "two"}, "not a list"),
+        ({"vehicles": "two"}, "vehicles"),
+        ({"vehicles": [{"number": 1, "manoeuvre": "backing out"}]}, "manoeuvre"),
+        ({"vehicels": []}, "vehicels"),
         ({"collisions": [{"striking": 1, "struck": 1}]}, "itself"),
-        ({"collisions": [{"striking": 1, "struck": 2, "striking_part": "antenna"}]}, "no part"),
-        ({"collisions": [{"striking": 1, "struck": 2, "striking_part": "front rear"}]}, "no part"),
+        ({"collisions": [{"striking": 1, "struck": 2, "striking_part": "antenna"}]}, "striking_part"),
+        ({"collisions": [{"striking": 1, "struck": 2, "striking_part": "front-rear"}]}, "striking_part"),
     ],
 )
 def test_what_is_none_is_refused_with_its_place(load, changes, words):

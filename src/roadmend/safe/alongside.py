@@ -4,8 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from roadmend.safe.dsl import CrashScenario, DescribedCollision, Side
-from roadmend.safe.manoeuvre_words import comes_sideways, stands, to_the_left
+from roadmend.safe.dsl import SIDEWAYS, STANDING, CrashScenario, DescribedCollision, Side
 from roadmend.safe.spots import GAP, Casting, Spot
 from roadmend.safe.staging import collision_between, goes_first
 from roadmend.safe.ways import Way
@@ -54,9 +53,9 @@ class Neighbour:
         """Where it starts and what it does."""
         collision = collision_between(self.crash, self.ego, self.index)
         vehicle = self.crash.vehicles[self.index]
-        if stands(vehicle.manoeuvre):
+        if vehicle.manoeuvre in STANDING:
             return self._standing()
-        if not stands(self.crash.vehicles[self.ego].manoeuvre):
+        if self.crash.vehicles[self.ego].manoeuvre not in STANDING:
             side = self._side(collision)
             if side is not None:
                 return self._from_the_side(side)
@@ -73,9 +72,6 @@ class Neighbour:
     def _side(self, collision: DescribedCollision | None) -> Side | None:
         """The side of the ego that it comes from, if it comes from one; a side that nobody tells is drawn."""
         vehicle = self.crash.vehicles[self.index]
-        goes_left = to_the_left(vehicle.manoeuvre)
-        if goes_left is not None:
-            return Side.RIGHT if goes_left else Side.LEFT
         told = None
         if collision is not None:
             own, other = collision.striking_side, collision.struck_side
@@ -85,7 +81,7 @@ class Neighbour:
                 told = own
             elif other in {Side.LEFT, Side.RIGHT}:
                 told = Side.RIGHT if other is Side.LEFT else Side.LEFT
-        if told is None and comes_sideways(vehicle.manoeuvre):
+        if told is None and vehicle.manoeuvre in SIDEWAYS:
             told = (Side.RIGHT, Side.LEFT)[int(self.drawn[f"v{self.index + 1}.side"]) % 2]
         return told
 

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 from roadmend.core.errors import InputError
 from roadmend.safe.alongside import Neighbour
-from roadmend.safe.dsl import Action, CrashScenario, DslModel, Side
-from roadmend.safe.manoeuvre_words import crosses_over, goes_backwards, runs_off, stands, turns_round
+from roadmend.safe.dsl import CROSSING_OVER, STANDING, Action, CrashScenario, DslModel, Manoeuvre, Side
 from roadmend.safe.own_lines import backwards_line, u_turn_line
 from roadmend.safe.spots import Casting, Spot, make_room
 from roadmend.safe.staging import Relation, relation_of
@@ -33,7 +32,7 @@ _STARTING = 2.5  # [m/s2] of who starts from standstill along a line of its own
 _BEHIND_WHO_WAITS = 3.5  # [m] between bumpers in a queue
 
 
-class Stage:
+class MeetingStage:
     """Places everybody so that they meet where the report says, had nobody looked out."""
 
     def __init__(
@@ -53,7 +52,7 @@ class Stage:
         self._lateral = _LATERAL * min(friction / 0.5, 1.0) * GRAVITY
         way = self._way(ego)
         body = BODIES[self._kind(ego)]
-        self._waits = stands(crash.vehicles[ego].manoeuvre) or drawn.get(f"v{ego + 1}.waits") == "yes"
+        self._waits = crash.vehicles[ego].manoeuvre in STANDING or drawn.get(f"v{ego + 1}.waits") == "yes"
         speed = min(min(self._of(ego, "speed"), 1.0) * way.limit, body.speed_max)
         if way.turn and layout.is_junction:
             speed = min(speed, _BEFORE_A_TURN)
@@ -132,9 +131,9 @@ class Stage:
         if turns:
             speed = min(speed, self._of(index, "turning_speed"), math.sqrt(self._lateral * way.corner))
         due = self._time + self._of(index, "delay")
-        if turns_round(vehicle.manoeuvre):
+        if vehicle.manoeuvre is Manoeuvre.U_TURN:
             return self._turning_round(index, due)
-        if goes_backwards(vehicle.manoeuvre) and relation is Relation.SAME:
+        if vehicle.manoeuvre is Manoeuvre.REVERSE and relation is Relation.SAME:
             return self._backing(index, due)
         if relation is Relation.SAME:
             neighbour = Neighbour(
@@ -151,7 +150,7 @@ class Stage:
             )
             spot, manoeuvres = neighbour.cast()
             return replace(spot, speed=min(spot.speed, body.speed_max)), manoeuvres
-        waits = stands(vehicle.manoeuvre)
+        waits = vehicle.manoeuvre in STANDING
         if waits and not (self._layout.is_junction and relation is Relation.CROSSING):
             front = way.meeting + 8.0 + 3.0 * self._of(index, "delay")
             spot = Spot(way.route[0], self._lane(index), min(front, way.meeting), body.length, 0.0)
@@ -242,11 +241,11 @@ class Stage:
             return False  # it was hit from the side: the ego's vehicle came across
         others = [vehicle.manoeuvre for place, vehicle in enumerate(self._crash.vehicles) if place != index]
         vehicle = self._crash.vehicles[index]
-        if crosses_over(vehicle.manoeuvre):
+        if vehicle.manoeuvre in CROSSING_OVER:
             return True
         ahead = all(each.action is Action.MOVE_FORWARD for each in self._crash.vehicles)
-        free = not stands(vehicle.manoeuvre) and not runs_off(vehicle.manoeuvre)
-        return ahead and free and not any(crosses_over(other) for other in others)
+        free = vehicle.manoeuvre not in {*STANDING, Manoeuvre.RUN_OFF}
+        return ahead and free and not any(other in CROSSING_OVER for other in others)
 
     def _way(self, index: int) -> Way:
         return self._layout.ways[index]

@@ -73,7 +73,7 @@ class Claim:
         _check_confidence(self.confidence)
 
 
-class Relation(StrEnum):
+class WayRelation(StrEnum):
     """How the ways of two vehicles lie to each other before either turns."""
 
     SAME = "same direction"
@@ -96,7 +96,7 @@ class DirectionClaim:
 
     first: int
     second: int
-    relation: Relation
+    relation: WayRelation
     confidence: float
     source: ClaimSource
     reason: str

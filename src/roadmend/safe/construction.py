@@ -4,7 +4,7 @@ import random
 import re
 from dataclasses import dataclass
 
-from roadmend.safe.casting import EDGE_OF_LIFE, Stage
+from roadmend.safe.casting import EDGE_OF_LIFE, MeetingStage
 from roadmend.safe.dsl import CrashScenario
 from roadmend.safe.layout import lay_out
 from roadmend.safe.open_questions import answer, open_questions
@@ -60,7 +60,7 @@ def build_scenario(role: CrashRole, drawn: Parameters, name: str, seed: int) -> 
     assert weather is not None
     assert time is not None
     environment = world.Environment.model_validate({"weather": weather.lower(), "time_of_day": time.lower()})
-    stage = Stage(role.crash, role.ego, crash, layout, drawn, environment.effective_friction)
+    stage = MeetingStage(role.crash, role.ego, crash, layout, drawn, environment.effective_friction)
     return world.Scenario(
         name=re.sub(r"[^A-Za-z0-9_.\-]", "-", name),
         seed=seed,

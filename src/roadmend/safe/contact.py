@@ -22,13 +22,13 @@ class Part(StrEnum):
     """Part of a vehicle's outline, counter-clockwise from the front as seen from above."""
 
     FRONT = "front"
-    FRONT_LEFT = "front left"
+    FRONT_LEFT = "front-left"
     LEFT = "left"
-    REAR_LEFT = "rear left"
+    REAR_LEFT = "rear-left"
     REAR = "rear"
-    REAR_RIGHT = "rear right"
+    REAR_RIGHT = "rear-right"
     RIGHT = "right"
-    FRONT_RIGHT = "front right"
+    FRONT_RIGHT = "front-right"
 
     def is_near(self, other: "Part") -> bool:
         """Whether the two are the same part or one next to the other."""
@@ -183,4 +183,4 @@ def _part(pose: Pose, x: float, y: float) -> Part:
         names.append("front" if ahead > 0.0 else "rear")
     if abs(left) > abs(ahead) or abs(left) >= _CORNER:
         names.append("left" if left > 0.0 else "right")
-    return Part(" ".join(names))
+    return Part("-".join(names))

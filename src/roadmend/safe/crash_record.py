@@ -5,34 +5,57 @@ whom, with which part, coming from and going to where, and on which road::
 
     {"case": "...", "crash": {"road": "Intersection",
       "vehicles": [{"number": 1, "from": "N", "to": "W", "manoeuvre": "turn left"}, ...],
-      "collisions": [{"striking": 2, "struck": 1, "striking_part": "front", "struck_part": "left"}, ...],
-      "doubt": []}, "annotator": "..."}
+      "collisions": [{"striking": 2, "struck": 1, "striking_part": "front", "struck_part": "rear-left"}, ...],
+      "doubt": ""}, "annotator": "..."}
 
-A record may also carry the scenario that a careful reader takes from the report, as ``oracle``; of it, the judge goes by
-the alternatives of the road's type alone. ``from`` is the direction of travel before the crash and ``to`` the one that the vehicle meant to take, as points of the
-compass. What is null is not known, and not asked of anybody.
+``from`` is the direction of travel before the crash and ``to`` the one that the vehicle meant to take, as points of the
+compass; a T-intersection may have a ``stem``. What is null is not known, and not asked of anybody. A record may also
+carry the scenario that a careful reader takes from the report, as ``oracle``; of it, the judge goes by the alternatives
+of the road's type alone.
 """
 
-import re
-from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from roadmend.core.bounds import CRASH
 from roadmend.core.errors import InputError
 from roadmend.core.json_text import read_json
+from roadmend.core.settings import check_settings
 from roadmend.safe.contact import Part
 
-ROADS = ("Straight", "Curve", "Intersection", "T-intersection", "Merging")
 HEADINGS: dict[str, float] = {  # [deg] counter-clockwise from east
     name: 45.0 * place for place, name in enumerate(("E", "NE", "N", "NW", "W", "SW", "S", "SE"))
 }
-_WORDS = {"north": "N", "south": "S", "east": "E", "west": "W"}
-_FACES = {"front": "front", "rear": "rear", "back": "rear", "left": "left", "right": "right"}
-_SILENT = {"side", "corner", "of", "the", "plane", "bumper", "end", "door", "fender", "quarter", "panel", "wheel"}
-_UNKNOWN = {"unknown", "none", "unclear", "top", "undercarriage", "roof", ""}
-_MEND = "see src/doc on crash records"
+_MEND = "the form of records is on src/doc/safe.md"
+
+_Road = Literal["Straight", "Curve", "Intersection", "T-intersection", "Merging"]
+_Heading = Literal["E", "NE", "N", "NW", "W", "SW", "S", "SE"]
+_Number = Annotated[int, Field(ge=1, strict=True)]
+
+
+class RecordedManoeuvre(StrEnum):
+    """What a vehicle of a record does."""
+
+    MOVE_FORWARD = "move forward"
+    TURN_LEFT = "turn left"
+    TURN_RIGHT = "turn right"
+    CHANGE_LANE_LEFT = "change lane left"
+    CHANGE_LANE_RIGHT = "change lane right"
+    DRIFT_LEFT = "drift left"
+    DRIFT_RIGHT = "drift right"
+    U_TURN = "u-turn"
+    REVERSE = "reverse"
+    STOP = "stop"
+    PARKED = "parked"
+    LEAVE_DRIVEWAY = "leave driveway"
+    ENTER_DRIVEWAY = "enter driveway"
+    MERGE = "merge"
+    RUN_OFF_ROAD = "run off road"
+    WRONG_WAY = "wrong way"
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,23 +66,23 @@ class RecordedVehicle:
         number: the report's, from 1.
         origin: heading before the crash [deg], counter-clockwise from east; None where it is not known.
         destination: heading that it was going to have [deg]; None where it is not known.
-        manoeuvre: in words, lower case, perhaps empty.
+        manoeuvre: what it does; None where it is not known.
     """
 
     number: int
     origin: float | None
     destination: float | None
-    manoeuvre: str = ""
+    manoeuvre: RecordedManoeuvre | None = None
 
     @property
     def stands(self) -> bool:
         """Whether it stood when it was hit: stopped or parked."""
-        return bool(re.search(r"\b(stop|stopped|parked|standing|stationary)\b", self.manoeuvre))
+        return self.manoeuvre in {RecordedManoeuvre.STOP, RecordedManoeuvre.PARKED}
 
     @property
     def reverses(self) -> bool:
         """Whether it went backwards."""
-        return bool(re.search(r"\b(revers\w*|back(ing|ed|s)?)\b", self.manoeuvre))
+        return self.manoeuvre is RecordedManoeuvre.REVERSE
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,114 +139,77 @@ def load_record(path: Path) -> CrashRecord:
         InputError: names the file and the field.
     """
     content = read_json(path, CRASH, _MEND)
-    return _Reader(str(path)).record(content, path.stem)
+    return check_settings(content, _RecordFile, str(path), _MEND).record(path.stem)
 
 
-class _Reader:
-    """Walks through a record; knows where it is."""
+class _Fields(BaseModel):
+    model_config = ConfigDict(extra="forbid")
 
-    def __init__(self, where: str) -> None:
-        self._where = where
 
-    def _fail(self, field: str, problem: str) -> InputError:
-        return InputError(self._where, f"field {field}: {problem}", _MEND)
+class _VehicleFields(_Fields):
+    number: _Number
+    origin: _Heading | None = Field(None, alias="from")
+    to: _Heading | None = None
+    manoeuvre: RecordedManoeuvre | None = None
 
-    def _mapping(self, content: object, field: str) -> Mapping[str, Any]:
-        if not isinstance(content, Mapping):
-            raise self._fail(field, f"is {content!r:.40}, not fields with values")
-        return content
+    def vehicle(self) -> RecordedVehicle:
+        origin, destination = (None if name is None else HEADINGS[name] for name in (self.origin, self.to))
+        return RecordedVehicle(self.number, origin, destination, self.manoeuvre)
 
-    def _list(self, content: object, field: str) -> list[Any]:
-        if not isinstance(content, list):
-            raise self._fail(field, f"is {content!r:.40}, not a list")
-        return content
 
-    def record(self, content: object, case: str) -> CrashRecord:
-        whole = self._mapping(content, "")
-        crash = self._mapping(whole.get("crash"), "crash")
-        vehicles = tuple(
-            self._vehicle(each, f"crash.vehicles[{place}]")
-            for place, each in enumerate(self._list(crash.get("vehicles"), "crash.vehicles"))
-        )
-        numbers = [vehicle.number for vehicle in vehicles]
+class _CollisionFields(_Fields):
+    striking: _Number | str | None  # text: an object, an animal or a person
+    struck: _Number | str | None
+    striking_part: Part | None = None
+    struck_part: Part | None = None
+
+    @model_validator(mode="after")
+    def _of_two(self) -> "_CollisionFields":
+        if self.striking is not None and self.striking == self.struck:
+            raise ValueError(f"vehicle {self.striking} cannot collide with itself")
+        return self
+
+    def collision(self) -> RecordedCollision | None:
+        """That of two vehicles; None for all others."""
+        if not isinstance(self.striking, int) or not isinstance(self.struck, int):
+            return None
+        return RecordedCollision(self.striking, self.struck, self.striking_part, self.struck_part)
+
+
+class _CrashFields(_Fields):
+    road: _Road | None
+    stem: _Heading | None = None
+    vehicles: list[_VehicleFields]
+    collisions: list[_CollisionFields]
+    doubt: str = ""
+
+    @model_validator(mode="after")
+    def _numbered(self) -> "_CrashFields":
+        numbers = [each.number for each in self.vehicles]
         if len({*numbers}) != len(numbers):
-            raise self._fail("crash.vehicles", "gives one number to two vehicles")
-        events = self._list(crash.get("collisions"), "crash.collisions")
-        collisions = [self._collision(each, f"crash.collisions[{place}]") for place, each in enumerate(events)]
-        roads, stem = self._road(crash.get("road"))
-        also = (whole.get("oracle") or {}).get("alternatives", {}).get("road_type", [])
-        roads = tuple(dict.fromkeys([*roads, *(each for each in also if each in ROADS)])) if roads else ()
+            raise ValueError("one number is given to two vehicles")
+        return self
+
+
+class _OracleFields(BaseModel):
+    alternatives: dict[str, list[Any]] = Field(default_factory=dict)
+
+
+class _RecordFile(_Fields):
+    case: str = ""
+    crash: _CrashFields
+    oracle: _OracleFields | None = None
+    annotator: str = ""
+
+    def record(self, name: str) -> CrashRecord:
+        crash = self.crash
+        also = self.oracle.alternatives.get("road_type", []) if self.oracle is not None else []
+        collisions = [each.collision() for each in crash.collisions]
         return CrashRecord(
-            str(whole.get("case", case)),
-            roads,
-            vehicles,
+            self.case or name,
+            (crash.road, *(each for each in also if each != crash.road)) if crash.road is not None else (),
+            tuple(each.vehicle() for each in crash.vehicles),
             tuple(each for each in collisions if each is not None),
-            stem,
-            len(events),
+            None if crash.stem is None else HEADINGS[crash.stem],
+            len(collisions),
         )
-
-    def _road(self, content: object) -> tuple[tuple[str, ...], float | None]:
-        if isinstance(content, Mapping):
-            kind, stem = (
-                content.get("road_type", content.get("type")),
-                content.get("stem_direction", content.get("stem")),
-            )
-            alternatives = content.get("alternatives") or []
-        else:
-            kind, stem, alternatives = content, None, []
-        kinds = [each for each in (kind if isinstance(kind, list) else [kind, *alternatives]) if each is not None]
-        for each in kinds:
-            if each not in ROADS:
-                raise self._fail("crash.road", f"{each!r:.40} is none of {', '.join(ROADS)}")
-        return tuple(kinds), self._heading(stem, "crash.road.stem")
-
-    def _vehicle(self, content: object, field: str) -> RecordedVehicle:
-        fields = self._mapping(content, field)
-        return RecordedVehicle(
-            self._number(fields.get("number"), f"{field}.number"),
-            self._heading(fields.get("from"), f"{field}.from"),
-            self._heading(fields.get("to"), f"{field}.to"),
-            str(fields.get("manoeuvre") or "").lower(),
-        )
-
-    def _collision(self, content: object, field: str) -> RecordedCollision | None:
-        fields = self._mapping(content, field)
-        striking, struck = (fields.get(name) for name in ("striking", "struck"))
-        if isinstance(striking, str) or isinstance(struck, str) or struck is None:
-            return None  # an object, an animal or a person
-        numbers = [
-            self._number(value, f"{field}.{name}") for name, value in (("striking", striking), ("struck", struck))
-        ]
-        if numbers[0] == numbers[1]:
-            raise self._fail(field, f"vehicle {numbers[0]} cannot collide with itself")
-        parts = [self._part(fields.get(name), f"{field}.{name}") for name in ("striking_part", "struck_part")]
-        return RecordedCollision(numbers[0], numbers[1], *parts)
-
-    def _number(self, value: object, field: str) -> int:
-        if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-            raise self._fail(field, f"{value!r:.40} is no vehicle's number, from 1")
-        return value
-
-    def _heading(self, value: object, field: str) -> float | None:
-        if value is None:
-            return None
-        text = re.sub(r"bound$", "", str(value).strip().lower())
-        name = "".join(
-            _WORDS.get(part, part) for part in re.findall(r"north|south|east|west|.+?(?=north|south|east|west|$)", text)
-        )
-        if name.upper() not in HEADINGS:
-            raise self._fail(field, f"{value!r:.40} is none of {', '.join(HEADINGS)}")
-        return HEADINGS[name.upper()]
-
-    def _part(self, value: object, field: str) -> Part | None:
-        words = re.findall(r"[a-z]+", str(value or "").lower())
-        if not words or {*words} & _UNKNOWN:
-            return None
-        strange = [word for word in words if word not in _FACES and word not in _SILENT]
-        faces = {_FACES[word] for word in words if word in _FACES}
-        along, across = faces & {"front", "rear"}, faces & {"left", "right"}
-        if strange or len(along) > 1 or len(across) > 1 or not faces:
-            raise self._fail(
-                field, f"{value!r:.40} names no part of a vehicle; use front, rear, left, right or a corner"
-            )
-        return Part(" ".join([*along, *across]))

@@ -7,14 +7,22 @@ import math
 
 from roadmend.safe.compass import BEARING, HEADING, TURN
 from roadmend.safe.contact import Part
-from roadmend.safe.crash_record import CrashRecord, RecordedCollision, RecordedVehicle
-from roadmend.safe.dsl import Action, CrashScenario, DescribedVehicle, Position, RoadType, Side
+from roadmend.safe.crash_record import CrashRecord, RecordedCollision, RecordedManoeuvre, RecordedVehicle
+from roadmend.safe.dsl import Action, CrashScenario, DescribedVehicle, Manoeuvre, Position, RoadType, Side
 from roadmend.safe.staging import collisions_of, first_collision
 from roadmend.safe.ways import Layout
 
 _PART = {side: Part(side.value.lower()) for side in Side}
 # What no policy does on its own account, so that it cannot take the place of who did.
-_NOT_PLAYED = ("enter the wrong way", "changing lane", "overtak", "u-turn", "revers", "back", "run off")
+_NOT_PLAYED = {
+    *(Manoeuvre.ENTER_THE_WRONG_WAY, Manoeuvre.CHANGING_LANE, Manoeuvre.OVERTAKE),
+    *(Manoeuvre.U_TURN, Manoeuvre.REVERSE, Manoeuvre.RUN_OFF),
+}
+_RECORDED = {  # of what a vehicle does, as far as a judge asks for it beside where it comes from and goes to
+    Manoeuvre.STOP: RecordedManoeuvre.STOP,
+    Manoeuvre.PARKED: RecordedManoeuvre.PARKED,
+    Manoeuvre.REVERSE: RecordedManoeuvre.REVERSE,
+}
 
 
 def why_not_played(crash: CrashScenario, ego: int) -> str:
@@ -25,8 +33,8 @@ def why_not_played(crash: CrashScenario, ego: int) -> str:
     if first is not None and ego + 1 not in {first.striking, first.struck}:
         return "the vehicle is not in the first collision of the report"
     manoeuvre = crash.vehicles[ego].manoeuvre
-    joins = manoeuvre == "Merge" and crash.road.road_type is not RoadType.MERGING
-    if joins or (manoeuvre is not None and manoeuvre.lower().startswith(_NOT_PLAYED)):
+    joins = manoeuvre is Manoeuvre.MERGE and crash.road.road_type is not RoadType.MERGING
+    if joins or manoeuvre in _NOT_PLAYED:
         return f"the vehicle does what no policy is asked to do here ({manoeuvre})"
     return ""
 
@@ -57,7 +65,7 @@ def record_of(crash: CrashScenario, layout: Layout | None = None, ego: int = 0) 
 
 
 def _vehicle(number: int, vehicle: DescribedVehicle) -> RecordedVehicle:
-    manoeuvre = (vehicle.manoeuvre or "").lower()
+    manoeuvre = _RECORDED.get(vehicle.manoeuvre) if vehicle.manoeuvre else None
     if vehicle.initial_position in {None, Position.MAIN_ROAD, Position.ON_RAMP}:
         return RecordedVehicle(number, None, None, manoeuvre)
     assert vehicle.initial_position is not None

@@ -85,6 +85,8 @@ class Manoeuvre(StrEnum):
 
 
 STANDING = frozenset({Manoeuvre.STOP, Manoeuvre.PARKED})
+SIDEWAYS = frozenset({Manoeuvre.CHANGING_LANE, Manoeuvre.MERGE, Manoeuvre.OVERTAKE})  # into the next lane
+CROSSING_OVER = frozenset({Manoeuvre.ENTER_THE_WRONG_WAY, Manoeuvre.OVERTAKE})  # onto the half for the others
 
 
 class Time(StrEnum):

@@ -11,7 +11,7 @@ from roadmend.safe.extraction import Extraction, ExtractionError, FieldEvidence,
 from roadmend.safe.reading.assembly import ReportReading
 from roadmend.safe.reading.lexicon import is_known
 from roadmend.safe.reading.reader import SummaryClaims, assemble, read_claims
-from roadmend.safe.reading.weighing import Judged
+from roadmend.safe.reading.weighing import JudgedField
 from roadmend.safe.report import CrashReport
 from roadmend.safe.sketch_claims import SketchClaims, claims_of_sketch
 
@@ -100,7 +100,7 @@ def _limits(said: SummaryClaims, reading: ReportReading) -> Iterator[str]:
         yield "one vehicle alone: there is no other to collide with"
 
 
-def _doubts(findings: Mapping[str, Judged]) -> Iterator[str]:
+def _doubts(findings: Mapping[str, JudgedField]) -> Iterator[str]:
     for name, finding in findings.items():
         if finding.value is not None and finding.confidence < _IN_DOUBT and not name.endswith("manoeuvre"):
             yield f"{name} is in doubt: {_plain(finding.value)} with confidence {finding.confidence:.2f}"
@@ -110,7 +110,7 @@ def _plain(value: Any) -> Any:
     return value.value if isinstance(value, StrEnum) else value
 
 
-def _evidence(finding: Judged, summary: str) -> FieldEvidence:
+def _evidence(finding: JudgedField, summary: str) -> FieldEvidence:
     best = finding.claims[0] if finding.claims and finding.value is not None else None
     where = best.where if best is not None else None
     span = (where.start, where.end) if isinstance(where, Span) else None
@@ -126,7 +126,7 @@ def _evidence(finding: Judged, summary: str) -> FieldEvidence:
     return FieldEvidence(_plain(finding.value), sentence, confidence, reason, span, box, tuple(_against(finding)))
 
 
-def _against(finding: Judged) -> Iterator[str]:
+def _against(finding: JudgedField) -> Iterator[str]:
     told: set[Any] = set()
     for claim in sorted(finding.against, key=lambda each: -each.confidence):
         if claim.value not in told and claim.confidence > 0.5:

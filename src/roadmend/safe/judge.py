@@ -28,7 +28,7 @@ _MUTUAL = 0.5  # share of the faster approach from which on both run into each o
 _APPROACH = 2.0  # [s] before a contact, when nobody had begun to turn away from it
 
 
-class Dimension(StrEnum):
+class Likeness(StrEnum):
     """What a run has in common with the crash."""
 
     WHO = "who"  # the two that touch first, and which of them ran into the other
@@ -66,7 +66,7 @@ class Judgement:
         recorded: collisions between vehicles that the record has.
     """
 
-    failed: Mapping[Dimension, str]
+    failed: Mapping[Likeness, str]
     shown: int
     recorded: int
 
@@ -75,7 +75,7 @@ class Judgement:
         """Whether nothing differs."""
         return not self.failed
 
-    def is_reproduced_but_for(self, dropped: Dimension) -> bool:
+    def is_reproduced_but_for(self, dropped: Likeness) -> bool:
         """Whether nothing else differs."""
         return not {*self.failed} - {dropped}
 
@@ -85,9 +85,9 @@ def judge(run: Run, record: CrashRecord) -> Judgement:
     first = run.contacts[0] if run.contacts else None
     if first is None or not record.collisions:
         reason = "nobody touched anybody" if record.collisions else "the record has no collision of two vehicles"
-        return Judgement(dict.fromkeys(Dimension, reason), 0, len(record.collisions))
-    found = {dimension: _CHECKS[dimension](run, record, first) for dimension in Dimension}
-    shown = 0 if found[Dimension.ORDER] else len(run.contacts)
+        return Judgement(dict.fromkeys(Likeness, reason), 0, len(record.collisions))
+    found = {dimension: _CHECKS[dimension](run, record, first) for dimension in Likeness}
+    shown = 0 if found[Likeness.ORDER] else len(run.contacts)
     return Judgement(
         {dimension: reason for dimension, reason in found.items() if reason}, shown, len(record.collisions)
     )
@@ -181,15 +181,15 @@ def _physical(run: Run, _record: CrashRecord, _first: Contact) -> str:
     return ""
 
 
-_CHECKS: Mapping[Dimension, Callable[[Run, CrashRecord, Contact], str]] = {
-    Dimension.WHO: _who,
-    Dimension.ORDER: _order,
-    Dimension.PARTS: _parts,
-    Dimension.ORIGIN: _origin,
-    Dimension.DESTINATION: _destination,
-    Dimension.ROAD: _road,
-    Dimension.MOTION: _motion,
-    Dimension.PHYSICAL: _physical,
+_CHECKS: Mapping[Likeness, Callable[[Run, CrashRecord, Contact], str]] = {
+    Likeness.WHO: _who,
+    Likeness.ORDER: _order,
+    Likeness.PARTS: _parts,
+    Likeness.ORIGIN: _origin,
+    Likeness.DESTINATION: _destination,
+    Likeness.ROAD: _road,
+    Likeness.MOTION: _motion,
+    Likeness.PHYSICAL: _physical,
 }
 
 

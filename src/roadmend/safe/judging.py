@@ -12,7 +12,7 @@ from roadmend.core.errors import RoadmendError
 from roadmend.core.fanout import fan_out
 from roadmend.safe.crash_record import CrashRecord
 from roadmend.safe.driving import CrashTestResult
-from roadmend.safe.judge import Dimension, judge
+from roadmend.safe.judge import Likeness, judge
 from roadmend.safe.trial import run_trial
 from roadmend.world.scenario_file import load_scenario
 
@@ -176,7 +176,7 @@ def summarise_judged(reports: Sequence[str], recorded: Sequence[str], runs: Sequ
     names = sorted({run.report for run in judged if run.is_reproduced})
     played = {run.report for run in judged if run.is_reproduced and not run.stood}
 
-    def but_for(dropped: Dimension) -> int:
+    def but_for(dropped: Likeness) -> int:
         return len({run.report for run in judged if not {*(run.failed or ())} - {dropped.value}})
 
     best: dict[str, JudgedRun] = {}
@@ -190,9 +190,9 @@ def summarise_judged(reports: Sequence[str], recorded: Sequence[str], runs: Sequ
         reproduced=len(names),
         stood=len({*names} - played),
         names=tuple(names),
-        but_for={dimension.value: but_for(dimension) for dimension in Dimension},
+        but_for={dimension.value: but_for(dimension) for dimension in Likeness},
         failed={
-            dimension.value: sum(dimension.value in (run.failed or ()) for run in judged) for dimension in Dimension
+            dimension.value: sum(dimension.value in (run.failed or ()) for run in judged) for dimension in Likeness
         },
         unphysical=sum(run.is_physical is False for run in runs),
         shown=sum(run.shown for run in best.values()),

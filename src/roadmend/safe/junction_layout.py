@@ -5,8 +5,7 @@ import math
 import numpy as np
 
 from roadmend.safe.compass import BEARING, SIDE_AT, TURN
-from roadmend.safe.dsl import Action, Compass, CrashScenario, DescribedVehicle, RoadType
-from roadmend.safe.manoeuvre_words import leaves_driveway
+from roadmend.safe.dsl import Action, Compass, CrashScenario, DescribedVehicle, Manoeuvre, RoadType
 from roadmend.safe.stated import control_of, median_of
 from roadmend.safe.ways import Layout, Way, lanes_each_way, limit_of
 from roadmend.world.network import network_file
@@ -120,7 +119,7 @@ def _sides(
 def _through_road(crash: CrashScenario, sources: list[Compass]) -> Compass:
     """A side of the road that goes through where others only have driveways: who does not turn is on it."""
     for vehicle, source in zip(crash.vehicles, sources, strict=True):
-        if vehicle.action is Action.MOVE_FORWARD and not leaves_driveway(vehicle.manoeuvre):
+        if vehicle.action is Action.MOVE_FORWARD and vehicle.manoeuvre is not Manoeuvre.LEAVE_DRIVEWAY:
             return source
     return sources[0]
 

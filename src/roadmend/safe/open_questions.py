@@ -18,7 +18,6 @@ from roadmend.safe.dsl import (
     Time,
     Weather,
 )
-from roadmend.safe.manoeuvre_words import stands
 from roadmend.safe.staging import is_struck_from_behind
 from roadmend.safe.stated import bend_side, control_of
 from roadmend.world.space import Choice, Dimension, Parameters, Uniform, Value, Whole
@@ -52,7 +51,7 @@ def open_questions(crash: CrashScenario) -> dict[str, Dimension]:
         space["weather"] = _WEATHER
     for number, vehicle in enumerate(crash.vehicles, start=1):
         space |= _of_vehicle(f"v{number}", vehicle, crash, kinds)
-        if is_struck_from_behind(crash, number - 1) and not stands(vehicle.manoeuvre):
+        if is_struck_from_behind(crash, number - 1) and vehicle.manoeuvre not in STANDING:
             # "Move Forward" is all that the paper's language has for who waits in a queue, or to turn.
             space[f"v{number}.waits"] = Choice({"yes": _WAITS, "no": 1.0 - _WAITS})
     if kinds != [RoadType.MERGING]:  # a straight road too may turn out to need a side road

@@ -22,6 +22,21 @@ _SKETCHES = (".jpg", ".jpeg", ".png", ".gif", ".webp", ".bmp", ".tif", ".tiff")
 _FORMATS = ("JPEG", "PNG", "GIF", "WEBP", "BMP", "TIFF")  # what these endings stand for; other parsers stay asleep
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.\-]{0,99}")
 logging.getLogger("PIL").setLevel(logging.CRITICAL)  # it tells of damages line by line, which the one note is for
+UNREADABLE = (  # what Pillow raises on a damaged image
+    PIL.UnidentifiedImageError,
+    OSError,
+    SyntaxError,
+    ValueError,
+    LookupError,
+    TypeError,
+    ArithmeticError,
+    RuntimeError,
+    struct.error,
+    zlib.error,
+    MemoryError,
+    PIL.Image.DecompressionBombError,
+    Warning,
+)
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
 
 
@@ -159,21 +174,7 @@ def _read_sketch(folder: Path) -> tuple[Image | None, tuple[str, ...]]:
                 media_type = PIL.Image.MIME[image.format or ""]
                 is_large = image.width * image.height > SKETCH.values
                 image.verify()
-    except (
-        PIL.UnidentifiedImageError,
-        OSError,
-        SyntaxError,
-        ValueError,
-        LookupError,
-        TypeError,
-        ArithmeticError,
-        RuntimeError,
-        struct.error,
-        zlib.error,
-        MemoryError,
-        PIL.Image.DecompressionBombError,
-        Warning,
-    ):
+    except UNREADABLE:
         return None, (f"{file.name} is no image that can be opened and was left out",)
     if is_large:
         return None, (f"{file.name} has more than {SKETCH.values // 1_000_000} million pixels and was left out",)

@@ -11,7 +11,7 @@ from roadmend.core.errors import RoadmendError
 from roadmend.core.tick import INTERVAL
 from roadmend.safe.construction import CrashRole, build_scenario, generator_of
 from roadmend.safe.described_crash import record_of, why_not_played
-from roadmend.safe.judge import Dimension, Judgement, judge
+from roadmend.safe.judge import Judgement, Likeness, judge
 from roadmend.safe.layout import lay_out
 from roadmend.safe.open_questions import answer, open_questions
 from roadmend.safe.trial import CrashTestEpisode, run_trial
@@ -20,7 +20,7 @@ from roadmend.world.space import Parameters, Space, Uniform, sample
 
 _DIFFERENT = 0.8  # [m] of a gap that a difference in one dimension is worth
 _RESTART = 12  # every so many episodes what was drawn anew is gone on from, whatever came before
-_WEIGHTS = {Dimension.WHO: 3.0, Dimension.ORDER: 2.0, Dimension.PHYSICAL: 2.0}  # of a difference; others weigh 1
+_WEIGHTS = {Likeness.WHO: 3.0, Likeness.ORDER: 2.0, Likeness.PHYSICAL: 2.0}  # of a difference; others weigh 1
 _NEAR = 1.5  # [m] between two places that count as the same when a meeting is looked for
 _FRESH = 4  # every so many episodes one is drawn anew
 _STEP = 0.15  # share of a dimension's range that a change moves it by, as a standard deviation

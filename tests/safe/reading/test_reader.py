@@ -2,7 +2,7 @@
 
 import pytest
 
-from roadmend.safe.claims import Box, Claim, ClaimSource, ContactClaim, DirectionClaim, Relation, Span
+from roadmend.safe.claims import Box, Claim, ClaimSource, ContactClaim, DirectionClaim, Span, WayRelation
 from roadmend.safe.dsl import Action, Compass, Control, DslModel, Manoeuvre, Position, RoadType, Side, Time, Weather
 from roadmend.safe.reading.reader import assemble, read_claims, read_summary
 
@@ -233,7 +233,7 @@ def test_a_second_source_that_contradicts_lowers_the_confidence():
 def test_relations_and_contacts_of_a_second_source():
     said = read_claims("V1, a sedan, was traveling north and hit V2, a van.")
     more = [
-        DirectionClaim(0, 1, Relation.OPPOSITE, 0.9, ClaimSource.SKETCH, "they face each other"),
+        DirectionClaim(0, 1, WayRelation.OPPOSITE, 0.9, ClaimSource.SKETCH, "they face each other"),
         ContactClaim(0, 1, Side.FRONT, Side.FRONT, 0, 0.9, ClaimSource.SKETCH, "their fronts touch"),
     ]
     assert assemble(said, more).scenario.vehicles[1].initial_position is Position.N2S
@@ -254,7 +254,7 @@ def test_a_confidence_out_of_bounds(confidence):
 
 def test_places_in_the_cast_and_boxes():
     with pytest.raises(ValueError, match="no two places"):
-        DirectionClaim(1, 1, Relation.SAME, 0.5, ClaimSource.SKETCH, "")
+        DirectionClaim(1, 1, WayRelation.SAME, 0.5, ClaimSource.SKETCH, "")
     with pytest.raises(ValueError, match="before"):
         Box(2, 0, 1, 1)
     with pytest.raises(ValueError, match="span"):

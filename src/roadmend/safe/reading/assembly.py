@@ -22,7 +22,7 @@ from roadmend.safe.reading.facts import AXES, claim, of_vehicle
 from roadmend.safe.reading.limits import PostedLimit
 from roadmend.safe.reading.scene import solve
 from roadmend.safe.reading.tokens import Sentence
-from roadmend.safe.reading.weighing import NO_VALUE, Judged, judge
+from roadmend.safe.reading.weighing import NO_VALUE, JudgedField, judge
 
 _LEAST_WAY = 0.42  # probability below which a direction is left open; four of them are a quarter each
 _LEAST = 0.5  # probability of a manoeuvre that is more than driving on
@@ -46,7 +46,7 @@ class ReportReading:
     """
 
     scenario: CrashScenario
-    findings: Mapping[str, Judged]
+    findings: Mapping[str, JudgedField]
     left_out: tuple[int, ...]
 
 
@@ -114,31 +114,31 @@ def _speaks_of(each: AnyClaim, places: Sequence[int]) -> bool:
     return bool({*pair} & {*places})
 
 
-def _vehicle(judged: Mapping[str, Judged], place: int, *, merging: bool) -> dict[str, Judged]:
+def _vehicle(judged: Mapping[str, JudgedField], place: int, *, merging: bool) -> dict[str, JudgedField]:
     fields = {name: judged.get(of_vehicle(place, name), NO_VALUE) for name in _VEHICLE}
     heading, action, manoeuvre = fields["initial_position"], fields["action"], fields["manoeuvre"]
     if merging:
         ramp = judged.get(of_vehicle(place, "on_ramp"), NO_VALUE)
         is_ramp = bool(ramp.value) and ramp.confidence > _LEAST
-        on_main = Judged(Position.MAIN_ROAD, 0.85, heading.claims)
+        on_main = JudgedField(Position.MAIN_ROAD, 0.85, heading.claims)
         fields["initial_position"] = replace(ramp, value=Position.ON_RAMP) if is_ramp else on_main
     elif heading.confidence < _LEAST_WAY:
         fields["initial_position"] = replace(heading, value=None)
     if action.value is not Action.MOVE_FORWARD:
         turn = Manoeuvre.U_TURN if manoeuvre.value is Manoeuvre.U_TURN else Manoeuvre(action.value)
-        fields["manoeuvre"] = Judged(turn, action.confidence, action.claims)
+        fields["manoeuvre"] = JudgedField(turn, action.confidence, action.claims)
     elif manoeuvre.confidence < _LEAST:
-        fields["manoeuvre"] = Judged(Manoeuvre.MOVE_FORWARD, action.confidence, action.claims)
+        fields["manoeuvre"] = JudgedField(Manoeuvre.MOVE_FORWARD, action.confidence, action.claims)
     return fields
 
 
 def _limit(
-    known: Judged,
+    known: JudgedField,
     limits: Sequence[PostedLimit],
     sentences: Sequence[Sentence],
     place: int,
     heading: Position | None,
-) -> Judged:
+) -> JudgedField:
     """The limit for one vehicle: what is posted for it, for its way, for the road of so many lanes, or for all."""
     claims = [*known.claims, *known.against]
     one = len({limit.mph for limit in limits}) == 1
@@ -168,7 +168,7 @@ def _ways_of_lanes(sentences: Sequence[Sentence], lanes: int | None) -> frozense
     return frozenset()
 
 
-def _weather(claims: Sequence[Claim], time: Time | None) -> Judged:
+def _weather(claims: Sequence[Claim], time: Time | None) -> JudgedField:
     """One word for the weather: falling water comes before clouds, and a clear sky is sunny by day."""
     found = judge(claims)
     named = {each.value for each in claims if each.confidence > _NAMED}
@@ -180,7 +180,7 @@ def _weather(claims: Sequence[Claim], time: Time | None) -> Judged:
         return found
     best = sorted(same, key=lambda each: -each.confidence)
     against = tuple(each for each in claims if each not in same)
-    return Judged(value, best[0].confidence, tuple(best), None, against)
+    return JudgedField(value, best[0].confidence, tuple(best), None, against)
 
 
 def _collisions(claims: Sequence[AnyClaim], numbers: Mapping[int, int]) -> Iterator[DescribedCollision]:

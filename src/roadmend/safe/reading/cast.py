@@ -112,7 +112,7 @@ def _alike(models: Iterable[str], others: Iterable[str]) -> bool:
 
 
 @dataclass(slots=True)
-class Vehicle:
+class MentionedVehicle:
     """A vehicle of the text.
 
     Attributes:
@@ -133,16 +133,16 @@ class Vehicle:
 
 
 @dataclass(slots=True)
-class Roll:
+class VehicleRoll:
     """The vehicles so far, in the order in which they came up; numbered ones first, by number."""
 
-    vehicles: list[Vehicle] = field(default_factory=list)
+    vehicles: list[MentionedVehicle] = field(default_factory=list)
     latest: int | None = None
 
     def enrol(self, numbers: Iterable[int]) -> None:
         """Make places for the vehicles that the text numbers."""
         for number in numbers:
-            self.vehicles.append(Vehicle(len(self.vehicles), Description(number=number)))
+            self.vehicles.append(MentionedVehicle(len(self.vehicles), Description(number=number)))
 
     def call(self, description: Description, *, is_new: bool, is_headline: bool) -> tuple[int, ...]:
         """The vehicle that is meant; a new one where none that is known can be."""
@@ -150,7 +150,7 @@ class Roll:
         if vehicle is None and description.words == "trailer":
             return ()  # one that stands alone is no vehicle
         if vehicle is None:
-            vehicle = Vehicle(len(self.vehicles), description, description.span, is_headline)
+            vehicle = MentionedVehicle(len(self.vehicles), description, description.span, is_headline)
             self.vehicles.append(vehicle)
         else:
             vehicle.description = vehicle.description.merged(replace(description, is_other=False))
@@ -204,7 +204,7 @@ class Roll:
         """The writer's own vehicle, if one is known."""
         return next(((each.place,) for each in self.vehicles if each.description.is_own), ())
 
-    def _find(self, description: Description, *, is_new: bool) -> Vehicle | None:
+    def _find(self, description: Description, *, is_new: bool) -> MentionedVehicle | None:
         if description.number is not None:
             return next(each for each in self.vehicles if each.description.number == description.number)
         if description.is_own:
@@ -263,7 +263,7 @@ class Roll:
             pool = current or pool
         return pool[0] if pool else None
 
-    def _may_be(self, vehicle: Vehicle, description: Description) -> bool:
+    def _may_be(self, vehicle: MentionedVehicle, description: Description) -> bool:
         if vehicle.description.number is not None and not vehicle.words and not description.names:
             return False  # nothing is known of it yet
         is_bus = any(word.endswith("bus") for word in vehicle.words)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 from roadmend.safe.claims import Span
 from roadmend.safe.reading.lexicon import VerbSense
-from roadmend.safe.reading.parts import Part
+from roadmend.safe.reading.parts import NamedPart
 from roadmend.safe.reading.tokens import Item, Sentence, Words
 
 STRIKES = frozenset({"strike", "strike_rear", "strike_side", "strike_swipe"})
@@ -23,7 +23,7 @@ class Actor:
     """
 
     vehicles: tuple[int, ...]
-    part: Part | None
+    part: NamedPart | None
     is_person: bool
     span: Span
     gender: str = ""

@@ -8,7 +8,7 @@ from roadmend.safe.dsl import Side
 from roadmend.safe.reading.clauses import STRIKES, Actor, Clause
 from roadmend.safe.reading.facts import Text
 from roadmend.safe.reading.lexicon import word_set
-from roadmend.safe.reading.parts import Part
+from roadmend.safe.reading.parts import NamedPart
 
 _MOVES = frozenset({"drift", "travel", "emerge", "change_lane", "turn", "reverse", "depart", "continue"})
 _INTO = frozenset({"into", "with", "against", "vs", "versus", "along", "between", "on", "in", "of"})
@@ -80,7 +80,7 @@ def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
             yield _contact(clause, strikers[0], other, mine, theirs, sure)
 
 
-def _parts(clause: Clause) -> tuple[Actor | None, Part | None, Part | None]:
+def _parts(clause: Clause) -> tuple[Actor | None, NamedPart | None, NamedPart | None]:
     """Who else takes part in a contact, the part of the subject, and that of the other."""
     me, target = clause.subject, clause.object
     mine, theirs = me.part, target.part if target is not None else None
@@ -137,7 +137,7 @@ def _is_told(clause: Clause) -> bool:
 
 
 def _contact(
-    clause: Clause, striking: int, struck: int, mine: Part | None, theirs: Part | None, sure: float
+    clause: Clause, striking: int, struck: int, mine: NamedPart | None, theirs: NamedPart | None, sure: float
 ) -> ContactClaim:
     one, other = mine.side if mine is not None else None, theirs.side if theirs is not None else None
     kind = clause.kind

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from roadmend.safe.claims import Claim, ClaimSource, DirectionClaim, Relation, Span
+from roadmend.safe.claims import Claim, ClaimSource, DirectionClaim, Span, WayRelation
 from roadmend.safe.dsl import Position
 from roadmend.safe.reading.clauses import STRIKES, Clause
 from roadmend.safe.reading.mentions import Spoken
@@ -41,7 +41,7 @@ def of_vehicle(vehicle: int, field: str) -> str:
     return f"vehicles[{vehicle}].{field}"
 
 
-def relation(first: int, second: int, kind: Relation, confidence: float, where: Item | Span) -> DirectionClaim:
+def relation(first: int, second: int, kind: WayRelation, confidence: float, where: Item | Span) -> DirectionClaim:
     """A claim that the summary makes of two ways."""
     place = where.span if isinstance(where, Item) else where
     return DirectionClaim(first, second, kind, confidence, ClaimSource.SUMMARY, f"the text tells: {kind}", place)

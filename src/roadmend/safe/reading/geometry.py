@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from roadmend.safe.claims import Relation
+from roadmend.safe.claims import WayRelation
 from roadmend.safe.compass import TOWARDS, opposite, origin_of, turned
 from roadmend.safe.dsl import Action, Compass, Position, RoadType, Side
 
@@ -14,7 +14,7 @@ _NO_EXIT = 1.75  # that nobody goes there
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class StatedWay:
     """How one vehicle goes in a scene."""
 
     heading: Position
@@ -31,20 +31,20 @@ class Way:
         return self.action is Action.MOVE_FORWARD
 
 
-def holds(kind: Relation, mine: Position, theirs: Position) -> bool:
+def holds(kind: WayRelation, mine: Position, theirs: Position) -> bool:
     """Whether two directions lie to each other in a certain way."""
     left, right = turned(mine, Side.LEFT), turned(mine, Side.RIGHT)
     allowed = {
-        Relation.SAME: {mine},
-        Relation.OPPOSITE: {opposite(mine)},
-        Relation.CROSSING: {left, right},
-        Relation.FROM_LEFT: {right},
-        Relation.FROM_RIGHT: {left},
+        WayRelation.SAME: {mine},
+        WayRelation.OPPOSITE: {opposite(mine)},
+        WayRelation.CROSSING: {left, right},
+        WayRelation.FROM_LEFT: {right},
+        WayRelation.FROM_RIGHT: {left},
     }
     return theirs in allowed[kind]
 
 
-def fits_road(way: Way, road: RoadType, stem: Compass | None, *, may_turn: bool, on_stem: float) -> float:
+def fits_road(way: StatedWay, road: RoadType, stem: Compass | None, *, may_turn: bool, on_stem: float) -> float:
     """How well a way fits a road: turns want a junction, and a T has one leg less.
 
     Args:
@@ -64,7 +64,7 @@ def fits_road(way: Way, road: RoadType, stem: Compass | None, *, may_turn: bool,
     return weight + 0.3 * (stem in {comes, goes}) + (on_stem if comes is stem else -on_stem)
 
 
-def explains(mine: Way, theirs: Way, front: Side | None, side: Side | None, *, crosses: bool) -> float:
+def explains(mine: StatedWay, theirs: StatedWay, front: Side | None, side: Side | None, *, crosses: bool) -> float:
     """How well two ways explain a contact, the first running into the second.
 
     Args:
@@ -93,7 +93,7 @@ def explains(mine: Way, theirs: Way, front: Side | None, side: Side | None, *, c
     return weight
 
 
-def _broadside(mine: Way, theirs: Way, side: Side) -> float:
+def _broadside(mine: StatedWay, theirs: StatedWay, side: Side) -> float:
     """A front meets a side: the one who strikes comes from that side of the other, at some moment of the other's turn."""
     if opposite(mine.heading) in {turned(heading, side) for heading in (theirs.heading, theirs.leaves)}:
         return 1.3

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from roadmend.safe.reading.cast import Roll
+from roadmend.safe.reading.cast import VehicleRoll
 from roadmend.safe.reading.naming import Mention, MentionKind, mentions_of
 from roadmend.safe.reading.persons import seat_by_name, seat_by_role
 from roadmend.safe.reading.seats import (
@@ -27,7 +27,7 @@ _HEADLINE = 16  # words
 class Spoken:
     """The vehicles of a text and where it speaks of them, by sentence."""
 
-    roll: Roll = field(default_factory=Roll)
+    roll: VehicleRoll = field(default_factory=VehicleRoll)
     mentions: list[list[Mention]] = field(default_factory=list)
 
 

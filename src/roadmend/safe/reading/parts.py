@@ -8,7 +8,7 @@ from roadmend.safe.reading.tokens import Words
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class NamedPart:
     """A part of a vehicle.
 
     Attributes:
@@ -22,7 +22,7 @@ class Part:
     is_flank: bool
 
 
-def read_part(items: Words, place: int, *, is_led: bool) -> tuple[Part, int] | None:
+def read_part(items: Words, place: int, *, is_led: bool) -> tuple[NamedPart, int] | None:
     """The part that is named at a place, and its last word; None where there is none.
 
     Args:
@@ -52,8 +52,8 @@ def read_part(items: Words, place: int, *, is_led: bool) -> tuple[Part, int] | N
         return None  # "the north side"
     hand, end = Side(hands[-1]) if hands else None, Side(ends[-1]) if ends else None
     if is_flank and (hand or not end):
-        return Part(hand, end, is_flank=True), last
-    return Part(end, hand, is_flank=is_flank), last
+        return NamedPart(hand, end, is_flank=True), last
+    return NamedPart(end, hand, is_flank=is_flank), last
 
 
 def _is_none(items: Words, place: int, last: int, *, is_led: bool) -> bool:

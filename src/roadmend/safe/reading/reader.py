@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from roadmend.safe.claims import AnyClaim, CastMember, Claim, ContactClaim
 from roadmend.safe.reading.assembly import ReportReading, put_together
-from roadmend.safe.reading.cast import Vehicle
+from roadmend.safe.reading.cast import MentionedVehicle
 from roadmend.safe.reading.clauses import STRIKES
 from roadmend.safe.reading.contacts import read_contacts
 from roadmend.safe.reading.facts import Text, claim, of_vehicle
@@ -99,7 +99,7 @@ def _is_code(sentence: Sentence, summary: str) -> bool:
     return any(code in low for code in word_set("codes"))
 
 
-def _member(vehicle: Vehicle) -> CastMember:
+def _member(vehicle: MentionedVehicle) -> CastMember:
     number = vehicle.description.number
     called = {f"vehicle {number}", f"v{number}"} if number is not None else set()
     names = sorted({*filter(None, vehicle.words), *called}, key=lambda name: (-len(name), name))

@@ -11,11 +11,11 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from roadmend.safe.claims import AnyClaim, Claim, ContactClaim, DirectionClaim, Relation
+from roadmend.safe.claims import AnyClaim, Claim, ContactClaim, DirectionClaim, WayRelation
 from roadmend.safe.compass import DIRECTIONS
 from roadmend.safe.dsl import Action, Compass, Manoeuvre, RoadType
-from roadmend.safe.reading.geometry import JUNCTIONS, Way, explains, fits_road, holds
-from roadmend.safe.reading.weighing import Judged, add, evidence, judge, log_odds, shares, with_claims
+from roadmend.safe.reading.geometry import JUNCTIONS, StatedWay, explains, fits_road, holds
+from roadmend.safe.reading.weighing import JudgedField, add, evidence, judge, log_odds, shares, with_claims
 
 _MOST_TOGETHER = 4  # vehicles whose scenes are enumerated together
 _STRAIGHT_ON = 1.0  # [nats] vehicles go straight on unless something says otherwise
@@ -28,7 +28,7 @@ _PLAIN_ROAD = 0.9  # [nats] by which a straight road is likelier than the others
 _Place = tuple[RoadType, Compass | None]
 
 
-def solve(claims: Sequence[AnyClaim], count: int, *, together: bool = True) -> Mapping[str, Judged]:
+def solve(claims: Sequence[AnyClaim], count: int, *, together: bool = True) -> Mapping[str, JudgedField]:
     """Judge every field of which a claim speaks, and the directions and actions of all vehicles.
 
     Args:
@@ -58,12 +58,12 @@ class _Scene:
     def _of(self, vehicle: int, field: str) -> list[Claim]:
         return self.claims.get(f"vehicles[{vehicle}].{field}", [])
 
-    def _ways(self, vehicle: int) -> list[Way]:
+    def _ways(self, vehicle: int) -> list[StatedWay]:
         said = {Action.MOVE_FORWARD, *(each.value for each in self._of(vehicle, "action"))}
         actions = Action if self._of(vehicle, "destination") else [action for action in Action if action in said]
-        return [Way(heading, action) for heading in DIRECTIONS for action in actions]
+        return [StatedWay(heading, action) for heading in DIRECTIONS for action in actions]
 
-    def _of_way(self, vehicle: int, way: Way) -> float:
+    def _of_way(self, vehicle: int, way: StatedWay) -> float:
         """What the claims about one vehicle weigh for a way."""
         straight = evidence(self._of(vehicle, "heading_on")).get(way.leaves, 0.0)
         weight = evidence(self._of(vehicle, "initial_position"), len(DIRECTIONS)).get(way.heading, 0.0)
@@ -71,7 +71,7 @@ class _Scene:
         weight += evidence(self._of(vehicle, "destination")).get(way.leaves, 0.0) + straight
         return weight + (_STRAIGHT_ON + _SAID_STRAIGHT * max(0.0, straight)) * way.is_straight
 
-    def judged(self) -> dict[str, Judged]:
+    def judged(self) -> dict[str, JudgedField]:
         """The fields that hang together: type of road, stem, directions and actions."""
         sums: dict[str, dict[Any, float]] = {}
         roads, stems, groups = self._roads(), evidence(self.claims.get("stem_direction", [])), list(self._groups())
@@ -134,7 +134,7 @@ class _Scene:
         """Log of the sum over all scenes of a group, and of the part of it that each field's values have."""
         ties = set(self._ties())
         pairs = [pair for pair in itertools.combinations(range(len(group)), 2) if {*(group[at] for at in pair)} in ties]
-        known: dict[tuple[int, int, Way, Way], float] = {}
+        known: dict[tuple[int, int, StatedWay, StatedWay], float] = {}
         sums: dict[tuple[str, Any], float] = {}
         total: dict[str, float] = {}
         options = [[(way, self._alone(vehicle, way, place)) for way in self.alone[vehicle]] for vehicle in group]
@@ -151,7 +151,7 @@ class _Scene:
                 add(sums, (f"vehicles[{vehicle}].action", way.action), weight)
         return total[""], [(path, value, weight) for (path, value), weight in sums.items()]
 
-    def _alone(self, vehicle: int, way: Way, place: _Place) -> float:
+    def _alone(self, vehicle: int, way: StatedWay, place: _Place) -> float:
         if not self.together:
             return self.alone[vehicle][way]
         u_turns = any(each.value is Manoeuvre.U_TURN for each in self._of(vehicle, "manoeuvre"))
@@ -159,18 +159,18 @@ class _Scene:
         may_turn = self.has_driveway or u_turns
         return self.alone[vehicle][way] + fits_road(way, *place, may_turn=may_turn, on_stem=on_stem)
 
-    def _by_manoeuvre(self, one: int, other: int, first: Way, second: Way) -> float:
+    def _by_manoeuvre(self, one: int, other: int, first: StatedWay, second: StatedWay) -> float:
         """Who changes lane meets somebody of the same way, who comes over the centre line somebody who comes towards it."""
         done = {
             each.value for vehicle in (one, other) for each in self._of(vehicle, "manoeuvre") if each.confidence > _TOLD
         }
         same = bool(done & {Manoeuvre.CHANGING_LANE, Manoeuvre.MERGE, Manoeuvre.OVERTAKE}) and holds(
-            Relation.SAME, first.heading, second.heading
+            WayRelation.SAME, first.heading, second.heading
         )
         astray = Manoeuvre.ENTER_THE_WRONG_WAY in done
-        return _HINT * (same + (astray and holds(Relation.OPPOSITE, first.heading, second.heading)))
+        return _HINT * (same + (astray and holds(WayRelation.OPPOSITE, first.heading, second.heading)))
 
-    def _together(self, one: int, other: int, first: Way, second: Way, *, road: RoadType) -> float:
+    def _together(self, one: int, other: int, first: StatedWay, second: StatedWay, *, road: RoadType) -> float:
         """What the relations and the first contact of two vehicles weigh for their ways."""
         ways, weight = {one: first, other: second}, 0.0
         for each in self.relations:

@@ -5,7 +5,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from roadmend.safe.reading.cast import Description, Roll, Vehicle
+from roadmend.safe.reading.cast import Description, MentionedVehicle, VehicleRoll
 from roadmend.safe.reading.clauses import STRIKES
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.naming import Mention, MentionKind
@@ -53,7 +53,7 @@ def claim_own(items: Words, row: Sequence[Mention]) -> None:
                 other.description = replace(described, is_own=True)
 
 
-def seat_writer(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], roll: Roll) -> None:
+def seat_writer(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], roll: VehicleRoll) -> None:
     """Take the vehicle that somebody sits in for the writer's, where one speaks of "me" and of no car of mine."""
     if roll.own() or not any(each.kind is MentionKind.SELF for row in found for each in row):
         return
@@ -67,7 +67,7 @@ def seat_writer(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]
                 return
 
 
-def add_writer(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], roll: Roll) -> None:
+def add_writer(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], roll: VehicleRoll) -> None:
     """Give the writer a vehicle where the text tells that the writer drove, and of no vehicle of the writer's."""
     if roll.own() or len(roll.vehicles) != 1 or roll.vehicles[0].description.number is not None:
         return
@@ -80,7 +80,7 @@ def add_writer(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]]
         return
     others = (each.description for row in found for each in row if each.description and each.vehicles)
     like = next((each.bodies for each in others if "another" in each.marks or each.is_other), ())
-    roll.vehicles.append(Vehicle(len(roll.vehicles), Description(bodies=like, is_own=True, words="vehicle")))
+    roll.vehicles.append(MentionedVehicle(len(roll.vehicles), Description(bodies=like, is_own=True, words="vehicle")))
 
 
 def _drives(items: Words, mention: Mention) -> bool:
@@ -95,7 +95,7 @@ def _is_struck(items: Words, mention: Mention) -> bool:
 
 
 def lead_in(
-    sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], headlines: Sequence[bool], roll: Roll
+    sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], headlines: Sequence[bool], roll: VehicleRoll
 ) -> None:
     """Let "a driver" who strikes one of two vehicles in the first sentence be the other's."""
     if len(roll.vehicles) != 2:
@@ -116,7 +116,7 @@ def lead_in(
         person.vehicles = (1 - struck.vehicles[0],)
 
 
-def put_in_order(found: Sequence[Sequence[Mention]], headlines: Sequence[bool], roll: Roll) -> None:
+def put_in_order(found: Sequence[Sequence[Mention]], headlines: Sequence[bool], roll: VehicleRoll) -> None:
     """Put the vehicles into the order in which they come up, the writer's with the first "I"."""
     own, first = roll.own(), dict[int, int]()
     if any(each.description.number is not None for each in roll.vehicles):

@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Iterator, Sequence
 
-from roadmend.safe.claims import Claim, DirectionClaim, Relation, Span
+from roadmend.safe.claims import Claim, DirectionClaim, Span, WayRelation
 from roadmend.safe.compass import opposite
 from roadmend.safe.reading.clauses import STRIKES, Clause
 from roadmend.safe.reading.facts import Text, claim, crash_places, direction, of_vehicle, relation, weakened
@@ -53,7 +53,7 @@ def _told(text: Text) -> Iterator[Claim | DirectionClaim]:
             mine, way = mention.vehicles[0], direction(trait)
             others = [each for each in range(text.count) if each != mine]
             if trait.is_a("oncoming") and others:
-                yield relation(others[0], mine, Relation.OPPOSITE, 0.85, trait)
+                yield relation(others[0], mine, WayRelation.OPPOSITE, 0.85, trait)
             if way is not None:
                 yield claim(of_vehicle(mine, "initial_position"), way, 0.93, f"it is called {trait.low}", trait)
 
@@ -251,7 +251,7 @@ def _of_pairs(clause: Clause) -> Iterator[DirectionClaim]:
         return
     followed = clause.object.vehicles if clause.object is not None and kind in {"follow", "overtake"} else ()
     if followed and followed[0] != mine[0]:
-        yield relation(mine[0], followed[0], Relation.SAME, 0.88, clause.span)
+        yield relation(mine[0], followed[0], WayRelation.SAME, 0.88, clause.span)
     for lead, actor in clause.others:
         if not actor.vehicles or actor.vehicles[0] == mine[0]:
             continue
@@ -261,11 +261,11 @@ def _of_pairs(clause: Clause) -> Iterator[DirectionClaim]:
         )  # "the car ahead of me"
         beside = kind in (_IN_FRONT if is_path else _BEHIND) and clause.lemma != "come"
         if lead.is_a("ahead", "behind") and (beside or noun):
-            yield relation(mine[0], actor.vehicles[0], Relation.SAME, 0.78 if is_path else 0.85, lead)
+            yield relation(mine[0], actor.vehicles[0], WayRelation.SAME, 0.78 if is_path else 0.85, lead)
         elif lead.is_a("beside") and kind in {"", "travel", "stop"}:
-            yield relation(mine[0], actor.vehicles[0], Relation.SAME, 0.75, lead)
+            yield relation(mine[0], actor.vehicles[0], WayRelation.SAME, 0.75, lead)
         elif lead.is_a("oncoming"):
-            yield relation(mine[0], actor.vehicles[0], Relation.OPPOSITE, 0.85, lead)
+            yield relation(mine[0], actor.vehicles[0], WayRelation.OPPOSITE, 0.85, lead)
 
 
 def _of_words(clause: Clause, count: int) -> Iterator[DirectionClaim]:
@@ -282,17 +282,17 @@ def _of_words(clause: Clause, count: int) -> Iterator[DirectionClaim]:
     for place, item in enumerate(words):
         far = len(item.low) > _LONG and not item.is_a("head_on", "wrong")
         if item.is_a("beside") and len(others) == 1 and kind in {"travel", "", "drift", "change_lane"}:
-            yield relation(mine, other, Relation.SAME, 0.7, item)
+            yield relation(mine, other, WayRelation.SAME, 0.7, item)
         bare = item.is_a("behind") and words.at(place + 1).low in {"", ",", "and"} and len(others) == 1
         if bare and kind in _BEHIND:
-            yield relation(mine, other, Relation.SAME, 0.75, item)
+            yield relation(mine, other, WayRelation.SAME, 0.75, item)
         if item.is_a("wrong") and item.low.endswith("lane") and item.low.split()[0] in {"my", "our", "his", "her"}:
-            yield relation(mine, other, Relation.OPPOSITE, 0.62, item)
+            yield relation(mine, other, WayRelation.OPPOSITE, 0.62, item)
         if item.is_a("same_way") and "lane" not in item.low:
-            yield relation(mine, other, Relation.SAME, 0.88, item)
+            yield relation(mine, other, WayRelation.SAME, 0.88, item)
         elif item.is_a("oncoming") and comes and (far or len(vehicles) > 1):
-            yield relation(mine, other, Relation.OPPOSITE, 0.8, item)
+            yield relation(mine, other, WayRelation.OPPOSITE, 0.8, item)
         elif item.is_a("hand") and words.cut(place - 2, place).says({"from"}) and len(vehicles) == 1:
-            side = Relation.FROM_LEFT if item.get("hand") == "Left" else Relation.FROM_RIGHT
+            side = WayRelation.FROM_LEFT if item.get("hand") == "Left" else WayRelation.FROM_RIGHT
             if kind in {"travel", "approach", "emerge", "", "see"}:
                 yield relation(other, mine, side, 0.7, item)

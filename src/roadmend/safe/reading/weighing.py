@@ -13,7 +13,7 @@ _TOLD = 0.01  # probability of a second reading that is kept
 
 
 @dataclass(frozen=True, slots=True)
-class Judged:
+class JudgedField:
     """What the solver makes of one field.
 
     Attributes:
@@ -31,10 +31,10 @@ class Judged:
     against: tuple[Claim, ...] = ()
 
 
-NO_VALUE = Judged(None, 0.0)
+NO_VALUE = JudgedField(None, 0.0)
 
 
-def judge(claims: Sequence[Claim]) -> Judged:
+def judge(claims: Sequence[Claim]) -> JudgedField:
     """Weigh the claims about one field that depends on no other; something that nobody has said may be true, too."""
     weights = evidence(claims)
     total = sum(math.exp(weight) for weight in weights.values()) + 1.0
@@ -42,13 +42,13 @@ def judge(claims: Sequence[Claim]) -> Judged:
     return with_claims([(value, math.exp(weight) / total) for value, weight in ranked], claims) if ranked else NO_VALUE
 
 
-def with_claims(ranked: Sequence[tuple[Any, float]], claims: Sequence[Claim]) -> Judged:
+def with_claims(ranked: Sequence[tuple[Any, float]], claims: Sequence[Claim]) -> JudgedField:
     """The best of some values, given with their probabilities, and the claims for and against it."""
     value, confidence = ranked[0]
     mine = sorted((each for each in claims if each.value == value), key=lambda each: -each.confidence)
     against = tuple(each for each in claims if each.value != value)
     second = ranked[1] if len(ranked) > 1 and ranked[1][1] > _TOLD else None
-    return Judged(value, confidence, tuple(mine), second, against)
+    return JudgedField(value, confidence, tuple(mine), second, against)
 
 
 def log_odds(confidence: float) -> float:

@@ -1,9 +1,7 @@
 """The picture of a sketch as arrays, within bounds whatever the file holds."""
 
 import io
-import struct
 import warnings
-import zlib
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -16,6 +14,7 @@ from numpy.typing import NDArray
 from roadmend.core.bounds import SKETCH
 from roadmend.core.errors import InputError
 from roadmend.language.chat import Image
+from roadmend.safe.report import UNREADABLE
 
 Pixels = NDArray[np.uint8]
 Mask = NDArray[np.uint8]  # 255 inside, 0 outside
@@ -25,20 +24,6 @@ SHORTEST = 16  # [pixels] what is smaller is no drawing
 _INK = 165  # [grey level] darker is drawn, lighter is paper: thin grey lines reach 200, but so do the blurs of JPEG
 _THIN_INK = 215
 _COLOURED = 30  # [levels] between the strongest and the weakest of red, green and blue, from here on it is a colour
-_UNREADABLE = (
-    OSError,
-    SyntaxError,
-    ValueError,
-    LookupError,
-    TypeError,
-    ArithmeticError,
-    RuntimeError,
-    struct.error,
-    zlib.error,
-    MemoryError,
-    PIL.Image.DecompressionBombError,
-    Warning,
-)
 
 
 @dataclass(frozen=True)
@@ -111,7 +96,7 @@ def open_picture(sketch: Image) -> SketchPicture:
                     raise InputError("the sketch", f"is smaller than {SHORTEST} pixels", mend)
                 flat = PIL.Image.new("RGBA", image.size, "white")
                 flat.alpha_composite(image.convert("RGBA"))
-    except _UNREADABLE as error:
+    except UNREADABLE as error:
         raise InputError("the sketch", f"is no picture that can be opened ({type(error).__name__})", mend) from error
     colours = _pixels(np.asarray(flat.convert("RGB")))
     scale = min(1.0, LONGER_SIDE / max(colours.shape[:2]))
