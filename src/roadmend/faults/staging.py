@@ -97,6 +97,7 @@ def relay(
         "shift": fault.shift,
         "seed": trial.seed,
         "report": str(folder / TOUCHED),
+        "with_parent": True,  # a campaign that is killed leaves nobody who speaks on its topics
     }
     command = [sys.executable, "-m", "roadmend.nodes.relay", "--ros-args"]
     command += ["-r", f"__node:={fault.node}"]

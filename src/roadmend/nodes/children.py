@@ -23,10 +23,13 @@ from roadmend.core.errors import RoadmendError
 from roadmend.core.extras import extra_missing
 from roadmend.nodes.fault import FAULT_FILE, leave_fault, read_fault
 from roadmend.nodes.heartbeat import HEARTBEAT_FILE, Pulse
+from roadmend.nodes.parent_death import at_parent_death
 
 CONTEXT = multiprocessing.get_context("forkserver")
 # Imports are most of a node's start. The server does them once; each node, and each restart, is then a fork away.
-CONTEXT.set_forkserver_preload([f"roadmend.nodes.{node}" for node in ("sim", "policy", "repair", "recorder", "viz")])
+CONTEXT.set_forkserver_preload(
+    [f"roadmend.nodes.{module}" for module in ("fork_server", "sim", "policy", "repair", "recorder", "viz")]
+)
 _STARTS = 3  # tries at starting a node
 
 
@@ -142,6 +145,7 @@ def _become_node(module: str, arguments: list[str], environment: dict[str, str],
     """Runs in the child: a session, an output and an environment of its own, then the node's main."""
     os.setsid()
     Path("/proc/self/comm").write_text(arguments[0], encoding="ascii")  # what ps, top and pkill know it by
+    at_parent_death(signal.SIGCONT)  # the server ends with the launcher; who is stopped then is woken
     threading.Thread(target=_end_with_launcher, daemon=True).start()
     with Path(log).open("ab", buffering=0) as file:
         os.dup2(file.fileno(), 1)

@@ -5,6 +5,7 @@ another name, and the relay listens to the one name and publishes under the othe
 """
 
 import json
+import signal
 import sys
 from collections.abc import Sequence
 from functools import partial
@@ -26,6 +27,7 @@ from roadmend.nodes import qos
 from roadmend.nodes.configuration import ConfigurationAnnouncer
 from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.parameters import declare_parameters
+from roadmend.nodes.parent_death import at_parent_death
 from roadmend.nodes.spinning import run_node
 from roadmend.recording import messages, topics
 from roadmend.recording.codec import encode
@@ -56,6 +58,7 @@ class RelayParameters(Parameters):
     shift: float = Field(0.0, ge=-60.0, le=60.0, description="[s] by which the clock jumps")
     seed: int = Field(0, ge=0, le=2**31 - 1, description="of which messages are touched")
     report: str = Field("", description="file for what was touched, written when it begins; none if empty")
+    with_parent: bool = Field(False, description="end with the process that started the node")
 
 
 class RelayNode(Node):
@@ -64,6 +67,8 @@ class RelayNode(Node):
     def __init__(self) -> None:
         super().__init__("relay_node")
         self._settings = settings = declare_parameters(self, RelayParameters)
+        if settings.with_parent:
+            at_parent_death(signal.SIGTERM)
         shift = round(settings.shift * messages.NANOSECONDS)
         self._distorter = Distorter(
             Distortion(

@@ -18,6 +18,7 @@ from roadmend.nodes.parameters import declare
 from roadmend.nodes.spinning import run_node
 
 TOPIC = "load"
+BEGUN = "publishing"  # printed, a line for itself, when the first message goes out
 MARK = struct.Struct("<QQ")  # number, and the wall time [ns] of publishing; begins each message's data
 DATA = 16  # [bytes] of a serialized message before its data
 _HEAD = struct.Struct("<4sIII")  # encapsulation, dimensions, offset, length of the data
@@ -33,7 +34,7 @@ def serialized_messages(size: int, count: int = _VARIETY) -> list[bytes]:
 
 
 class LoadNode(Node):
-    """Waits for a subscriber, says "publishing", publishes, and prints how many messages went out."""
+    """Waits for a subscriber, says that it has begun, publishes, and prints how many messages went out."""
 
     def __init__(self) -> None:
         super().__init__("load_node")
@@ -57,7 +58,7 @@ class LoadNode(Node):
             if self._publisher.get_subscription_count() == 0:
                 return
             time.sleep(_MATCHED_S)
-            print("publishing", flush=True)
+            print(BEGUN, flush=True)
             self._begun = now = time.perf_counter()
         until = now + _PIECE_S
         while now < until and self._sent < self._count:

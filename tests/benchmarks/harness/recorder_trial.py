@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from harness.load import DATA, MARK
+from harness.load import BEGUN, DATA, MARK
 from harness.processes import node_environment
 from roadmend.core.errors import RoadmendError
 from roadmend.nodes.domain import own_domain
@@ -70,7 +70,7 @@ def record(folder: Path, load: Load, compression: str = "zstd") -> Recorded:
         printed, _ = publisher.communicate(timeout=600)
         if publisher.returncode or not printed:
             raise RoadmendError(f"the load was not published (exit code {publisher.returncode})")
-        told = json.loads(printed)
+        told = json.loads(printed.splitlines()[-1])
         recorder.terminate()
         if recorder.wait(timeout=120):
             raise RoadmendError(f"the recorder failed (exit code {recorder.returncode})")
@@ -110,7 +110,7 @@ def moments(count: int, seed: int = 7) -> list[float]:
 @contextlib.contextmanager
 def _processes(
     folder: Path, load: Load, compression: str
-) -> Iterator[tuple[subprocess.Popen[str], subprocess.Popen[str]]]:
+) -> Iterator[tuple[subprocess.Popen[bytes], subprocess.Popen[bytes]]]:
     """A recorder and a publisher that has begun; gone at the end."""
     with own_domain() as domain:
         environment = node_environment(domain)
@@ -136,17 +136,25 @@ def _processes(
                     process.stdout.close()
 
 
-def _await_begin(recorder: subprocess.Popen[str], publisher: subprocess.Popen[str]) -> None:
+def _await_begin(recorder: subprocess.Popen[bytes], publisher: subprocess.Popen[bytes]) -> None:
+    """Until the publisher says that it has begun; what Fast DDS prints before that is passed over."""
     assert publisher.stdout is not None
-    while not select.select([publisher.stdout], [], [], 0.2)[0]:
-        if recorder.poll() is not None:
-            break
-    if recorder.poll() is not None or publisher.stdout.readline() != "publishing\n":
-        raise RoadmendError(f"nobody records the load (exit codes {recorder.poll()}, {publisher.poll()})")
+    printed = []
+    while recorder.poll() is None:
+        if select.select([publisher.stdout], [], [], 0.2)[0]:
+            line = publisher.stdout.readline().decode()
+            if line == f"{BEGUN}\n":
+                return
+            if not line:
+                break
+            printed.append(line)
+    codes = f"exit codes {recorder.poll()}, {publisher.poll()}"
+    raise RoadmendError(f"nobody records the load ({codes}); the publisher printed: {''.join(printed) or 'nothing'}")
 
 
-def _start(environment: dict[str, str], module: str, **parameters: object) -> subprocess.Popen[str]:
+def _start(environment: dict[str, str], module: str, **parameters: object) -> subprocess.Popen[bytes]:
     command = [sys.executable, "-m", module, "--ros-args"]
     for name, value in parameters.items():
         command += ["-p", f"{name}:={value}"]
-    return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    # Without a buffer, a line that is not read yet is one that select sees.
+    return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, bufsize=0)

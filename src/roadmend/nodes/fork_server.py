@@ -1,0 +1,11 @@
+"""Imported by the server that forks nodes, ahead of all else: it ends with the launcher.
+
+By itself it stays for as long as one of its nodes lives, and a node that is stopped is woken by the server's end alone
+(``parent_death``).
+"""
+
+import signal
+
+from roadmend.nodes.parent_death import at_parent_death
+
+at_parent_death(signal.SIGKILL)
