@@ -353,6 +353,66 @@ class TestExtras:
         assert context.extras == []
 
 
+class TestKeptMessages:
+    """What one clone has built another takes, if it is made of the same and for the same."""
+
+    @pytest.fixture
+    def clone(self, launcher, checkout, tmp_path, monkeypatch):
+        """Builds the messages of a clone, in place of the compiler; gives what was built and what lies there then."""
+        monkeypatch.setenv("ROADMEND_CACHE", str(tmp_path / "cache"))
+        monkeypatch.setattr(launcher, "build_tools_missing", lambda _: "")
+        built = []
+
+        def build_package(context, _source, build):
+            name = Path(build).name
+            built.append(name)
+            files = [Path(context.venv, "lib", f"lib{name}.so"), Path(context.venv, "share", name, "setup.sh")]
+            for file in files:
+                file.parent.mkdir(parents=True, exist_ok=True)
+                file.write_text(f"of {context.venv}\n")
+            Path(build).parent.mkdir(exist_ok=True)
+            Path(build + ".installed").write_text("\n".join(map(str, files)))
+
+        monkeypatch.setattr(launcher, "build_package", build_package)
+
+        def make(name, version="3.11.7"):
+            venv = checkout / name
+            venv.mkdir()
+            (venv / "pyvenv.cfg").write_text(f"home = /usr/bin\nversion = {version}\n")
+            built.clear()
+            launcher.build_messages(launcher.Context(str(venv)))
+            return list(built), (venv / "share" / "roadmend_msgs" / "setup.sh").read_text()
+
+        return make
+
+    def test_the_second_clone_takes_them_under_its_own_prefix(self, clone, checkout):
+        names = ["tf2_msgs", "vision_msgs", "roadmend_msgs"]
+        assert clone("first") == (names, f"of {checkout / 'first'}\n")
+        assert clone("second") == ([], f"of {checkout / 'second'}\n")
+        assert (checkout / "second" / "lib" / "libtf2_msgs.so").is_file()
+        assert str(checkout / "first") not in (checkout / "second" / "build" / "tf2_msgs.installed").read_text()
+
+    def test_other_messages_or_another_python_are_built(self, clone, checkout):
+        clone("first")
+        assert clone("second", "3.12.1")[0]
+        with (checkout / "msg" / "msg" / "Command.msg").open("a") as file:
+            file.write("float64 more\n")
+        assert clone("third")[0]
+
+    def test_what_is_damaged_is_built_and_kept_anew(self, clone, tmp_path):
+        clone("first")
+        (kept,) = (tmp_path / "cache" / "messages").iterdir()
+        data = bytearray(kept.read_bytes())
+        data[60] ^= 255
+        kept.write_bytes(data)
+        assert clone("second")[0]
+        assert clone("third")[0] == []
+
+    def test_no_place_to_keep_them_is_no_error(self, clone, tmp_path):
+        (tmp_path / "cache").touch()
+        assert clone("first")[0]
+
+
 class TestInstaller:
     @pytest.fixture
     def commands(self, launcher, context, monkeypatch):
