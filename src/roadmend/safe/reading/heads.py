@@ -79,6 +79,8 @@ def _is_body(items: Words, place: int) -> bool:
         return False  # a truck's
     if item.is_a("verb") and not before.is_a("determiner", "descriptor", "name", "number"):
         return False  # "to crossover the road"
+    if item.is_a("part") and (before.is_a("part") or before.get("pronoun") in {"its", "own"} or before.low in {"'s", "her"}):
+        return False  # "his rear hatch"
     is_compound = after.low in word_set("compound_second") or after.is_a("object")
     return not (is_compound and item.low in word_set("compound_first"))
 

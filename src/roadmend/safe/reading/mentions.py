@@ -78,7 +78,7 @@ def find_mentions(sentences: Sequence[Sentence]) -> Spoken:
         if vehicle.description.body()[0] is None:
             vehicle.description = replace(vehicle.description, bodies=alike)
     lead_in(sentences, found, headlines, roll)
-    put_in_order(found, headlines, roll)
+    put_in_order(sentences, found, headlines, roll)
     own = roll.own()
     for sentence, row in zip(sentences, found, strict=True):
         seat_persons(sentence.items, row)

@@ -217,7 +217,7 @@ class _Walker(Referents):
         if old is None and verb.form == "ing" and self._follows(place) and self.last.vehicles:
             return self.last, nothing  # "some kid in a Civic coming south"
         if old is None:
-            return self.focus, nothing
+            return (NOBODY if self._is_of_thing() else self.focus), nothing
         if self._is_reduced(place, verb, old):
             return self.last, nothing
         if old.kind == "see" and old.object is not None and verb.form == "ing" and self.items[place - 1].low == ",":
@@ -238,6 +238,15 @@ class _Walker(Referents):
         if old.kind == "avoid" and (old.is_denied or "fail" in old.governed):
             governed -= {"avoid"}  # "could not avoid striking"
         return old.subject, governed
+
+    def _is_of_thing(self) -> bool:
+        """Whether the words before a verb name something that is no vehicle: "The storm was", "Lodge Road begins"."""
+        head = Words(self.head)
+        if any(actor.vehicles for _, actor in self.of_head):
+            return False
+        article = head.at(0).get("determiner") in {"a", "the"} and not head.at(1).is_a("hand", "bound", "lane", "part")
+        named = head.at(0).is_name and not head.at(0).kinds or (head.at(0).is_name and head.cut(1, 3).at(0).is_a("road"))
+        return article or (named and head.cut(1, 3).has("road", "auxiliary"))
 
     def _governs(self, old: Clause, item: Item) -> bool:
         """Whether a verb depends on the one before it: "attempted to turn", "was stopped waiting to turn"."""

@@ -122,7 +122,9 @@ class Referents:
             case MentionKind.OTHER:
                 return self._but(focus.vehicles)
             case MentionKind.POSSESSIVE:
-                return (here if here.vehicles else self.last if self.last.span.end else focus).vehicles[:1]
+                owner = here if here.vehicles else self.last if self.last.span.end else focus
+                is_self = owner.vehicles == self.own and owner.is_person and self.own and self.own[0] not in self.genders
+                return self._latest_other() if is_self and mention.is_person else owner.vehicles[:1]
             case MentionKind.ONE if self.items[mention.first].low == "they" and self._meets(mention.last + 1):
                 return self._both(mention)
             case MentionKind.IT | MentionKind.ONE | MentionKind.PERSON if not mention.is_new:
@@ -170,7 +172,13 @@ class Referents:
         if is_it and here.is_person and not self.last.is_person and self.last.vehicles:
             return self.last.vehicles[:1]  # "I did not see the van until it hit me"
         found = focus.vehicles or self.last.vehicles
+        if found and mention.kind is MentionKind.ONE and found == self.own and focus.is_person and found[0] not in self.genders:
+            return self._latest_other()  # nobody calls himself "he"
         return found if mention.kind is MentionKind.ONE and len(found) > 1 else found[:1]
+
+    def _latest_other(self) -> tuple[int, ...]:
+        """The vehicle that was spoken of last and is not the writer's."""
+        return next(((each,) for each in reversed(self.recent) if (each,) != self.own), self._but(self.own))
 
 
 def is_apart(words: Words, marks: str) -> bool:

@@ -11,7 +11,9 @@ from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.naming import Mention, MentionKind
 from roadmend.safe.reading.tokens import Sentence, Words
 
+_DRIVES = frozenset({"travel", "turn", "stop", "slow", "emerge", "approach", "continue", "overtake", "follow", "change_lane"})
 _APPOSITION = 6  # words at most between two names of one vehicle
+_WITH = 5  # words between a person and the vehicle that she or he is "with"
 _REACH = 6  # words between "I" and the car that I sit in
 _SEAT = 8  # words between a numbered driver and the car that she or he sits in
 
@@ -60,11 +62,26 @@ def seat_writer(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]
     for sentence, row in zip(sentences, found, strict=True):
         for mention in row:
             led = sentence.items.at(mention.first - 1).low in {"in", "driving"}
+            led &= not sentence.items.at(mention.first - 3).is_a("determiner")  # "the musicians in the minibus"
             seated = any(each.last < mention.first and each.kind is not MentionKind.SELF for each in row)
             if led and not seated and mention.description and mention.vehicles and not mention.is_new:
                 vehicle = roll.vehicles[mention.vehicles[0]]
                 vehicle.description = replace(vehicle.description, is_own=True)
                 return
+    hitters = {vehicle for sentence, row in zip(sentences, found, strict=True) for vehicle in _hits_writer(sentence.items, row)}
+    if len(roll.vehicles) == 2 and len(hitters) == 1 and not roll.vehicles[0].description.number:
+        vehicle = roll.vehicles[1 - hitters.pop()]
+        vehicle.description = replace(vehicle.description, is_own=True)
+
+
+def _hits_writer(items: Words, row: Sequence[Mention]) -> tuple[int, ...]:
+    """Who strikes or faces "me" in a sentence: "an F-150 facing me ... T-boned me"."""
+    for place, mention in enumerate(row):
+        verb = items.at(mention.first - 1).verb
+        if mention.kind is MentionKind.SELF and verb is not None and (verb.kind in STRIKES or verb.lemma == "face"):
+            named = [each for each in row[:place] if each.description is not None and len(each.vehicles) == 1]
+            return named[-1].vehicles if named else ()
+    return ()
 
 
 def add_writer(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], roll: VehicleRoll) -> None:
@@ -85,7 +102,7 @@ def add_writer(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]]
 
 def _drives(items: Words, mention: Mention) -> bool:
     after = items.cut(mention.last + 1, mention.last + 5)
-    told = any(item.verb is not None and item.verb.lemma in word_set("drives") for item in after.cut(0, 3))
+    told = any(item.verb is not None and item.verb.kind in _DRIVES for item in after.cut(0, 3))
     return after.at(0).get("auxiliary") is not None and (told or after.has("bound", "lane"))
 
 
@@ -116,7 +133,17 @@ def lead_in(
         person.vehicles = (1 - struck.vehicles[0],)
 
 
-def put_in_order(found: Sequence[Sequence[Mention]], headlines: Sequence[bool], roll: VehicleRoll) -> None:
+def _is_of_writer(items: Words, row: Sequence[Mention]) -> bool:
+    """Whether a sentence begins with what the writer does behind the wheel, with "I" or without: "Got on the freeway"."""
+    opens = items.at(0)
+    if opens.verb is not None and opens.verb.form in {"past", "both", "ing"} and opens.verb.kind != "own":
+        return True
+    return bool(row) and row[0].kind is MentionKind.SELF and _drives(items, row[0])
+
+
+def put_in_order(
+    sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], headlines: Sequence[bool], roll: VehicleRoll
+) -> None:
     """Put the vehicles into the order in which they come up, the writer's with the first "I"."""
     own, first = roll.own(), dict[int, int]()
     if any(each.description.number is not None for each in roll.vehicles):
@@ -134,10 +161,13 @@ def put_in_order(found: Sequence[Sequence[Mention]], headlines: Sequence[bool], 
         each.vehicles == own for is_title, row in zip(headlines, found, strict=True) for each in row if is_title
     )
     starts = [each.span.start for row in found for each in row if each.kind is MentionKind.SELF]
+    acts = [at for at, sentence in enumerate(sentences) if _is_of_writer(sentence.items, found[at])]
     if own and titled:
         first[own[0]] = -1
     elif unnamed and starts:
         first[own[0]] = starts[0]
+    elif own and acts:
+        first[own[0]] = min(first[own[0]], sentences[acts[0]].span.start)
     old = sorted(range(len(roll.vehicles)), key=lambda place: (first.get(place, math.inf), place))
     new = {place: at for at, place in enumerate(old)}
     roll.vehicles = [roll.vehicles[place] for place in old]
@@ -176,6 +206,8 @@ def seat_persons(items: Words, row: Sequence[Mention]) -> None:
     for one, other in itertools.pairwise(row):
         between = items.cut(one.last + 1, other.first)
         sits = 0 < len(between) <= 3 and between[-1].low in word_set("sits_in") - {"'s"}
+        verb = next((item.verb.kind for item in between if item.verb is not None), "travel")
+        sits |= 0 < len(between) <= _WITH and between[-1].low == "with" and verb == "travel"  # "the driver went with a lorry"
         if sits and one.kind in {MentionKind.ONE, MentionKind.PERSON} and not one.vehicles and other.description:
             one.vehicles = other.vehicles
     for place, one in enumerate(row):  # "the woman who hit me was in a Nissan"
