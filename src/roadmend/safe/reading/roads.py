@@ -15,7 +15,6 @@ _SIDES = {"N": Compass.NORTH, "S": Compass.SOUTH, "E": Compass.EAST, "W": Compas
 _CONTROLS = {"stop_sign": Control.STOP_SIGN, "yield_sign": Control.YIELD_SIGN, "signal": Control.SIGNAL}
 _NEAR = 5  # words
 _ON_ROAD = frozenset({"", "travel", "approach", "emerge", "turn", "stop", "continue"})
-_JOINING = _ON_ROAD | {"change_lane", "intend", "drift", "begin", "do", "depart", "continue", "slow", "follow"}
 _AT_DRIVEWAY = frozenset({"emerge", "turn", "reverse", "depart", "begin", "travel", "intend", "do"})
 
 
@@ -29,7 +28,6 @@ def read_roads(text: Text) -> Iterator[Claim]:
             yield from _stem(sentence.items, place)
             yield from _corner(sentence.items, place)
     yield from _worded_stem(text)
-    yield from _ramps(text)
     yield from _on_stem(text)
     yield from _single_on_stem(text)
     for clause in text.clauses:
@@ -192,65 +190,6 @@ def _single_on_stem(text: Text) -> Iterator[Claim]:
             yield claim(path, value=True, confidence=0.75, reason="it stops at the sign", where=signed)
     if text.count == 1:
         yield claim(of_vehicle(0, "on_stem"), value=True, confidence=0.75, reason="it is alone", where=None)
-
-
-def _ramps(text: Text) -> Iterator[Claim]:
-    """Vehicles that come from a ramp."""
-    ramps: dict[int, tuple[float, Item]] = {}
-    words = [item for sentence in text.sentences for item in sentence.items]
-    is_freeway = any(item.get("road") == "divided" for item in words) and not any(i.get("ramp") == "off" for i in words)
-    merges = any(item.get("ramp") == "on" for item in words) or (is_freeway and any(i.is_a("ramp") for i in words))
-    joins = any(item.verb is not None and item.verb.lemma in {"merge", "join"} for item in words)
-    for clause in text.clauses:
-        ramp = clause.words.first("ramp")
-        merges |= clause.kind == "change_lane" and clause.lemma in {"merge", "join"}
-        merges |= any(item.get("ramp") == "on" for item in clause.tail) and bool(clause.subject.vehicles)
-        merging = clause.kind == "change_lane" and clause.lemma in {"merge", "join"} and bool(clause.subject.vehicles)
-        if ramp is None and merging and any(i.is_a("ramp") for i in words) and clause.subject.vehicles[0] not in ramps:
-            ramps[clause.subject.vehicles[0]] = (0.7, next(i for i in words if i.is_a("ramp")))
-        from_it = clause.kind == "depart" and clause.lemma in {"come", "leave"}  # "came off the ramp"
-        merges |= from_it and ramp is not None
-        if ramp is not None and not joins and any(i.get("ramp") == "off" for i in words):
-            continue
-        is_off = ramp is not None and ramp.get("ramp") == "off" and not (joins and clause.lemma in {"come", "get"})
-        is_joining = clause.kind in _JOINING or (clause.kind == "see" and ramp in clause.head)
-        if ramp is None or not is_joining or is_off or not clause.subject.vehicles:
-            continue
-        place = clause.words.index(ramp)
-        led = {each.low for each in clause.words.cut(place - _NEAR, place)}
-        if led & word_set("near_ramp") or ("by" in led and "lane" in led):
-            continue
-        led |= {"on"} if clause.lemma == "be" and clause.kind == "travel" and place <= _NEAR else set()
-        enters = bool(led & word_set("ramp_entered")) and not led & {"from", "on", "along", "of"}
-        uses = bool(led & word_set("ramp_used")) or (not enters and "lane" in led)
-        uses |= "of" in led and bool(led & {"end", "top", "foot", "tip", "bottom"})
-        enters |= clause.kind == "approach" and not uses
-        merges |= bool(led & {"off", "down"})
-        sure, vehicle = 0.35 if enters else 0.9 if ramp.get("ramp") == "on" else 0.75, clause.subject.vehicles[0]
-        ramps[vehicle] = max(ramps.get(vehicle, (0.0, ramp)), (sure, ramp), key=lambda each: each[0])
-    near = next((item for sentence in text.sentences for item in sentence.items if item.is_a("ramp")), None)
-    for clause in text.clauses if near is not None and near.get("ramp") != "off" else ():
-        onto = not clause.tail.cut(0, 1).has("junction") and (
-            clause.tail.cut(0, 3).has("road") or clause.tail.at(0).low in {"", ","}
-        )
-        if near is not None and clause.lemma == "enter" and onto and clause.subject.vehicles:
-            ramps.setdefault(clause.subject.vehicles[0], (0.72, near))
-            merges = True
-    halted = {place for clause in text.clauses if clause.kind in {"stop", "slow"} for place in clause.subject.vehicles}
-    for clause in text.clauses:  # who comes up behind one that waits on a ramp is on it, too
-        for lead, actor in clause.others if clause.kind in {"", "follow", "travel", "stop"} else ():
-            queued = (
-                lead.is_a("behind") and actor.vehicles and actor.vehicles[0] in ramps and actor.vehicles[0] in halted
-            )
-            if queued and clause.subject.vehicles and not clause.words.has("lane"):
-                ramps.setdefault(clause.subject.vehicles[0], (0.7, lead))
-    for vehicle, (sure, ramp) in ramps.items():
-        yield claim(
-            of_vehicle(vehicle, "on_ramp"), value=True, confidence=sure, reason="it comes from a ramp", where=ramp
-        )
-        if sure > 0.5:
-            kind_sure = min(0.97, sure + 0.1) if merges else sure - 0.1
-            yield claim("road_type", RoadType.MERGING, kind_sure, "a vehicle joins from a ramp", ramp)
 
 
 def _turns_off(clause: Clause, text: Text) -> Iterator[Claim]:
