@@ -23,7 +23,7 @@ def is_head(items: Words, place: int) -> bool:
         return _is_body(items, place)
     if not item.is_a("name") or item.is_a("mph") or after.is_a("mph", "time"):
         return False
-    if after.is_a("road") and not after.is_a("body") and not item.low[-1].isdigit():
+    if (after.is_a("road") or (after.is_a("lane") and after.is_name)) and not after.is_a("body") and not item.low[-1].isdigit():
         return False  # "Lincoln Avenue"
     if item.low.startswith("i ") and item.low[2:].isdigit() and len(item.low) == len("i 40"):
         return before.is_a("name")  # an interstate, if no make is named

@@ -16,6 +16,7 @@ _SHORT = {"l": "Left", "lt": "Left", "lh": "Left", "r": "Right", "rt": "Right", 
 _OF_ANOTHER = 0.8  # of its confidence is left to what a sentence says of nobody whom it names
 _STRAYS = frozenset({"drift", "approach", "depart", "travel", "change_lane"})
 _IN_LANE = frozenset({"travel", "stop", "", "slow", "approach", "intend"})
+_TURNING = frozenset({"turn", "do", "intend"})
 _MAY_TURN = _IN_LANE | {"do", "begin", "fail", "continue", "emerge"}
 
 
@@ -82,10 +83,10 @@ def _manoeuvre(clause: Clause) -> tuple[Manoeuvre, float] | None:
 
 def turn_of(clause: Clause) -> tuple[Side, float, Span] | None:
     """Which way a clause says that its subject turns, how surely, and where it says so."""
-    for place, item in enumerate(clause.tail.cut(0, _REACH) if clause.kind in {"turn", "do"} else ()):
+    for place, item in enumerate(clause.tail.cut(0, _REACH) if clause.kind in _TURNING else ()):
         if _is_no_turn(clause.tail, place) or clause.tail.at(place + 1).is_a("lane"):
             break
-        if item.is_a("hand") and (clause.kind == "turn" or _is_bare(clause.tail, place)):
+        if item.is_a("hand") and (clause.kind == "turn" or (_is_bare(clause, place))):
             return Side(item.get("hand")), 0.96, Span(clause.span.start, item.span.end)
     for place, item in enumerate(clause.tail.cut(0, 2) if clause.lemma in {"go", "head", "pull"} else ()):
         led = clause.tail.cut(0, place).says({"the", "from", "to"}) or clause.tail.at(place + 1).low in word_set(
@@ -120,9 +121,11 @@ def _is_no_turn(items: Words, place: int) -> bool:
     return items.cut(place, place + 3).says(word_set("not_a_turn"))
 
 
-def _is_bare(items: Words, place: int) -> bool:
-    """Whether a hand after "made a" is itself the turn: "making a left onto"."""
-    after: Item = items.at(place + 1)
+def _is_bare(clause: Clause, place: int) -> bool:
+    """Whether a hand after "made a" is itself the turn: "making a left onto", "wanted the left at 12th"."""
+    after: Item = clause.tail.at(place + 1)
+    if clause.kind == "intend" and not clause.tail.at(place - 1).is_a("determiner"):
+        return False
     return (
         not after.low
         or after.is_a("preposition", "conjunction", "verb", "relative")

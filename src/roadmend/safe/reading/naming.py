@@ -134,6 +134,8 @@ def _numbered(items: Words, place: int) -> Mention | None:
 
 def _more_numbers(items: Words, place: int) -> Mention | None:
     at = place + 1 + (items.at(place + 1).low == "#")
+    if items.at(place).low == "+" and not items.at(at + 1).kinds:
+        return None  # "operator B + 4 pax"
     number, other = _number(items, at), ("lane", "number", "name", "body", "descriptor", "bound", "lanekind")
     if items.at(place).low not in word_set("and") or number is None or items.at(at + 1).is_a(*other):
         return None

@@ -99,7 +99,8 @@ class _Walker(Referents):
             before.is_a("ahead", "path", "ends") and before.low.endswith("of")
         )
         leads = before.is_a("preposition", "oncoming") and not before.is_a("number") and before.low != "before"
-        if related or leads:
+        compared = before.low == "than" or (before.low == "as" and self.items.cut(first - 5, first - 1).says({"same", "as"}))
+        if related or leads or compared:
             self._bring(before, actor)
         elif before.low in {"and", "&", "/", "or"} and self._joins(first, last, actor):
             return
@@ -288,6 +289,8 @@ def _is_verb(items: Words, place: int, *, after_actor: bool) -> bool:
         goes = after.is_a("determiner", "road", "shoulder") or after.get("pronoun") == "its"
         return led and goes and not after.is_a("hand", "lane")
     owned = before.is_a("determiner") or before.get("pronoun") in {"its", "own"}
+    if owned and verb.form == "ing" and after.is_a("part", "flank"):
+        return False  # "his sliding door"
     if owned and verb.form != "ing" and before.low not in word_set("loose_determiners"):
         return False
     if verb.form in {"base", "s"}:

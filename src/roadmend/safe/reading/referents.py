@@ -123,7 +123,7 @@ class Referents:
                 return self._but(focus.vehicles)
             case MentionKind.POSSESSIVE:
                 owner = here if here.vehicles else self.last if self.last.span.end else focus
-                is_self = owner.vehicles == self.own and owner.is_person and self.own and self.own[0] not in self.genders
+                is_self = bool(self.own) and owner.vehicles == self.own and self.own[0] not in self.genders
                 return self._latest_other() if is_self and mention.is_person else owner.vehicles[:1]
             case MentionKind.ONE if self.items[mention.first].low == "they" and self._meets(mention.last + 1):
                 return self._both(mention)
@@ -162,7 +162,7 @@ class Referents:
         is_it = mention.kind is MentionKind.IT
         if is_it and mention.last > mention.first and after.is_a("ahead", "behind"):
             return ()  # "the vehicle in front of him"
-        if before.is_a("ahead", "behind", "beside") and here.span.end:
+        if (before.is_a("ahead", "behind", "beside") or before.low in word_set("towards")) and here.span.end:
             return next(((each,) for each in reversed(self.recent) if each not in here.vehicles), ())
         is_object = self.clause is not None and self.clause.kind in _OTHERS_OBJECT
         is_object &= self.items[mention.first].low not in word_set("subject_pronouns")
@@ -174,6 +174,8 @@ class Referents:
         found = focus.vehicles or self.last.vehicles
         if found and mention.kind is MentionKind.ONE and found == self.own and focus.is_person and found[0] not in self.genders:
             return self._latest_other()  # nobody calls himself "he"
+        if mention.kind is MentionKind.ONE and not (found or self.own or self.recent) and self.count:
+            return (0,)  # who is told of before a name is given
         return found if mention.kind is MentionKind.ONE and len(found) > 1 else found[:1]
 
     def _latest_other(self) -> tuple[int, ...]:

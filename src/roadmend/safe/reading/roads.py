@@ -7,6 +7,7 @@ from roadmend.safe.dsl import Compass, Control, RoadType, Side
 from roadmend.safe.reading.clauses import Clause
 from roadmend.safe.reading.facts import Text, claim, of_vehicle
 from roadmend.safe.reading.lexicon import word_set
+from roadmend.safe.reading.manoeuvres import turn_of
 from roadmend.safe.reading.naming import Mention, MentionKind
 from roadmend.safe.reading.tokens import Item, Words
 from roadmend.safe.reading.wording import Wording, found, wording
@@ -207,14 +208,11 @@ def _turns_off(clause: Clause, text: Text) -> Iterator[Claim]:
         if item.low in word_set("turn_targets") and to_road and turns and not out & {*clause.subject.vehicles}:
             yield claim("road_type", RoadType.INTERSECTION, 0.75, "a vehicle turns into another road", item)
             break
-    for place, item in enumerate(words[:-1] if kind in {"turn", "do", ""} else ()):
-        named = words[place + 1].is_name and not words[place + 1].is_a("thing", "body", "name", "time", "determiner")
-        if (
-            item.low == "at"
-            and named
-            and words.cut(0 if kind else place - 1, place).has("hand", "lanekind")
-            and not out
-        ):
+    items = clause.sentence.items
+    for place, item in enumerate(items[:-1] if turn_of(clause) is not None and not out else ()):
+        after = items[place + 1]
+        named = (after.is_name and not after.is_a("thing", "body", "name", "time", "determiner")) or after.low[0].isdigit()
+        if item.low == "at" and named and not items.at(place + 2).is_a("mph", "time"):
             yield claim("road_type", RoadType.INTERSECTION, 0.65, "a vehicle turns at another road", item)
             break
     drive = words.first("driveway")

@@ -254,7 +254,7 @@ def _loose_verb(taken: Sequence[Token]) -> Senses:
     """A verb whose particle is parted from it: "ran straight into"."""
     if len(taken) <= 2 or taken[-1].low not in word_set("particles") or taken[0].low not in verb_heads():
         return {}
-    kept = [token.low for token in taken[1:-1] if "adverb" not in senses().get(squeeze(token.low), {})]
+    kept = [token.low for token in taken[1:-1] if token.low != "it" and "adverb" not in senses().get(squeeze(token.low), {})]
     kinds = senses().get("".join(map(squeeze, [taken[0].low, *kept, taken[-1].low])), {})
     return kinds if "verb" in kinds else {}
 

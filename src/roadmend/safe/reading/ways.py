@@ -250,6 +250,9 @@ def _of_pairs(clause: Clause) -> Iterator[DirectionClaim]:
     if not mine or clause.is_denied:
         return
     followed = clause.object.vehicles if clause.object is not None and kind in {"follow", "overtake"} else ()
+    faced = clause.object.vehicles if clause.object is not None and clause.lemma == "face" else ()
+    if faced and faced[0] != mine[0]:
+        yield relation(mine[0], faced[0], WayRelation.OPPOSITE, 0.8, clause.span)
     if followed and followed[0] != mine[0]:
         yield relation(mine[0], followed[0], WayRelation.SAME, 0.88, clause.span)
     for lead, actor in clause.others:
@@ -264,8 +267,15 @@ def _of_pairs(clause: Clause) -> Iterator[DirectionClaim]:
             yield relation(mine[0], actor.vehicles[0], WayRelation.SAME, 0.78 if is_path else 0.85, lead)
         elif lead.is_a("beside") and kind in {"", "travel", "stop"}:
             yield relation(mine[0], actor.vehicles[0], WayRelation.SAME, 0.75, lead)
-        elif lead.is_a("oncoming"):
+        elif lead.is_a("oncoming") or (lead.low in word_set("towards") and kind in {"travel", "approach"}):
             yield relation(mine[0], actor.vehicles[0], WayRelation.OPPOSITE, 0.85, lead)
+        elif (lead.low == "on" and _is_beside(clause)) or (lead.low == "like" and kind in {"travel", "continue"}):
+            yield relation(mine[0], actor.vehicles[0], WayRelation.SAME, 0.75, lead)
+
+
+def _is_beside(clause: Clause) -> bool:
+    """Whether a vehicle is "on my right" while it goes the same way."""
+    return clause.kind in {"", "travel", "stop"} and clause.words.has("hand") and clause.lemma not in {"come", "appear"}
 
 
 def _of_words(clause: Clause, count: int) -> Iterator[DirectionClaim]:
