@@ -108,6 +108,7 @@ class _Walker(Referents):
             clause is not None
             and clause.object is None
             and _takes_object(clause)
+            and not self._begins(first, last)
             and self.items[first].low not in word_set("subject_pronouns")
         ):
             clause.object = actor
@@ -125,7 +126,13 @@ class _Walker(Referents):
             self.head = list(early) if early.has("bound", "ramp") else []  # "While southbound on Main Street, my car"
         if actor.vehicles:
             self.last = actor
+            self.thing = self.thing if actor.is_person else actor
             self.recent.extend(actor.vehicles)
+
+    def _begins(self, first: int, last: int) -> bool:
+        """Whether a noun group after a verb of seeing begins a clause: "did not hear how a van came"."""
+        after, kind = self.items.at(last + 1).verb, self.clause.kind if self.clause is not None else ""
+        return kind in {"see", "say"} and after is not None and after.form in {"past", "s"}
 
     def _leads_in(self, first: int) -> bool:
         """Whether the sentence begins with a participle whose subject comes now."""

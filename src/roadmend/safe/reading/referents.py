@@ -26,6 +26,7 @@ class Referents:
         self.focus = replace(NOBODY, vehicles=own, is_person=True) if own else NOBODY
         self.road: Actor | None = None  # of which a relative clause speaks
         self.last = NOBODY  # the last one spoken of
+        self.thing = NOBODY  # the last one spoken of that is no person
         self.genders: dict[int, str] = {}  # of who drives
         self.recent: list[int] = []  # vehicles in the order in which they were spoken of
         self.items = Words()
@@ -169,6 +170,9 @@ class Referents:
         if self.clause is not None and is_object and here.span.end and not is_apart(self.clause.tail, ",;"):
             is_known = bool(self.last.span.end) and self.last.vehicles != here.vehicles
             return self.last.vehicles if is_known else self._but(here.vehicles)
+        is_mine = bool(self.own) and focus.is_person and focus.vehicles == self.own
+        if is_it and is_mine and self.thing.vehicles and mention.kind is MentionKind.IT:
+            return self.thing.vehicles[:1]  # "I supposed it was parked"
         if is_it and here.is_person and not self.last.is_person and self.last.vehicles:
             return self.last.vehicles[:1]  # "I did not see the van until it hit me"
         found = focus.vehicles or self.last.vehicles

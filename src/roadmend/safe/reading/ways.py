@@ -46,6 +46,7 @@ def _told(text: Text) -> Iterator[Claim | DirectionClaim]:
         yield from _from_driveway(clause, sides)
         yield from _of_pairs(clause)
         yield from _of_words(clause, text.count)
+    yield from _up_and_down(text)
     yield from _of_place(text)
     yield from _beside_mentions(text)
     for mention in itertools.chain(*text.spoken.mentions):
@@ -168,8 +169,9 @@ def _unclaimed(text: Text, claims: Sequence[Claim | DirectionClaim]) -> Iterator
             ):
                 continue
             counted = [at for at in range(max(0, place - 4), place + 3) if sentence.items.at(at).is_a("number", "lane")]
-            if {sentence.items.at(at).is_a("lane") for at in counted} == {True, False}:
-                continue  # "two lanes southbound"
+            listed = sentence.items.cut(place - 3, place).has("number") and sentence.items.has("lane")
+            if listed or {sentence.items.at(at).is_a("lane") for at in counted} == {True, False}:
+                continue  # "two lanes southbound", "one lane going south and two coming north"
             for vehicle in open_:
                 path = of_vehicle(vehicle, "initial_position")
                 yield claim(path, way, 0.6, "the text speaks of that direction", item)
@@ -271,6 +273,19 @@ def _of_pairs(clause: Clause) -> Iterator[DirectionClaim]:
             yield relation(mine[0], actor.vehicles[0], WayRelation.OPPOSITE, 0.85, lead)
         elif (lead.low == "on" and _is_beside(clause)) or (lead.low == "like" and kind in {"travel", "continue"}):
             yield relation(mine[0], actor.vehicles[0], WayRelation.SAME, 0.75, lead)
+
+
+def _up_and_down(text: Text) -> Iterator[DirectionClaim]:
+    """One goes up and another comes down: they come towards each other."""
+    ways: dict[str, dict[int, Item]] = {"up": {}, "down": {}}
+    for clause in text.clauses:
+        first = clause.tail.at(0)
+        if clause.kind == "travel" and first.low in ways and not clause.tail.at(1).is_name:
+            for vehicle in clause.subject.vehicles[:1]:
+                ways[first.low].setdefault(vehicle, first)
+    for up, down in itertools.product(ways["up"], ways["down"]):
+        if up != down:
+            yield relation(up, down, WayRelation.OPPOSITE, 0.75, ways["down"][down])
 
 
 def _is_beside(clause: Clause) -> bool:
