@@ -45,6 +45,13 @@ def _of_clause(clause: Clause) -> Iterator[tuple[str, Action | Manoeuvre, float,
             0.86 if "stop" in governed or kind == "stop" else 0.92 if "intend" in governed or kind == "intend" else 1.0
         )
         yield "action", _TURNS[hand], min(confidence, limit), "it is said to turn, or to mean to turn, that way", span
+    elif (
+        clause.verb is not None
+        and clause.lemma == "turn"
+        and clause.verb.form != "base"
+        and clause.tail.at(0).low in word_set("turn_targets") | {"for"}
+    ):
+        yield from (("action", each, 0.76, "it is said to turn", clause.span) for each in _TURNS.values())
     if kind in {"continue", "travel", "approach"}:
         straight = next(
             (item for item in clause.tail if item.low in word_set("straight_on") or item.is_a("straight")), None
@@ -124,7 +131,7 @@ def _is_no_turn(items: Words, place: int) -> bool:
 def _is_bare(clause: Clause, place: int) -> bool:
     """Whether a hand after "made a" is itself the turn: "making a left onto", "wanted the left at 12th"."""
     after: Item = clause.tail.at(place + 1)
-    if clause.kind == "intend" and not clause.tail.at(place - 1).is_a("determiner"):
+    if clause.kind == "intend" and (clause.lemma == "go" or not clause.tail.at(place - 1).is_a("determiner")):
         return False
     return (
         not after.low

@@ -205,9 +205,9 @@ class _Walker(Referents):
     def _after(self, place: int, verb: VerbSense) -> tuple[Actor, frozenset[str]] | None:
         """Who stands behind the verb: "from the ramp came a van", "behind it was a bus"."""
         mention = self.starts.get(place + 1)
-        first = self.items.at(0) if self.clause is None else NOTHING
-        comes = verb.lemma in {"come", "emerge", "appear", "follow", "approach", "be", "stand", "sit"}
-        if self.pending is not None or mention is None or not comes or not first.is_a("preposition", "behind"):
+        comes = verb.kind in {"travel", "emerge", "stop", "follow", "approach"} and verb.lemma not in {"drive", "operate"}
+        opens = self.items.cut(0, 2).has("preposition", "behind") and (self.clause is None or verb.form in {"past", "s"})
+        if self.pending is not None or mention is None or not comes or not opens:
             return None
         actor = self._resolve(mention)
         return (actor, frozenset()) if actor.vehicles else None

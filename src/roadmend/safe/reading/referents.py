@@ -28,6 +28,7 @@ class Referents:
         self.last = NOBODY  # the last one spoken of
         self.thing = NOBODY  # the last one spoken of that is no person
         self.genders: dict[int, str] = {}  # of who drives
+        self.persons: set[int] = set()  # whose gender a noun has told
         self.recent: list[int] = []  # vehicles in the order in which they were spoken of
         self.items = Words()
         self.starts: dict[int, Mention] = {}
@@ -101,18 +102,21 @@ class Referents:
         vehicles = mention.vehicles or self._of_gender(self._meant(mention), gender)
         if len(vehicles) == 1 and gender:
             self.genders.setdefault(vehicles[0], gender)
+            self.persons |= {*vehicles} if mention.kind is MentionKind.PERSON and mention.vehicles else set()
         return Actor(vehicles, None, mention.is_person, mention.span, gender)
 
     def _of_gender(self, vehicles: tuple[int, ...], gender: str) -> tuple[int, ...]:
         """The same, unless it is known that a man drives and "she" is spoken of."""
-        if len(vehicles) != 1 or not gender or self.genders.get(vehicles[0], gender) == gender:
+        if len(vehicles) != 1 or not gender or self.genders.get(vehicles[0]) == gender:
             return vehicles
         same = [each for each, known in self.genders.items() if known == gender]
+        if vehicles[0] not in self.genders:
+            return (same[0],) if len(same) == 1 and self.persons == set(same) else vehicles
         return (same[-1],) if same else self._but(vehicles)
 
     def _meant(self, mention: Mention) -> tuple[int, ...]:
         here = (self.clause.subject if self.clause is not None else self.pending) or NOBODY
-        focus = here if here.span.end else self.focus
+        focus = here if here.vehicles else self.focus
         match mention.kind:
             case MentionKind.IT if self.items[mention.first].is_a("pronoun") and self.items[mention.first].get(
                 "pronoun"

@@ -89,7 +89,8 @@ def _stem(items: Words, place: int) -> Iterator[Claim]:
             yield claim("road_type", RoadType.T_INTERSECTION, 0.85, "a road joins from one side", span)
             break
     near, meets = items.cut(place - 6, place), item.low.startswith(("stops", "meets", "joins"))
-    ends = item.is_a("ends") and not meets and (near.has("road") or any(each.is_name for each in near))
+    is_it = before.low == "it" and any(each.is_name and not each.kinds for each in items.cut(1, place))
+    ends = item.is_a("ends") and not meets and (near.has("road") or any(each.is_name for each in near) or is_it)
     if ends or (item.low in {"ends", "ends there"} and items.cut(0, place).has("road")):
         yield claim("road_type", RoadType.T_INTERSECTION, 0.85, "a road ends there", item)
 
@@ -113,13 +114,21 @@ def _worded_stem(text: Text) -> Iterator[Claim]:
                 continue
             side = _SIDES.get(match[1][0].upper())
             yield claim("stem_direction", side, 0.8 if near else 0.6, "the road that ends lies there", each.span(match))
+        before = [clause for clause in text.clauses if clause.sentence.index <= place and clause.subject.vehicles]
+        for match in found("stem_hand", each) if near and before else ():
+            who, hand = before[0].subject.vehicles[0], Side(match[1].title())
+            yield claim(of_vehicle(who, "stem_hand"), hand, 0.8, "the road that ends lies on that hand", each.span(match))
 
 
 def _is_of_road(told: Wording, letter: int, mentions: Sequence[Mention]) -> bool:
     """Whether it is a road that ends there, and no vehicle, lane or ramp."""
     at, before = told.item(letter), told.items.cut(0, told.item(letter))
     vehicle = max((each.last for each in mentions if each.last < at and each.kind is not MentionKind.IT), default=-1)
-    named = (place for place, each in enumerate(before) if each.is_a("road") or (each.is_name and not each.kinds))
+    named = (
+        place
+        for place, each in enumerate(before)
+        if each.is_a("road") or (each.is_name and (each.is_a("lane") or not each.kinds))
+    )
     road = max(named, default=-1)
     pronoun = not mentions and not before.has("ramp", "lane")
     near = before.cut(len(before) - 4)
