@@ -157,7 +157,8 @@ def _is_listed(items: Words, place: int) -> bool:
     """Whether a number stands by itself in a list of facts: "two lanes, 45", "2 lns 25"."""
     before, after = items.at(place - 1), items.at(place + 1)
     ends = after.low in {"", ",", ";", ".", ")"} or after.is_a("weather", "mph")
-    return before.low == "," or (before.is_a("lane", "each") and ends)
+    is_last = before.low == "and" and items.at(place - 2).low == "," and not after.low
+    return before.low == "," or is_last or (before.is_a("lane", "each") and ends)
 
 
 def _parted(items: Words, place: int, word: int | None) -> bool:

@@ -16,10 +16,11 @@ _PARTS = {"afternoon": Time.DAYTIME, "morning": Time.DAYTIME, "day": Time.DAYTIM
 _SMALL = (1, 2, 3, 4)  # hours before light
 _MORNING = 6
 _CLOCK = re.compile(
-    r"\b(?:(?P<h>[01]?\d|2[0-3])[:.][0-5]\d|(?P<mil>(?:[01]\d|2[0-3])[0-5]\d)(?=\s*(?:hrs?|hours|h)\b)|"
+    r"\b(?:(?P<h>[01]?\d|2[0-3])[:.h][0-5]\d|(?P<mil>(?:[01]\d|2[0-3])[0-5]\d)(?=\s*(?:hrs?|hours|h)\b)|"
     r"(?P<log>(?:(?<=time )|(?<=time: )|(?<=rcvd )|(?<=call )|(?<=arr )|(?<=at )|(?<=\()|(?<=dry )|(?<=clr )|(?<=wet )|(?<=clear )|(?<=day )|(?<=dark )|^|(?<=, )|(?<=\. )|(?<=\n))(?:[01]\d|2[0-3])[0-5]\d(?=[\s,.]))|"
-    r"(?P<bare>(?<=, )(?:0\d|1[0-8]|2[1-3])[0-5]\d(?=[.,]|$))|"
+    r"(?P<bare>(?<=, )(?:0\d|1[0-8]|2[1-3])[0-5]\d(?=[.,]|$)|(?<![\w.,:/-])0\d[0-5]\d(?=\s))|"
     r"(?P<joined>(?:1[0-2]|[1-9])[0-5]\d)(?=\s*[ap]\.?m\b)|"
+    r"(?P<late>1[3-9]|2[0-3])(?=\s*(?:o'?clock|h\b|uhr))|"
     r"(?P<hour>1[0-2]|[1-9]))\s*(?:(?P<half>[ap])\.?\s?m\b|o'?clock|(?P<hrs>hrs?|hours)\b)?",
     re.IGNORECASE | re.MULTILINE,
 )
@@ -89,13 +90,18 @@ def _weather(items: Words, place: int, *, is_past: bool) -> Iterator[Claim]:
     lies = before.says(word_set("lying_snow")) or items.at(place + 1).low in word_set("lying_snow")
     if value is Weather.SNOWY and lies:
         yield claim("env.weather", value, 0.45, f"the text says {item.low}", item)
-    elif not before.has("negation") and not before.says({"without"}):
+    elif not before.has("negation") and not before.says({"without"}) and not _is_denied(items, place):
         if value is Weather.SUNNY:
             yield claim("env.time", Time.DAYTIME, 0.9, f"the text says {item.low}", item)
         sure = _SURE.get(value, 0.93) * (0.5 if is_past else 1.0)
         yield claim("env.weather", value, sure, f"the text says {item.low}", item)
     elif value not in {Weather.CLEAR, Weather.SUNNY}:
         yield claim("env.weather", Weather.CLEAR, 0.4, f"the text denies {item.low}", item)
+
+
+def _is_denied(items: Words, place: int) -> bool:
+    """Whether the weather is said not to have come: "rain did not fall"."""
+    return items.at(place + 1).is_a("auxiliary") and items.at(place + 2).is_a("negation")
 
 
 def _is_sky(items: Words, place: int) -> bool:
@@ -146,7 +152,7 @@ def _hour(match: re.Match[str], summary: str) -> tuple[int | None, float]:
     after = summary[match.end() : match.end() + 30].lower()
     told = _TOLD.search(summary[max(0, match.start() - 20) : match.start()].lower()) or match["hrs"]
     log = match["log"] if match["log"] and not match["log"].startswith(("19", "20")) else None
-    figures = match["mil"] or match["bare"] or log
+    figures = match["mil"] or match["bare"] or match["late"] or log
     if figures:
         return int(figures[:2]), 0.9 if match["mil"] else 0.75
     if match["log"]:

@@ -187,6 +187,8 @@ def _ends(text: str, place: int, tokens: Sequence[Token]) -> bool:
     rest = text[place + 1 :].lstrip(" )]'\n")
     if rest[:1].islower() and not _is_careless(text):
         return False
+    if tokens and tokens[-1].low == "m" and re.match(r"[A-Z]\w+", rest) and rest.split()[0].lower() in word_set("weekdays"):
+        return False  # "at 3 p.m. Sunday"
     last = tokens[-1].low if tokens else ""
     is_short = last in word_set("abbreviations") or (len(last) == 1 and last.isalpha())
     goes_on = not rest[:1].isupper() or last not in word_set("ends_with_capital") or bool(_STREET.match(rest))

@@ -320,4 +320,4 @@ def _of_words(clause: Clause, count: int) -> Iterator[DirectionClaim]:
         elif item.is_a("hand") and words.cut(place - 2, place).says({"from"}) and len(vehicles) == 1:
             side = WayRelation.FROM_LEFT if item.get("hand") == "Left" else WayRelation.FROM_RIGHT
             if kind in {"travel", "approach", "emerge", "", "see"}:
-                yield relation(other, mine, side, 0.7, item)
+                yield relation(other, mine, side, 0.8, item)
