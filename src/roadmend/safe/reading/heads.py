@@ -34,7 +34,8 @@ def is_head(items: Words, place: int) -> bool:
     is_number = (
         _ROAD_NUMBER.fullmatch(squeeze(item.low)) and not before.is_a("name") and before.get("number") not in YEARS
     )
-    on_it = before.low in word_set("road_leads") or after.is_a("bound", "compass", "ramp", "road")
+    lead = items.at(place - 2) if before.low == "the" else before
+    on_it = (lead.low in word_set("road_leads") and after.low != "'s") or after.is_a("bound", "compass", "ramp", "road")
     if is_number and on_it:
         return False  # "the A4", "I-40"
     if not all(sense.is_everyday for sense in senses) and not item.is_a("verb", "bound", "weather"):

@@ -179,10 +179,11 @@ class _Walker(Referents):
         be = max((at for at, each in enumerate(nearby) if each.get("auxiliary") == "be"), default=None)
         after_be = nearby.cut(be + 1) if be is not None else Words()
         is_be = be is not None and not after_be.says({",", ";"})
-        is_be &= verb.form != "past" or not after_be.has("conjunction")  # "was damaged and came"
+        is_be &= verb.form != "past" or not after_be.has("conjunction", "preposition", "pronoun")  # "was damaged and came"
         by = verb.kind in STRIKES and self.items.cut(place + 1, place + 3).says({"by"})
         near = nearby.cut(max((at + 1 for at, each in enumerate(nearby) if each.low == ";"), default=0))
         is_denied = near.cut(len(near) - 3).has("negation") and verb.kind != "fail"
+        is_denied |= near.cut(len(near) - 3).says({"if"}) and near.says({"as"})  # "slowed as if to turn"
         is_denied |= verb.kind == "avoid" and old is not None and self.pending is None and old.kind == "fail"
         start = subject.span.start if subject.span.end and subject.span.start >= self.sentence.span.start else None
         self.clauses.append(
@@ -207,7 +208,8 @@ class _Walker(Referents):
         mention = self.starts.get(place + 1)
         comes = verb.kind in {"travel", "emerge", "stop", "follow", "approach"} and verb.lemma not in {"drive", "operate"}
         opens = self.items.cut(0, 2).has("preposition", "behind") and (self.clause is None or verb.form in {"past", "s"})
-        if self.pending is not None or mention is None or not comes or not opens:
+        told = self.pending is None or (bool(self.clauses) and self.clauses[-1].subject.span == self.pending.span)
+        if not told or mention is None or not comes or not opens:
             return None
         actor = self._resolve(mention)
         return (actor, frozenset()) if actor.vehicles else None

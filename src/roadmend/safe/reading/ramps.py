@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from roadmend.safe.claims import Claim, ContactClaim, DirectionClaim, WayRelation
 from roadmend.safe.dsl import RoadType, Side
-from roadmend.safe.reading.clauses import Clause
+from roadmend.safe.reading.clauses import STRIKES, Clause
 from roadmend.safe.reading.facts import Text, claim, crash_places, of_vehicle
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.tokens import Item, Words
@@ -91,9 +91,11 @@ def _enters(text: Text, words: Words, ramps: _Ramps) -> bool:
 def _on_main(clause: Clause) -> Iterator[tuple[int, Item]]:
     """Who is said to travel on the road that a ramp leads to."""
     words = clause.words
-    if clause.kind not in _ON_ROAD or not clause.is_real or words.has("ramp") or not clause.subject.vehicles:
+    if clause.kind not in _ON_ROAD | STRIKES or not clause.is_real or words.has("ramp") or not clause.subject.vehicles:
         return
     for place, item in enumerate(words):
+        if item.low == "already" and words.at(place + 1).low in {"on", "in", "travelling", "traveling"}:
+            yield clause.subject.vehicles[0], item
         main = item.get("road") == "divided" or item.low.startswith("main ") or words.at(place - 1).low == "main"
         before = words.cut(place - 7, place)
         if main and item.is_a("road") and before.says({"on", "along", "down", "in"}) and not before.says({"onto", "to"}):

@@ -99,19 +99,22 @@ class Referents:
         """Which vehicles a mention means here."""
         word = self.items.cut(mention.first, mention.last + 1).first("gender")
         gender = word.get("gender") if word is not None else ""
-        vehicles = mention.vehicles or self._of_gender(self._meant(mention), gender)
+        here = self.clause.subject if self.clause is not None else self.pending
+        is_weak = mention.kind is MentionKind.POSSESSIVE and not (here is not None and here.vehicles)
+        vehicles = mention.vehicles or self._of_gender(self._meant(mention), gender, is_weak=is_weak)
         if len(vehicles) == 1 and gender:
             self.genders.setdefault(vehicles[0], gender)
             self.persons |= {*vehicles} if mention.kind is MentionKind.PERSON and mention.vehicles else set()
         return Actor(vehicles, None, mention.is_person, mention.span, gender)
 
-    def _of_gender(self, vehicles: tuple[int, ...], gender: str) -> tuple[int, ...]:
+    def _of_gender(self, vehicles: tuple[int, ...], gender: str, *, is_weak: bool) -> tuple[int, ...]:
         """The same, unless it is known that a man drives and "she" is spoken of."""
         if len(vehicles) != 1 or not gender or self.genders.get(vehicles[0]) == gender:
             return vehicles
         same = [each for each, known in self.genders.items() if known == gender]
         if vehicles[0] not in self.genders:
-            return (same[0],) if len(same) == 1 and self.persons == set(same) else vehicles
+            is_sure = self.persons == set(same) or is_weak
+            return (same[0],) if len(same) == 1 and is_sure else vehicles
         return (same[-1],) if same else self._but(vehicles)
 
     def _meant(self, mention: Mention) -> tuple[int, ...]:
@@ -128,6 +131,9 @@ class Referents:
                 return self._but(focus.vehicles)
             case MentionKind.POSSESSIVE:
                 owner = here if here.vehicles else self.last if self.last.span.end else focus
+                strikes = self.clause is not None and self.clause.kind in STRIKES and not self.clause.is_passive
+                if strikes and self.clause is not None and self.clause.object is None and not is_apart(self.clause.tail, ",;"):
+                    return self._but(owner.vehicles) or owner.vehicles[:1]  # "its nose went under its bumper"
                 is_self = bool(self.own) and owner.vehicles == self.own and self.own[0] not in self.genders
                 return self._latest_other() if is_self and mention.is_person else owner.vehicles[:1]
             case MentionKind.ONE if self.items[mention.first].low == "they" and self._meets(mention.last + 1):
@@ -170,7 +176,9 @@ class Referents:
         if (before.is_a("ahead", "behind", "beside") or before.low in word_set("towards")) and here.span.end:
             return next(((each,) for each in reversed(self.recent) if each not in here.vehicles), ())
         is_object = self.clause is not None and self.clause.kind in _OTHERS_OBJECT
-        is_object &= self.items[mention.first].low not in word_set("subject_pronouns")
+        word = self.items[mention.first].low
+        is_object |= word in {"him", "them"} and bool(here.vehicles) and self.clause is not None
+        is_object &= word not in word_set("subject_pronouns")
         if self.clause is not None and is_object and here.span.end and not is_apart(self.clause.tail, ",;"):
             is_known = bool(self.last.span.end) and self.last.vehicles != here.vehicles
             return self.last.vehicles if is_known else self._but(here.vehicles)

@@ -214,7 +214,7 @@ def _turns_off(clause: Clause, text: Text) -> Iterator[Claim]:
         turns = (
             kind == "turn" or (onto and item.low in {"onto", "on to"}) or words.cut(0, place).has("hand", "lanekind")
         )
-        if item.low in word_set("turn_targets") and to_road and turns and not out & {*clause.subject.vehicles}:
+        if item.low in word_set("turn_targets") | {"toward", "towards"} and to_road and turns and not out & {*clause.subject.vehicles}:
             yield claim("road_type", RoadType.INTERSECTION, 0.75, "a vehicle turns into another road", item)
             break
     items = clause.sentence.items

@@ -156,6 +156,11 @@ def put_in_order(
                 else ()
             ):
                 first.setdefault(place, mention.span.start)
+    rest = [place for place in range(len(roll.vehicles)) if (place,) != own]
+    body = [each for is_title, row in zip(headlines, found, strict=True) for each in row if not is_title]
+    others = [each.span.start for each in body if each.kind is MentionKind.OTHER and not each.vehicles]
+    if own and len(rest) == 1 and others and rest[0] in first:
+        first[rest[0]] = min(first[rest[0]], others[0])
     unnamed = own if own and own[0] not in first else ()
     titled = any(
         each.vehicles == own for is_title, row in zip(headlines, found, strict=True) for each in row if is_title
@@ -208,7 +213,10 @@ def seat_persons(items: Words, row: Sequence[Mention]) -> None:
         sits = 0 < len(between) <= 3 and between[-1].low in word_set("sits_in") - {"'s"}
         verb = next((item.verb.kind for item in between if item.verb is not None), "travel")
         sits |= 0 < len(between) <= _WITH and between[-1].low == "with" and verb == "travel"  # "the driver went with a lorry"
-        if sits and one.kind in {MentionKind.ONE, MentionKind.PERSON} and not one.vehicles and other.description:
+        described = other.description
+        if described is None or described.is_own or one.vehicles:
+            continue
+        if sits and one.kind in {MentionKind.ONE, MentionKind.PERSON}:
             one.vehicles = other.vehicles
     for place, one in enumerate(row):  # "the woman who hit me was in a Nissan"
         if one.kind is MentionKind.PERSON and not one.vehicles and items.at(one.last + 1).is_a("relative"):

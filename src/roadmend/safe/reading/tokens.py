@@ -226,6 +226,8 @@ def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
             named = tuple(each for each in names().get(key[:-1], ()) if not each.is_everyday)  # "the altimas door"
         if named:
             kinds["name"] = named
+        if length > 1 and "ends" in kinds:
+            kinds |= {"verb": verb} if (verb := senses().get(squeeze(taken[0].low), {}).get("verb")) else {}
         if length == 1 and "driveway" in kinds and taken[0].text.istitle() and place:
             del kinds["driveway"]  # "Church Street", not a church
         if length == 1 and key.isdigit():

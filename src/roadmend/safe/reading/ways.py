@@ -125,7 +125,8 @@ def _meaning(clause: Clause, items: Words, place: int, *, is_head: bool) -> tupl
         return "initial_position", 0.8  # "on 95 north"
     if lead in {"of", "at"} and items.at(back - 1).low not in {"direction", "direction of"}:
         return None
-    if items.at(back).get("relative") or lead in word_set("that_is"):
+    is_that = lead == "'s" and items.at(back - 1).low in {"that", "which", "it"}
+    if is_that or items.at(back).get("relative") or lead in word_set("that_is"):
         return _explained(items, back)
     if kind == "depart" and "intend" in clause.governed and clause.lemma == "go":
         return "destination", 0.75
@@ -312,12 +313,13 @@ def _of_words(clause: Clause, count: int) -> Iterator[DirectionClaim]:
         if bare and kind in _BEHIND:
             yield relation(mine, other, WayRelation.SAME, 0.75, item)
         if item.is_a("wrong") and item.low.endswith("lane") and item.low.split()[0] in {"my", "our", "his", "her"}:
-            yield relation(mine, other, WayRelation.OPPOSITE, 0.62, item)
+            kept = kind in {"stop", "park", "slow"}
+            yield relation(mine, other, WayRelation.SAME if kept else WayRelation.OPPOSITE, 0.62, item)
         if item.is_a("same_way") and "lane" not in item.low:
             yield relation(mine, other, WayRelation.SAME, 0.88, item)
         elif item.is_a("oncoming") and comes and (far or len(vehicles) > 1):
             yield relation(mine, other, WayRelation.OPPOSITE, 0.8, item)
         elif item.is_a("hand") and words.cut(place - 2, place).says({"from"}) and len(vehicles) == 1:
             side = WayRelation.FROM_LEFT if item.get("hand") == "Left" else WayRelation.FROM_RIGHT
-            if kind in {"travel", "approach", "emerge", "", "see"}:
+            if kind in {"travel", "approach", "emerge", "", "see"} or (kind in STRIKES and item in clause.head):
                 yield relation(other, mine, side, 0.8, item)
