@@ -122,7 +122,7 @@ def _is_limit(items: Words, place: int) -> bool:
     listed = len(items) <= 3 or (items.has("time", "weather") and all(item.verb is None for item in items))
     bare = items.has("lane", "road") and not items.has("thing", "body", "name", "person", "pronoun", "insured")
     listed |= bare and place > 0 and items.at(place - 1).low in {",", ":", ";", "(", "-"}
-    zone = (unit and items.at(place + 2).low in {"zone", "limit", "road"}) or after.low in {"zone", "limit"}
+    zone = (unit and (items.at(place + 2).is_a("road") or items.at(place + 2).low in {"zone", "limit"})) or after.low in {"zone", "limit"}
     if (unit and listed) or zone:
         return True
     is_it = items.at(place - 1).low in {"'s", "is", "was"} and items.at(place - 2).low in {"it", "limit"}
@@ -131,7 +131,7 @@ def _is_limit(items: Words, place: int) -> bool:
     of_clock = items.at(place - 1).low == ":" and items.at(place - 2).is_a("number")
     if of_clock or after.low in word_set("clock_marks"):
         return False
-    before = items.cut(place - 5, place)
+    before = items.cut(place - 8, place)
     driven = any(each.verb is not None and each.verb.kind != "own" for each in before)
     of_road = before.has("lane", "road", "divided", "each", "two_way", "middle_lane") and not driven
     is_fact = (

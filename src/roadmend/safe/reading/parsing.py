@@ -25,6 +25,9 @@ _PASSIVE_REACH = 4  # words between "was" and "struck"
 def read_clauses(sentences: Sequence[Sentence], spoken: Spoken) -> tuple[Clause, ...]:
     """The clauses of a text, in its order."""
     walker = _Walker(len(spoken.roll.vehicles), spoken.roll.own())
+    rows = zip(sentences, spoken.mentions, strict=True)
+    if not any(sentence.items[each.first].get("pronoun") in {"self", "own"} for sentence, row in rows for each in row):
+        walker.writer = ()  # whom an insurer calls its insured is "he"
     for sentence, mentions in zip(sentences, spoken.mentions, strict=True):
         walker.walk(sentence, mentions)
     return tuple(walker.clauses)
@@ -35,6 +38,7 @@ class _Walker(Referents):
 
     def walk(self, sentence: Sentence, mentions: Sequence[Mention]) -> None:
         self._begin(sentence, mentions)
+        self.before: list[tuple[Item, Actor]] = []
         self.clause, self.acted, place = None, 0, 0
         self._wait(None)
         while place < len(self.items):
@@ -123,6 +127,7 @@ class _Walker(Referents):
             early = Words(self.head if clause is None and self.pending is None else ())
             self._flush()
             self._wait(actor)
+            self.of_head, self.before = self.before, []
             self.head = list(early) if early.has("bound", "ramp") else []  # "While southbound on Main Street, my car"
         if actor.vehicles:
             self.last = actor
@@ -147,6 +152,8 @@ class _Walker(Referents):
         elif self.pending is not None:
             self.head.append(preposition)
             self.of_head.append((preposition, actor))
+        elif preposition.is_a("ahead", "behind", "beside"):
+            self.before = [(preposition, actor)]  # "Behind him a van wanted to turn"
 
     def _joins(self, first: int, last: int, actor: Actor) -> bool:
         """Join "and V2" to what stands before it, unless it begins a clause of its own."""
@@ -270,6 +277,9 @@ class _Walker(Referents):
         while place > 1 and self.items[place - 1].low in word_set("reduced_fillers"):
             place -= 1
         is_subject = old.subject.span == self.last.span
+        told_on = old.verb is not None and old.verb.form == "ing" and not old.head.has("auxiliary") and verb.form == "both"
+        if told_on and old.subject.vehicles and old.object is not None and old.object.span == self.last.span:
+            return False  # "the man facing me started"
         return self._follows(place) and not is_subject and verb.form in {"ing", "both", "participle"}
 
 

@@ -19,6 +19,7 @@ class Referents:
 
     def __init__(self, count: int, own: tuple[int, ...]) -> None:
         self.count, self.own = count, own
+        self.writer = own  # who says "I"
         self.clauses: list[Clause] = []
         self.clause: Clause | None = None
         self.pending: Actor | None = None  # a subject that waits for its verb
@@ -134,7 +135,7 @@ class Referents:
                 strikes = self.clause is not None and self.clause.kind in STRIKES and not self.clause.is_passive
                 if strikes and self.clause is not None and self.clause.object is None and not is_apart(self.clause.tail, ",;"):
                     return self._but(owner.vehicles) or owner.vehicles[:1]  # "its nose went under its bumper"
-                is_self = bool(self.own) and owner.vehicles == self.own and self.own[0] not in self.genders
+                is_self = bool(self.writer) and owner.vehicles == self.writer and self.writer[0] not in self.genders
                 return self._latest_other() if is_self and mention.is_person else owner.vehicles[:1]
             case MentionKind.ONE if self.items[mention.first].low == "they" and self._meets(mention.last + 1):
                 return self._both(mention)
@@ -182,13 +183,13 @@ class Referents:
         if self.clause is not None and is_object and here.span.end and not is_apart(self.clause.tail, ",;"):
             is_known = bool(self.last.span.end) and self.last.vehicles != here.vehicles
             return self.last.vehicles if is_known else self._but(here.vehicles)
-        is_mine = bool(self.own) and focus.is_person and focus.vehicles == self.own
+        is_mine = bool(self.writer) and focus.is_person and focus.vehicles == self.writer
         if is_it and is_mine and self.thing.vehicles and mention.kind is MentionKind.IT:
             return self.thing.vehicles[:1]  # "I supposed it was parked"
         if is_it and here.is_person and not self.last.is_person and self.last.vehicles:
             return self.last.vehicles[:1]  # "I did not see the van until it hit me"
         found = focus.vehicles or self.last.vehicles
-        if found and mention.kind is MentionKind.ONE and found == self.own and focus.is_person and found[0] not in self.genders:
+        if found and mention.kind is MentionKind.ONE and found == self.writer and focus.is_person and found[0] not in self.genders:
             return self._latest_other()  # nobody calls himself "he"
         if mention.kind is MentionKind.ONE and not (found or self.own or self.recent) and self.count:
             return (0,)  # who is told of before a name is given

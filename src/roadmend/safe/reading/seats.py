@@ -43,6 +43,8 @@ def claim_own(items: Words, row: Sequence[Mention]) -> None:
         sits |= (
             1 < len(between) < _REACH and between[-1].get("auxiliary") == "be" and between.has("thing")
         )  # "my vehicle is"
+        bracketed = len(between) > 1 and between[-1].low == "(" and between[-2].is_a("part", "flank")
+        sits |= bracketed and between.cut(0, -1).has("part", "hand", "flank")  # "my rear door (05 Accord)"
         if sits and one.kind is MentionKind.SELF and other.description is not None and not other.number:
             other.description = replace(other.description, is_own=True)
     for place, mention in enumerate(row):  # "insured states he was operating his Buick"

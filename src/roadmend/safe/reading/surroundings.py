@@ -34,6 +34,7 @@ _WORDED = re.compile(
 )
 _AT_NIGHT = re.compile(r"[\s,]*(?:in the evening|at night|tonight|p\.?m)")
 _IN_DAY = re.compile(r"[\s,]*in the (?:morning?|(afternoon?))")
+_EARLIER = re.compile(r"\b(?:evening|night|tonight)\b[^.!?]*$", re.IGNORECASE)
 _TOLD = re.compile(r"(?:\bat|around|about|approximately|aprox|approx|past|after|before|@|by|near|till|until)\s*$")
 _SURE = {Weather.CLEAR: 0.75, Weather.CLOUDY: 0.85, Weather.WINDY: 0.85, Weather.SUNNY: 0.88}
 _NAMES = {"weather", "sky", "skies"}
@@ -141,7 +142,7 @@ def _told_hours(summary: str) -> Iterator[Claim]:
         if "night" in when and hour < _MORNING:
             late = False
         if not (late or early):
-            late = hour < _MORNING
+            late = hour < _MORNING or _EARLIER.search(summary[max(0, match.start() - 60) : match.start()]) is not None
         value = Time.DAYTIME if hour % 12 + 12 * late in _DAY else Time.NIGHTTIME
         sure = 0.9 if when else 0.6
         yield claim("env.time", value, sure, f"the clock says {match[0].strip()}", Span(*match.span()))

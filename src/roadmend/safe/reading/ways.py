@@ -130,7 +130,7 @@ def _meaning(clause: Clause, items: Words, place: int, *, is_head: bool) -> tupl
         return _explained(items, back)
     if kind == "depart" and "intend" in clause.governed and clause.lemma == "go":
         return "destination", 0.75
-    near = place <= 5 or items.says(word_set("heading_words"))
+    near = place <= 5 or (lead in {"to", "toward", "towards"} and place <= 9) or items.says(word_set("heading_words"))
     if kind in {"travel", "continue", "approach", "follow"} and near and not is_head:
         goes_on = "intend" in clause.governed or kind == "continue"
         sure = 0.85 if lead in {"to", "toward", "towards"} else 0.96
@@ -272,8 +272,13 @@ def _of_pairs(clause: Clause) -> Iterator[DirectionClaim]:
             yield relation(mine[0], actor.vehicles[0], WayRelation.SAME, 0.75, lead)
         elif lead.is_a("oncoming") or (lead.low in word_set("towards") and kind in {"travel", "approach"}):
             yield relation(mine[0], actor.vehicles[0], WayRelation.OPPOSITE, 0.85, lead)
-        elif (lead.low == "on" and _is_beside(clause)) or (lead.low == "like" and kind in {"travel", "continue"}):
+        elif (lead.low == "on" and (_is_beside(clause) or _comes_up(clause))) or (lead.low == "like" and kind in {"travel", "continue"}):
             yield relation(mine[0], actor.vehicles[0], WayRelation.SAME, 0.75, lead)
+
+
+def _comes_up(clause: Clause) -> bool:
+    """Whether somebody comes up on another from behind."""
+    return clause.kind in {"travel", "approach"} and clause.lemma == "come" and clause.tail.at(0).low == "up"
 
 
 def _up_and_down(text: Text) -> Iterator[DirectionClaim]:
