@@ -43,10 +43,10 @@ def _told(text: Text, words: Words) -> tuple[_Ramps, bool]:
     has_off = any(item.get("ramp") == "off" for item in words)
     merges = any(item.get("ramp") == "on" for item in words)
     merges |= any(item.get("road") == "divided" for item in words) and not has_off
-    joins = any(item.verb is not None and item.verb.lemma in {"merge", "join"} for item in words)
+    joins = any(item.verb is not None and item.verb.lemma in word_set("merges") for item in words)
     for clause in text.clauses:
         ramp, vehicles = clause.words.first("ramp"), clause.subject.vehicles[:1]
-        is_merge = clause.kind == "change_lane" and clause.lemma in {"merge", "join"}
+        is_merge = clause.kind == "change_lane" and clause.lemma in word_set("merges")
         merges |= is_merge or (any(item.get("ramp") == "on" for item in clause.tail) and bool(vehicles))
         if ramp is None and is_merge and vehicles and vehicles[0] not in ramps:
             ramps[vehicles[0]] = (0.7, next(item for item in words if item.is_a("ramp")))

@@ -44,7 +44,7 @@ def claim_own(items: Words, row: Sequence[Mention]) -> None:
             1 < len(between) < _REACH and between[-1].get("auxiliary") == "be" and between.has("thing")
         )  # "my vehicle is"
         bracketed = len(between) > 1 and between[-1].low == "(" and between[-2].is_a("part", "flank")
-        sits |= bracketed and between.cut(0, -1).has("part", "hand", "flank")  # "my rear door (05 Accord)"
+        sits |= bracketed  # "my rear door (05 Accord)"
         if sits and one.kind is MentionKind.SELF and other.description is not None and not other.number:
             other.description = replace(other.description, is_own=True)
     for place, mention in enumerate(row):  # "insured states he was operating his Buick"
@@ -139,6 +139,8 @@ def _is_of_writer(items: Words, row: Sequence[Mention]) -> bool:
     """Whether a sentence begins with what the writer does behind the wheel, with "I" or without: "Got on the freeway"."""
     opens = items.at(0)
     if opens.verb is not None and opens.verb.form in {"past", "both", "ing"} and opens.verb.kind != "own":
+        return True
+    if opens.get("auxiliary") == "be" and items.cut(1, 6).has("lane", "road", "verb", "bound"):
         return True
     return bool(row) and row[0].kind is MentionKind.SELF and _drives(items, row[0])
 

@@ -102,7 +102,8 @@ def _weather(items: Words, place: int, *, is_past: bool) -> Iterator[Claim]:
 
 def _is_denied(items: Words, place: int) -> bool:
     """Whether the weather is said not to have come: "rain did not fall"."""
-    return items.at(place + 1).is_a("auxiliary") and items.at(place + 2).is_a("negation")
+    after = items.cut(place + 1, place + 3)
+    return after.at(0).is_a("negation") or (after.at(0).is_a("auxiliary") and after.at(1).is_a("negation"))
 
 
 def _is_sky(items: Words, place: int) -> bool:
@@ -126,7 +127,7 @@ def _clock(summary: str) -> Iterator[Claim]:
         hour, sure = _hour(match, summary)
         if hour is not None:
             value = Time.DAYTIME if hour in _DAY else Time.NIGHTTIME
-            sure = min(sure, 0.6 if hour in _EVENING or hour == _DAY[0] else 0.9)
+            sure = min(sure, 0.6 if hour in _EVENING or hour == _DAY[0] else 0.98)
             yield claim("env.time", value, sure, f"the clock says {match[0].strip()}", Span(*match.span()))
 
 
@@ -166,7 +167,7 @@ def _hour(match: re.Match[str], summary: str) -> tuple[int | None, float]:
     at_night = _AT_NIGHT.match(after) is not None and hour > 4
     if half or at_night or in_day or _AT_NIGHT.match(after):
         late = half == "p" or (not half and (at_night or (in_day is not None and in_day[1])))
-        return hour % 12 + (12 if late else 0), 0.92
+        return hour % 12 + (12 if late else 0), 0.98
     if match["h"] and (told or len(match["h"]) == 2):
         if 0 < hour < _MORNING and len(match["h"]) == 1:
             return hour + 12, 0.6  # nobody says whether it was night: few drive then

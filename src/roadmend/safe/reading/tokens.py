@@ -223,7 +223,7 @@ def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
         kinds = dict(senses().get(key, {}) or _loose_verb(taken))
         named = names().get(key, ()) if key and _may_be_name(taken) else ()
         if length == 1 and not named and not kinds and key.endswith("s") and len(key) > _JOINED:
-            named = tuple(each for each in names().get(key[:-1], ()) if not each.is_everyday)  # "the altimas door"
+            named = tuple(each for each in names().get(key[:-1], ()) if taken[0].text[:1].isupper() or not each.is_everyday)  # "the altimas door"
         if named:
             kinds["name"] = named
         if length > 1 and "ends" in kinds:

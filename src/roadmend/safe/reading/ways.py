@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 
 from roadmend.safe.claims import Claim, DirectionClaim, Span, WayRelation
 from roadmend.safe.compass import opposite
+from roadmend.safe.dsl import Position
 from roadmend.safe.reading.clauses import STRIKES, Clause
 from roadmend.safe.reading.facts import Text, claim, crash_places, direction, of_vehicle, relation, weakened
 from roadmend.safe.reading.lexicon import word_set
@@ -47,6 +48,7 @@ def _told(text: Text) -> Iterator[Claim | DirectionClaim]:
         yield from _of_pairs(clause)
         yield from _of_words(clause, text.count)
     yield from _up_and_down(text)
+    yield from _by_sun(text)
     yield from _of_place(text)
     yield from _beside_mentions(text)
     for mention in itertools.chain(*text.spoken.mentions):
@@ -272,8 +274,24 @@ def _of_pairs(clause: Clause) -> Iterator[DirectionClaim]:
             yield relation(mine[0], actor.vehicles[0], WayRelation.SAME, 0.75, lead)
         elif lead.is_a("oncoming") or (lead.low in word_set("towards") and kind in {"travel", "approach"}):
             yield relation(mine[0], actor.vehicles[0], WayRelation.OPPOSITE, 0.85, lead)
-        elif (lead.low == "on" and (_is_beside(clause) or _comes_up(clause))) or (lead.low == "like" and kind in {"travel", "continue"}):
+        elif (lead.low == "on" and (_is_beside(clause) or _comes_up(clause))) or (
+            lead.low in {"to", "of"} and clause.words.has("lane") and _is_beside(clause)
+        ) or (lead.low == "like" and kind in {"travel", "continue"}):
             yield relation(mine[0], actor.vehicles[0], WayRelation.SAME, 0.75, lead)
+
+
+def _by_sun(text: Text) -> Iterator[Claim]:
+    """Who has the sun in his eyes in the morning heads east."""
+    low = text.summary.lower()
+    early, late = (any(word in low for word in word_set(name)) for name in ("early_sun", "late_sun"))
+    for clause in text.clauses if early is not late else ():
+        words = clause.sentence.items
+        sun = words.has("weather") and any(item.is_a("weather") and "sun" in item.low for item in words)
+        ahead = words.says({"eyes", "ahead", "blinded", "facing"}) or any("eyes" in item.low for item in words)
+        behind = any(item.low in {"behind", "back"} for item in words)
+        for vehicle in clause.subject.vehicles[:1] if sun and ahead is not behind else ():
+            way = Position.W2E if early is ahead else Position.E2W
+            yield claim(of_vehicle(vehicle, "initial_position"), way, 0.66, "the sun tells its way", clause.span)
 
 
 def _comes_up(clause: Clause) -> bool:
