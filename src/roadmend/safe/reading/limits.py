@@ -121,6 +121,7 @@ def _is_limit(items: Words, place: int) -> bool:
     distance = abs(word - place) if word is not None else 99
     listed = len(items) <= 3 or (items.has("time", "weather") and all(item.verb is None for item in items))
     bare = items.has("lane", "road") and not items.has("thing", "body", "name", "person", "pronoun", "insured")
+    listed |= bare and place == 0
     listed |= bare and place > 0 and items.at(place - 1).low in {",", ":", ";", "(", "-"}
     zone = (unit and (items.at(place + 2).is_a("road") or items.at(place + 2).low in {"zone", "limit"})) or after.low in {"zone", "limit"}
     if (unit and listed) or zone:

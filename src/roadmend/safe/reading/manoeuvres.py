@@ -90,7 +90,7 @@ def _manoeuvre(clause: Clause) -> tuple[Manoeuvre, float] | None:
 
 def turn_of(clause: Clause) -> tuple[Side, float, Span] | None:
     """Which way a clause says that its subject turns, how surely, and where it says so."""
-    for place, item in enumerate(clause.tail.cut(0, _REACH) if clause.kind in _TURNING else ()):
+    for place, item in enumerate(clause.tail.cut(0, _REACH) if clause.kind in _TURNING or clause.lemma == "pull" else ()):
         if _is_no_turn(clause.tail, place) or clause.tail.at(place + 1).is_a("lane"):
             break
         if item.is_a("hand") and (clause.kind == "turn" or (_is_bare(clause, place))):
@@ -131,7 +131,7 @@ def _is_no_turn(items: Words, place: int) -> bool:
 def _is_bare(clause: Clause, place: int) -> bool:
     """Whether a hand after "made a" is itself the turn: "making a left onto", "wanted the left at 12th"."""
     after: Item = clause.tail.at(place + 1)
-    if clause.kind == "intend" and (clause.lemma == "go" or not clause.tail.at(place - 1).is_a("determiner")):
+    if clause.kind in {"intend", "emerge"} and (clause.lemma == "go" or not clause.tail.at(place - 1).is_a("determiner")):
         return False
     return (
         not after.low

@@ -11,7 +11,7 @@ from roadmend.safe.claims import Span
 from roadmend.safe.reading.clauses import NOBODY, STRIKES, Actor, Clause
 from roadmend.safe.reading.lexicon import VerbSense, word_set
 from roadmend.safe.reading.mentions import Spoken
-from roadmend.safe.reading.naming import Mention
+from roadmend.safe.reading.naming import Mention, MentionKind
 from roadmend.safe.reading.referents import Referents, is_apart
 from roadmend.safe.reading.tokens import NOTHING, Item, Sentence, Words
 
@@ -42,6 +42,9 @@ class _Walker(Referents):
         self.clause, self.acted, place = None, 0, 0
         self._wait(None)
         while place < len(self.items):
+            if self._is_aside(place):
+                place += 2
+                continue
             group = self._group(place)
             if group is not None:
                 self._place(place, *group)
@@ -60,6 +63,12 @@ class _Walker(Referents):
                 self._keep(self.items[place])
             place += 1
         self._flush()
+
+    def _is_aside(self, place: int) -> bool:
+        """Whether "I think" stands between commas and says nothing more."""
+        mention, verb = self.starts.get(place), self.items.at(place + 1).verb
+        is_mine = mention is not None and mention.kind is MentionKind.SELF and mention.last == place
+        return is_mine and verb is not None and verb.kind == "say" and self.items.at(place + 2).low in {",", "", ")", "-"}
 
     def _keep(self, item: Item) -> None:
         """Put a word where it belongs: behind the verb, or before it."""
@@ -104,6 +113,8 @@ class _Walker(Referents):
         )
         leads = before.is_a("preposition", "oncoming") and not before.is_a("number") and before.low != "before"
         compared = before.low == "than" or (before.low == "as" and self.items.cut(first - 5, first - 1).says({"same", "as"}))
+        if self._is_seat(first):
+            leads = False  # "some clown in a Kia pulls out"
         if related or leads or compared:
             self._bring(before, actor)
         elif before.low in {"and", "&", "/", "or"} and self._joins(first, last, actor):
@@ -134,6 +145,12 @@ class _Walker(Referents):
             self.thing = self.thing if actor.is_person else actor
             self.recent.extend(actor.vehicles)
 
+    def _is_seat(self, first: int) -> bool:
+        """Whether somebody whom no table knows sits in a vehicle: "this joker in a Kia"."""
+        mention, noun, lead = self.starts.get(first), self.items.at(first - 2), self.items.at(first - 3)
+        plain = not noun.kinds and noun.low.isalpha() and noun.low.islower() and not noun.is_name
+        return mention is not None and mention.is_new and self.items.at(first - 1).low == "in" and plain and lead.is_a("determiner")
+
     def _begins(self, first: int, last: int) -> bool:
         """Whether a noun group after a verb of seeing begins a clause: "did not hear how a van came"."""
         after, kind = self.items.at(last + 1).verb, self.clause.kind if self.clause is not None else ""
@@ -144,7 +161,8 @@ class _Walker(Referents):
         opens = self.items.at(0).verb or (self.items.at(1).verb if self.items.at(0).is_a("conjunction") else None)
         alone = len([each for each in self.clauses if each.sentence is self.sentence]) == 1
         leads = opens is not None and opens.form == "ing" and alone and self.clauses[-1].verb is opens
-        return leads and self.clause is self.clauses[-1] and self.items.at(first - 1).low == ","
+        lead = self.items.at(first - 1)  # "Coming the other way was a van"
+        return leads and self.clause is self.clauses[-1] and (lead.low == "," or lead.get("auxiliary") == "be")
 
     def _bring(self, preposition: Item, actor: Actor) -> None:
         if self.clause is not None:

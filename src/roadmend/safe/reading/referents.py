@@ -176,6 +176,8 @@ class Referents:
             return ()  # "the vehicle in front of him"
         if (before.is_a("ahead", "behind", "beside") or before.low in word_set("towards")) and here.span.end:
             return next(((each,) for each in reversed(self.recent) if each not in here.vehicles), ())
+        if before.low == "of" and self.items.at(mention.first - 2).is_a("part") and here.vehicles:
+            return next(((each,) for each in reversed(self.recent) if each not in here.vehicles), ())  # "the back of it"
         is_object = self.clause is not None and self.clause.kind in _OTHERS_OBJECT
         word = self.items[mention.first].low
         is_object |= word in {"him", "them"} and bool(here.vehicles) and self.clause is not None

@@ -221,7 +221,11 @@ def _turns_off(clause: Clause, text: Text) -> Iterator[Claim]:
     for place, item in enumerate(items[:-1] if turn_of(clause) is not None and not out else ()):
         after = items[place + 1]
         named = (after.is_name and not after.is_a("thing", "body", "name", "time", "determiner")) or after.low[0].isdigit()
-        if item.low == "at" and named and not items.at(place + 2).is_a("mph", "time"):
+        if item.low in {"at", "on", "onto", "into"} and after.is_a("ordinal") and not items.at(place + 2).is_a("lane", "body"):
+            named = True
+        elif item.low != "at":
+            continue
+        if named and not items.at(place + 2).is_a("mph", "time"):
             yield claim("road_type", RoadType.INTERSECTION, 0.65, "a vehicle turns at another road", item)
             break
     drive = words.first("driveway")

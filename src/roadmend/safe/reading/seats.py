@@ -59,7 +59,7 @@ def claim_own(items: Words, row: Sequence[Mention]) -> None:
 
 def seat_writer(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], roll: VehicleRoll) -> None:
     """Take the vehicle that somebody sits in for the writer's, where one speaks of "me" and of no car of mine."""
-    if roll.own() or not any(each.kind is MentionKind.SELF for row in found for each in row):
+    if roll.own() or not any(item.get("pronoun") in {"self", "own"} for each in sentences for item in each.items):
         return
     for sentence, row in zip(sentences, found, strict=True):
         for mention in row:

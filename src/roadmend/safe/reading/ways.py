@@ -330,7 +330,7 @@ def _of_words(clause: Clause, count: int) -> Iterator[DirectionClaim]:
     comes = not counts and (kind in STRIKES | {"travel", "", "approach", "drift", "collide"} or len(vehicles) > 1)
     for place, item in enumerate(words):
         far = len(item.low) > _LONG and not item.is_a("head_on", "wrong")
-        if item.is_a("beside") and len(others) == 1 and kind in {"travel", "", "drift", "change_lane"}:
+        if item.is_a("beside") and len(others) == 1 and all(lead is not item for lead, _ in clause.others) and kind in {"travel", "", "drift", "change_lane"}:
             yield relation(mine, other, WayRelation.SAME, 0.7, item)
         bare = item.is_a("behind") and words.at(place + 1).low in {"", ",", "and"} and len(others) == 1
         if bare and kind in _BEHIND:
@@ -341,7 +341,8 @@ def _of_words(clause: Clause, count: int) -> Iterator[DirectionClaim]:
         if item.is_a("same_way") and "lane" not in item.low:
             yield relation(mine, other, WayRelation.SAME, 0.88, item)
         elif item.is_a("oncoming") and comes and (far or len(vehicles) > 1):
-            yield relation(mine, other, WayRelation.OPPOSITE, 0.8, item)
+            to_me = len(vehicles) > 1 and item.low.endswith((" me", " us"))  # both come towards who watches
+            yield relation(mine, other, WayRelation.SAME if to_me else WayRelation.OPPOSITE, 0.8, item)
         elif item.is_a("hand") and words.cut(place - 2, place).says({"from"}) and len(vehicles) == 1:
             side = WayRelation.FROM_LEFT if item.get("hand") == "Left" else WayRelation.FROM_RIGHT
             if kind in {"travel", "approach", "emerge", "", "see"} or (kind in STRIKES and item in clause.head):
