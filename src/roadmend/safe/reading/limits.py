@@ -120,7 +120,8 @@ def _is_limit(items: Words, place: int) -> bool:
     word = min(words, key=lambda at: abs(at - place), default=None)
     distance = abs(word - place) if word is not None else 99
     listed = len(items) <= 3 or (items.has("time", "weather") and all(item.verb is None for item in items))
-    bare = items.has("lane", "road") and not items.has("thing", "body", "name", "person", "pronoun", "insured")
+    bare = items.has("lane", "road") and not items.has("thing", "body", "person", "pronoun", "insured")
+    bare &= all(item.is_a("number") or not item.is_a("name") for item in items)
     listed |= bare and place == 0
     listed |= bare and place > 0 and items.at(place - 1).low in {",", ":", ";", "(", "-"}
     zone = (unit and (items.at(place + 2).is_a("road") or items.at(place + 2).low in {"zone", "limit"})) or after.low in {"zone", "limit"}

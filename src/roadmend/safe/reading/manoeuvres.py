@@ -96,7 +96,8 @@ def turn_of(clause: Clause) -> tuple[Side, float, Span] | None:
         if item.is_a("hand") and (clause.kind == "turn" or (_is_bare(clause, place))):
             return Side(item.get("hand")), 0.96, Span(clause.span.start, item.span.end)
     for place, item in enumerate(clause.tail.cut(0, 2) if clause.lemma in {"go", "head", "pull"} else ()):
-        led = clause.tail.cut(0, place).says({"the", "from", "to"}) or clause.tail.at(place + 1).low in word_set(
+        onto = clause.tail.at(place + 1).low in {"onto", "into"}  # "drove to the left onto the main road"
+        led = (clause.tail.cut(0, place).says({"the", "from", "to"}) and not onto) or clause.tail.at(place + 1).low in word_set(
             "no_turn_after"
         )
         if item.is_a("hand") and not led and clause.kind in {"travel", "emerge"}:

@@ -139,7 +139,7 @@ class _Walker(Referents):
             self._flush()
             self._wait(actor)
             self.of_head, self.before = self.before, []
-            self.head = list(early) if early.has("bound", "ramp") else []  # "While southbound on Main Street, my car"
+            self.head = list(early) if early.has("bound", "ramp", "oncoming") else []  # "While southbound on Main Street, my car"
         if actor.vehicles:
             self.last = actor
             self.thing = self.thing if actor.is_person else actor
@@ -251,6 +251,9 @@ class _Walker(Referents):
             return self.pending, nothing
         if old is None and verb.form == "ing" and self._follows(place) and self.last.vehicles:
             return self.last, nothing  # "some kid in a Civic coming south"
+        is_own = self.writer and place == 0 and verb.kind in {*STRIKES, "stop", "slow"} and self.items.at(1).low not in {"me", "us"}
+        if old is None and is_own and verb.form in {"past", "both"}:
+            return replace(NOBODY, vehicles=self.writer, is_person=True), nothing  # "Hit him in the door"
         if old is None:
             return (NOBODY if self._is_of_thing() else self.focus), nothing
         if self._is_reduced(place, verb, old):

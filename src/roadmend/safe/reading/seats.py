@@ -43,6 +43,7 @@ def claim_own(items: Words, row: Sequence[Mention]) -> None:
         sits |= (
             1 < len(between) < _REACH and between[-1].get("auxiliary") == "be" and between.has("thing")
         )  # "my vehicle is"
+        sits |= len(between) == 1 and between[0].get("auxiliary") == "be"  # "I was the second car"
         bracketed = len(between) > 1 and between[-1].low == "(" and between[-2].is_a("part", "flank")
         sits |= bracketed  # "my rear door (05 Accord)"
         if sits and one.kind is MentionKind.SELF and other.description is not None and not other.number:
@@ -163,8 +164,9 @@ def put_in_order(
     rest = [place for place in range(len(roll.vehicles)) if (place,) != own]
     body = [each for is_title, row in zip(headlines, found, strict=True) for each in row if not is_title]
     others = [each.span.start for each in body if each.kind is MentionKind.OTHER and not each.vehicles]
+    others += [row[0].span.start for row in found[:1] if row and row[0].kind is MentionKind.ONE and not row[0].vehicles]
     if own and len(rest) == 1 and others and rest[0] in first:
-        first[rest[0]] = min(first[rest[0]], others[0])
+        first[rest[0]] = min(first[rest[0]], *others)
     unnamed = own if own and own[0] not in first else ()
     titled = any(
         each.vehicles == own for is_title, row in zip(headlines, found, strict=True) for each in row if is_title

@@ -272,7 +272,7 @@ def _of_pairs(clause: Clause) -> Iterator[DirectionClaim]:
             yield relation(mine[0], actor.vehicles[0], WayRelation.SAME, 0.78 if is_path else 0.85, lead)
         elif lead.is_a("beside") and kind in {"", "travel", "stop"}:
             yield relation(mine[0], actor.vehicles[0], WayRelation.SAME, 0.75, lead)
-        elif lead.is_a("oncoming") or (lead.low in word_set("towards") and kind in {"travel", "approach"}):
+        elif lead.is_a("oncoming") or (lead.low in word_set("towards") and actor.part is None and kind in {"travel", "approach"}):
             yield relation(mine[0], actor.vehicles[0], WayRelation.OPPOSITE, 0.85, lead)
         elif (lead.low == "on" and (_is_beside(clause) or _comes_up(clause))) or (
             lead.low in {"to", "of"} and clause.words.has("lane") and _is_beside(clause)
@@ -345,5 +345,8 @@ def _of_words(clause: Clause, count: int) -> Iterator[DirectionClaim]:
             yield relation(mine, other, WayRelation.SAME if to_me else WayRelation.OPPOSITE, 0.8, item)
         elif item.is_a("hand") and words.cut(place - 2, place).says({"from"}) and len(vehicles) == 1:
             side = WayRelation.FROM_LEFT if item.get("hand") == "Left" else WayRelation.FROM_RIGHT
-            if kind in {"travel", "approach", "emerge", "", "see"} or (kind in STRIKES and item in clause.head):
+            told = words.cut(place - 4, place)
+            if item in clause.tail and told.has("conjunction") and not told.says({"and", "but"}):
+                yield relation(mine, other, side, 0.8, item)  # "was going west when from the right a van came"
+            elif kind in {"travel", "approach", "emerge", "", "see"} or (kind in STRIKES and item in clause.head):
                 yield relation(other, mine, side, 0.8, item)
