@@ -17,6 +17,7 @@ _LIKE: dict[str, set[DslModel | None]] = {
     "tractor": {DslModel.SEMI_TRUCK},
     "trailer": {DslModel.SEMI_TRUCK},
     "rig": {DslModel.SEMI_TRUCK},
+    "bus": {DslModel.SEMI_TRUCK, DslModel.MINIVAN},
 }
 
 

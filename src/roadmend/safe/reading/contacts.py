@@ -147,7 +147,7 @@ def _contact(
         one = one or Side.FRONT
     elif clause.words.has("head_on"):
         one, other = one or Side.FRONT, other or Side.FRONT
-    elif kind == "strike_side" or (other is not None and kind == "strike" and not clause.is_passive):
+    elif kind == "strike_side" or (other is not None and kind == "strike"):
         one = one or Side.FRONT
     reason = f"the text says that they touched ({clause.lemma or 'told'})"
     return ContactClaim(striking, struck, one, other, 0, sure, ClaimSource.SUMMARY, reason, clause.span)

@@ -47,7 +47,7 @@ def is_head(items: Words, place: int) -> bool:
     other = ("descriptor", "verb", "preposition", "determiner", "part", "hand", "number", "lanekind", "oncoming")
     if after.is_a("body") and item.is_name and not item.is_a(*other):
         return True
-    lead = items.at(place - 2) if before.is_a("descriptor", "name") else before  # "the white Explorer"
+    lead = items.at(place - 2) if before.is_a("descriptor", "name", *TRAITS) else before  # "the white Explorer"
     chain = items.cut(place - 5, place)
     if (
         len(item.kinds) == 1

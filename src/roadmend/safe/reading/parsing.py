@@ -298,8 +298,9 @@ class _Walker(Referents):
         while place > 1 and self.items[place - 1].low in word_set("reduced_fillers"):
             place -= 1
         is_subject = old.subject.span == self.last.span
-        told_on = old.verb is not None and old.verb.form == "ing" and not old.head.has("auxiliary") and verb.form == "both"
-        if told_on and old.subject.vehicles and old.object is not None and old.object.span == self.last.span:
+        is_pronoun = self.items.at(place - 1).is_a("pronoun")
+        told_on = old.verb is not None and old.verb.form == "ing" and (is_pronoun or not old.head.has("auxiliary"))
+        if told_on and verb.form == "both" and old.subject.vehicles and old.object is not None and old.object.span == self.last.span:
             return False  # "the man facing me started"
         return self._follows(place) and not is_subject and verb.form in {"ing", "both", "participle"}
 

@@ -143,7 +143,10 @@ def _is_of_writer(items: Words, row: Sequence[Mention]) -> bool:
         return True
     if opens.get("auxiliary") == "be" and items.cut(1, 6).has("lane", "road", "verb", "bound"):
         return True
-    return bool(row) and row[0].kind is MentionKind.SELF and _drives(items, row[0])
+    if not row or row[0].kind is not MentionKind.SELF:
+        return False
+    verb = items.at(row[0].last + 1).verb
+    return _drives(items, row[0]) or (verb is not None and verb.kind in _DRIVES)
 
 
 def put_in_order(

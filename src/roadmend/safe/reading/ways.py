@@ -74,9 +74,10 @@ def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool, stood: bool)
                 continue
             what, confidence = _meaning(clause, items, place, is_head=is_head) or ("", 0.0)
             turn = turn_of(clause)
+            before = any(each.low in {"had", "had been"} for each in clause.head)  # "where I had been going south"
             turned_here = turn is not None and clause.kind != "turn" and turn[2].end <= item.span.start
             if (
-                (has_turned or turned_here)
+                ((has_turned and not before) or turned_here)
                 and not is_head
                 and (item.is_a("compass") or _is_aim(clause, items, place))
                 and what in {"initial_position", "heading_on"}
@@ -314,6 +315,9 @@ def _up_and_down(text: Text) -> Iterator[DirectionClaim]:
 
 def _is_beside(clause: Clause) -> bool:
     """Whether a vehicle is "on my right" while it goes the same way."""
+    on_part = clause.kind == "" and any(lead.low == "on" and actor.part is not None for lead, actor in clause.others)
+    if on_part:
+        return True  # "a van right on its bumper"
     return clause.kind in {"", "travel", "stop"} and clause.words.has("hand") and clause.lemma not in {"come", "appear"}
 
 
@@ -330,6 +334,7 @@ def _of_words(clause: Clause, count: int) -> Iterator[DirectionClaim]:
     comes = not counts and (kind in STRIKES | {"travel", "", "approach", "drift", "collide"} or len(vehicles) > 1)
     for place, item in enumerate(words):
         far = len(item.low) > _LONG and not item.is_a("head_on", "wrong")
+        far |= place == 0 and words.at(1).get("auxiliary") == "be"  # "Oncoming was a van"
         if item.is_a("beside") and len(others) == 1 and all(lead is not item for lead, _ in clause.others) and kind in {"travel", "", "drift", "change_lane"}:
             yield relation(mine, other, WayRelation.SAME, 0.7, item)
         bare = item.is_a("behind") and words.at(place + 1).low in {"", ",", "and"} and len(others) == 1
@@ -338,6 +343,8 @@ def _of_words(clause: Clause, count: int) -> Iterator[DirectionClaim]:
         if item.is_a("wrong") and item.low.endswith("lane") and item.low.split()[0] in {"my", "our", "his", "her"}:
             kept = kind in {"stop", "park", "slow"}
             yield relation(mine, other, WayRelation.SAME if kept else WayRelation.OPPOSITE, 0.62, item)
+        if item.is_a("wrong") and words.cut(place - 2, place).says({"from"}):
+            yield relation(mine, other, WayRelation.OPPOSITE, 0.8, item)
         if item.is_a("same_way") and "lane" not in item.low:
             yield relation(mine, other, WayRelation.SAME, 0.88, item)
         elif item.is_a("oncoming") and comes and (far or len(vehicles) > 1):
