@@ -124,7 +124,9 @@ def _pushed(clause: Clause) -> list[ContactClaim]:
 def _is_told(clause: Clause) -> bool:
     """Whether a clause without a verb of contact tells of one: "V1 was in a crash with V2", "V2 front vs V1 side"."""
     leads = {lead.low for lead, actor in clause.others if actor.vehicles}
-    into_part = any(lead.low in {"into", "in", "up", "under"} and actor.vehicles and actor.part for lead, actor in clause.others)
+    into_part = any(
+        lead.low in {"into", "in", "up", "under"} and actor.vehicles and actor.part for lead, actor in clause.others
+    )
     if any(lead.low in _VERSUS for lead, _ in clause.others) or (clause.kind in _MOVES and leads & {"into", "against"}):
         return True
     told = clause.kind in {"", "own", "do", "avoid"} and clause.words.has("collision", "head_on", "end_on")

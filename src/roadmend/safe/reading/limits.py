@@ -124,7 +124,9 @@ def _is_limit(items: Words, place: int) -> bool:
     bare &= all(item.is_a("number") or not item.is_a("name") for item in items)
     listed |= bare and place == 0
     listed |= bare and place > 0 and items.at(place - 1).low in {",", ":", ";", "(", "-"}
-    zone = (unit and (items.at(place + 2).is_a("road") or items.at(place + 2).low in {"zone", "limit"})) or after.low in {"zone", "limit"}
+    zone = (
+        unit and (items.at(place + 2).is_a("road") or items.at(place + 2).low in {"zone", "limit"})
+    ) or after.low in {"zone", "limit"}
     if (unit and listed) or zone:
         return True
     is_it = items.at(place - 1).low in {"'s", "is", "was"} and items.at(place - 2).low in {"it", "limit"}

@@ -90,16 +90,21 @@ def _manoeuvre(clause: Clause) -> tuple[Manoeuvre, float] | None:
 
 def turn_of(clause: Clause) -> tuple[Side, float, Span] | None:
     """Which way a clause says that its subject turns, how surely, and where it says so."""
-    for place, item in enumerate(clause.tail.cut(0, _REACH) if clause.kind in _TURNING or clause.lemma == "pull" else ()):
+    for place, item in enumerate(
+        clause.tail.cut(0, _REACH) if clause.kind in _TURNING or clause.lemma == "pull" else ()
+    ):
         if _is_no_turn(clause.tail, place) or clause.tail.at(place + 1).is_a("lane"):
             break
         if item.is_a("hand") and (clause.kind == "turn" or (_is_bare(clause, place))):
             return Side(item.get("hand")), 0.96, Span(clause.span.start, item.span.end)
     for place, item in enumerate(clause.tail.cut(0, 2) if clause.lemma in {"go", "head", "pull"} else ()):
-        onto = clause.tail.at(place + 1).low in {"onto", "into"}  # "drove to the left onto the main road"
-        led = (clause.tail.cut(0, place).says({"the", "from", "to"}) and not onto) or clause.tail.at(place + 1).low in word_set(
-            "no_turn_after"
-        )
+        onto = clause.tail.at(place - 1).low == "the" and clause.tail.at(place + 1).low in {
+            "onto",
+            "into",
+        }  # "to the left onto"
+        led = (clause.tail.cut(0, place).says({"the", "from", "to"}) and not onto) or clause.tail.at(
+            place + 1
+        ).low in word_set("no_turn_after")
         if item.is_a("hand") and not led and clause.kind in {"travel", "emerge"}:
             return Side(item.get("hand")), 0.85, item.span
     if clause.kind == "after":
@@ -132,7 +137,9 @@ def _is_no_turn(items: Words, place: int) -> bool:
 def _is_bare(clause: Clause, place: int) -> bool:
     """Whether a hand after "made a" is itself the turn: "making a left onto", "wanted the left at 12th"."""
     after: Item = clause.tail.at(place + 1)
-    if clause.kind in {"intend", "emerge"} and (clause.lemma == "go" or not clause.tail.at(place - 1).is_a("determiner")):
+    if (clause.kind == "intend" or clause.lemma == "pull") and (
+        clause.lemma == "go" or not clause.tail.at(place - 1).is_a("determiner")
+    ):
         return False
     return (
         not after.low

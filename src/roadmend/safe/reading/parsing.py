@@ -9,15 +9,14 @@ from dataclasses import replace
 
 from roadmend.safe.claims import Span
 from roadmend.safe.reading.clauses import NOBODY, STRIKES, Actor, Clause
-from roadmend.safe.reading.lexicon import VerbSense, word_set
+from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.mentions import Spoken
 from roadmend.safe.reading.naming import Mention, MentionKind
-from roadmend.safe.reading.referents import Referents, is_apart
-from roadmend.safe.reading.tokens import NOTHING, Item, Sentence, Words
+from roadmend.safe.reading.referents import is_apart
+from roadmend.safe.reading.subjects import Subjects
+from roadmend.safe.reading.tokens import Item, Sentence, Words
 
 _TRANSITIVE = STRIKES | {"follow", "overtake", "avoid", "see", "after", "approach", "collide", "do", "own"}
-_GOVERNING = frozenset({"intend", "begin", "avoid", "fail", "see", "say", "do", "stop", "slow", "park"})
-_STRICT = frozenset({"intend", "begin", "fail"})  # govern only with "to"
 _OBJECT_REACH = 4  # words between a verb and its object
 _PASSIVE_REACH = 4  # words between "was" and "struck"
 
@@ -33,7 +32,7 @@ def read_clauses(sentences: Sequence[Sentence], spoken: Spoken) -> tuple[Clause,
     return tuple(walker.clauses)
 
 
-class _Walker(Referents):
+class _Walker(Subjects):
     """Goes through the words of a text, and makes clauses of them."""
 
     def walk(self, sentence: Sentence, mentions: Sequence[Mention]) -> None:
@@ -68,7 +67,9 @@ class _Walker(Referents):
         """Whether "I think" stands between commas and says nothing more."""
         mention, verb = self.starts.get(place), self.items.at(place + 1).verb
         is_mine = mention is not None and mention.kind is MentionKind.SELF and mention.last == place
-        return is_mine and verb is not None and verb.kind == "say" and self.items.at(place + 2).low in {",", "", ")", "-"}
+        return (
+            is_mine and verb is not None and verb.kind == "say" and self.items.at(place + 2).low in {",", "", ")", "-"}
+        )
 
     def _keep(self, item: Item) -> None:
         """Put a word where it belongs: behind the verb, or before it."""
@@ -112,7 +113,9 @@ class _Walker(Referents):
             before.is_a("ahead", "path", "ends") and before.low.endswith("of")
         )
         leads = before.is_a("preposition", "oncoming") and not before.is_a("number") and before.low != "before"
-        compared = before.low == "than" or (before.low == "as" and self.items.cut(first - 5, first - 1).says({"same", "as"}))
+        compared = before.low == "than" or (
+            before.low == "as" and self.items.cut(first - 5, first - 1).says({"same", "as"})
+        )
         if self._is_seat(first):
             leads = False  # "some clown in a Kia pulls out"
         if related or leads or compared:
@@ -123,7 +126,7 @@ class _Walker(Referents):
             clause is not None
             and clause.object is None
             and _takes_object(clause)
-            and not self._begins(first, last)
+            and not self._begins(last)
             and self.items[first].low not in word_set("subject_pronouns")
         ):
             clause.object = actor
@@ -139,7 +142,9 @@ class _Walker(Referents):
             self._flush()
             self._wait(actor)
             self.of_head, self.before = self.before, []
-            self.head = list(early) if early.has("bound", "ramp", "oncoming") else []  # "While southbound on Main Street, my car"
+            self.head = (
+                list(early) if early.has("bound", "ramp", "oncoming") else []
+            )  # "While southbound on Main Street, my car"
         if actor.vehicles:
             self.last = actor
             self.thing = self.thing if actor.is_person else actor
@@ -149,9 +154,15 @@ class _Walker(Referents):
         """Whether somebody whom no table knows sits in a vehicle: "this joker in a Kia"."""
         mention, noun, lead = self.starts.get(first), self.items.at(first - 2), self.items.at(first - 3)
         plain = not noun.kinds and noun.low.isalpha() and noun.low.islower() and not noun.is_name
-        return mention is not None and mention.is_new and self.items.at(first - 1).low == "in" and plain and lead.is_a("determiner")
+        return (
+            mention is not None
+            and mention.is_new
+            and self.items.at(first - 1).low == "in"
+            and plain
+            and lead.is_a("determiner")
+        )
 
-    def _begins(self, first: int, last: int) -> bool:
+    def _begins(self, last: int) -> bool:
         """Whether a noun group after a verb of seeing begins a clause: "did not hear how a van came"."""
         after, kind = self.items.at(last + 1).verb, self.clause.kind if self.clause is not None else ""
         return kind in {"see", "say"} and after is not None and after.form in {"past", "s"}
@@ -204,7 +215,9 @@ class _Walker(Referents):
         be = max((at for at, each in enumerate(nearby) if each.get("auxiliary") == "be"), default=None)
         after_be = nearby.cut(be + 1) if be is not None else Words()
         is_be = be is not None and not after_be.says({",", ";"})
-        is_be &= verb.form != "past" or not after_be.has("conjunction", "preposition", "pronoun")  # "was damaged and came"
+        is_be &= verb.form != "past" or not after_be.has(
+            "conjunction", "preposition", "pronoun"
+        )  # "was damaged and came"
         by = verb.kind in STRIKES and self.items.cut(place + 1, place + 3).says({"by"})
         near = nearby.cut(max((at + 1 for at, each in enumerate(nearby) if each.low == ";"), default=0))
         is_denied = near.cut(len(near) - 3).has("negation") and verb.kind != "fail"
@@ -227,82 +240,6 @@ class _Walker(Referents):
         self._wait(None)
         self.clause, self.acted = self.clauses[-1], place + 1
         self.focus = subject if subject.vehicles else self.focus
-
-    def _after(self, place: int, verb: VerbSense) -> tuple[Actor, frozenset[str]] | None:
-        """Who stands behind the verb: "from the ramp came a van", "behind it was a bus"."""
-        mention = self.starts.get(place + 1)
-        comes = verb.kind in {"travel", "emerge", "stop", "follow", "approach"} and verb.lemma not in {"drive", "operate"}
-        opens = self.items.cut(0, 2).has("preposition", "behind") and (self.clause is None or verb.form in {"past", "s"})
-        told = self.pending is None or (bool(self.clauses) and self.clauses[-1].subject.span == self.pending.span)
-        if not told or mention is None or not comes or not opens:
-            return None
-        actor = self._resolve(mention)
-        return (actor, frozenset()) if actor.vehicles else None
-
-    def _subject(self, place: int, verb: VerbSense) -> tuple[Actor, frozenset[str]]:
-        """Who does it, and the kinds of the verbs that it depends on."""
-        old, nothing = self.clause, frozenset[str]()
-        is_owner = self.pending is not None and self.pending.part is not None
-        if is_owner and verb.form == "ing" and self._follows(place) and self.last.vehicles:
-            return self.last, nothing  # "its left side met a truck pulling a trailer"
-        if self.pending is self.road and self.road is not None and any(item.low == "," for item in self.head):
-            return self.focus, nothing  # what a road does is over
-        if self.pending is not None:
-            return self.pending, nothing
-        if old is None and verb.form == "ing" and self._follows(place) and self.last.vehicles:
-            return self.last, nothing  # "some kid in a Civic coming south"
-        is_own = self.writer and place == 0 and verb.kind in {*STRIKES, "stop", "slow"} and self.items.at(1).low not in {"me", "us"}
-        if old is None and is_own and verb.form in {"past", "both"}:
-            return replace(NOBODY, vehicles=self.writer, is_person=True), nothing  # "Hit him in the door"
-        if old is None:
-            return (NOBODY if self._is_of_thing() else self.focus), nothing
-        if self._is_reduced(place, verb, old):
-            return self.last, nothing
-        if old.kind == "see" and old.object is not None and verb.form == "ing" and self.items[place - 1].low == ",":
-            return old.object, nothing  # "I saw a van, coming from the west"
-        if (
-            old.kind in {"see", "say"}
-            and old.object is not None
-            and self.items[place - 1].is_a("auxiliary", "negation")
-        ):
-            return old.object, nothing  # "he saw that the car was stopped"
-        if old.subject is self.road and is_apart(old.tail, ",") and self.focus.vehicles:
-            return self.focus, nothing  # what a road does is over
-        if not self._governs(old, self.items[place]):
-            return old.subject, nothing
-        governed = old.governed | {old.kind}
-        if old.is_denied and old.kind in {"intend", "begin", "do"}:
-            governed |= {"avoid"}
-        if old.kind == "avoid" and (old.is_denied or "fail" in old.governed):
-            governed -= {"avoid"}  # "could not avoid striking"
-        return old.subject, governed
-
-    def _is_of_thing(self) -> bool:
-        """Whether the words before a verb name something that is no vehicle: "The storm was", "Lodge Road begins"."""
-        head = Words(self.head)
-        if any(actor.vehicles for _, actor in self.of_head):
-            return False
-        article = head.at(0).get("determiner") in {"a", "the"} and not head.at(1).is_a("hand", "bound", "lane", "part")
-        named = head.at(0).is_name and not head.at(0).kinds or (head.at(0).is_name and head.cut(1, 3).at(0).is_a("road"))
-        return article or (named and head.cut(1, 3).has("road", "auxiliary"))
-
-    def _governs(self, old: Clause, item: Item) -> bool:
-        """Whether a verb depends on the one before it: "attempted to turn", "was stopped waiting to turn"."""
-        if old.kind not in _GOVERNING or is_apart(old.tail, ",;"):
-            return False
-        loose = old.kind in _STRICT and any(each.kinds and each.low != "to" for each in old.tail)
-        return not loose and not any(actor.span.end > item.span.start for _, actor in old.others)
-
-    def _is_reduced(self, place: int, verb: VerbSense, old: Clause) -> bool:
-        """Whether the verb says something of the noun group before it: "struck V2 parked at the curb"."""
-        while place > 1 and self.items[place - 1].low in word_set("reduced_fillers"):
-            place -= 1
-        is_subject = old.subject.span == self.last.span
-        is_pronoun = self.items.at(place - 1).is_a("pronoun")
-        told_on = old.verb is not None and old.verb.form == "ing" and (is_pronoun or not old.head.has("auxiliary"))
-        if told_on and verb.form == "both" and old.subject.vehicles and old.object is not None and old.object.span == self.last.span:
-            return False  # "the man facing me started"
-        return self._follows(place) and not is_subject and verb.form in {"ing", "both", "participle"}
 
 
 def _takes_object(clause: Clause) -> bool:

@@ -64,7 +64,9 @@ def _groups(items: Words, row: Sequence[Mention]) -> Iterator[tuple[int, int]]:
 
 
 def _is_surname(item: Item, *, titled: bool) -> bool:
-    is_shown = item.is_name and item.low.isalpha() and item.low not in word_set("no_names") and (len(item.low) > 2 or titled)
+    is_shown = (
+        item.is_name and item.low.isalpha() and item.low not in word_set("no_names") and (len(item.low) > 2 or titled)
+    )
     return is_shown and (titled or not item.kinds)
 
 

@@ -18,7 +18,7 @@ _TIED = 0.7  # confidence that two who wait one behind the other are on one ramp
 _Ramps = dict[int, tuple[float, Item]]  # by vehicle: how surely it comes from a ramp, and the word for it
 
 
-def read_ramps(text: Text, contacts: Sequence[ContactClaim], ways: Sequence[object]) -> Iterator[Claim]:
+def read_ramps(text: Text, contacts: Sequence[ContactClaim], relations: Sequence[DirectionClaim]) -> Iterator[Claim]:
     """The claims of a text about who comes from a ramp, and that roads merge."""
     words = Words(item for sentence in text.sentences for item in sentence.items)
     if not words.has("ramp"):
@@ -26,9 +26,11 @@ def read_ramps(text: Text, contacts: Sequence[ContactClaim], ways: Sequence[obje
     ramps, merges = _told(text, words)
     merges |= _enters(text, words, ramps)
     on_main = {vehicle: item for clause in text.clauses for vehicle, item in _on_main(clause) if vehicle not in ramps}
-    _queue(text, ramps, on_main, _pairs(contacts, ways))
+    _queue(text, ramps, on_main, _pairs(contacts, relations))
     for vehicle, item in on_main.items():
-        yield claim(of_vehicle(vehicle, "on_ramp"), value=False, confidence=0.75, reason="it is on the main road", where=item)
+        yield claim(
+            of_vehicle(vehicle, "on_ramp"), value=False, confidence=0.75, reason="it is on the main road", where=item
+        )
     for vehicle, (sure, ramp) in ramps.items():
         path = of_vehicle(vehicle, "on_ramp")
         yield claim(path, value=True, confidence=sure, reason="it comes from a ramp", where=ramp)
@@ -98,15 +100,19 @@ def _on_main(clause: Clause) -> Iterator[tuple[int, Item]]:
             yield clause.subject.vehicles[0], item
         main = item.get("road") == "divided" or item.low.startswith("main ") or words.at(place - 1).low == "main"
         before = words.cut(place - 7, place)
-        if main and item.is_a("road") and before.says({"on", "along", "down", "in"}) and not before.says({"onto", "to"}):
+        if (
+            main
+            and item.is_a("road")
+            and before.says({"on", "along", "down", "in"})
+            and not before.says({"onto", "to"})
+        ):
             yield clause.subject.vehicles[0], item
 
 
-def _pairs(contacts: Sequence[ContactClaim], ways: Sequence[object]) -> list[tuple[int, int]]:
+def _pairs(contacts: Sequence[ContactClaim], relations: Sequence[DirectionClaim]) -> list[tuple[int, int]]:
     """Vehicles of which one is behind the other."""
     rear = [(each.striking, each.struck) for each in contacts if each.struck_side is Side.REAR]
-    told = [each for each in ways if isinstance(each, DirectionClaim) and each.relation is WayRelation.SAME]
-    return rear + [(each.first, each.second) for each in told]
+    return rear + [(each.first, each.second) for each in relations if each.relation is WayRelation.SAME]
 
 
 def _queue(text: Text, ramps: _Ramps, on_main: Mapping[int, Item], pairs: Sequence[tuple[int, int]]) -> None:

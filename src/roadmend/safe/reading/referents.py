@@ -133,7 +133,12 @@ class Referents:
             case MentionKind.POSSESSIVE:
                 owner = here if here.vehicles else self.last if self.last.span.end else focus
                 strikes = self.clause is not None and self.clause.kind in STRIKES and not self.clause.is_passive
-                if strikes and self.clause is not None and self.clause.object is None and not is_apart(self.clause.tail, ",;"):
+                if (
+                    strikes
+                    and self.clause is not None
+                    and self.clause.object is None
+                    and not is_apart(self.clause.tail, ",;")
+                ):
                     return self._but(owner.vehicles) or owner.vehicles[:1]  # "its nose went under its bumper"
                 is_self = bool(self.writer) and owner.vehicles == self.writer and self.writer[0] not in self.genders
                 return self._latest_other() if is_self and mention.is_person else owner.vehicles[:1]
@@ -177,7 +182,9 @@ class Referents:
         if (before.is_a("ahead", "behind", "beside") or before.low in word_set("towards")) and here.span.end:
             return next(((each,) for each in reversed(self.recent) if each not in here.vehicles), ())
         if before.low == "of" and self.items.at(mention.first - 2).is_a("part") and here.vehicles:
-            return next(((each,) for each in reversed(self.recent) if each not in here.vehicles), ())  # "the back of it"
+            return next(
+                ((each,) for each in reversed(self.recent) if each not in here.vehicles), ()
+            )  # "the back of it"
         is_object = self.clause is not None and self.clause.kind in _OTHERS_OBJECT
         word = self.items[mention.first].low
         is_object |= word in {"him", "them"} and bool(here.vehicles) and self.clause is not None
@@ -191,7 +198,13 @@ class Referents:
         if is_it and here.is_person and not self.last.is_person and self.last.vehicles:
             return self.last.vehicles[:1]  # "I did not see the van until it hit me"
         found = focus.vehicles or self.last.vehicles
-        if found and mention.kind is MentionKind.ONE and found == self.writer and focus.is_person and found[0] not in self.genders:
+        if (
+            found
+            and mention.kind is MentionKind.ONE
+            and found == self.writer
+            and focus.is_person
+            and found[0] not in self.genders
+        ):
             return self._latest_other()  # nobody calls himself "he"
         if mention.kind is MentionKind.ONE and not (found or self.own or self.recent) and self.count:
             return (0,)  # who is told of before a name is given

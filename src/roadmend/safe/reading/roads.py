@@ -117,7 +117,9 @@ def _worded_stem(text: Text) -> Iterator[Claim]:
         before = [clause for clause in text.clauses if clause.sentence.index <= place and clause.subject.vehicles]
         for match in found("stem_hand", each) if near and before else ():
             who, hand = before[0].subject.vehicles[0], Side(match[1].title())
-            yield claim(of_vehicle(who, "stem_hand"), hand, 0.8, "the road that ends lies on that hand", each.span(match))
+            yield claim(
+                of_vehicle(who, "stem_hand"), hand, 0.8, "the road that ends lies on that hand", each.span(match)
+            )
 
 
 def _is_of_road(told: Wording, letter: int, mentions: Sequence[Mention]) -> bool:
@@ -167,7 +169,9 @@ def _on_stem(text: Text) -> Iterator[Claim]:
             led = words.cut(place - 2, place).says(word_set("along"))
             ends = item.is_a("ends") and item.low.startswith(("ends", "ended", "dead", "terminates"))
             crosses = item.is_a("axis") and clause.kind == "approach" and clause.lemma in {"cross", "travel", "go"}
-            sure = 0.85 if item.is_a("road") and item.low in word_set("minor_roads") and clause.kind == "emerge" else 0.0
+            sure = (
+                0.85 if item.is_a("road") and item.low in word_set("minor_roads") and clause.kind == "emerge" else 0.0
+            )
             if item.low in ending and led:
                 sure = 0.9
             elif ends and words.cut(0, place).has("road", "relative"):
@@ -214,14 +218,25 @@ def _turns_off(clause: Clause, text: Text) -> Iterator[Claim]:
         turns = (
             kind == "turn" or (onto and item.low in {"onto", "on to"}) or words.cut(0, place).has("hand", "lanekind")
         )
-        if item.low in word_set("turn_targets") | {"toward", "towards"} and to_road and turns and not out & {*clause.subject.vehicles}:
+        if (
+            item.low in word_set("turn_targets") | {"toward", "towards"}
+            and to_road
+            and turns
+            and not out & {*clause.subject.vehicles}
+        ):
             yield claim("road_type", RoadType.INTERSECTION, 0.75, "a vehicle turns into another road", item)
             break
     items = clause.sentence.items
     for place, item in enumerate(items[:-1] if turn_of(clause) is not None and not out else ()):
         after = items[place + 1]
-        named = (after.is_name and not after.is_a("thing", "body", "name", "time", "determiner")) or after.low[0].isdigit()
-        if item.low in {"at", "on", "onto", "into"} and after.is_a("ordinal") and not items.at(place + 2).is_a("lane", "body"):
+        named = (after.is_name and not after.is_a("thing", "body", "name", "time", "determiner")) or after.low[
+            0
+        ].isdigit()
+        if (
+            item.low in {"at", "on", "onto", "into"}
+            and after.is_a("ordinal")
+            and not items.at(place + 2).is_a("lane", "body")
+        ):
             named = True
         elif item.low != "at":
             continue

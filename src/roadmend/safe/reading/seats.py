@@ -11,7 +11,9 @@ from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.naming import Mention, MentionKind
 from roadmend.safe.reading.tokens import Sentence, Words
 
-_DRIVES = frozenset({"travel", "turn", "stop", "slow", "emerge", "approach", "continue", "overtake", "follow", "change_lane"})
+_DRIVES = frozenset(
+    {"travel", "turn", "stop", "slow", "emerge", "approach", "continue", "overtake", "follow", "change_lane"}
+)
 _APPOSITION = 6  # words at most between two names of one vehicle
 _WITH = 5  # words between a person and the vehicle that she or he is "with"
 _REACH = 6  # words between "I" and the car that I sit in
@@ -71,7 +73,9 @@ def seat_writer(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]
                 vehicle = roll.vehicles[mention.vehicles[0]]
                 vehicle.description = replace(vehicle.description, is_own=True)
                 return
-    hitters = {vehicle for sentence, row in zip(sentences, found, strict=True) for vehicle in _hits_writer(sentence.items, row)}
+    hitters = {
+        vehicle for sentence, row in zip(sentences, found, strict=True) for vehicle in _hits_writer(sentence.items, row)
+    }
     if len(roll.vehicles) == 2 and len(hitters) == 1 and not roll.vehicles[0].description.number:
         vehicle = roll.vehicles[1 - hitters.pop()]
         vehicle.description = replace(vehicle.description, is_own=True)
@@ -114,28 +118,6 @@ def _is_struck(items: Words, mention: Mention) -> bool:
     return items[mention.first].low == "me" and before.verb is not None and before.verb.kind in STRIKES
 
 
-def lead_in(
-    sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], headlines: Sequence[bool], roll: VehicleRoll
-) -> None:
-    """Let "a driver" who strikes one of two vehicles in the first sentence be the other's."""
-    if len(roll.vehicles) != 2:
-        return
-    rows = zip(sentences, found, headlines, strict=True)
-    sentence, row = next(((each, row) for each, row, is_title in rows if not is_title and row), (None, ()))
-    struck = next((each for each in row if each.description is not None and len(each.vehicles) == 1), None)
-    person = row[0] if row else None
-    if sentence is None or struck is None or person is None or person.kind is not MentionKind.PERSON or person.vehicles:
-        return
-    between = sentence.items.cut(person.last + 1, struck.first)
-    strikes = any(item.verb is not None and item.verb.kind in STRIKES for item in between)
-    if (
-        strikes
-        and not between.has("conjunction")
-        and sentence.items[person.last].get("person") in {"driver", "someone"}
-    ):
-        person.vehicles = (1 - struck.vehicles[0],)
-
-
 def _is_of_writer(items: Words, row: Sequence[Mention]) -> bool:
     """Whether a sentence begins with what the writer does behind the wheel, with "I" or without: "Got on the freeway"."""
     opens = items.at(0)
@@ -164,17 +146,17 @@ def put_in_order(
                 else ()
             ):
                 first.setdefault(place, mention.span.start)
+    starts = [each.span.start for row in found for each in row if each.kind is MentionKind.SELF]
     rest = [place for place in range(len(roll.vehicles)) if (place,) != own]
     body = [each for is_title, row in zip(headlines, found, strict=True) for each in row if not is_title]
     others = [each.span.start for each in body if each.kind is MentionKind.OTHER and not each.vehicles]
     others += [row[0].span.start for row in found[:1] if row and row[0].kind is MentionKind.ONE and not row[0].vehicles]
-    if own and len(rest) == 1 and others and rest[0] in first:
+    if own and len(rest) == 1 and others and min(others) < min(starts, default=math.inf) and rest[0] in first:
         first[rest[0]] = min(first[rest[0]], *others)
     unnamed = own if own and own[0] not in first else ()
     titled = any(
         each.vehicles == own for is_title, row in zip(headlines, found, strict=True) for each in row if is_title
     )
-    starts = [each.span.start for row in found for each in row if each.kind is MentionKind.SELF]
     acts = [at for at, sentence in enumerate(sentences) if _is_of_writer(sentence.items, found[at])]
     if own and titled:
         first[own[0]] = -1
@@ -221,18 +203,14 @@ def seat_persons(items: Words, row: Sequence[Mention]) -> None:
         between = items.cut(one.last + 1, other.first)
         sits = 0 < len(between) <= 3 and between[-1].low in word_set("sits_in") - {"'s"}
         verb = next((item.verb.kind for item in between if item.verb is not None), "travel")
-        sits |= 0 < len(between) <= _WITH and between[-1].low == "with" and verb == "travel"  # "the driver went with a lorry"
+        sits |= (
+            0 < len(between) <= _WITH and between[-1].low == "with" and verb == "travel"
+        )  # "the driver went with a lorry"
         described = other.description
         if described is None or described.is_own or one.vehicles:
             continue
         if sits and one.kind in {MentionKind.ONE, MentionKind.PERSON}:
             one.vehicles = other.vehicles
-    for place, one in enumerate(row):  # "the woman who hit me was in a Nissan"
-        if one.kind is MentionKind.PERSON and not one.vehicles and items.at(one.last + 1).is_a("relative"):
-            seats = [each for each in row[place + 1 :] if each.description and each.vehicles]
-            led = items.cut(seats[0].first - 2, seats[0].first) if seats else Words()
-            if led.says(word_set("sits_in")) and led.at(0).get("auxiliary") == "be":
-                one.vehicles = seats[0].vehicles
 
 
 def couple(items: Words, row: Sequence[Mention]) -> None:

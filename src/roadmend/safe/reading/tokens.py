@@ -188,7 +188,12 @@ def _ends(text: str, place: int, tokens: Sequence[Token]) -> bool:
     rest = text[place + 1 :].lstrip(" )]'\n")
     if rest[:1].islower() and not _is_careless(text):
         return False
-    if tokens and tokens[-1].low == "m" and re.match(r"[A-Z]\w+", rest) and rest.split()[0].lower() in word_set("weekdays"):
+    if (
+        tokens
+        and tokens[-1].low == "m"
+        and re.match(r"[A-Z]\w+", rest)
+        and rest.split()[0].lower() in word_set("weekdays")
+    ):
         return False  # "at 3 p.m. Sunday"
     last = tokens[-1].low if tokens else ""
     is_short = last in word_set("abbreviations") or (len(last) == 1 and last.isalpha())
@@ -226,13 +231,25 @@ def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
         kinds = dict(senses().get(key, {}) or _loose_verb(taken))
         named = names().get(key, ()) if key and _may_be_name(taken) else ()
         if length == 1 and not named and not kinds and key.endswith("s") and len(key) > _JOINED:
-            named = tuple(each for each in names().get(key[:-1], ()) if taken[0].text[:1].isupper() or not each.is_everyday)  # "the altimas door"
+            named = tuple(
+                each for each in names().get(key[:-1], ()) if taken[0].text[:1].isupper() or not each.is_everyday
+            )  # "the altimas door"
         if named:
             kinds["name"] = named
         if length > 1 and "ends" in kinds:
             kinds |= {"verb": verb} if (verb := senses().get(squeeze(taken[0].low), {}).get("verb")) else {}
-        if length == 1 and "lane" in kinds and taken[0].text in _NAMED_LANES and place and tokens[place - 1].text.istitle():
-            kinds = {"road": "plain"} if not {"determiner", "preposition"} & senses().get(tokens[place - 1].low, {}).keys() else kinds
+        if (
+            length == 1
+            and "lane" in kinds
+            and taken[0].text in _NAMED_LANES
+            and place
+            and tokens[place - 1].text.istitle()
+        ):
+            kinds = (
+                {"road": "plain"}
+                if not {"determiner", "preposition"} & senses().get(tokens[place - 1].low, {}).keys()
+                else kinds
+            )
         if length == 1 and "driveway" in kinds and taken[0].text.istitle() and place:
             del kinds["driveway"]  # "Church Street", not a church
         if length == 1 and key.isdigit():
@@ -263,7 +280,9 @@ def _loose_verb(taken: Sequence[Token]) -> Senses:
     """A verb whose particle is parted from it: "ran straight into"."""
     if len(taken) <= 2 or taken[-1].low not in word_set("particles") or taken[0].low not in verb_heads():
         return {}
-    kept = [token.low for token in taken[1:-1] if token.low != "it" and "adverb" not in senses().get(squeeze(token.low), {})]
+    kept = [
+        token.low for token in taken[1:-1] if token.low != "it" and "adverb" not in senses().get(squeeze(token.low), {})
+    ]
     kinds = senses().get("".join(map(squeeze, [taken[0].low, *kept, taken[-1].low])), {})
     return kinds if "verb" in kinds else {}
 

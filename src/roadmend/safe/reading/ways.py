@@ -1,22 +1,19 @@
-"""Which way the vehicles travel, and how their ways lie to each other."""
+"""Which way the vehicles travel."""
 
 import itertools
 from collections.abc import Iterator, Sequence
 
-from roadmend.safe.claims import Claim, DirectionClaim, Span, WayRelation
+from roadmend.safe.claims import Claim, Span
 from roadmend.safe.compass import opposite
 from roadmend.safe.dsl import Position
 from roadmend.safe.reading.clauses import STRIKES, Clause
-from roadmend.safe.reading.facts import Text, claim, crash_places, direction, of_vehicle, relation, weakened
+from roadmend.safe.reading.facts import Text, claim, crash_places, direction, of_vehicle, weakened
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.manoeuvres import turn_of
 from roadmend.safe.reading.tokens import Item, Words
 
 _NOT_GOING = frozenset({*STRIKES, "collide", "turn", "uturn", "reverse", "after", "flip"})
 _SKIPPED = ("hand", "lanekind", "number", "ordinal", "determiner", "descriptor", "pronoun", "path", "stationary")
-_BEHIND = frozenset({"", "travel", "stop", "slow", "follow", "approach", "park", "change_lane", "own"})
-_IN_FRONT = frozenset({"", "stop", "slow", "travel", "park"})  # "pulled out in front of" says nothing of the way
-_LONG = 9  # letters of "opposing": shorter words for it are too common
 _REASONS = {
     "initial_position": "it is said to travel that way",
     "origin": "it is said to come from there",
@@ -26,14 +23,14 @@ _REASONS = {
 }
 
 
-def read_ways(text: Text) -> Iterator[Claim | DirectionClaim]:
+def read_ways(text: Text) -> Iterator[Claim]:
     """The claims of a text about directions of travel."""
     told = list(_told(text))
     yield from told
     yield from _unclaimed(text, told)
 
 
-def _told(text: Text) -> Iterator[Claim | DirectionClaim]:
+def _told(text: Text) -> Iterator[Claim]:
     afterwards = crash_places(text.clauses)
     sides = [side for each in text.sentences if each.items.cut(0, 4).has("driveway") for side in _sides(each.items)]
     turned: set[tuple[int, tuple[int, ...]]] = set()  # who is said to turn, by sentence
@@ -45,20 +42,13 @@ def _told(text: Text) -> Iterator[Claim | DirectionClaim]:
         if turn_of(clause) is not None:
             turned.add(who)
         yield from _from_driveway(clause, sides)
-        yield from _of_pairs(clause)
-        yield from _of_words(clause, text.count)
-    yield from _up_and_down(text)
     yield from _by_sun(text)
-    yield from _of_place(text)
     yield from _beside_mentions(text)
     for mention in itertools.chain(*text.spoken.mentions):
         for trait in mention.traits if len(mention.vehicles) == 1 else ():
-            mine, way = mention.vehicles[0], direction(trait)
-            others = [each for each in range(text.count) if each != mine]
-            if trait.is_a("oncoming") and others:
-                yield relation(others[0], mine, WayRelation.OPPOSITE, 0.85, trait)
-            if way is not None:
-                yield claim(of_vehicle(mine, "initial_position"), way, 0.93, f"it is called {trait.low}", trait)
+            if (way := direction(trait)) is not None:
+                path = of_vehicle(mention.vehicles[0], "initial_position")
+                yield claim(path, way, 0.93, f"it is called {trait.low}", trait)
 
 
 def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool, stood: bool) -> Iterator[Claim]:
@@ -157,9 +147,9 @@ def _beside_mentions(text: Text) -> Iterator[Claim]:
                 yield claim(path, way, 0.85, "it is said to travel that way", item)
 
 
-def _unclaimed(text: Text, claims: Sequence[Claim | DirectionClaim]) -> Iterator[Claim]:
+def _unclaimed(text: Text, claims: Sequence[Claim]) -> Iterator[Claim]:
     """A direction that is said of nobody: weakly, of everybody of whom none is said."""
-    known = {each.path for each in claims if isinstance(each, Claim) and each.path.endswith("initial_position")}
+    known = {each.path for each in claims if each.path.endswith("initial_position")}
     spans = {(each.where.start, each.where.end) for each in claims if isinstance(each.where, Span)}
     open_ = [each for each in range(text.count) if of_vehicle(each, "initial_position") not in known]
     for sentence in text.sentences if open_ else ():
@@ -215,19 +205,6 @@ def _of_lane(clause: Clause, items: Words, place: int, lead: str, *, is_lane: bo
     return "initial_position", 0.9 if kind not in _NOT_GOING else 0.6
 
 
-def _of_place(text: Text) -> Iterator[Claim]:
-    """Where the crash was: "the crash occurred in the northbound lanes of a divided road"."""
-    for sentence, mentions in zip(text.sentences, text.spoken.mentions, strict=True):
-        head, bound = sentence.items.cut(0, 8), [item for item in sentence.items if item.is_a("bound")]
-        told = head.has("collision") and head.says(word_set("happened")) and not sentence.items.has("axis", "junction")
-        ways = {direction(item) for item in bound}
-        for vehicle in (
-            range(text.count) if told and len(ways) == 1 and not any(each.vehicles for each in mentions) else ()
-        ):
-            path = of_vehicle(vehicle, "initial_position")
-            yield claim(path, direction(bound[0]), 0.68, "the crash was on that side of the road", bound[0])
-
-
 def _from_driveway(clause: Clause, sides: Sequence[Item]) -> Iterator[Claim]:
     """Who comes out of a driveway on the east side of a street heads west."""
     words = clause.words
@@ -250,37 +227,6 @@ def _sides(items: Words) -> list[Item]:
     return [one for one, after in pairs if one.is_a("compass") and direction(one) and after.low in {"side", "edge"}]
 
 
-def _of_pairs(clause: Clause) -> Iterator[DirectionClaim]:
-    """How two vehicles' ways lie to each other, where both are named: "V1 was behind V2"."""
-    kind, mine = clause.kind, clause.subject.vehicles[:1]
-    if not mine or clause.is_denied:
-        return
-    followed = clause.object.vehicles if clause.object is not None and kind in {"follow", "overtake"} else ()
-    faced = clause.object.vehicles if clause.object is not None and clause.lemma == "face" else ()
-    if faced and faced[0] != mine[0]:
-        yield relation(mine[0], faced[0], WayRelation.OPPOSITE, 0.8, clause.span)
-    if followed and followed[0] != mine[0]:
-        yield relation(mine[0], followed[0], WayRelation.SAME, 0.88, clause.span)
-    for lead, actor in clause.others:
-        if not actor.vehicles or actor.vehicles[0] == mine[0]:
-            continue
-        is_path = lead.is_a("path")
-        noun = (
-            bool(kind) and lead.span.end < clause.span.end and clause.span.start < lead.span.start
-        )  # "the car ahead of me"
-        beside = kind in (_IN_FRONT if is_path else _BEHIND) and clause.lemma != "come"
-        if lead.is_a("ahead", "behind") and (beside or noun):
-            yield relation(mine[0], actor.vehicles[0], WayRelation.SAME, 0.78 if is_path else 0.85, lead)
-        elif lead.is_a("beside") and kind in {"", "travel", "stop"}:
-            yield relation(mine[0], actor.vehicles[0], WayRelation.SAME, 0.75, lead)
-        elif lead.is_a("oncoming") or (lead.low in word_set("towards") and actor.part is None and kind in {"travel", "approach"}):
-            yield relation(mine[0], actor.vehicles[0], WayRelation.OPPOSITE, 0.85, lead)
-        elif (lead.low == "on" and (_is_beside(clause) or _comes_up(clause))) or (
-            lead.low in {"to", "of"} and clause.words.has("lane") and _is_beside(clause)
-        ) or (lead.low == "like" and kind in {"travel", "continue"}):
-            yield relation(mine[0], actor.vehicles[0], WayRelation.SAME, 0.75, lead)
-
-
 def _by_sun(text: Text) -> Iterator[Claim]:
     """Who has the sun in his eyes in the morning heads east."""
     low = text.summary.lower()
@@ -293,67 +239,3 @@ def _by_sun(text: Text) -> Iterator[Claim]:
         for vehicle in clause.subject.vehicles[:1] if sun and ahead is not behind else ():
             way = Position.W2E if early is ahead else Position.E2W
             yield claim(of_vehicle(vehicle, "initial_position"), way, 0.66, "the sun tells its way", clause.span)
-
-
-def _comes_up(clause: Clause) -> bool:
-    """Whether somebody comes up on another from behind."""
-    return clause.kind in {"travel", "approach"} and clause.lemma == "come" and clause.tail.at(0).low == "up"
-
-
-def _up_and_down(text: Text) -> Iterator[DirectionClaim]:
-    """One goes up and another comes down: they come towards each other."""
-    ways: dict[str, dict[int, Item]] = {"up": {}, "down": {}}
-    for clause in text.clauses:
-        first = clause.tail.at(0)
-        if clause.kind == "travel" and first.low in ways and not clause.tail.at(1).is_name:
-            for vehicle in clause.subject.vehicles[:1]:
-                ways[first.low].setdefault(vehicle, first)
-    for up, down in itertools.product(ways["up"], ways["down"]):
-        if up != down:
-            yield relation(up, down, WayRelation.OPPOSITE, 0.75, ways["down"][down])
-
-
-def _is_beside(clause: Clause) -> bool:
-    """Whether a vehicle is "on my right" while it goes the same way."""
-    on_part = clause.kind == "" and any(lead.low == "on" and actor.part is not None for lead, actor in clause.others)
-    if on_part:
-        return True  # "a van right on its bumper"
-    return clause.kind in {"", "travel", "stop"} and clause.words.has("hand") and clause.lemma not in {"come", "appear"}
-
-
-def _of_words(clause: Clause, count: int) -> Iterator[DirectionClaim]:
-    """How ways lie to each other by a clause's words: "in the same direction", "from the left"."""
-    kind, words, vehicles = clause.kind, clause.words, clause.subject.vehicles
-    if not vehicles or (clause.is_denied and kind not in {"stop", "slow"}):
-        return
-    others = [each for each in range(count) if each not in vehicles]
-    mine, other = (vehicles[0], vehicles[1]) if len(vehicles) > 1 else (vehicles[0], others[0] if others else None)
-    if other is None:
-        return
-    counts = words.has("lane") and words.has("number")  # "two lanes, and two coming the other way"
-    comes = not counts and (kind in STRIKES | {"travel", "", "approach", "drift", "collide"} or len(vehicles) > 1)
-    for place, item in enumerate(words):
-        far = len(item.low) > _LONG and not item.is_a("head_on", "wrong")
-        far |= place == 0 and words.at(1).get("auxiliary") == "be"  # "Oncoming was a van"
-        if item.is_a("beside") and len(others) == 1 and all(lead is not item for lead, _ in clause.others) and kind in {"travel", "", "drift", "change_lane"}:
-            yield relation(mine, other, WayRelation.SAME, 0.7, item)
-        bare = item.is_a("behind") and words.at(place + 1).low in {"", ",", "and"} and len(others) == 1
-        if bare and kind in _BEHIND:
-            yield relation(mine, other, WayRelation.SAME, 0.75, item)
-        if item.is_a("wrong") and item.low.endswith("lane") and item.low.split()[0] in {"my", "our", "his", "her"}:
-            kept = kind in {"stop", "park", "slow"}
-            yield relation(mine, other, WayRelation.SAME if kept else WayRelation.OPPOSITE, 0.62, item)
-        if item.is_a("wrong") and words.cut(place - 2, place).says({"from"}):
-            yield relation(mine, other, WayRelation.OPPOSITE, 0.8, item)
-        if item.is_a("same_way") and "lane" not in item.low:
-            yield relation(mine, other, WayRelation.SAME, 0.88, item)
-        elif item.is_a("oncoming") and comes and (far or len(vehicles) > 1):
-            to_me = len(vehicles) > 1 and item.low.endswith((" me", " us"))  # both come towards who watches
-            yield relation(mine, other, WayRelation.SAME if to_me else WayRelation.OPPOSITE, 0.8, item)
-        elif item.is_a("hand") and words.cut(place - 2, place).says({"from"}) and len(vehicles) == 1:
-            side = WayRelation.FROM_LEFT if item.get("hand") == "Left" else WayRelation.FROM_RIGHT
-            told = words.cut(place - 4, place)
-            if item in clause.tail and told.has("conjunction") and not told.says({"and", "but"}):
-                yield relation(mine, other, side, 0.8, item)  # "was going west when from the right a van came"
-            elif kind in {"travel", "approach", "emerge", "", "see"} or (kind in STRIKES and item in clause.head):
-                yield relation(other, mine, side, 0.8, item)
