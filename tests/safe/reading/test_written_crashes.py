@@ -8,7 +8,12 @@ import yaml
 from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.reading.reader import read_summary
 
-CASES = yaml.safe_load((Path(__file__).parent / "written_crashes.yaml").read_text())
+FOLDER = Path(__file__).parent
+CASES = [
+    case
+    for name in ("written_crashes", "retold_crashes")
+    for case in yaml.safe_load((FOLDER / f"{name}.yaml").read_text())
+]
 OPEN = "none"
 
 

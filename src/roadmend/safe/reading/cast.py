@@ -8,6 +8,7 @@ from roadmend.safe.dsl import DslModel
 from roadmend.safe.reading.lexicon import BodySense, NameSense
 
 _NAME_CONFIDENCE = 0.96
+_LIGHT = {DslModel.SEDAN, DslModel.SUV, DslModel.MINIVAN, DslModel.PICKUP}
 _PARKED = frozenset({"parked", "legally parked", "illegally parked", "unattended", "unoccupied", "double parked"})
 _GENERIC = 0.8  # a word for a body that is surer than this rules others out
 _LIKE: dict[str, set[DslModel | None]] = {
@@ -16,6 +17,7 @@ _LIKE: dict[str, set[DslModel | None]] = {
     "tractor": {DslModel.SEMI_TRUCK},
     "trailer": {DslModel.SEMI_TRUCK},
     "rig": {DslModel.SEMI_TRUCK},
+    "bus": {DslModel.SEMI_TRUCK, DslModel.MINIVAN},
 }
 
 
@@ -94,7 +96,10 @@ class Description:
             return False
         for mine in (self, other):
             theirs_ = other if mine is self else self
+            is_guess = not theirs_.bodies and all(name.model is None for name in theirs_.names)
             for sense, _ in mine.bodies:
+                if is_guess and sense.body in _LIGHT and theirs_.body()[0] in _LIGHT:
+                    continue  # "a van, a Nissan I think": a make builds several
                 theirs_body, confidence, _ = theirs_.body()
                 fits = _LIKE.get(mine.words.split(" ")[-1], {sense.body})
                 if (

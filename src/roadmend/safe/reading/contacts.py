@@ -12,8 +12,8 @@ from roadmend.safe.reading.parts import NamedPart
 from roadmend.safe.reading.tokens import Words
 
 _MOVES = frozenset({"drift", "travel", "emerge", "change_lane", "turn", "reverse", "depart", "continue"})
-_INTO = frozenset({"into", "with", "against", "vs", "versus", "along", "between", "on", "in", "of"})
-_AT = frozenset({"in", "on", "at", "to", "into", "along", "against", "with", "of", "by", "up"})
+_INTO = frozenset({"up", "under", "into", "with", "against", "vs", "versus", "along", "between", "on", "in", "of"})
+_AT = frozenset({"up", "under", "in", "on", "at", "to", "into", "along", "against", "with", "of", "by"})
 _PUSHED = frozenset({"into", "against", "onto", "on to", "in to"})
 _VERSUS = frozenset({"vs", "versus"})
 _SURE, _TOLD, _GUESSED = 0.93, 0.55, 0.7
@@ -58,6 +58,8 @@ def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
         return
     if kind not in STRIKES | {"collide"} and not _is_told(clause):
         return
+    if clause.tail.cut(0, 4).says(word_set("own_things")) and not clause.is_passive:
+        return  # "hit his head", "slammed on its brakes"
     each_other = clause.object is not None and clause.object.vehicles == me.vehicles
     met = kind == "collide" or (kind in STRIKES and clause.words.has("head_on"))
     if len(me.vehicles) > 1 and (each_other or (met and clause.object is None)):
@@ -141,7 +143,9 @@ def _pushed(clause: Clause) -> list[ContactClaim]:
 def _is_told(clause: Clause) -> bool:
     """Whether a clause without a verb of contact tells of one: "V1 was in a crash with V2", "V2 front vs V1 side"."""
     leads = {lead.low for lead, actor in clause.others if actor.vehicles}
-    into_part = any(lead.low in {"into", "in"} and actor.vehicles and actor.part for lead, actor in clause.others)
+    into_part = any(
+        lead.low in {"into", "in", "up", "under"} and actor.vehicles and actor.part for lead, actor in clause.others
+    )
     if any(lead.low in _VERSUS for lead, _ in clause.others) or (clause.kind in _MOVES and leads & {"into", "against"}):
         return True
     told = clause.kind in {"", "own", "do", "avoid"} and clause.words.has("collision", "head_on", "end_on")
@@ -164,7 +168,7 @@ def _contact(
         one = one or Side.FRONT
     elif clause.words.has("head_on"):
         one, other = one or Side.FRONT, other or Side.FRONT
-    elif kind == "strike_side" or (other is not None and kind == "strike" and not clause.is_passive):
+    elif kind == "strike_side" or (other is not None and kind == "strike"):
         one = one or Side.FRONT
     reason = f"the text says that they touched ({clause.lemma or 'told'})"
     return ContactClaim(striking, struck, one, other, 0, sure, ClaimSource.SUMMARY, reason, clause.span)

@@ -53,15 +53,21 @@ def direction(item: Item) -> Position | None:
 
 
 def crash_places(clauses: Sequence[Clause]) -> dict[int, bool]:
-    """By place of a clause: whether vehicles have touched before it."""
+    """By place of a clause: whether vehicles have touched before it; what a text begins with is told again afterwards."""
+    first = next((clause.sentence.index for clause in clauses if clause.subject.vehicles), 0)
     touched, found = False, {}
     for place, clause in enumerate(clauses):
         found[place] = touched or (clause.kind == "after" and clause.lemma != "face")
-        if clause.is_real and clause.subject.vehicles:
-            one, several = clause.kind in STRIKES, clause.kind == "collide" and len(clause.subject.vehicles) > 1
-            with_other = clause.object is not None and (one or clause.kind == "collide")
-            touched |= with_other or several or (one and (clause.is_passive or bool(clause.others)))
+        touched |= _touches(clause) and clause.sentence.index > first
     return found
+
+
+def _touches(clause: Clause) -> bool:
+    if not clause.is_real or not clause.subject.vehicles:
+        return False
+    one, several = clause.kind in STRIKES, clause.kind == "collide" and len(clause.subject.vehicles) > 1
+    with_other = clause.object is not None and (one or clause.kind == "collide")
+    return with_other or several or (one and (clause.is_passive or bool(clause.others)))
 
 
 def weakened(confidence: float, *, is_after: bool) -> float:

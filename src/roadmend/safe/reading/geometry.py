@@ -85,6 +85,8 @@ def explains(mine: StatedWay, theirs: StatedWay, front: Side | None, side: Side 
             weight += 1.2 if facing else -0.3 if crossing else -1.8
         case Side.FRONT, Side.LEFT | Side.RIGHT:
             weight += _broadside(mine, theirs, side)
+        case Side.FRONT, None:
+            weight += 0.4 * same
         case Side.REAR, Side.FRONT:
             weight += 0.8 if same else -0.5
         case _ if front in _FLANKS and side in _FLANKS:

@@ -23,7 +23,11 @@ def is_head(items: Words, place: int) -> bool:
         return _is_body(items, place)
     if not item.is_a("name") or item.is_a("mph") or after.is_a("mph", "time"):
         return False
-    if after.is_a("road") and not after.is_a("body") and not item.low[-1].isdigit():
+    if (
+        (after.is_a("road") or (after.is_a("lane") and after.is_name))
+        and not after.is_a("body")
+        and not item.low[-1].isdigit()
+    ):
         return False  # "Lincoln Avenue"
     if item.low.startswith("i ") and item.low[2:].isdigit() and len(item.low) == len("i 40"):
         return before.is_a("name")  # an interstate, if no make is named
@@ -34,7 +38,8 @@ def is_head(items: Words, place: int) -> bool:
     is_number = (
         _ROAD_NUMBER.fullmatch(squeeze(item.low)) and not before.is_a("name") and before.get("number") not in YEARS
     )
-    on_it = before.low in word_set("road_leads") or after.is_a("bound", "compass", "ramp", "road")
+    lead = items.at(place - 2) if before.low == "the" else before
+    on_it = (lead.low in word_set("road_leads") and after.low != "'s") or after.is_a("bound", "compass", "ramp", "road")
     if is_number and on_it:
         return False  # "the A4", "I-40"
     if not all(sense.is_everyday for sense in senses) and not item.is_a("verb", "bound", "weather"):
@@ -46,15 +51,7 @@ def is_head(items: Words, place: int) -> bool:
     other = ("descriptor", "verb", "preposition", "determiner", "part", "hand", "number", "lanekind", "oncoming")
     if after.is_a("body") and item.is_name and not item.is_a(*other):
         return True
-    lead = items.at(place - 2) if before.is_a("descriptor", "name") else before  # "the white Explorer"
-    chain = items.cut(place - 5, place)
-    if (
-        len(item.kinds) == 1
-        and chain.says({"in", "driving"})
-        and chain.cut(1).has("determiner")
-        and not chain.has("road")
-    ):
-        return True  # "in a beat up ranger"
+    lead = items.at(place - 2) if before.is_a("descriptor", "name", *TRAITS) else before  # "the white Explorer"
     led = lead.is_a("determiner") or lead.get("pronoun") in {"own", "its", "other"} or lead.low in {"(", "'s", "her"}
     led |= before.get("pronoun") in {"own", "its"}
     if led and item.low in word_set("models_in_small_letters") and not after.is_a("road"):
@@ -79,6 +76,10 @@ def _is_body(items: Words, place: int) -> bool:
         return False  # a truck's
     if item.is_a("verb") and not before.is_a("determiner", "descriptor", "name", "number"):
         return False  # "to crossover the road"
+    if item.is_a("part") and (
+        before.is_a("part") or before.get("pronoun") in {"its", "own"} or before.low in {"'s", "her"}
+    ):
+        return False  # "his rear hatch"
     is_compound = after.low in word_set("compound_second") or after.is_a("object")
     return not (is_compound and item.low in word_set("compound_first"))
 

@@ -193,6 +193,8 @@ def _of_sentence(sentence: Sentence) -> Iterator[LaneCount]:
     items = sentence.items
     for place, item in enumerate(items):
         number, after = item.get("number"), items.at(place + 1)
+        if item.low == "all three":
+            number = 3
         if item.low in {"a", "an"}:  # "a lane each way", "a center turn lane"
             is_each = after.is_a("lane") and items.at(place + 2).is_a("each")
             near = items.cut(place + 1, place + 4)

@@ -120,9 +120,13 @@ def _is_limit(items: Words, place: int) -> bool:
     word = min(words, key=lambda at: abs(at - place), default=None)
     distance = abs(word - place) if word is not None else 99
     listed = len(items) <= 3 or (items.has("time", "weather") and all(item.verb is None for item in items))
-    bare = items.has("lane", "road") and not items.has("thing", "body", "name", "person", "pronoun", "insured")
+    bare = items.has("lane", "road") and not items.has("thing", "body", "person", "pronoun", "insured")
+    bare &= all(item.is_a("number") or not item.is_a("name") for item in items)
+    listed |= bare and place == 0
     listed |= bare and place > 0 and items.at(place - 1).low in {",", ":", ";", "(", "-"}
-    zone = (unit and items.at(place + 2).low in {"zone", "limit", "road"}) or after.low in {"zone", "limit"}
+    zone = (
+        unit and (items.at(place + 2).is_a("road") or items.at(place + 2).low in {"zone", "limit"})
+    ) or after.low in {"zone", "limit"}
     if (unit and listed) or zone:
         return True
     is_it = items.at(place - 1).low in {"'s", "is", "was"} and items.at(place - 2).low in {"it", "limit"}
@@ -131,7 +135,7 @@ def _is_limit(items: Words, place: int) -> bool:
     of_clock = items.at(place - 1).low == ":" and items.at(place - 2).is_a("number")
     if of_clock or after.low in word_set("clock_marks"):
         return False
-    before = items.cut(place - 5, place)
+    before = items.cut(place - 8, place)
     driven = any(each.verb is not None and each.verb.kind != "own" for each in before)
     of_road = before.has("lane", "road", "divided", "each", "two_way", "middle_lane") and not driven
     is_fact = (
@@ -158,7 +162,8 @@ def _is_listed(items: Words, place: int) -> bool:
     """Whether a number stands by itself in a list of facts: "two lanes, 45", "2 lns 25"."""
     before, after = items.at(place - 1), items.at(place + 1)
     ends = after.low in {"", ",", ";", ".", ")"} or after.is_a("weather", "mph")
-    return before.low == "," or (before.is_a("lane", "each") and ends)
+    is_last = before.low == "and" and items.at(place - 2).low == "," and not after.low
+    return before.low == "," or is_last or (before.is_a("lane", "each") and ends)
 
 
 def _parted(items: Words, place: int, word: int | None) -> bool:

@@ -16,6 +16,7 @@ _SHORT = {"l": "Left", "lt": "Left", "lh": "Left", "r": "Right", "rt": "Right", 
 _OF_ANOTHER = 0.8  # of its confidence is left to what a sentence says of nobody whom it names
 _STRAYS = frozenset({"drift", "approach", "depart", "travel", "change_lane"})
 _IN_LANE = frozenset({"travel", "stop", "", "slow", "approach", "intend"})
+_TURNING = frozenset({"turn", "do", "intend"})
 _MAY_TURN = _IN_LANE | {"do", "begin", "fail", "continue", "emerge"}
 
 
@@ -44,6 +45,13 @@ def _of_clause(clause: Clause) -> Iterator[tuple[str, Action | Manoeuvre, float,
             0.86 if "stop" in governed or kind == "stop" else 0.92 if "intend" in governed or kind == "intend" else 1.0
         )
         yield "action", _TURNS[hand], min(confidence, limit), "it is said to turn, or to mean to turn, that way", span
+    elif (
+        clause.verb is not None
+        and clause.lemma == "turn"
+        and clause.verb.form != "base"
+        and clause.tail.at(0).low in word_set("turn_targets") | {"for"}
+    ):
+        yield from (("action", each, 0.76, "it is said to turn", clause.span) for each in _TURNS.values())
     if kind in {"continue", "travel", "approach"}:
         straight = next(
             (item for item in clause.tail if item.low in word_set("straight_on") or item.is_a("straight")), None
@@ -84,15 +92,21 @@ def _manoeuvre(clause: Clause) -> tuple[Manoeuvre, float] | None:
 
 def turn_of(clause: Clause) -> tuple[Side, float, Span] | None:
     """Which way a clause says that its subject turns, how surely, and where it says so."""
-    for place, item in enumerate(clause.tail.cut(0, _REACH) if clause.kind in {"turn", "do"} else ()):
+    for place, item in enumerate(
+        clause.tail.cut(0, _REACH) if clause.kind in _TURNING or clause.lemma == "pull" else ()
+    ):
         if _is_no_turn(clause.tail, place) or clause.tail.at(place + 1).is_a("lane"):
             break
-        if item.is_a("hand") and (clause.kind == "turn" or _is_bare(clause.tail, place)):
+        if item.is_a("hand") and (clause.kind == "turn" or (_is_bare(clause, place))):
             return Side(item.get("hand")), 0.96, Span(clause.span.start, item.span.end)
     for place, item in enumerate(clause.tail.cut(0, 2) if clause.lemma in {"go", "head", "pull"} else ()):
-        led = clause.tail.cut(0, place).says({"the", "from", "to"}) or clause.tail.at(place + 1).low in word_set(
-            "no_turn_after"
-        )
+        onto = clause.tail.at(place - 1).low == "the" and clause.tail.at(place + 1).low in {
+            "onto",
+            "into",
+        }  # "to the left onto"
+        led = (clause.tail.cut(0, place).says({"the", "from", "to"}) and not onto) or clause.tail.at(
+            place + 1
+        ).low in word_set("no_turn_after")
         if item.is_a("hand") and not led and clause.kind in {"travel", "emerge"}:
             return Side(item.get("hand")), 0.85, item.span
     if clause.kind == "after":
@@ -122,9 +136,13 @@ def _is_no_turn(items: Words, place: int) -> bool:
     return items.cut(place, place + 3).says(word_set("not_a_turn"))
 
 
-def _is_bare(items: Words, place: int) -> bool:
-    """Whether a hand after "made a" is itself the turn: "making a left onto"."""
-    after: Item = items.at(place + 1)
+def _is_bare(clause: Clause, place: int) -> bool:
+    """Whether a hand after "made a" is itself the turn: "making a left onto", "wanted the left at 12th"."""
+    after: Item = clause.tail.at(place + 1)
+    if (clause.kind == "intend" or clause.lemma == "pull") and (
+        clause.lemma == "go" or not clause.tail.at(place - 1).is_a("determiner")
+    ):
+        return False
     return (
         not after.low
         or after.is_a("preposition", "conjunction", "verb", "relative")

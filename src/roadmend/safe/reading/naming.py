@@ -134,6 +134,8 @@ def _numbered(items: Words, place: int) -> Mention | None:
 
 def _more_numbers(items: Words, place: int) -> Mention | None:
     at = place + 1 + (items.at(place + 1).low == "#")
+    if items.at(place).low == "+" and not items.at(at + 1).kinds:
+        return None  # "operator B + 4 pax"
     number, other = _number(items, at), ("lane", "number", "name", "body", "descriptor", "bound", "lanekind")
     if items.at(place).low not in word_set("and") or number is None or items.at(at + 1).is_a(*other):
         return None
@@ -149,6 +151,7 @@ def _described(items: Words, place: int) -> Mention | None:
         return None  # "a Mack w/ tanker"
     first, last, article, described = read_group(items, place)
     is_plural = items[last].low.endswith("s") and items[last].is_a("body") and not described.names
+    is_plural &= not (article.get("pronoun") in {"own", "its"} and items.at(last + 1).is_a("part"))  # "my trucks grill"
     if (is_plural and not items[last].low.endswith("bus")) or article.low in {"both", "two", "all"}:
         return Mention(first, last, MentionKind.BOTH, bodies=described.bodies)
     traits = tuple(item for item in items[first:place] if item.is_a(*TRAITS))
@@ -178,7 +181,7 @@ def _pronoun(items: Words, place: int) -> Mention | None:
     item, after, before = items[place], items.at(place + 1), items.at(place - 1)
     kind, person = item.get("pronoun"), item.get("person")
     if item.is_a("insured"):
-        is_self = item.get("insured") == "Self"
+        is_self = item.get("insured") == "Self" and before.low != "your"
         return Mention(place, place, MentionKind.SELF if is_self else MentionKind.OTHER, is_person=not is_self)
     if kind == "self" and not (item.low == "i" and after.is_a("number")):
         return Mention(place, place, MentionKind.SELF, is_person=True)
@@ -197,7 +200,7 @@ def _pronoun(items: Words, place: int) -> Mention | None:
     if item.low == "her" and after.is_a("part", "flank", "hand", "lane", "road"):
         kind = "its"
     if kind in {"it", "one", "its"} and item.low not in {"this", "that"}:
-        return Mention(place, place, MentionKind(kind), is_person=kind == "one")
+        return Mention(place, place, MentionKind(kind), is_person=kind == "one" or item.low in {"his", "her"})
     if item.get("thing") == "vehicles" and before.is_a("determiner"):
         return Mention(place - 1, place, MentionKind.BOTH)
     if (item.is_a("thing") and len(item.low) > 3) or (item.low == "one" and before.low in word_set("colours")):

@@ -9,15 +9,14 @@ from dataclasses import replace
 
 from roadmend.safe.claims import Span
 from roadmend.safe.reading.clauses import NOBODY, STRIKES, Actor, Clause
-from roadmend.safe.reading.lexicon import VerbSense, word_set
+from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.mentions import Spoken
-from roadmend.safe.reading.naming import Mention
-from roadmend.safe.reading.referents import Referents, is_apart
-from roadmend.safe.reading.tokens import NOTHING, Item, Sentence, Words
+from roadmend.safe.reading.naming import Mention, MentionKind
+from roadmend.safe.reading.referents import is_apart
+from roadmend.safe.reading.subjects import Subjects
+from roadmend.safe.reading.tokens import Item, Sentence, Words
 
 _TRANSITIVE = STRIKES | {"follow", "overtake", "avoid", "see", "after", "approach", "collide", "do", "own"}
-_GOVERNING = frozenset({"intend", "begin", "avoid", "fail", "see", "say", "do", "stop", "slow", "park"})
-_STRICT = frozenset({"intend", "begin", "fail"})  # govern only with "to"
 _OBJECT_REACH = 4  # words between a verb and its object
 _PASSIVE_REACH = 4  # words between "was" and "struck"
 
@@ -25,19 +24,26 @@ _PASSIVE_REACH = 4  # words between "was" and "struck"
 def read_clauses(sentences: Sequence[Sentence], spoken: Spoken) -> tuple[Clause, ...]:
     """The clauses of a text, in its order."""
     walker = _Walker(len(spoken.roll.vehicles), spoken.roll.own())
+    rows = zip(sentences, spoken.mentions, strict=True)
+    if not any(sentence.items[each.first].get("pronoun") in {"self", "own"} for sentence, row in rows for each in row):
+        walker.writer = ()  # whom an insurer calls its insured is "he"
     for sentence, mentions in zip(sentences, spoken.mentions, strict=True):
         walker.walk(sentence, mentions)
     return tuple(walker.clauses)
 
 
-class _Walker(Referents):
+class _Walker(Subjects):
     """Goes through the words of a text, and makes clauses of them."""
 
     def walk(self, sentence: Sentence, mentions: Sequence[Mention]) -> None:
         self._begin(sentence, mentions)
+        self.before: list[tuple[Item, Actor]] = []
         self.clause, self.acted, place = None, 0, 0
         self._wait(None)
         while place < len(self.items):
+            if self._is_aside(place):
+                place += 2
+                continue
             group = self._group(place)
             if group is not None:
                 self._place(place, *group)
@@ -56,6 +62,14 @@ class _Walker(Referents):
                 self._keep(self.items[place])
             place += 1
         self._flush()
+
+    def _is_aside(self, place: int) -> bool:
+        """Whether "I think" stands between commas and says nothing more."""
+        mention, verb = self.starts.get(place), self.items.at(place + 1).verb
+        is_mine = mention is not None and mention.kind is MentionKind.SELF and mention.last == place
+        return (
+            is_mine and verb is not None and verb.kind == "say" and self.items.at(place + 2).low in {",", "", ")", "-"}
+        )
 
     def _keep(self, item: Item) -> None:
         """Put a word where it belongs: behind the verb, or before it."""
@@ -99,7 +113,12 @@ class _Walker(Referents):
             before.is_a("ahead", "path", "ends") and before.low.endswith("of")
         )
         leads = before.is_a("preposition", "oncoming") and not before.is_a("number") and before.low != "before"
-        if related or leads:
+        compared = before.low == "than" or (
+            before.low == "as" and self.items.cut(first - 5, first - 1).says({"same", "as"})
+        )
+        if self._is_seat(first):
+            leads = False  # "some clown in a Kia pulls out"
+        if related or leads or compared:
             self._bring(before, actor)
         elif before.low in {"and", "&", "/", "or"} and self._joins(first, last, actor):
             return
@@ -107,6 +126,7 @@ class _Walker(Referents):
             clause is not None
             and clause.object is None
             and _takes_object(clause)
+            and not self._begins(last)
             and self.items[first].low not in word_set("subject_pronouns")
         ):
             clause.object = actor
@@ -121,17 +141,39 @@ class _Walker(Referents):
             early = Words(self.head if clause is None and self.pending is None else ())
             self._flush()
             self._wait(actor)
-            self.head = list(early) if early.has("bound", "ramp") else []  # "While southbound on Main Street, my car"
+            self.of_head, self.before = self.before, []
+            self.head = (
+                list(early) if early.has("bound", "ramp", "oncoming") else []
+            )  # "While southbound on Main Street, my car"
         if actor.vehicles:
             self.last = actor
+            self.thing = self.thing if actor.is_person else actor
             self.recent.extend(actor.vehicles)
+
+    def _is_seat(self, first: int) -> bool:
+        """Whether somebody whom no table knows sits in a vehicle: "this joker in a Kia"."""
+        mention, noun, lead = self.starts.get(first), self.items.at(first - 2), self.items.at(first - 3)
+        plain = not noun.kinds and noun.low.isalpha() and noun.low.islower() and not noun.is_name
+        return (
+            mention is not None
+            and mention.is_new
+            and self.items.at(first - 1).low == "in"
+            and plain
+            and lead.is_a("determiner")
+        )
+
+    def _begins(self, last: int) -> bool:
+        """Whether a noun group after a verb of seeing begins a clause: "did not hear how a van came"."""
+        after, kind = self.items.at(last + 1).verb, self.clause.kind if self.clause is not None else ""
+        return kind in {"see", "say"} and after is not None and after.form in {"past", "s"}
 
     def _leads_in(self, first: int) -> bool:
         """Whether the sentence begins with a participle whose subject comes now."""
         opens = self.items.at(0).verb or (self.items.at(1).verb if self.items.at(0).is_a("conjunction") else None)
         alone = len([each for each in self.clauses if each.sentence is self.sentence]) == 1
         leads = opens is not None and opens.form == "ing" and alone and self.clauses[-1].verb is opens
-        return leads and self.clause is self.clauses[-1] and self.items.at(first - 1).low == ","
+        lead = self.items.at(first - 1)  # "Coming the other way was a van"
+        return leads and self.clause is self.clauses[-1] and (lead.low == "," or lead.get("auxiliary") == "be")
 
     def _bring(self, preposition: Item, actor: Actor) -> None:
         if self.clause is not None:
@@ -139,6 +181,8 @@ class _Walker(Referents):
         elif self.pending is not None:
             self.head.append(preposition)
             self.of_head.append((preposition, actor))
+        elif preposition.is_a("ahead", "behind", "beside"):
+            self.before = [(preposition, actor)]  # "Behind him a van wanted to turn"
 
     def _joins(self, first: int, last: int, actor: Actor) -> bool:
         """Join "and V2" to what stands before it, unless it begins a clause of its own."""
@@ -171,7 +215,9 @@ class _Walker(Referents):
         be = max((at for at, each in enumerate(nearby) if each.get("auxiliary") == "be"), default=None)
         after_be = nearby.cut(be + 1) if be is not None else Words()
         is_be = be is not None and not after_be.says({",", ";"})
-        is_be &= verb.form != "past" or not after_be.has("conjunction")  # "was damaged and came"
+        is_be &= verb.form != "past" or not after_be.has(
+            "conjunction", "preposition", "pronoun"
+        )  # "was damaged and came"
         by = verb.kind in STRIKES and self.items.cut(place + 1, place + 3).says({"by"})
         near = nearby.cut(max((at + 1 for at, each in enumerate(nearby) if each.low == ";"), default=0))
         is_denied = near.cut(len(near) - 3).has("negation") and verb.kind != "fail"
@@ -179,6 +225,7 @@ class _Walker(Referents):
             near.cut(len(near) - 2).says({"would", "could", "might"}) and near.at(len(near) - 1).low == "have"
         )
         is_denied |= missed and verb.kind in STRIKES | {"collide"}
+        is_denied |= near.cut(len(near) - 3).says({"if"}) and near.says({"as"})  # "slowed as if to turn"
         is_denied |= verb.kind == "avoid" and old is not None and self.pending is None and old.kind == "fail"
         start = subject.span.start if subject.span.end and subject.span.start >= self.sentence.span.start else None
         self.clauses.append(
@@ -197,65 +244,6 @@ class _Walker(Referents):
         self._wait(None)
         self.clause, self.acted = self.clauses[-1], place + 1
         self.focus = subject if subject.vehicles else self.focus
-
-    def _after(self, place: int, verb: VerbSense) -> tuple[Actor, frozenset[str]] | None:
-        """Who stands behind the verb: "from the ramp came a van", "behind it was a bus"."""
-        mention = self.starts.get(place + 1)
-        first = self.items.at(0) if self.clause is None else NOTHING
-        comes = verb.lemma in {"come", "emerge", "appear", "follow", "approach", "be", "stand", "sit"}
-        if self.pending is not None or mention is None or not comes or not first.is_a("preposition", "behind"):
-            return None
-        actor = self._resolve(mention)
-        return (actor, frozenset()) if actor.vehicles else None
-
-    def _subject(self, place: int, verb: VerbSense) -> tuple[Actor, frozenset[str]]:
-        """Who does it, and the kinds of the verbs that it depends on."""
-        old, nothing = self.clause, frozenset[str]()
-        is_owner = self.pending is not None and self.pending.part is not None
-        if is_owner and verb.form == "ing" and self._follows(place) and self.last.vehicles:
-            return self.last, nothing  # "its left side met a truck pulling a trailer"
-        if self.pending is self.road and self.road is not None and any(item.low == "," for item in self.head):
-            return self.focus, nothing  # what a road does is over
-        if self.pending is not None:
-            return self.pending, nothing
-        if old is None and verb.form == "ing" and self._follows(place) and self.last.vehicles:
-            return self.last, nothing  # "some kid in a Civic coming south"
-        if old is None:
-            return self.focus, nothing
-        if self._is_reduced(place, verb, old):
-            return self.last, nothing
-        if old.kind == "see" and old.object is not None and verb.form == "ing" and self.items[place - 1].low == ",":
-            return old.object, nothing  # "I saw a van, coming from the west"
-        if (
-            old.kind in {"see", "say"}
-            and old.object is not None
-            and self.items[place - 1].is_a("auxiliary", "negation")
-        ):
-            return old.object, nothing  # "he saw that the car was stopped"
-        if old.subject is self.road and is_apart(old.tail, ",") and self.focus.vehicles:
-            return self.focus, nothing  # what a road does is over
-        if not self._governs(old, self.items[place]):
-            return old.subject, nothing
-        governed = old.governed | {old.kind}
-        if old.is_denied and old.kind in {"intend", "begin", "do"}:
-            governed |= {"avoid"}
-        if old.kind == "avoid" and (old.is_denied or "fail" in old.governed):
-            governed -= {"avoid"}  # "could not avoid striking"
-        return old.subject, governed
-
-    def _governs(self, old: Clause, item: Item) -> bool:
-        """Whether a verb depends on the one before it: "attempted to turn", "was stopped waiting to turn"."""
-        if old.kind not in _GOVERNING or is_apart(old.tail, ",;"):
-            return False
-        loose = old.kind in _STRICT and any(each.kinds and each.low != "to" for each in old.tail)
-        return not loose and not any(actor.span.end > item.span.start for _, actor in old.others)
-
-    def _is_reduced(self, place: int, verb: VerbSense, old: Clause) -> bool:
-        """Whether the verb says something of the noun group before it: "struck V2 parked at the curb"."""
-        while place > 1 and self.items[place - 1].low in word_set("reduced_fillers"):
-            place -= 1
-        is_subject = old.subject.span == self.last.span
-        return self._follows(place) and not is_subject and verb.form in {"ing", "both", "participle"}
 
 
 def _takes_object(clause: Clause) -> bool:
@@ -284,6 +272,8 @@ def _is_verb(items: Words, place: int, *, after_actor: bool) -> bool:
         return led and goes and not after.is_a("hand", "lane")
     counted = before.is_a("determiner") and not before.is_a("number")  # not the "two" of "unit two struck"
     owned = counted or before.get("pronoun") in {"its", "own"}
+    if owned and verb.form == "ing" and after.is_a("part", "flank"):
+        return False  # "his sliding door"
     if owned and verb.form != "ing" and before.low not in word_set("loose_determiners"):
         return False
     if verb.form in {"base", "s"}:

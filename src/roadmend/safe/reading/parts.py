@@ -41,7 +41,9 @@ def read_part(items: Words, place: int, *, is_led: bool) -> tuple[NamedPart, int
         elif item.is_a("part"):
             is_flank |= item.get("part") == "Side"
             ends += [item.get("part")] if item.get("part") in {"Front", "Rear"} else []
-        elif item.low in {"most", "/", "-"} and at > place and items.at(at + 1).is_a("part", "hand"):
+        elif (item.low == "sliding" or (item.low in {"most", "/", "-"} and at > place)) and items.at(at + 1).is_a(
+            "part", "hand"
+        ):
             continue
         else:
             break

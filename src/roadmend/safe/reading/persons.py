@@ -36,7 +36,7 @@ def seat_by_role(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention
                 continue
             if not mention.vehicles:
                 mention.vehicles = roles.get(item.low, ()) if not mention.is_new else ()
-            if not mention.vehicles and (mention.is_new or item.is_name):
+            if not mention.vehicles:
                 mention.vehicles = _vehicle_of(sentence.items, row, mention.last)
             if mention.vehicles:
                 roles.setdefault(item.low, mention.vehicles)
@@ -64,7 +64,9 @@ def _groups(items: Words, row: Sequence[Mention]) -> Iterator[tuple[int, int]]:
 
 
 def _is_surname(item: Item, *, titled: bool) -> bool:
-    is_shown = item.is_name and item.low.isalpha() and (len(item.low) > 2 or titled)
+    is_shown = (
+        item.is_name and item.low.isalpha() and item.low not in word_set("no_names") and (len(item.low) > 2 or titled)
+    )
     return is_shown and (titled or not item.kinds)
 
 

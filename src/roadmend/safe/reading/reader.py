@@ -20,6 +20,8 @@ from roadmend.safe.reading.limits import PostedLimit, claim_limits, read_limits
 from roadmend.safe.reading.manoeuvres import read_manoeuvres
 from roadmend.safe.reading.mentions import find_mentions
 from roadmend.safe.reading.parsing import read_clauses
+from roadmend.safe.reading.ramps import read_ramps
+from roadmend.safe.reading.relations import read_relations
 from roadmend.safe.reading.roads import read_roads
 from roadmend.safe.reading.surroundings import read_surroundings
 from roadmend.safe.reading.tokens import Sentence, read_sentences
@@ -74,8 +76,21 @@ def read_claims(summary: str) -> SummaryClaims | None:
         return None
     text = Text(summary, sentences, spoken, read_clauses(sentences, spoken))
     contacts, limits = read_contacts(text), read_limits(text)
-    claims: list[AnyClaim] = [*_models(text), *read_ways(text), *read_manoeuvres(text), *contacts, *read_roads(text)]
-    claims += [*read_lanes(text), *claim_limits(text, limits), *read_surroundings(text)]
+    relations = tuple(read_relations(text))
+    claims: list[AnyClaim] = [
+        *_models(text),
+        *read_ways(text),
+        *relations,
+        *read_manoeuvres(text),
+        *contacts,
+        *read_roads(text),
+    ]
+    claims += [
+        *read_ramps(text, contacts, relations),
+        *read_lanes(text),
+        *claim_limits(text, limits),
+        *read_surroundings(text),
+    ]
     cast = tuple(_member(vehicle) for vehicle in spoken.roll.vehicles)
     return SummaryClaims(text, cast, tuple(claims), limits, _kept(text, contacts), _others(text))
 

@@ -19,6 +19,7 @@ class Referents:
 
     def __init__(self, count: int, own: tuple[int, ...]) -> None:
         self.count, self.own = count, own
+        self.writer = own  # who says "I"
         self.clauses: list[Clause] = []
         self.clause: Clause | None = None
         self.pending: Actor | None = None  # a subject that waits for its verb
@@ -26,7 +27,9 @@ class Referents:
         self.focus = replace(NOBODY, vehicles=own, is_person=True) if own else NOBODY
         self.road: Actor | None = None  # of which a relative clause speaks
         self.last = NOBODY  # the last one spoken of
+        self.thing = NOBODY  # the last one spoken of that is no person
         self.genders: dict[int, str] = {}  # of who drives
+        self.persons: set[int] = set()  # whose gender a noun has told
         self.recent: list[int] = []  # vehicles in the order in which they were spoken of
         self.items = Words()
         self.starts: dict[int, Mention] = {}
@@ -97,21 +100,27 @@ class Referents:
         """Which vehicles a mention means here."""
         word = self.items.cut(mention.first, mention.last + 1).first("gender")
         gender = word.get("gender") if word is not None else ""
-        vehicles = mention.vehicles or self._of_gender(self._meant(mention), gender)
+        here = self.clause.subject if self.clause is not None else self.pending
+        is_weak = mention.kind is MentionKind.POSSESSIVE and not (here is not None and here.vehicles)
+        vehicles = mention.vehicles or self._of_gender(self._meant(mention), gender, is_weak=is_weak)
         if len(vehicles) == 1 and gender:
             self.genders.setdefault(vehicles[0], gender)
+            self.persons |= {*vehicles} if mention.kind is MentionKind.PERSON and mention.vehicles else set()
         return Actor(vehicles, None, mention.is_person, mention.span, gender)
 
-    def _of_gender(self, vehicles: tuple[int, ...], gender: str) -> tuple[int, ...]:
+    def _of_gender(self, vehicles: tuple[int, ...], gender: str, *, is_weak: bool) -> tuple[int, ...]:
         """The same, unless it is known that a man drives and "she" is spoken of."""
-        if len(vehicles) != 1 or not gender or self.genders.get(vehicles[0], gender) == gender:
+        if len(vehicles) != 1 or not gender or self.genders.get(vehicles[0]) == gender:
             return vehicles
         same = [each for each, known in self.genders.items() if known == gender]
+        if vehicles[0] not in self.genders:
+            is_sure = self.persons == set(same) or is_weak
+            return (same[0],) if len(same) == 1 and is_sure else vehicles
         return (same[-1],) if same else self._but(vehicles)
 
     def _meant(self, mention: Mention) -> tuple[int, ...]:
         here = (self.clause.subject if self.clause is not None else self.pending) or NOBODY
-        focus = here if here.span.end else self.focus
+        focus = here if here.vehicles else self.focus
         match mention.kind:
             case MentionKind.IT if self.items[mention.first].is_a("pronoun") and self.items[mention.first].get(
                 "pronoun"
@@ -122,7 +131,17 @@ class Referents:
             case MentionKind.OTHER:
                 return self._but(focus.vehicles)
             case MentionKind.POSSESSIVE:
-                return (here if here.vehicles else self.last if self.last.span.end else focus).vehicles[:1]
+                owner = here if here.vehicles else self.last if self.last.span.end else focus
+                strikes = self.clause is not None and self.clause.kind in STRIKES and not self.clause.is_passive
+                if (
+                    strikes
+                    and self.clause is not None
+                    and self.clause.object is None
+                    and not is_apart(self.clause.tail, ",;")
+                ):
+                    return self._but(owner.vehicles) or owner.vehicles[:1]  # "its nose went under its bumper"
+                is_self = bool(self.writer) and owner.vehicles == self.writer and self.writer[0] not in self.genders
+                return self._latest_other() if is_self and mention.is_person else owner.vehicles[:1]
             case MentionKind.ONE if self.items[mention.first].low == "they" and self._meets(mention.last + 1):
                 return self._both(mention)
             case MentionKind.IT | MentionKind.ONE | MentionKind.PERSON if not mention.is_new:
@@ -160,17 +179,40 @@ class Referents:
         is_it = mention.kind is MentionKind.IT
         if is_it and mention.last > mention.first and after.is_a("ahead", "behind"):
             return ()  # "the vehicle in front of him"
-        if before.is_a("ahead", "behind", "beside") and here.span.end:
+        if (before.is_a("ahead", "behind", "beside") or before.low in word_set("towards")) and here.span.end:
             return next(((each,) for each in reversed(self.recent) if each not in here.vehicles), ())
+        if before.low == "of" and self.items.at(mention.first - 2).is_a("part") and here.vehicles:
+            return next(
+                ((each,) for each in reversed(self.recent) if each not in here.vehicles), ()
+            )  # "the back of it"
         is_object = self.clause is not None and self.clause.kind in _OTHERS_OBJECT
-        is_object &= self.items[mention.first].low not in word_set("subject_pronouns")
+        word = self.items[mention.first].low
+        is_object |= word in {"him", "them"} and bool(here.vehicles) and self.clause is not None
+        is_object &= word not in word_set("subject_pronouns")
         if self.clause is not None and is_object and here.span.end and not is_apart(self.clause.tail, ",;"):
             is_known = bool(self.last.span.end) and self.last.vehicles != here.vehicles
             return self.last.vehicles if is_known else self._but(here.vehicles)
+        is_mine = bool(self.writer) and focus.is_person and focus.vehicles == self.writer
+        if is_it and is_mine and self.thing.vehicles and mention.kind is MentionKind.IT:
+            return self.thing.vehicles[:1]  # "I supposed it was parked"
         if is_it and here.is_person and not self.last.is_person and self.last.vehicles:
             return self.last.vehicles[:1]  # "I did not see the van until it hit me"
         found = focus.vehicles or self.last.vehicles
+        if (
+            found
+            and mention.kind is MentionKind.ONE
+            and found == self.writer
+            and focus.is_person
+            and found[0] not in self.genders
+        ):
+            return self._latest_other()  # nobody calls himself "he"
+        if mention.kind is MentionKind.ONE and not (found or self.own or self.recent) and self.count:
+            return (0,)  # who is told of before a name is given
         return found if mention.kind is MentionKind.ONE and len(found) > 1 else found[:1]
+
+    def _latest_other(self) -> tuple[int, ...]:
+        """The vehicle that was spoken of last and is not the writer's."""
+        return next(((each,) for each in reversed(self.recent) if (each,) != self.own), self._but(self.own))
 
 
 def is_apart(words: Words, marks: str) -> bool:

@@ -7,6 +7,7 @@ from roadmend.safe.dsl import Compass, Control, RoadType, Side
 from roadmend.safe.reading.clauses import Clause
 from roadmend.safe.reading.facts import Text, claim, of_vehicle
 from roadmend.safe.reading.lexicon import word_set
+from roadmend.safe.reading.manoeuvres import turn_of
 from roadmend.safe.reading.naming import Mention, MentionKind
 from roadmend.safe.reading.tokens import Item, Words
 from roadmend.safe.reading.wording import Wording, found, wording
@@ -15,7 +16,6 @@ _SIDES = {"N": Compass.NORTH, "S": Compass.SOUTH, "E": Compass.EAST, "W": Compas
 _CONTROLS = {"stop_sign": Control.STOP_SIGN, "yield_sign": Control.YIELD_SIGN, "signal": Control.SIGNAL}
 _NEAR = 5  # words
 _ON_ROAD = frozenset({"", "travel", "approach", "emerge", "turn", "stop", "continue"})
-_JOINING = _ON_ROAD | {"change_lane", "intend", "drift", "begin", "do", "depart", "continue", "slow", "follow"}
 _AT_DRIVEWAY = frozenset({"emerge", "turn", "reverse", "depart", "begin", "travel", "intend", "do"})
 
 
@@ -29,7 +29,6 @@ def read_roads(text: Text) -> Iterator[Claim]:
             yield from _stem(sentence.items, place)
             yield from _corner(sentence.items, place)
     yield from _worded_stem(text)
-    yield from _ramps(text)
     yield from _on_stem(text)
     yield from _single_on_stem(text)
     for clause in text.clauses:
@@ -90,7 +89,8 @@ def _stem(items: Words, place: int) -> Iterator[Claim]:
             yield claim("road_type", RoadType.T_INTERSECTION, 0.85, "a road joins from one side", span)
             break
     near, meets = items.cut(place - 6, place), item.low.startswith(("stops", "meets", "joins"))
-    ends = item.is_a("ends") and not meets and (near.has("road") or any(each.is_name for each in near))
+    is_it = before.low == "it" and any(each.is_name and not each.kinds for each in items.cut(1, place))
+    ends = item.is_a("ends") and not meets and (near.has("road") or any(each.is_name for each in near) or is_it)
     if ends or (item.low in {"ends", "ends there"} and items.cut(0, place).has("road")):
         yield claim("road_type", RoadType.T_INTERSECTION, 0.85, "a road ends there", item)
 
@@ -114,13 +114,23 @@ def _worded_stem(text: Text) -> Iterator[Claim]:
                 continue
             side = _SIDES.get(match[1][0].upper())
             yield claim("stem_direction", side, 0.8 if near else 0.6, "the road that ends lies there", each.span(match))
+        before = [clause for clause in text.clauses if clause.sentence.index <= place and clause.subject.vehicles]
+        for match in found("stem_hand", each) if near and before else ():
+            who, hand = before[0].subject.vehicles[0], Side(match[1].title())
+            yield claim(
+                of_vehicle(who, "stem_hand"), hand, 0.8, "the road that ends lies on that hand", each.span(match)
+            )
 
 
 def _is_of_road(told: Wording, letter: int, mentions: Sequence[Mention]) -> bool:
     """Whether it is a road that ends there, and no vehicle, lane or ramp."""
     at, before = told.item(letter), told.items.cut(0, told.item(letter))
     vehicle = max((each.last for each in mentions if each.last < at and each.kind is not MentionKind.IT), default=-1)
-    named = (place for place, each in enumerate(before) if each.is_a("road") or (each.is_name and not each.kinds))
+    named = (
+        place
+        for place, each in enumerate(before)
+        if each.is_a("road") or (each.is_name and (each.is_a("lane") or not each.kinds))
+    )
     road = max(named, default=-1)
     pronoun = not mentions and not before.has("ramp", "lane")
     near = before.cut(len(before) - 4)
@@ -159,7 +169,9 @@ def _on_stem(text: Text) -> Iterator[Claim]:
             led = words.cut(place - 2, place).says(word_set("along"))
             ends = item.is_a("ends") and item.low.startswith(("ends", "ended", "dead", "terminates"))
             crosses = item.is_a("axis") and clause.kind == "approach" and clause.lemma in {"cross", "travel", "go"}
-            sure = 0.0
+            sure = (
+                0.85 if item.is_a("road") and item.low in word_set("minor_roads") and clause.kind == "emerge" else 0.0
+            )
             if item.low in ending and led:
                 sure = 0.9
             elif ends and words.cut(0, place).has("road", "relative"):
@@ -194,69 +206,6 @@ def _single_on_stem(text: Text) -> Iterator[Claim]:
         yield claim(of_vehicle(0, "on_stem"), value=True, confidence=0.75, reason="it is alone", where=None)
 
 
-def _ramps(text: Text) -> Iterator[Claim]:
-    """Vehicles that come from a ramp."""
-    ramps: dict[int, tuple[float, Item]] = {}
-    words = [item for sentence in text.sentences for item in sentence.items]
-    is_freeway = any(item.get("road") == "divided" for item in words) and not any(i.get("ramp") == "off" for i in words)
-    merges = any(item.get("ramp") == "on" for item in words) or (is_freeway and any(i.is_a("ramp") for i in words))
-    joins = any(item.verb is not None and item.verb.lemma in {"merge", "join"} for item in words)
-    for clause in text.clauses:
-        ramp = clause.words.first("ramp")
-        merges |= clause.kind == "change_lane" and clause.lemma in {"merge", "join"}
-        merges |= any(item.get("ramp") == "on" for item in clause.tail) and bool(clause.subject.vehicles)
-        merging = clause.kind == "change_lane" and clause.lemma in {"merge", "join"} and bool(clause.subject.vehicles)
-        if ramp is None and merging and any(i.is_a("ramp") for i in words) and clause.subject.vehicles[0] not in ramps:
-            ramps[clause.subject.vehicles[0]] = (0.7, next(i for i in words if i.is_a("ramp")))
-        freeway = next((i for i in clause.tail.cut(1, 5) if i.get("road") == "divided"), None)
-        if merging and freeway is not None and clause.tail[0].low in word_set("turn_targets") - {"down", "to"}:
-            merges = True  # "merging onto the freeway": there is no other way onto it
-            ramps.setdefault(clause.subject.vehicles[0], (0.7, freeway))
-        from_it = clause.kind == "depart" and clause.lemma in {"come", "leave"}  # "came off the ramp"
-        merges |= from_it and ramp is not None
-        if ramp is not None and not joins and any(i.get("ramp") == "off" for i in words):
-            continue
-        is_off = ramp is not None and ramp.get("ramp") == "off" and not (joins and clause.lemma in {"come", "get"})
-        is_joining = clause.kind in _JOINING or (clause.kind == "see" and ramp in clause.head)
-        if ramp is None or not is_joining or is_off or not clause.subject.vehicles:
-            continue
-        place = clause.words.index(ramp)
-        led = {each.low for each in clause.words.cut(place - _NEAR, place)}
-        if led & word_set("near_ramp") or ("by" in led and "lane" in led):
-            continue
-        led |= {"on"} if clause.lemma == "be" and clause.kind == "travel" and place <= _NEAR else set()
-        enters = bool(led & word_set("ramp_entered")) and not led & {"from", "on", "along", "of"}
-        uses = bool(led & word_set("ramp_used")) or (not enters and "lane" in led)
-        uses |= "of" in led and bool(led & {"end", "top", "foot", "tip", "bottom"})
-        enters |= clause.kind == "approach" and not uses
-        merges |= bool(led & {"off", "down"})
-        sure, vehicle = 0.35 if enters else 0.9 if ramp.get("ramp") == "on" else 0.75, clause.subject.vehicles[0]
-        ramps[vehicle] = max(ramps.get(vehicle, (0.0, ramp)), (sure, ramp), key=lambda each: each[0])
-    near = next((item for sentence in text.sentences for item in sentence.items if item.is_a("ramp")), None)
-    for clause in text.clauses if near is not None and near.get("ramp") != "off" else ():
-        onto = not clause.tail.cut(0, 1).has("junction") and (
-            clause.tail.cut(0, 3).has("road") or clause.tail.at(0).low in {"", ","}
-        )
-        if near is not None and clause.lemma == "enter" and onto and clause.subject.vehicles:
-            ramps.setdefault(clause.subject.vehicles[0], (0.72, near))
-            merges = True
-    halted = {place for clause in text.clauses if clause.kind in {"stop", "slow"} for place in clause.subject.vehicles}
-    for clause in text.clauses:  # who comes up behind one that waits on a ramp is on it, too
-        for lead, actor in clause.others if clause.kind in {"", "follow", "travel", "stop"} else ():
-            queued = (
-                lead.is_a("behind") and actor.vehicles and actor.vehicles[0] in ramps and actor.vehicles[0] in halted
-            )
-            if queued and clause.subject.vehicles and not clause.words.has("lane"):
-                ramps.setdefault(clause.subject.vehicles[0], (0.7, lead))
-    for vehicle, (sure, ramp) in ramps.items():
-        yield claim(
-            of_vehicle(vehicle, "on_ramp"), value=True, confidence=sure, reason="it comes from a ramp", where=ramp
-        )
-        if sure > 0.5:
-            kind_sure = min(0.97, sure + 0.1) if merges else sure - 0.1
-            yield claim("road_type", RoadType.MERGING, kind_sure, "a vehicle joins from a ramp", ramp)
-
-
 def _turns_off(clause: Clause, text: Text) -> Iterator[Claim]:
     """Who turns into another road, and who comes out of a driveway or turns into one."""
     words, kind = clause.words, clause.kind
@@ -269,18 +218,30 @@ def _turns_off(clause: Clause, text: Text) -> Iterator[Claim]:
         turns = (
             kind == "turn" or (onto and item.low in {"onto", "on to"}) or words.cut(0, place).has("hand", "lanekind")
         )
-        if item.low in word_set("turn_targets") and to_road and turns and not out & {*clause.subject.vehicles}:
+        if (
+            item.low in word_set("turn_targets") | {"toward", "towards"}
+            and to_road
+            and turns
+            and not out & {*clause.subject.vehicles}
+        ):
             yield claim("road_type", RoadType.INTERSECTION, 0.75, "a vehicle turns into another road", item)
             break
-    for place, item in enumerate(words[:-1] if kind in {"turn", "do", ""} else ()):
-        named = words[place + 1].is_name and not words[place + 1].is_a("thing", "body", "name", "time", "determiner")
+    items = clause.sentence.items
+    for place, item in enumerate(items[:-1] if turn_of(clause) is not None and not out else ()):
+        after = items[place + 1]
+        named = (after.is_name and not after.is_a("thing", "body", "name", "time", "determiner")) or after.low[
+            0
+        ].isdigit()
         if (
-            item.low == "at"
-            and named
-            and words.cut(0 if kind else place - 1, place).has("hand", "lanekind")
-            and not out
+            item.low in {"at", "on", "onto", "into"}
+            and after.is_a("ordinal")
+            and not items.at(place + 2).is_a("lane", "body")
         ):
-            yield claim("road_type", RoadType.INTERSECTION, 0.65, "a vehicle turns at another road", item)
+            named = True
+        elif item.low != "at":
+            continue
+        if named and not items.at(place + 2).is_a("mph", "time"):
+            yield claim("road_type", RoadType.INTERSECTION, 0.72, "a vehicle turns at another road", item)
             break
     drive = words.first("driveway")
     if drive is not None and kind in _AT_DRIVEWAY:

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from roadmend.safe.claims import AnyClaim, Claim, ContactClaim, DirectionClaim, WayRelation
-from roadmend.safe.compass import DIRECTIONS
+from roadmend.safe.compass import DIRECTIONS, TOWARDS, turned
 from roadmend.safe.dsl import Action, Compass, Manoeuvre, RoadType
 from roadmend.safe.reading.geometry import JUNCTIONS, StatedWay, explains, fits_road, holds
 from roadmend.safe.reading.weighing import JudgedField, add, evidence, judge, log_odds, shares, with_claims
@@ -157,7 +157,9 @@ class _Scene:
         u_turns = any(each.value is Manoeuvre.U_TURN for each in self._of(vehicle, "manoeuvre"))
         on_stem = evidence(self._of(vehicle, "on_stem")).get(True, 0.0)
         may_turn = self.has_driveway or u_turns
-        return self.alone[vehicle][way] + fits_road(way, *place, may_turn=may_turn, on_stem=on_stem)
+        hands = evidence(self._of(vehicle, "stem_hand"))
+        on_hand = sum(weight for hand, weight in hands.items() if TOWARDS[turned(way.heading, hand)] is place[1])
+        return self.alone[vehicle][way] + on_hand + fits_road(way, *place, may_turn=may_turn, on_stem=on_stem)
 
     def _by_manoeuvre(self, one: int, other: int, first: StatedWay, second: StatedWay) -> float:
         """Who changes lane meets somebody of the same way, who comes over the centre line somebody who comes towards it."""

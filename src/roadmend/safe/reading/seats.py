@@ -11,7 +11,11 @@ from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.naming import Mention, MentionKind
 from roadmend.safe.reading.tokens import Sentence, Words
 
+_DRIVES = frozenset(
+    {"travel", "turn", "stop", "slow", "emerge", "approach", "continue", "overtake", "follow", "change_lane"}
+)
 _APPOSITION = 6  # words at most between two names of one vehicle
+_WITH = 5  # words between a person and the vehicle that she or he is "with"
 _REACH = 6  # words between "I" and the car that I sit in
 _SEAT = 8  # words between a numbered driver and the car that she or he sits in
 
@@ -41,6 +45,9 @@ def claim_own(items: Words, row: Sequence[Mention]) -> None:
         sits |= (
             1 < len(between) < _REACH and between[-1].get("auxiliary") == "be" and between.has("thing")
         )  # "my vehicle is"
+        sits |= len(between) == 1 and between[0].get("auxiliary") == "be"  # "I was the second car"
+        bracketed = len(between) > 1 and between[-1].low == "(" and between[-2].is_a("part", "flank")
+        sits |= bracketed  # "my rear door (05 Accord)"
         if sits and one.kind is MentionKind.SELF and other.description is not None and not other.number:
             other.description = replace(other.description, is_own=True)
     for place, mention in enumerate(row):  # "insured states he was operating his Buick"
@@ -55,16 +62,33 @@ def claim_own(items: Words, row: Sequence[Mention]) -> None:
 
 def seat_writer(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], roll: VehicleRoll) -> None:
     """Take the vehicle that somebody sits in for the writer's, where one speaks of "me" and of no car of mine."""
-    if roll.own() or not any(each.kind is MentionKind.SELF for row in found for each in row):
+    if roll.own() or not any(item.get("pronoun") in {"self", "own"} for each in sentences for item in each.items):
         return
     for sentence, row in zip(sentences, found, strict=True):
         for mention in row:
             led = sentence.items.at(mention.first - 1).low in {"in", "driving"}
+            led &= not sentence.items.at(mention.first - 3).is_a("determiner")  # "the musicians in the minibus"
             seated = any(each.last < mention.first and each.kind is not MentionKind.SELF for each in row)
             if led and not seated and mention.description and mention.vehicles and not mention.is_new:
                 vehicle = roll.vehicles[mention.vehicles[0]]
                 vehicle.description = replace(vehicle.description, is_own=True)
                 return
+    hitters = {
+        vehicle for sentence, row in zip(sentences, found, strict=True) for vehicle in _hits_writer(sentence.items, row)
+    }
+    if len(roll.vehicles) == 2 and len(hitters) == 1 and not roll.vehicles[0].description.number:
+        vehicle = roll.vehicles[1 - hitters.pop()]
+        vehicle.description = replace(vehicle.description, is_own=True)
+
+
+def _hits_writer(items: Words, row: Sequence[Mention]) -> tuple[int, ...]:
+    """Who strikes or faces "me" in a sentence: "an F-150 facing me ... T-boned me"."""
+    for place, mention in enumerate(row):
+        verb = items.at(mention.first - 1).verb
+        if mention.kind is MentionKind.SELF and verb is not None and (verb.kind in STRIKES or verb.lemma == "face"):
+            named = [each for each in row[:place] if each.description is not None and len(each.vehicles) == 1]
+            return named[-1].vehicles if named else ()
+    return ()
 
 
 def add_writer(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], roll: VehicleRoll) -> None:
@@ -85,7 +109,7 @@ def add_writer(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]]
 
 def _drives(items: Words, mention: Mention) -> bool:
     after = items.cut(mention.last + 1, mention.last + 5)
-    told = any(item.verb is not None and item.verb.lemma in word_set("drives") for item in after.cut(0, 3))
+    told = any(item.verb is not None and item.verb.kind in _DRIVES for item in after.cut(0, 3))
     return after.at(0).get("auxiliary") is not None and (told or after.has("bound", "lane"))
 
 
@@ -94,29 +118,22 @@ def _is_struck(items: Words, mention: Mention) -> bool:
     return items[mention.first].low == "me" and before.verb is not None and before.verb.kind in STRIKES
 
 
-def lead_in(
+def _is_of_writer(items: Words, row: Sequence[Mention]) -> bool:
+    """Whether a sentence begins with what the writer does behind the wheel, with "I" or without: "Got on the freeway"."""
+    opens = items.at(0)
+    if opens.verb is not None and opens.verb.form in {"past", "both", "ing"} and opens.verb.kind != "own":
+        return True
+    if opens.get("auxiliary") == "be" and items.cut(1, 6).has("lane", "road", "verb", "bound"):
+        return True
+    if not row or row[0].kind is not MentionKind.SELF:
+        return False
+    verb = items.at(row[0].last + 1).verb
+    return _drives(items, row[0]) or (verb is not None and verb.kind in _DRIVES)
+
+
+def put_in_order(
     sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], headlines: Sequence[bool], roll: VehicleRoll
 ) -> None:
-    """Let "a driver" who strikes one of two vehicles in the first sentence be the other's."""
-    if len(roll.vehicles) != 2:
-        return
-    rows = zip(sentences, found, headlines, strict=True)
-    sentence, row = next(((each, row) for each, row, is_title in rows if not is_title and row), (None, ()))
-    struck = next((each for each in row if each.description is not None and len(each.vehicles) == 1), None)
-    person = row[0] if row else None
-    if sentence is None or struck is None or person is None or person.kind is not MentionKind.PERSON or person.vehicles:
-        return
-    between = sentence.items.cut(person.last + 1, struck.first)
-    strikes = any(item.verb is not None and item.verb.kind in STRIKES for item in between)
-    if (
-        strikes
-        and not between.has("conjunction")
-        and sentence.items[person.last].get("person") in {"driver", "someone"}
-    ):
-        person.vehicles = (1 - struck.vehicles[0],)
-
-
-def put_in_order(found: Sequence[Sequence[Mention]], headlines: Sequence[bool], roll: VehicleRoll) -> None:
     """Put the vehicles into the order in which they come up, the writer's with the first "I"."""
     own, first = roll.own(), dict[int, int]()
     if any(each.description.number is not None for each in roll.vehicles):
@@ -129,15 +146,24 @@ def put_in_order(found: Sequence[Sequence[Mention]], headlines: Sequence[bool], 
                 else ()
             ):
                 first.setdefault(place, mention.span.start)
+    starts = [each.span.start for row in found for each in row if each.kind is MentionKind.SELF]
+    rest = [place for place in range(len(roll.vehicles)) if (place,) != own]
+    body = [each for is_title, row in zip(headlines, found, strict=True) for each in row if not is_title]
+    others = [each.span.start for each in body if each.kind is MentionKind.OTHER and not each.vehicles]
+    others += [row[0].span.start for row in found[:1] if row and row[0].kind is MentionKind.ONE and not row[0].vehicles]
+    if own and len(rest) == 1 and others and min(others) < min(starts, default=math.inf) and rest[0] in first:
+        first[rest[0]] = min(first[rest[0]], *others)
     unnamed = own if own and own[0] not in first else ()
     titled = any(
         each.vehicles == own for is_title, row in zip(headlines, found, strict=True) for each in row if is_title
     )
-    starts = [each.span.start for row in found for each in row if each.kind is MentionKind.SELF]
+    acts = [at for at, sentence in enumerate(sentences) if _is_of_writer(sentence.items, found[at])]
     if own and titled:
         first[own[0]] = -1
     elif unnamed and starts:
         first[own[0]] = starts[0]
+    elif own and acts:
+        first[own[0]] = min(first[own[0]], sentences[acts[0]].span.start)
     old = sorted(range(len(roll.vehicles)), key=lambda place: (first.get(place, math.inf), place))
     new = {place: at for at, place in enumerate(old)}
     roll.vehicles = [roll.vehicles[place] for place in old]
@@ -176,14 +202,15 @@ def seat_persons(items: Words, row: Sequence[Mention]) -> None:
     for one, other in itertools.pairwise(row):
         between = items.cut(one.last + 1, other.first)
         sits = 0 < len(between) <= 3 and between[-1].low in word_set("sits_in") - {"'s"}
-        if sits and one.kind in {MentionKind.ONE, MentionKind.PERSON} and not one.vehicles and other.description:
+        verb = next((item.verb.kind for item in between if item.verb is not None), "travel")
+        sits |= (
+            0 < len(between) <= _WITH and between[-1].low == "with" and verb == "travel"
+        )  # "the driver went with a lorry"
+        described = other.description
+        if described is None or described.is_own or one.vehicles:
+            continue
+        if sits and one.kind in {MentionKind.ONE, MentionKind.PERSON}:
             one.vehicles = other.vehicles
-    for place, one in enumerate(row):  # "the woman who hit me was in a Nissan"
-        if one.kind is MentionKind.PERSON and not one.vehicles and items.at(one.last + 1).is_a("relative"):
-            seats = [each for each in row[place + 1 :] if each.description and each.vehicles]
-            led = items.cut(seats[0].first - 2, seats[0].first) if seats else Words()
-            if led.says(word_set("sits_in")) and led.at(0).get("auxiliary") == "be":
-                one.vehicles = seats[0].vehicles
 
 
 def couple(items: Words, row: Sequence[Mention]) -> None:

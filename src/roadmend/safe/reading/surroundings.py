@@ -18,8 +18,9 @@ _MORNING = 6
 _CLOCK = re.compile(
     r"\b(?:(?P<h>[01]?\d|2[0-3])[:.h][0-5]\d|(?P<mil>(?:[01]\d|2[0-3])[0-5]\d)(?=\s*(?:hrs?|hours|h)\b)|"
     r"(?P<log>(?:(?<=time )|(?<=time: )|(?<=rcvd )|(?<=call )|(?<=arr )|(?<=at )|(?<=\()|(?<=dry )|(?<=clr )|(?<=wet )|(?<=clear )|(?<=day )|(?<=dark )|^|(?<=, )|(?<=\. )|(?<=\n))(?:[01]\d|2[0-3])[0-5]\d(?=[\s,.]))|"
-    r"(?P<bare>(?<=, )(?:0\d|1[0-8]|2[1-3])[0-5]\d(?=[.,]|$))|"
+    r"(?P<bare>(?<=, )(?:0\d|1[0-8]|2[1-3])[0-5]\d(?=[.,]|$)|(?<![\w.,:/-])0\d[0-5]\d(?=\s))|"
     r"(?P<joined>(?:1[0-2]|[1-9])[0-5]\d)(?=\s*[ap]\.?m\b)|"
+    r"(?P<late>1[3-9]|2[0-3])(?=\s*(?:o'?clock|h\b|uhr))|"
     r"(?P<hour>1[0-2]|[1-9]))\s*(?:(?P<half>[ap])\.?\s?m\b|o'?clock|(?P<hrs>hrs?|hours)\b)?",
     re.IGNORECASE | re.MULTILINE,
 )
@@ -33,6 +34,7 @@ _WORDED = re.compile(
 )
 _AT_NIGHT = re.compile(r"[\s,]*(?:in the evening|at night|tonight|p\.?m)")
 _IN_DAY = re.compile(r"[\s,]*in the (?:morning?|(afternoon?))")
+_EARLIER = re.compile(r"\b(?:evening|night|tonight)\b[^.!?]*$", re.IGNORECASE)
 _TOLD = re.compile(r"(?:\bat|around|about|approximately|aprox|approx|past|after|before|@|by|near|till|until)\s*$")
 _SURE = {Weather.CLEAR: 0.75, Weather.CLOUDY: 0.85, Weather.WINDY: 0.85, Weather.SUNNY: 0.88}
 _NAMES = {"weather", "sky", "skies"}
@@ -101,13 +103,19 @@ def _weather(items: Words, place: int, *, is_past: bool) -> Iterator[Claim]:
     lies = before.says(word_set("lying_snow")) or items.at(place + 1).low in word_set("lying_snow")
     if value is Weather.SNOWY and lies:
         yield claim("env.weather", value, 0.45, f"the text says {item.low}", item)
-    elif not before.has("negation") and not before.says({"without"}):
+    elif not before.has("negation") and not before.says({"without"}) and not _is_denied(items, place):
         if value is Weather.SUNNY:
             yield claim("env.time", Time.DAYTIME, 0.9, f"the text says {item.low}", item)
         sure = _SURE.get(value, 0.93) * (0.5 if is_past else 1.0)
         yield claim("env.weather", value, sure, f"the text says {item.low}", item)
     elif value not in {Weather.CLEAR, Weather.SUNNY}:
         yield claim("env.weather", Weather.CLEAR, 0.4, f"the text denies {item.low}", item)
+
+
+def _is_denied(items: Words, place: int) -> bool:
+    """Whether the weather is said not to have come: "rain did not fall"."""
+    after = items.cut(place + 1, place + 3)
+    return after.at(0).is_a("negation") or (after.at(0).is_a("auxiliary") and after.at(1).is_a("negation"))
 
 
 def _is_sky(items: Words, place: int) -> bool:
@@ -132,7 +140,7 @@ def _clock(summary: str) -> Iterator[Claim]:
         hour, sure = _hour(match, summary)
         if hour is not None:
             value = Time.DAYTIME if hour in _DAY else Time.NIGHTTIME
-            sure = min(sure, 0.6 if hour in _EVENING or hour == _DAY[0] else 0.9)
+            sure = min(sure, 0.6 if hour in _EVENING or hour == _DAY[0] else 0.98)
             yield claim("env.time", value, sure, f"the clock says {match[0].strip()}", Span(*match.span()))
 
 
@@ -148,7 +156,7 @@ def _told_hours(summary: str) -> Iterator[Claim]:
         if "night" in when and hour < _MORNING:
             late = False
         if not (late or early):
-            late = hour < _MORNING
+            late = hour < _MORNING or _EARLIER.search(summary[max(0, match.start() - 60) : match.start()]) is not None
         value = Time.DAYTIME if hour % 12 + 12 * late in _DAY else Time.NIGHTTIME
         sure = 0.9 if when else 0.6
         yield claim("env.time", value, sure, f"the clock says {match[0].strip()}", Span(*match.span()))
@@ -159,7 +167,7 @@ def _hour(match: re.Match[str], summary: str) -> tuple[int | None, float]:
     after = summary[match.end() : match.end() + 30].lower()
     told = _TOLD.search(summary[max(0, match.start() - 20) : match.start()].lower()) or match["hrs"]
     log = match["log"] if match["log"] and not match["log"].startswith(("19", "20")) else None
-    figures = match["mil"] or match["bare"] or log
+    figures = match["mil"] or match["bare"] or match["late"] or log
     if figures:
         return int(figures[:2]), 0.9 if match["mil"] else 0.75
     if match["log"]:
@@ -172,7 +180,7 @@ def _hour(match: re.Match[str], summary: str) -> tuple[int | None, float]:
     at_night = _AT_NIGHT.match(after) is not None and hour > 4
     if half or at_night or in_day or _AT_NIGHT.match(after):
         late = half == "p" or (not half and (at_night or (in_day is not None and in_day[1])))
-        return hour % 12 + (12 if late else 0), 0.92
+        return hour % 12 + (12 if late else 0), 0.98
     if match["h"] and (told or len(match["h"]) == 2):
         if 0 < hour < _MORNING and len(match["h"]) == 1:
             return hour + 12, 0.6  # nobody says whether it was night: few drive then

@@ -28,6 +28,7 @@ _STREET = re.compile(r"(?:[A-Z][a-z]+ )?(?:Rd|St|Ave|Blvd|Ln|Hwy|Street|Avenue|R
 # A short first line without a full stop over a longer one is a title; the match is the break after it.
 _TITLE = re.compile(r"(?=[^\n.!?:;,]{10,65}\n[A-Z][^\n]{80})[^\n]*(?P<end>\n)")
 _LETTERS = frozenset("NSEW")
+_NAMED_LANES = frozenset({"Lane", "Ln"})  # of "Mill Lane", which is a road
 _CUT = 4  # letters from which a word may have lost the last of "-ing"
 _JOINED = 5  # letters of a phrase that may be told without a hyphen or a slash in it: not "a t" for "at"
 _PLAIN = dict.fromkeys(map(ord, '\u201c\u201d"\u00ab\u00bb*_'), " ") | {
@@ -187,8 +188,17 @@ def _ends(text: str, place: int, tokens: Sequence[Token]) -> bool:
     rest = text[place + 1 :].lstrip(" )]'\n")
     if rest[:1].islower() and not _is_careless(text):
         return False
+    if (
+        tokens
+        and tokens[-1].low == "m"
+        and re.match(r"[A-Z]\w+", rest)
+        and rest.split()[0].lower() in word_set("weekdays")
+    ):
+        return False  # "at 3 p.m. Sunday"
     last = tokens[-1].low if tokens else ""
     is_short = last in word_set("abbreviations") or (len(last) == 1 and last.isalpha())
+    if is_short and len(tokens) > 1 and len(last) == 1 and "thing" in senses().get(squeeze(tokens[-2].low), {}):
+        return True  # "the offside of Vehicle A."
     goes_on = not rest[:1].isupper() or last not in word_set("ends_with_capital") or bool(_STREET.match(rest))
     return not is_short or not goes_on
 
@@ -223,9 +233,25 @@ def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
         kinds = dict(senses().get(key, {}) or _loose_verb(taken))
         named = names().get(key, ()) if key and _may_be_name(taken) else ()
         if length == 1 and not named and not kinds and key.endswith("s") and len(key) > _JOINED:
-            named = tuple(each for each in names().get(key[:-1], ()) if not each.is_everyday)  # "the altimas door"
+            named = tuple(
+                each for each in names().get(key[:-1], ()) if taken[0].text[:1].isupper() or not each.is_everyday
+            )  # "the altimas door"
         if named:
             kinds["name"] = named
+        if length > 1 and "ends" in kinds:
+            kinds |= {"verb": verb} if (verb := senses().get(squeeze(taken[0].low), {}).get("verb")) else {}
+        if (
+            length == 1
+            and "lane" in kinds
+            and taken[0].text in _NAMED_LANES
+            and place
+            and tokens[place - 1].text.istitle()
+        ):
+            kinds = (
+                {"road": "plain"}
+                if not {"determiner", "preposition"} & senses().get(tokens[place - 1].low, {}).keys()
+                else kinds
+            )
         if length == 1 and "driveway" in kinds and taken[0].text.istitle() and place:
             del kinds["driveway"]  # "Church Street", not a church
         if length == 1 and key.isdigit():
@@ -256,7 +282,9 @@ def _loose_verb(taken: Sequence[Token]) -> Senses:
     """A verb whose particle is parted from it: "ran straight into"."""
     if len(taken) <= 2 or taken[-1].low not in word_set("particles") or taken[0].low not in verb_heads():
         return {}
-    kept = [token.low for token in taken[1:-1] if "adverb" not in senses().get(squeeze(token.low), {})]
+    kept = [
+        token.low for token in taken[1:-1] if token.low != "it" and "adverb" not in senses().get(squeeze(token.low), {})
+    ]
     kinds = senses().get("".join(map(squeeze, [taken[0].low, *kept, taken[-1].low])), {})
     return kinds if "verb" in kinds else {}
 

@@ -68,5 +68,9 @@ def _is_fragment(items: Words) -> bool:
     """Whether an answer needs its question: "Forty-five", "North, on Elm"."""
     if items.at(0).is_a("number", "bound", "compass", "time", "weather") and len(items) <= _MOST_ANSWERED:
         return True
-    has_subject = items.has("auxiliary") or any(item.get("pronoun") in {"self", "it", "one"} for item in items)
+    has_subject = (
+        items.has("auxiliary")
+        or any(item.low.endswith("n't") for item in items)
+        or any(item.get("pronoun") in {"self", "it", "one"} for item in items)
+    )
     return len(items) <= _MOST_ANSWERED and not has_subject

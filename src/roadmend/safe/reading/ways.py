@@ -1,24 +1,19 @@
-"""Which way the vehicles travel, and how their ways lie to each other."""
+"""Which way the vehicles travel."""
 
 import itertools
 from collections.abc import Iterator, Sequence
 
-from roadmend.safe.claims import Claim, DirectionClaim, Span, WayRelation
+from roadmend.safe.claims import Claim, Span
 from roadmend.safe.compass import opposite
-from roadmend.safe.dsl import Side
+from roadmend.safe.dsl import Position
 from roadmend.safe.reading.clauses import STRIKES, Clause
-from roadmend.safe.reading.facts import Text, claim, crash_places, direction, of_vehicle, relation, weakened
+from roadmend.safe.reading.facts import Text, claim, crash_places, direction, of_vehicle, weakened
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.manoeuvres import turn_of
 from roadmend.safe.reading.tokens import Item, Words
 
 _NOT_GOING = frozenset({*STRIKES, "collide", "turn", "uturn", "reverse", "after", "flip"})
 _SKIPPED = ("hand", "lanekind", "number", "ordinal", "determiner", "descriptor", "pronoun", "path", "stationary")
-_BEHIND = frozenset({"", "travel", "stop", "slow", "follow", "approach", "park", "change_lane", "own"})
-_IN_FRONT = frozenset({"", "stop", "slow", "travel", "park"})  # "pulled out in front of" says nothing of the way
-_COMES = frozenset({"travel", "approach", "emerge", "", "see"})
-_FROM = {Side.LEFT: WayRelation.FROM_LEFT, Side.RIGHT: WayRelation.FROM_RIGHT}
-_LONG = 9  # letters of "opposing": shorter words for it are too common
 _REASONS = {
     "initial_position": "it is said to travel that way",
     "origin": "it is said to come from there",
@@ -28,14 +23,14 @@ _REASONS = {
 }
 
 
-def read_ways(text: Text) -> Iterator[Claim | DirectionClaim]:
+def read_ways(text: Text) -> Iterator[Claim]:
     """The claims of a text about directions of travel."""
     told = list(_told(text))
     yield from told
     yield from _unclaimed(text, told)
 
 
-def _told(text: Text) -> Iterator[Claim | DirectionClaim]:
+def _told(text: Text) -> Iterator[Claim]:
     afterwards = crash_places(text.clauses)
     sides = [side for each in text.sentences if each.items.cut(0, 4).has("driveway") for side in _sides(each.items)]
     turned: set[tuple[int, tuple[int, ...]]] = set()  # who is said to turn, by sentence
@@ -47,18 +42,13 @@ def _told(text: Text) -> Iterator[Claim | DirectionClaim]:
         if turn_of(clause) is not None:
             turned.add(who)
         yield from _from_driveway(clause, sides)
-        yield from _of_pairs(clause)
-        yield from _of_words(clause, text.count)
-    yield from _of_place(text)
+    yield from _by_sun(text)
     yield from _beside_mentions(text)
     for mention in itertools.chain(*text.spoken.mentions):
         for trait in mention.traits if len(mention.vehicles) == 1 else ():
-            mine, way = mention.vehicles[0], direction(trait)
-            others = [each for each in range(text.count) if each != mine]
-            if trait.is_a("oncoming") and others:
-                yield relation(others[0], mine, WayRelation.OPPOSITE, 0.85, trait)
-            if way is not None:
-                yield claim(of_vehicle(mine, "initial_position"), way, 0.93, f"it is called {trait.low}", trait)
+            if (way := direction(trait)) is not None:
+                path = of_vehicle(mention.vehicles[0], "initial_position")
+                yield claim(path, way, 0.93, f"it is called {trait.low}", trait)
 
 
 def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool, stood: bool) -> Iterator[Claim]:
@@ -74,9 +64,10 @@ def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool, stood: bool)
                 continue
             what, confidence = _meaning(clause, items, place, is_head=is_head) or ("", 0.0)
             turn = turn_of(clause)
+            before = any(each.low in {"had", "had been"} for each in clause.head)  # "where I had been going south"
             turned_here = turn is not None and clause.kind != "turn" and turn[2].end <= item.span.start
             if (
-                (has_turned or turned_here)
+                ((has_turned and not before) or turned_here)
                 and not is_head
                 and (item.is_a("compass") or _is_aim(clause, items, place))
                 and what in {"initial_position", "heading_on"}
@@ -128,11 +119,12 @@ def _meaning(clause: Clause, items: Words, place: int, *, is_head: bool) -> tupl
         return "initial_position", 0.8  # "on 95 north"
     if lead in {"of", "at"} and items.at(back - 1).low not in {"direction", "direction of"}:
         return None
-    if items.at(back).get("relative") or lead in word_set("that_is"):
+    is_that = lead == "'s" and items.at(back - 1).low in {"that", "which", "it"}
+    if is_that or items.at(back).get("relative") or lead in word_set("that_is"):
         return _explained(items, back)
     if kind == "depart" and "intend" in clause.governed and clause.lemma == "go":
         return "destination", 0.75
-    near = place <= 5 or items.says(word_set("heading_words"))
+    near = place <= 5 or (lead in {"to", "toward", "towards"} and place <= 9) or items.says(word_set("heading_words"))
     if kind in {"travel", "continue", "approach", "follow"} and near and not is_head:
         goes_on = "intend" in clause.governed or kind == "continue"
         sure = 0.85 if lead in {"to", "toward", "towards"} else 0.96
@@ -156,9 +148,9 @@ def _beside_mentions(text: Text) -> Iterator[Claim]:
                 yield claim(path, way, 0.85, "it is said to travel that way", item)
 
 
-def _unclaimed(text: Text, claims: Sequence[Claim | DirectionClaim]) -> Iterator[Claim]:
+def _unclaimed(text: Text, claims: Sequence[Claim]) -> Iterator[Claim]:
     """A direction that is said of nobody: weakly, of everybody of whom none is said."""
-    known = {each.path for each in claims if isinstance(each, Claim) and each.path.endswith("initial_position")}
+    known = {each.path for each in claims if each.path.endswith("initial_position")}
     spans = {(each.where.start, each.where.end) for each in claims if isinstance(each.where, Span)}
     open_ = [each for each in range(text.count) if of_vehicle(each, "initial_position") not in known]
     for sentence in text.sentences if open_ else ():
@@ -173,8 +165,9 @@ def _unclaimed(text: Text, claims: Sequence[Claim | DirectionClaim]) -> Iterator
             ):
                 continue
             counted = [at for at in range(max(0, place - 4), place + 3) if sentence.items.at(at).is_a("number", "lane")]
-            if {sentence.items.at(at).is_a("lane") for at in counted} == {True, False}:
-                continue  # "two lanes southbound"
+            listed = sentence.items.cut(place - 3, place).has("number") and sentence.items.has("lane")
+            if listed or {sentence.items.at(at).is_a("lane") for at in counted} == {True, False}:
+                continue  # "two lanes southbound", "one lane going south and two coming north"
             for vehicle in open_:
                 path = of_vehicle(vehicle, "initial_position")
                 yield claim(path, way, 0.6, "the text speaks of that direction", item)
@@ -226,19 +219,6 @@ def _of_lane(clause: Clause, items: Words, place: int, lead: str, *, is_lane: bo
     return "initial_position", 0.9 if kind not in _NOT_GOING else 0.6
 
 
-def _of_place(text: Text) -> Iterator[Claim]:
-    """Where the crash was: "the crash occurred in the northbound lanes of a divided road"."""
-    for sentence, mentions in zip(text.sentences, text.spoken.mentions, strict=True):
-        head, bound = sentence.items.cut(0, 8), [item for item in sentence.items if item.is_a("bound")]
-        told = head.has("collision") and head.says(word_set("happened")) and not sentence.items.has("axis", "junction")
-        ways = {direction(item) for item in bound}
-        for vehicle in (
-            range(text.count) if told and len(ways) == 1 and not any(each.vehicles for each in mentions) else ()
-        ):
-            path = of_vehicle(vehicle, "initial_position")
-            yield claim(path, direction(bound[0]), 0.68, "the crash was on that side of the road", bound[0])
-
-
 def _from_driveway(clause: Clause, sides: Sequence[Item]) -> Iterator[Claim]:
     """Who comes out of a driveway on the east side of a street heads west."""
     words = clause.words
@@ -261,62 +241,15 @@ def _sides(items: Words) -> list[Item]:
     return [one for one, after in pairs if one.is_a("compass") and direction(one) and after.low in {"side", "edge"}]
 
 
-def _of_pairs(clause: Clause) -> Iterator[DirectionClaim]:
-    """How two vehicles' ways lie to each other, where both are named: "V1 was behind V2"."""
-    kind, mine = clause.kind, clause.subject.vehicles[:1]
-    if not mine or clause.is_denied:
-        return
-    followed = clause.object.vehicles if clause.object is not None and kind in {"follow", "overtake"} else ()
-    if followed and followed[0] != mine[0]:
-        yield relation(mine[0], followed[0], WayRelation.SAME, 0.88, clause.span)
-    for lead, actor in clause.others:
-        if not actor.vehicles or actor.vehicles[0] == mine[0]:
-            continue
-        side = _FROM.get(actor.part.side) if actor.part is not None and actor.part.side is not None else None
-        if lead.low == "from" and side is not None and kind in _COMES:  # "from my left-hand side"
-            yield relation(actor.vehicles[0], mine[0], side, 0.8, lead)
-        is_path = lead.is_a("path")
-        noun = (
-            bool(kind) and lead.span.end < clause.span.end and clause.span.start < lead.span.start
-        )  # "the car ahead of me"
-        beside = kind in (_IN_FRONT if is_path else _BEHIND) and clause.lemma != "come"
-        if lead.is_a("ahead", "behind") and (beside or noun):
-            yield relation(mine[0], actor.vehicles[0], WayRelation.SAME, 0.78 if is_path else 0.85, lead)
-        elif lead.is_a("beside") and kind in {"", "travel", "stop"}:
-            yield relation(mine[0], actor.vehicles[0], WayRelation.SAME, 0.75, lead)
-        elif lead.is_a("oncoming"):
-            yield relation(mine[0], actor.vehicles[0], WayRelation.OPPOSITE, 0.85, lead)
-
-
-def _of_words(clause: Clause, count: int) -> Iterator[DirectionClaim]:
-    """How ways lie to each other by a clause's words: "in the same direction", "from the left"."""
-    kind, words, vehicles = clause.kind, clause.words, clause.subject.vehicles
-    if not vehicles or (clause.is_denied and kind not in {"stop", "slow"}):
-        return
-    others = [each for each in range(count) if each not in vehicles]
-    mine, other = (vehicles[0], vehicles[1]) if len(vehicles) > 1 else (vehicles[0], others[0] if others else None)
-    if other is None:
-        return
-    counts = words.has("lane") and words.has("number")  # "two lanes, and two coming the other way"
-    comes = not counts and (kind in STRIKES | {"travel", "", "approach", "drift", "collide"} or len(vehicles) > 1)
-    for place, item in enumerate(words):
-        far = len(item.low) > _LONG and not item.is_a("head_on", "wrong")
-        if item.is_a("beside") and len(others) == 1 and kind in {"travel", "", "drift", "change_lane"}:
-            yield relation(mine, other, WayRelation.SAME, 0.7, item)
-        bare = item.is_a("behind") and words.at(place + 1).low in {"", ",", "and"} and len(others) == 1
-        if bare and kind in _BEHIND:
-            yield relation(mine, other, WayRelation.SAME, 0.75, item)
-        if item.is_a("wrong") and item.low.endswith("lane") and item.low.split()[0] in {"my", "our", "his", "her"}:
-            yield relation(mine, other, WayRelation.OPPOSITE, 0.62, item)
-        if item.is_a("same_way") and "lane" not in item.low:
-            yield relation(mine, other, WayRelation.SAME, 0.88, item)
-        elif item.is_a("oncoming") and comes and (far or len(vehicles) > 1):
-            yield relation(mine, other, WayRelation.OPPOSITE, 0.8, item)
-        elif item.is_a("hand") and words.cut(place - 2, place).says({"from", "on"}) and len(vehicles) == 1:
-            side = _FROM[Side(item.get("hand"))]
-            led = {lead.low for lead, actor in clause.others if other in actor.vehicles}  # "from my left"
-            # "out of a side road on my left"
-            aside = kind == "emerge" and "on" in led and words.cut(0, place).has("road", "driveway")
-            told = kind in _COMES and words.cut(place - 2, place).says({"from"})
-            if told or aside:
-                yield relation(other, mine, side, 0.82 if "from" in led or aside else 0.7, item)
+def _by_sun(text: Text) -> Iterator[Claim]:
+    """Who has the sun in his eyes in the morning heads east."""
+    low = text.summary.lower()
+    early, late = (any(word in low for word in word_set(name)) for name in ("early_sun", "late_sun"))
+    for clause in text.clauses if early is not late else ():
+        words = clause.sentence.items
+        sun = words.has("weather") and any(item.is_a("weather") and "sun" in item.low for item in words)
+        ahead = words.says({"eyes", "ahead", "blinded", "facing"}) or any("eyes" in item.low for item in words)
+        behind = any(item.low in {"behind", "back"} for item in words)
+        for vehicle in clause.subject.vehicles[:1] if sun and ahead is not behind else ():
+            way = Position.W2E if early is ahead else Position.E2W
+            yield claim(of_vehicle(vehicle, "initial_position"), way, 0.66, "the sun tells its way", clause.span)
