@@ -10,11 +10,12 @@ from roadmend.safe.construction import build_scenario, draw_scenario, roles_of
 from roadmend.safe.described_crash import record_of
 from roadmend.safe.dsl import Weather
 from roadmend.safe.judge import judge
+from roadmend.safe.likeness import Likeness
 from roadmend.safe.motion import LATERAL_BOUND
 from roadmend.safe.open_questions import open_questions
 from roadmend.safe.run_map import beside_its_way, is_on_roadway
 from roadmend.safe.trial import run_trial
-from roadmend.world.scenario import Follow
+from roadmend.world.scenario import Follow, Heedless, Trigger
 from roadmend.world.scenario_file import load_scenario, save_scenario
 from roadmend.world.space import sample
 
@@ -61,6 +62,16 @@ def test_the_wreck_stays_where_it_struck():
     after = track[track[:, 0] > trial.contact.tick + 1]
     assert len(after) > 20
     assert math.hypot(*(after[0, 1:3] - after[-1, 1:3])) < 0.01
+
+
+def test_a_vehicle_that_simply_drives_on_reproduces_nothing():
+    what = LONE["right"]
+    scenario = drawn(what)
+    (actor,) = scenario.actors
+    goes_on = [Heedless(when=Trigger(time=0.0), speed=actor.speed)]
+    control = scenario.model_copy(update={"actors": [actor.model_copy(update={"manoeuvres": goes_on})]})
+    found = judge(run_trial(control, "modular").run, record_of(what))
+    assert {*found.failed} == {*Likeness}
 
 
 def test_who_looks_on_drives_behind_or_comes_the_other_way_and_that_is_said():

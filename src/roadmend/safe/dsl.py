@@ -288,12 +288,10 @@ class CrashScenario:
                     f"vehicles[{index}].initial_position is {vehicle.initial_position}, which a road of type "
                     f"{self.road.road_type} does not have"
                 )
-        for collision in self.collisions:
-            for number in (collision.striking, collision.struck):
-                if not 1 <= number <= len(self.vehicles):
-                    raise ValueError(f"collisions name vehicle {number}, there are {len(self.vehicles)}")
-        if any(not 1 <= impact.striking <= len(self.vehicles) for impact in self.impacts):
-            raise ValueError(f"impacts name a vehicle that is not there, there are {len(self.vehicles)}")
+        named = [("collisions", number) for each in self.collisions for number in (each.striking, each.struck)]
+        for part, number in (*named, *(("impacts", each.striking) for each in self.impacts)):
+            if not 1 <= number <= len(self.vehicles):
+                raise ValueError(f"{part} name vehicle {number}, there are {len(self.vehicles)}")
         _check_extras(self.extras)
 
 
