@@ -1,7 +1,8 @@
-"""Hours of driving in one graph: ``.venv/bin/python tests/benchmarks/soak.py HOURS [--minutes WALL] [--publish]``.
+"""Hours of driving in one graph: ``.venv/bin/python tests/benchmarks/soak.py HOURS [--minutes WALL] [--drive FILE]``.
 
 Policy, repair, recorder and markers are started once and stay; episode after episode a simulator joins them, drives in
-lockstep, and leaves. After each one, memory, threads and open files of every process that stays are looked at, and what
+lockstep, and leaves. With a scenario, a long
+drive, that one comes after each round of the families. After each one, memory, threads and open files of every process that stays are looked at, and what
 the simulator and the repair node counted: in lockstep every tick has its answer, and a tick without one must be explained.
 Written are soak.json and soak.md beside this file where ``--publish`` is given. Exit code 1 if memory grew by more than
 5 % after the warm-up, or a tick was missed.
@@ -24,21 +25,23 @@ from roadmend.nodes.loopback import reach
 from roadmend.recording.info import bag_info
 from roadmend.reports.result_files import provenance, write_report
 from roadmend.world.families import sample_scenario
-from roadmend.world.scenario_file import save_scenario
+from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_file import load_scenario, save_scenario
 
 HERE = Path(__file__).parent
 FAMILIES = ("S1", "S2", "S3", "S4", "S5")
 WARM_UP = 0.2  # share of the episodes that may still grow
 GROWTH = 1.05
-PATIENCE_S = 300.0  # [s] of wall time for an episode
+PATIENCE_S = 600.0  # [s] of wall time for an episode
 NODES = ("policy", "repair", "recorder", "viz")
 
 
 class Graph:
     """The nodes that stay."""
 
-    def __init__(self, folder: Path, environment: dict[str, str], method: str) -> None:
+    def __init__(self, folder: Path, environment: dict[str, str], method: str, long: Scenario | None) -> None:
         self._folder, self._environment = folder, environment
+        self._long = long
         parameters = {
             "policy": {"policy": "modular"},
             "repair": {
@@ -63,7 +66,7 @@ class Graph:
     def drive(self, number: int) -> dict[str, object] | None:
         """One episode; what the simulator told of it, None where it told nothing."""
         scenario, summary = self._folder / "s.yaml", self._folder / "sim.json"
-        save_scenario(sample_scenario(FAMILIES[number % len(FAMILIES)], 70_000 + number), scenario)
+        save_scenario(self._scenario(number), scenario)
         summary.unlink(missing_ok=True)
         waited = [f"{name}_node" for name in NODES]
         parameters = {"scenario": str(scenario), "summary": str(summary), "writer": "repair_node", "wait_for": waited}
@@ -74,6 +77,11 @@ class Graph:
             process.kill()
             process.wait()
         return json.loads(summary.read_text()) if summary.exists() else None
+
+    def _scenario(self, number: int) -> Scenario:
+        if self._long is not None and number % (len(FAMILIES) + 1) == len(FAMILIES):
+            return self._long
+        return sample_scenario(FAMILIES[number % len(FAMILIES)], 70_000 + number)
 
     def sample(self) -> dict[str, dict[str, int]]:
         """Memory [kB], threads and open files of every node."""
@@ -98,13 +106,13 @@ class Graph:
         return codes
 
 
-def soak(hours: float, minutes: float, method: str) -> dict[str, object]:
+def soak(hours: float, minutes: float, method: str, long: Scenario | None) -> dict[str, object]:
     """Drive until so much was simulated, or so much wall time is over."""
     begin = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="soak-") as name, own_domain() as domain:
         folder = Path(name)
         environment = {**os.environ, **reach(), "ROS_DOMAIN_ID": str(domain), "TMPDIR": name}
-        graph = Graph(folder, environment, method)
+        graph = Graph(folder, environment, method, long)
         episodes, driven = [], 0.0
         try:
             while driven < 3600.0 * hours and time.monotonic() - begin < 60.0 * minutes:
@@ -168,9 +176,10 @@ def main() -> int:
     parser.add_argument("hours", type=float)
     parser.add_argument("--minutes", type=float, default=600.0)
     parser.add_argument("--repair", default="adreft")
+    parser.add_argument("--drive", type=Path, help="scenario file of a long drive")
     parser.add_argument("--publish", action="store_true")
     given = parser.parse_args()
-    found = soak(given.hours, given.minutes, given.repair)
+    found = soak(given.hours, given.minutes, given.repair, load_scenario(given.drive) if given.drive else None)
     stale = {key: count for key, count in found["answers"].items() if "STALE" in key or "FAULT" in key}
     print(json.dumps({key: value for key, value in found.items() if key != "episodes"}, indent=1))
     if given.publish:

@@ -9,10 +9,11 @@ from roadmend.safe.reading.clauses import STRIKES, Actor, Clause
 from roadmend.safe.reading.facts import Text
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.parts import NamedPart
+from roadmend.safe.reading.tokens import Words
 
 _MOVES = frozenset({"drift", "travel", "emerge", "change_lane", "turn", "reverse", "depart", "continue"})
 _INTO = frozenset({"into", "with", "against", "vs", "versus", "along", "between", "on", "in", "of"})
-_AT = frozenset({"in", "on", "at", "to", "into", "along", "against", "with", "of", "by"})
+_AT = frozenset({"in", "on", "at", "to", "into", "along", "against", "with", "of", "by", "up"})
 _PUSHED = frozenset({"into", "against", "onto", "on to", "in to"})
 _VERSUS = frozenset({"vs", "versus"})
 _SURE, _TOLD, _GUESSED = 0.93, 0.55, 0.7
@@ -58,7 +59,8 @@ def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
     if kind not in STRIKES | {"collide"} and not _is_told(clause):
         return
     each_other = clause.object is not None and clause.object.vehicles == me.vehicles
-    if len(me.vehicles) > 1 and (each_other or (kind == "collide" and clause.object is None)):
+    met = kind == "collide" or (kind in STRIKES and clause.words.has("head_on"))
+    if len(me.vehicles) > 1 and (each_other or (met and clause.object is None)):
         yield _contact(clause, me.vehicles[0], me.vehicles[1], me.part, None, 0.8)
         return
     target, mine, theirs = _parts(clause)
@@ -87,6 +89,8 @@ def _parts(clause: Clause) -> tuple[Actor | None, NamedPart | None, NamedPart | 
     for lead, actor in clause.others:
         is_mine = not actor.vehicles or actor.vehicles == me.vehicles
         is_theirs = target is not None and actor.vehicles == target.vehicles
+        # "V1 struck V2 on its left side": the side of the one that was struck
+        is_theirs |= target is not None and lead.low in {"on", "in"} and is_mine and clause.kind in STRIKES
         if clause.is_passive and lead.low == "by" and actor.vehicles:
             target, theirs = actor, actor.part or theirs
         elif actor.part is not None and lead.low in {"with", "using"} and is_mine:
@@ -102,7 +106,20 @@ def _parts(clause: Clause) -> tuple[Actor | None, NamedPart | None, NamedPart | 
             and actor.vehicles[0] not in me.vehicles
         ):
             target, theirs = (None, theirs) if clause.is_passive else (actor, actor.part)
-    return target, mine, theirs
+    hand = _bare_hand(clause.tail) if clause.kind in STRIKES else None
+    if hand is not None and clause.is_passive:
+        return target, mine or hand, theirs
+    return target, mine, theirs or hand
+
+
+def _bare_hand(words: Words) -> NamedPart | None:
+    """The side of what is struck "on the left"."""
+    for place, item in enumerate(words):
+        led = words.at(place - 1).low == "the" and words.at(place - 2).low in {"on", "from"}
+        ends = words.at(place + 1).low in {"", ",", ";", "and", "by", "as"}
+        if item.is_a("hand") and not item.is_a("part") and led and ends:
+            return NamedPart(Side(item.get("hand")), None, is_flank=True)
+    return None
 
 
 def _pushed(clause: Clause) -> list[ContactClaim]:

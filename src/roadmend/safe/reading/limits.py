@@ -148,7 +148,8 @@ def _is_limit(items: Words, place: int) -> bool:
     ):
         return False
     near = items.cut(place - 4, place)
-    if near.has("advisory", "speed") and not near.cut(1).has("limit"):
+    said = near.cut(1).first("limit")
+    if near.has("advisory", "speed") and (said is None or "sign" in said.low):
         return items.cut(place + 1, place + 8).has("limit") and not near.has("advisory")
     return True
 

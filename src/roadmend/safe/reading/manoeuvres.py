@@ -60,15 +60,17 @@ def _of_clause(clause: Clause) -> Iterator[tuple[str, Action | Manoeuvre, float,
 
 def _manoeuvre(clause: Clause) -> tuple[Manoeuvre, float] | None:
     kind, words = clause.kind, clause.words
-    if kind == "park" or (kind == "" and words.has("parked")):
+    stood = clause.head if kind in STRIKES and clause.is_passive else words if kind == "" else Words()
+    if kind == "park" or stood.has("parked"):
         return Manoeuvre.PARKED, 0.9
-    if kind == "stop" or (kind == "" and words.has("stationary") and clause.subject.part is None):
+    if kind == "stop" or (stood.has("stationary") and clause.subject.part is None):
         return Manoeuvre.STOP, 0.75
     if kind in _STRAYS and words.has("centerline", "wrong"):
         return Manoeuvre.ENTER_THE_WRONG_WAY, 0.85
     if kind == "change_lane":
         return Manoeuvre.MERGE if clause.lemma in {"merge", "filter", "join"} else Manoeuvre.CHANGING_LANE, 0.8
-    if kind == "emerge" and words.has("driveway"):
+    leaves = kind == "emerge" or (clause.lemma in {"leave", "exit"} and not words.has("road", "ramp"))
+    if leaves and words.has("driveway"):
         return Manoeuvre.LEAVE_DRIVEWAY, 0.85
     if kind == "depart" and words.has("road", "shoulder"):
         return Manoeuvre.RUN_OFF, 0.8

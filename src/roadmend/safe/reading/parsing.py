@@ -175,6 +175,10 @@ class _Walker(Referents):
         by = verb.kind in STRIKES and self.items.cut(place + 1, place + 3).says({"by"})
         near = nearby.cut(max((at + 1 for at, each in enumerate(nearby) if each.low == ";"), default=0))
         is_denied = near.cut(len(near) - 3).has("negation") and verb.kind != "fail"
+        missed = near.at(len(near) - 1).low in word_set("near_misses") or (
+            near.cut(len(near) - 2).says({"would", "could", "might"}) and near.at(len(near) - 1).low == "have"
+        )
+        is_denied |= missed and verb.kind in STRIKES | {"collide"}
         is_denied |= verb.kind == "avoid" and old is not None and self.pending is None and old.kind == "fail"
         start = subject.span.start if subject.span.end and subject.span.start >= self.sentence.span.start else None
         self.clauses.append(
@@ -278,7 +282,8 @@ def _is_verb(items: Words, place: int, *, after_actor: bool) -> bool:
         led = after_actor or before.is_a("auxiliary", "conjunction") or before.low == ","
         goes = after.is_a("determiner", "road", "shoulder") or after.get("pronoun") == "its"
         return led and goes and not after.is_a("hand", "lane")
-    owned = before.is_a("determiner") or before.get("pronoun") in {"its", "own"}
+    counted = before.is_a("determiner") and not before.is_a("number")  # not the "two" of "unit two struck"
+    owned = counted or before.get("pronoun") in {"its", "own"}
     if owned and verb.form != "ing" and before.low not in word_set("loose_determiners"):
         return False
     if verb.form in {"base", "s"}:

@@ -208,6 +208,10 @@ def _ramps(text: Text) -> Iterator[Claim]:
         merging = clause.kind == "change_lane" and clause.lemma in {"merge", "join"} and bool(clause.subject.vehicles)
         if ramp is None and merging and any(i.is_a("ramp") for i in words) and clause.subject.vehicles[0] not in ramps:
             ramps[clause.subject.vehicles[0]] = (0.7, next(i for i in words if i.is_a("ramp")))
+        freeway = next((i for i in clause.tail.cut(1, 5) if i.get("road") == "divided"), None)
+        if merging and freeway is not None and clause.tail[0].low in word_set("turn_targets") - {"down", "to"}:
+            merges = True  # "merging onto the freeway": there is no other way onto it
+            ramps.setdefault(clause.subject.vehicles[0], (0.7, freeway))
         from_it = clause.kind == "depart" and clause.lemma in {"come", "leave"}  # "came off the ramp"
         merges |= from_it and ramp is not None
         if ramp is not None and not joins and any(i.get("ramp") == "off" for i in words):

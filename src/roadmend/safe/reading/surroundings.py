@@ -16,7 +16,7 @@ _PARTS = {"afternoon": Time.DAYTIME, "morning": Time.DAYTIME, "day": Time.DAYTIM
 _SMALL = (1, 2, 3, 4)  # hours before light
 _MORNING = 6
 _CLOCK = re.compile(
-    r"\b(?:(?P<h>[01]?\d|2[0-3])[:.][0-5]\d|(?P<mil>(?:[01]\d|2[0-3])[0-5]\d)(?=\s*(?:hrs?|hours|h)\b)|"
+    r"\b(?:(?P<h>[01]?\d|2[0-3])[:.h][0-5]\d|(?P<mil>(?:[01]\d|2[0-3])[0-5]\d)(?=\s*(?:hrs?|hours|h)\b)|"
     r"(?P<log>(?:(?<=time )|(?<=time: )|(?<=rcvd )|(?<=call )|(?<=arr )|(?<=at )|(?<=\()|(?<=dry )|(?<=clr )|(?<=wet )|(?<=clear )|(?<=day )|(?<=dark )|^|(?<=, )|(?<=\. )|(?<=\n))(?:[01]\d|2[0-3])[0-5]\d(?=[\s,.]))|"
     r"(?P<bare>(?<=, )(?:0\d|1[0-8]|2[1-3])[0-5]\d(?=[.,]|$))|"
     r"(?P<joined>(?:1[0-2]|[1-9])[0-5]\d)(?=\s*[ap]\.?m\b)|"
@@ -45,6 +45,8 @@ def read_surroundings(text: Text) -> Iterator[Claim]:
     past = read_table("surroundings")["past"]
     for sentence in text.sentences:
         for place, item in enumerate(sentence.items):
+            if item.is_a("time", "weather") and _is_of_street(sentence.items, place):
+                continue
             if item.is_a("time") and not _is_other_time(sentence.items, place):
                 value, confidence = item.get("time")
                 yield claim("env.time", Time(value), confidence, f"the text says {item.low}", item)
@@ -55,6 +57,16 @@ def read_surroundings(text: Text) -> Iterator[Claim]:
             if item.is_a("weather"):
                 around = _around(text.summary, sentence.span, item.span)
                 yield from _weather(sentence.items, place, is_past=any(word in around for word in past))
+
+
+def _is_of_street(items: Words, place: int) -> bool:
+    """Whether a word with a capital is a part of a name: "on Sunset Boulevard", "Misty Hill Road", "Mrs. Rain"."""
+    item, before, after = items[place], items.at(place - 1), items.cut(place + 1, place + 3)
+    led = before.is_a("preposition", "compass", "determiner", "number", "conjunction")
+    led |= before.low.endswith(("/", " on", " at"))
+    street = next((at for at, each in enumerate(after) if each.is_a("road", "lane")), None)
+    named = led and street is not None and all(each.is_name for each in after.cut(0, street + 1))
+    return item.text.istitle() and (named or before.low in word_set("titles"))
 
 
 def _around(summary: str, sentence: Span, place: Span) -> str:
@@ -68,7 +80,7 @@ def _is_other_time(items: Words, place: int) -> bool:
     item, before = items[place], items.cut(place - 4, place)
     if item.low in {"morning", "the morning"} and any(each.get("number") in _SMALL for each in before):
         return True  # "two in the morning"
-    if item.low == "day" and before.at(len(before) - 1).low in {",", "/", ":"}:
+    if item.low == "day" and (before.at(len(before) - 1).low in {",", "/", ":"} or len(items) == 1):
         return False
     if item.low == "day":
         return not before.says(word_set("bright_days"))
@@ -111,6 +123,7 @@ def _is_sky(items: Words, place: int) -> bool:
     if led in {"to", "a", "of"} and not ahead.has("time") and not ahead.says({"day", "sky"}):
         return False
     other = before.has("road", "lane", "signal") or before.says({"view", "traffic", "coast", "way"})
+    other |= items.cut(place - 2, place - 1).has("junction")  # "the intersection was clear"
     return bool(around & word_set("sky")) and (named or (not other and follows not in word_set("not_weather")))
 
 

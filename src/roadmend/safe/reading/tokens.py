@@ -216,6 +216,8 @@ def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
         taken = tokens[place : place + length]
         letters = [squeeze(token.low) for token in taken]
         key = "".join(letters) if letters[0] and letters[-1] and taken[-1].low != "'s" else ""
+        if length == 2 and key in word_set("one_word"):
+            continue  # "a head-on collision" is not ahead
         if length > 1 and len(key) < _JOINED and not all(token.is_glued for token in taken[1:]):
             continue
         kinds = dict(senses().get(key, {}) or _loose_verb(taken))

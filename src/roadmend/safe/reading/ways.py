@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 
 from roadmend.safe.claims import Claim, DirectionClaim, Span, WayRelation
 from roadmend.safe.compass import opposite
+from roadmend.safe.dsl import Side
 from roadmend.safe.reading.clauses import STRIKES, Clause
 from roadmend.safe.reading.facts import Text, claim, crash_places, direction, of_vehicle, relation, weakened
 from roadmend.safe.reading.lexicon import word_set
@@ -15,6 +16,8 @@ _NOT_GOING = frozenset({*STRIKES, "collide", "turn", "uturn", "reverse", "after"
 _SKIPPED = ("hand", "lanekind", "number", "ordinal", "determiner", "descriptor", "pronoun", "path", "stationary")
 _BEHIND = frozenset({"", "travel", "stop", "slow", "follow", "approach", "park", "change_lane", "own"})
 _IN_FRONT = frozenset({"", "stop", "slow", "travel", "park"})  # "pulled out in front of" says nothing of the way
+_COMES = frozenset({"travel", "approach", "emerge", "", "see"})
+_FROM = {Side.LEFT: WayRelation.FROM_LEFT, Side.RIGHT: WayRelation.FROM_RIGHT}
 _LONG = 9  # letters of "opposing": shorter words for it are too common
 _REASONS = {
     "initial_position": "it is said to travel that way",
@@ -117,7 +120,8 @@ def _meaning(clause: Clause, items: Words, place: int, *, is_head: bool) -> tupl
         return _of_lane(clause, items, place, lead, is_lane=items.at(ahead).is_a("lane"))
     if not item.is_a("compass"):
         return "initial_position", 0.96 if is_head or kind not in _NOT_GOING else 0.7
-    if lead == "from":
+    comes_out = lead == "out of" or (kind == "emerge" and lead == clause.lemma == "come")
+    if lead == "from" or (comes_out and not after.is_a("driveway")):
         return "origin", 0.88
     numbered = items.at(place - 1).is_a("number") or items.at(place - 1).low[-1:].isdigit()
     if numbered and item.is_a("compass") and kind in {"", "travel", "stop", "slow", "own", "merge", "follow"}:
@@ -161,6 +165,7 @@ def _unclaimed(text: Text, claims: Sequence[Claim | DirectionClaim]) -> Iterator
         for place, item in enumerate(sentence.items):
             lead, way = sentence.items.at(place - 1), direction(item)
             goes = item.is_a("bound") or lead.low in word_set("goes_that_way") or lead.get("verb") is not None
+            goes &= not _is_of_name(sentence.items, place)
             if way is None or not goes or (item.span.start, item.span.end) in spans or item.is_a("ends"):
                 continue
             if sentence.items.at(place + 1).low in word_set("not_a_way") or sentence.items.cut(place - 6, place).has(
@@ -183,10 +188,22 @@ def _explained(items: Words, place: int) -> tuple[str, float] | None:
     return ("initial_position", 0.75) if before.says({"to", "toward", "towards", "for", "up", "down"}) else None
 
 
+def _is_of_name(items: Words, place: int) -> bool:
+    """Whether a compass point is a part of a name: "near North Avenue", "on East Main Street", "to West Virginia"."""
+    item, before, after = items[place], items.at(place - 1), items.at(place + 1)
+    led = before.is_a("preposition", "determiner", "conjunction") or before.low in word_set("near")
+    led |= before.low.endswith((" on", " to", " at"))
+    named = after.is_a("road", "driveway") or items.at(place + 2).is_a("road", "driveway") or not after.kinds
+    is_word = item.is_a("compass") and item.text.istitle() and len(item.low) > 1
+    return is_word and led and after.is_name and named
+
+
 def _is_no_way(clause: Clause, items: Words, place: int, *, is_head: bool) -> bool:
     """Whether a word for a direction says nothing of a way: a side, a wind, a road's, or one after the crash."""
     item, after = items[place], items.at(place + 1)
     if clause.kind == "after" or (clause.kind in STRIKES | {"collide"} and not is_head):
+        return True
+    if _is_of_name(items, place) or items.at(place - 1).low in word_set("titles"):
         return True
     if after.low in word_set("not_a_way") or (after.is_a("shoulder") and not item.is_a("bound")):
         return True
@@ -255,6 +272,9 @@ def _of_pairs(clause: Clause) -> Iterator[DirectionClaim]:
     for lead, actor in clause.others:
         if not actor.vehicles or actor.vehicles[0] == mine[0]:
             continue
+        side = _FROM.get(actor.part.side) if actor.part is not None and actor.part.side is not None else None
+        if lead.low == "from" and side is not None and kind in _COMES:  # "from my left-hand side"
+            yield relation(actor.vehicles[0], mine[0], side, 0.8, lead)
         is_path = lead.is_a("path")
         noun = (
             bool(kind) and lead.span.end < clause.span.end and clause.span.start < lead.span.start
@@ -292,7 +312,11 @@ def _of_words(clause: Clause, count: int) -> Iterator[DirectionClaim]:
             yield relation(mine, other, WayRelation.SAME, 0.88, item)
         elif item.is_a("oncoming") and comes and (far or len(vehicles) > 1):
             yield relation(mine, other, WayRelation.OPPOSITE, 0.8, item)
-        elif item.is_a("hand") and words.cut(place - 2, place).says({"from"}) and len(vehicles) == 1:
-            side = WayRelation.FROM_LEFT if item.get("hand") == "Left" else WayRelation.FROM_RIGHT
-            if kind in {"travel", "approach", "emerge", "", "see"}:
-                yield relation(other, mine, side, 0.7, item)
+        elif item.is_a("hand") and words.cut(place - 2, place).says({"from", "on"}) and len(vehicles) == 1:
+            side = _FROM[Side(item.get("hand"))]
+            led = {lead.low for lead, actor in clause.others if other in actor.vehicles}  # "from my left"
+            # "out of a side road on my left"
+            aside = kind == "emerge" and "on" in led and words.cut(0, place).has("road", "driveway")
+            told = kind in _COMES and words.cut(place - 2, place).says({"from"})
+            if told or aside:
+                yield relation(other, mine, side, 0.82 if "from" in led or aside else 0.7, item)
