@@ -52,6 +52,17 @@ def test_the_first_of_several_counts_and_what_sums_up_comes_last():
     assert impact.object is StruckObject.TREE
 
 
+def test_a_part_of_a_thing_is_none_of_the_other_vehicle():
+    text = (
+        "This single-vehicle crash happened on a road that was wide enough for two vehicles. V1, a Honda sedan, was "
+        "traveling west. V1 departed the left side of the road to a lot, where semi-trailers were parked. V1 struck the "
+        "underside edge of the trailer with its left door."
+    )
+    scenario = read_summary(text).scenario
+    assert len(scenario.vehicles) == 1
+    assert scenario.impacts[0].object is StruckObject.PARKED_TRAILER
+
+
 def test_an_edge_that_is_named_by_the_compass_needs_a_direction():
     nowhere = "This single-vehicle crash happened at night. V1, a sedan, departed the west road edge and struck a tree."
     (impact,) = read_summary(nowhere).scenario.impacts
