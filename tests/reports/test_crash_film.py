@@ -8,6 +8,7 @@ from roadmend.reports.crash_film import film_beside, film_of_start, film_of_tria
 from roadmend.safe.construction import CrashRole, draw_scenario
 from roadmend.safe.trial import run_trial
 from tests.safe.crashes import HEAD_ON
+from tests.safe.lone import LONE, onlooker
 
 
 @pytest.fixture(scope="module")
@@ -32,6 +33,16 @@ def test_a_run_ends_with_its_last_tick(scenario):
     assert (x, y) == (round(trial.film.ego[-1].x, 2), round(trial.film.ego[-1].y, 2))
     assert film["collided"] is trial.summary.collided
     assert all(len(places) == len(film["vehicles"]) for _, places in film["frames"])
+
+
+def test_what_stands_there_is_drawn_apart_from_vehicles():
+    film = film_of_start(draw_scenario(onlooker(LONE["right"]), 0))
+    assert [(each["name"], each.get("fixed", False)) for each in film["vehicles"]] == [
+        ("ego", False),
+        ("tree", True),
+        ("v1", False),
+    ]
+    assert all(place is not None for place in film["frames"][0][1])
 
 
 def test_a_film_is_kept_beside_its_picture(scenario, tmp_path):

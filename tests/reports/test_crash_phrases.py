@@ -48,3 +48,7 @@ def test_families(field, family):
 def test_each_vehicle_has_its_colour():
     assert len({colour_of(f"vehicles[{index}].model") for index in range(4)}) == 4
     assert colour_of("vehicles[0].model") == colour_of("vehicles[0].action")
+
+
+def test_what_was_struck_is_a_contact():
+    assert family_of("impacts[0].object") == family_of("collisions[0].striking") == "contact"

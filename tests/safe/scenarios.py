@@ -11,6 +11,7 @@ from roadmend.safe.dsl import (
     CrashScenario,
     DescribedCollision,
     DescribedEnvironment,
+    DescribedImpact,
     DescribedRoadNetwork,
     DescribedVehicle,
     DslModel,
@@ -18,6 +19,7 @@ from roadmend.safe.dsl import (
     Position,
     RoadType,
     Side,
+    StruckObject,
     Time,
     Weather,
 )
@@ -63,6 +65,13 @@ def scenarios(draw):
         if pairs
         else st.nothing()
     )
+    impact = st.builds(
+        DescribedImpact,
+        st.integers(1, len(vehicles)),
+        st.none() | st.sampled_from(StruckObject),
+        sides,
+        st.sampled_from((None, Side.LEFT, Side.RIGHT)),
+    )
     return CrashScenario(
         DescribedRoadNetwork(
             road_type,
@@ -77,5 +86,6 @@ def scenarios(draw):
             draw(st.none() | st.sampled_from(Time)), draw(st.none() | st.sampled_from(Weather)), draw(_extras)
         ),
         tuple(draw(st.lists(collision, max_size=2))) if pairs else (),
+        tuple(draw(st.lists(impact, max_size=2))),
         draw(_extras),
     )

@@ -6,7 +6,7 @@ import pytest
 
 from roadmend.core.errors import InputError
 from roadmend.safe.contact import Part
-from roadmend.safe.crash_record import load_record, load_records
+from roadmend.safe.crash_record import RecordedImpact, RecordedThing, load_record, load_records
 
 CRASH = {
     "road": "Intersection",
@@ -40,8 +40,38 @@ def test_a_record_is_read(load, tmp_path):
     (collision,) = record.collisions
     assert (collision.striking, collision.struck) == (2, 1)
     assert (collision.striking_part, collision.struck_part) == (Part.FRONT, Part.REAR_LEFT)
+    assert record.impacts == (RecordedImpact(1, Part.FRONT, RecordedThing.UPRIGHT, on_roadway=False),)
+    assert not record.is_alone
     assert load_records(tmp_path) == {"a": record}
     assert record.vehicle(7).origin is None
+
+
+@pytest.mark.parametrize(
+    ("words", "thing", "on_roadway"),
+    [
+        ("object: large deer", RecordedThing.ON_THE_ROADWAY, True),
+        ("pedestrian", RecordedThing.ON_THE_ROADWAY, True),
+        ("object: parked semi-trailer", RecordedThing.VEHICLE, False),
+        ("object: guardrail end", RecordedThing.ALONG_THE_ROAD, False),
+        ("object: utility pole", RecordedThing.UPRIGHT, False),
+        ("object: something", None, None),
+    ],
+)
+def test_words_tell_what_was_struck_and_where(load, words, thing, on_roadway):
+    record = load(
+        collisions=[{"striking": 2, "struck": words, "striking_part": "left"}, {"striking": 2, "struck": None}]
+    )
+    assert record.is_alone
+    assert record.impacts == (RecordedImpact(2, Part.LEFT, thing, on_roadway),)
+    assert record.events == 2
+
+
+def test_who_ran_off_the_road_struck_something_beside_it(load):
+    vehicles = [{"number": 1, "manoeuvre": "run off road"}, {"number": 2, "manoeuvre": "drift left"}]
+    struck = [{"striking": 1, "struck": "object: something"}]
+    record = load(vehicles=vehicles, collisions=struck)
+    assert record.impacts[0].on_roadway is False
+    assert [each.leaves for each in record.vehicles] == [0, 1]
 
 
 def test_a_road_may_have_a_stem_and_alternatives(load):

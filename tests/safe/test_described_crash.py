@@ -3,10 +3,12 @@
 import pytest
 
 from roadmend.safe.contact import Part
+from roadmend.safe.crash_record import RecordedImpact, RecordedThing
 from roadmend.safe.described_crash import record_of, why_not_played
 from roadmend.safe.dsl import DescribedCollision, Side
 
 from .crashes import ALL, CROSSING, HEAD_ON, crash, vehicle
+from .lone import lone
 
 
 def test_a_reading_becomes_a_record_with_headings_parts_and_road():
@@ -41,6 +43,22 @@ def test_what_a_reading_leaves_open_is_not_asked():
 )
 def test_some_crashes_cannot_happen_with_a_policy_in_a_vehicles_place(what, ego, words):
     assert words in why_not_played(what, ego)
+
+
+def test_who_looks_on_needs_a_vehicle_that_crashes_alone_and_goes_forwards():
+    assert why_not_played(ALL["alone"], None) == ""
+    backs = crash("Straight", vehicle(manoeuvre="Reverse"))
+    assert "does not go forwards" in why_not_played(backs, None)
+
+
+def test_an_impact_becomes_one_of_a_record_with_its_side_and_kind():
+    told = record_of(lone(thing="Pole", part="Left", roadside="Right"))
+    assert told.is_alone
+    assert told.impacts == (RecordedImpact(1, Part.LEFT, RecordedThing.UPRIGHT, on_roadway=False),)
+    assert told.vehicles[0].leaves == -1
+    assert record_of(lone(thing="Animal")).impacts[0].on_roadway
+    assert record_of(ALL["alone"]).impacts == (RecordedImpact(1),)
+    assert record_of(CROSSING).impacts == ()
 
 
 def test_the_others_can():

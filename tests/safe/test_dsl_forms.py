@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 
 from roadmend.core.errors import InputError
-from roadmend.safe.dsl import Compass, RoadType
+from roadmend.safe.dsl import Compass, DescribedImpact, RoadType, Side, StruckObject
 from roadmend.safe.dsl_data import dump_data, parse_data
 from roadmend.safe.dsl_file import dump_crash_scenario, load_crash_scenario, parse_crash_scenario, save_crash_scenario
 
@@ -52,6 +52,15 @@ def test_the_listing_of_the_paper_reads():
     assert scenario.vehicles[1].action == ((0.0, 0.0), (12.5, 3.0))
     assert scenario.vehicles[1].speed_limit_mph is None
     assert scenario.vehicles[1].extras == {"x-colour": "red"}
+
+
+def test_what_was_struck_reads():
+    impact = (
+        "<Impacts>:\n    <Impact_1>:\n      <Striking>: 2\n      <Object>: Parked Trailer\n      <Roadside>: Left\n"
+    )
+    scenario = parse_crash_scenario(f"{LISTING}  {impact}", ".txt", "listing")
+    assert scenario.impacts == (DescribedImpact(2, StruckObject.PARKED_TRAILER, None, Side.LEFT),)
+    assert dump_data(scenario)["impacts"] == [{"striking": 2, "object": "Parked Trailer", "roadside": "Left"}]
 
 
 def test_not_applicable_is_no_stem():
@@ -136,6 +145,12 @@ def changed(**changes):
         (changed(collisions=[{"striking": 1, "struck": 1}]), "itself"),
         (changed(collisions=[{"striking": 1, "struck": 7}]), "vehicle 7"),
         (changed(collisions=[{"striking": 1, "struck": 2, "x-speed": 3}]), "x-speed"),
+        (changed(impacts=[{"object": "Tree"}]), r"field impacts\[0\].striking: is missing"),
+        (changed(impacts=[{"striking": None}]), r"field impacts\[0\].striking: names no vehicle"),
+        (changed(impacts=[{"striking": 7}]), "impacts"),
+        (changed(impacts=[{"striking": 1, "object": "Cow"}]), r"field impacts\[0\].object: .*Animal"),
+        (changed(impacts=[{"striking": 1, "roadside": "Front"}]), r"field impacts\[0\].roadside"),
+        (changed(impacts={}), "impacts"),
     ],
 )
 def test_data_is_checked(content, complaint):

@@ -4,7 +4,8 @@ import pytest
 
 from roadmend.safe.contact import Part
 from roadmend.safe.crash_record import CrashRecord, RecordedCollision, RecordedManoeuvre, RecordedVehicle
-from roadmend.safe.judge import Likeness, judge, run_of
+from roadmend.safe.judge import judge
+from roadmend.safe.likeness import Likeness, run_of
 from roadmend.world.scenario import Arm, Ego, IntersectionNetwork, Scenario, Vehicle
 
 from .films import film_of

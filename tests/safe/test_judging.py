@@ -1,10 +1,12 @@
 """What a search found is driven again from its file and judged by records; the sums say how many."""
 
-from roadmend.safe.crash_record import CrashRecord, RecordedCollision, RecordedVehicle
+from roadmend.safe.contact import Part
+from roadmend.safe.crash_record import CrashRecord, RecordedCollision, RecordedImpact, RecordedVehicle
 from roadmend.safe.driving import CrashTestJob, CrashTestResult, Task, do
 from roadmend.safe.judging import JudgedRun, judge_results, summarise_judged
 
 from .crashes import HEAD_ON, role
+from .lone import LONE, onlooker
 
 
 def record(case, *collisions, heading=0.0):
@@ -31,6 +33,29 @@ def test_a_run_is_judged_from_its_file_by_its_own_record_and_by_others(tmp_path)
     assert "no record" in without.note
     assert (failed.failed, failed.note) == (None, "why")
     assert told == [1, 2, 3]
+
+
+def test_a_vehicle_alone_is_held_against_others_that_crashed_alone(tmp_path):
+    job = CrashTestJob(Task.REPRODUCE, onlooker(LONE["right"], "here"), "modular", 0, 0, 12, tmp_path, None)
+    found = do(job)
+
+    def alone(case, part=Part.FRONT, heading=270.0):
+        vehicle = RecordedVehicle(1, heading, heading)
+        return CrashRecord(case, ("Straight",), (vehicle,), (), None, 1, (RecordedImpact(1, part),))
+
+    others = [
+        alone("same"),
+        alone("part", Part.LEFT),
+        alone("way", heading=90.0),
+        record("two", RecordedCollision(1, 2)),
+    ]
+    records = {each.case: each for each in (alone("here"), *others)}
+    (judged,) = judge_results([found], records, tmp_path, 1, lambda _done: None)
+    assert judged.is_reproduced
+    assert (judged.vehicle, judged.stood) == (None, False)
+    assert (judged.wrong_records, judged.wrongly_accepted) == (3, 1)
+    summary = summarise_judged(["here"], ["here"], [judged])
+    assert (summary.reproduced, summary.looked_on, summary.stood) == (1, 1, 0)
 
 
 def test_a_report_counts_once_and_what_a_dimension_costs_is_told():

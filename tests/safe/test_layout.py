@@ -109,3 +109,14 @@ def test_a_single_vehicle_that_turns_and_a_road_wider_than_any_are_built():
     wide = layout_of(crash("Straight", vehicle("W2E"), lanes=20))
     assert lanes_of(wide) == {"forward": 6, "backward": 6}
     assert "20 lanes" in wide.adapted[-1]
+
+
+def test_a_vehicle_alone_may_go_straight_on_where_its_road_ends():
+    what = crash("T-intersection", vehicle("N2S"), stem="North")
+    layout = layout_of(what)
+    assert layout.ends
+    assert layout.adapted == ()
+    assert [arm.name for arm in layout.network.arms] == ["east", "north", "west"]
+    assert layout.ways[0].route == ("north_in", "west_out")
+    assert not layout_of(crash("T-intersection", vehicle("E2W"), stem="North")).ends
+    assert not layout_of(crash("T-intersection", vehicle("N2S"), vehicle("E2W"), stem="North")).ends

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from roadmend.core.tick import INTERVAL
-from roadmend.safe.motion import motion_of
+from roadmend.safe.motion import motion_of, motions_of
+
+from .films import film_of
 
 
 def track(place, ticks=80):
@@ -34,6 +36,16 @@ def test_braking_and_turning_are_measured():
 )
 def test_what_no_vehicle_can_do_is_seen(place):
     assert not motion_of(track(place)).is_physical
+
+
+def test_what_a_thing_does_to_a_vehicle_that_strikes_it_is_left_out():
+    film = film_of(("ego", (0.0, 0.0), 0.0, 5.0), ("v1", (30.0, 0.0), 0.0, 15.0), ego="ego", ticks=40)
+    last = film.everyone[-1]["v1"]
+    film.everyone += [{"v1": last._replace(speed=0.0)}] * 30
+    film.ego += [film.ego[-1]] * 30
+    assert motions_of(film)["v1"].longitudinal > 20.0
+    assert motions_of(film, {"v1": 39})["v1"].longitudinal == pytest.approx(0.0, abs=0.01)
+    assert motions_of(film, {"v1": 10})["v1"].longitudinal > 20.0
 
 
 def test_who_stands_or_is_there_for_a_moment_is_no_case():

@@ -16,6 +16,7 @@ from roadmend.world.network import find_binary
 from roadmend.world.scenario import Brake, CutIn, Drift, Pedestrian, SumoConfiguration, Trigger
 
 from .crashes import ALL, HEAD_ON, crash, role, vehicle
+from .lone import LONE, onlooker
 
 
 def schema(package, path):
@@ -56,6 +57,7 @@ def with_every_manoeuvre():
     [
         *(pytest.param(drawn(name), id=name) for name in ("straight", "curve", "intersection", "tee", "merging")),
         *(pytest.param(drawn(name), id=name) for name in ("alone", "driveway", "parked", "lane change")),
+        *(pytest.param(draw_scenario(onlooker(LONE[name]), 0), id=f"lone {name}") for name in ("trailer", "animal")),
         *(pytest.param(drawn_with(word), id=word) for word in ("U-turn", "Reverse")),
         pytest.param(with_every_manoeuvre(), id="manoeuvres"),
     ],
@@ -85,6 +87,16 @@ def test_the_story_says_what_the_scenario_does(tmp_path):
     speeds = [float(each.get("value")) for each in story.iter("AbsoluteTargetSpeed")]
     assert scenario.ego.speed in speeds
     assert float(next(story.iter("RoadCondition")).get("frictionScaleFactor")) == pytest.approx(1.0)
+
+
+def test_what_stands_there_is_an_object_of_its_own(tmp_path):
+    scenario = draw_scenario(onlooker(LONE["left"]), 0)
+    story = etree.parse(export_scenario(scenario, tmp_path)[0])
+    (thing,) = story.findall(".//MiscObject")
+    assert thing.get("miscObjectCategory") == "pole"
+    assert thing.find(".//Dimensions").get("length") == "0.3"
+    place = story.find(".//Private[@entityRef='pole']//WorldPosition")
+    assert float(place.get("x")) == scenario.obstacles[0].x
 
 
 def test_the_same_scenario_gives_the_same_story(tmp_path):

@@ -6,6 +6,7 @@ from roadmend.safe.dsl import DescribedCollision, Side
 from roadmend.safe.reading_alignment import aligned_fields, flat
 
 from .crashes import crash, vehicle
+from .lone import lone
 
 PICKUP, SEDAN, SUV = (
     vehicle("W2E", model="Pickup", limit=40),
@@ -32,6 +33,17 @@ def test_vehicles_without_numbers_may_stand_in_another_order():
     assert values(answered, read) == flat(answered)
     assert aligned_fields(answered, read, UNNUMBERED)["vehicles[0].model"].field == "vehicles[1].model"
     assert values(answered, read, NUMBERED)["vehicles[0].model"] == "Sedan"
+
+
+def test_what_a_vehicle_alone_struck_is_compared_where_both_name_it():
+    tree, pole = lone(part="Left", roadside="Right"), lone(thing="Pole", part="Left")
+    found = values(tree, pole, NUMBERED)
+    assert {name: value for name, value in found.items() if name.startswith("impacts")} == {
+        "impacts[0].object": "Pole",
+        "impacts[0].striking_side": "Left",
+    }
+    assert flat(tree)["impacts[0].roadside"] == "Right"
+    assert not any(name.startswith("impacts") for name in values(lone(thing=None), pole, NUMBERED))
 
 
 def test_one_field_does_not_change_the_order():

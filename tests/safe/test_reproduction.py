@@ -10,6 +10,7 @@ from roadmend.world.runner import run_episode
 from roadmend.world.scenario_file import load_scenario, save_scenario
 
 from .crashes import ALL, HEAD_ON, role
+from .lone import LONE, onlooker
 
 
 @pytest.mark.parametrize("name", ["straight", "rear end"])
@@ -30,6 +31,13 @@ def test_who_is_alone_or_was_the_one_that_left_its_lane_is_not_tried():
         found = reproduce(role(what, ego), "modular", 30)
         assert (found.scenario, found.episodes) == (None, 0)
         assert words in found.outcome
+
+
+def test_a_vehicle_that_crashes_alone_does_so_before_the_ego():
+    found = reproduce(onlooker(LONE["left"]), "modular", 12)
+    assert (found.vehicle, found.own.is_reproduced) == (None, True)
+    assert found.scenario.name == "sample-onlooker-reproduced-modular"
+    assert found.trial.film.ego_name == "ego"
 
 
 def test_a_budget_that_runs_out_says_how_near_it_came():

@@ -30,6 +30,7 @@ from roadmend.reports.crash_tests import (
 )
 from roadmend.safe.backends import BackendOptions, open_extractor
 from roadmend.safe.cases import CrashCase, gather_cases
+from roadmend.safe.construction import role_name, role_title
 from roadmend.safe.crash_record import CrashRecord, load_records
 from roadmend.safe.crash_test_summary import summarise_reproductions, summarise_tests
 from roadmend.safe.driving import CrashTestJob, CrashTestResult, Task
@@ -235,13 +236,13 @@ def build(given: SafeOptions, samples: int) -> int:
         "built": len(built),
         "scenarios": [result.scenario for result in results if result.scenario],
         "failed": {case.name: case.problem for case in cases if case.crash is None}
-        | {f"{result.report}-v{result.vehicle}": result.text for result in failed},
+        | {f"{result.report}-{role_name(result.vehicle)}": result.text for result in failed},
     }
     if given.as_json:
         click.echo(json.dumps(content, indent=2))
     else:
         for result in failed:
-            click.echo(f"{result.report}, vehicle {result.vehicle}: {result.text}", err=True)
+            click.echo(f"{result.report}, {role_title(result.vehicle)}: {result.text}", err=True)
         click.echo(f"{len(results) - len(failed)} scenarios from {len(built)} of {len(cases)} reports in {given.out}")
     return 0 if len(built) == len(cases) else 1
 

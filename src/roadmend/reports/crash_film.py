@@ -11,7 +11,7 @@ from roadmend.core.json_text import read_json
 from roadmend.core.tick import INTERVAL
 from roadmend.core.whole_file import write_text
 from roadmend.safe.film import Film
-from roadmend.safe.trial import CrashTestEpisode, ego_name_of
+from roadmend.safe.trial import CrashTestEpisode, blank_film
 from roadmend.world.network import network_file
 from roadmend.world.road_network import LaneKind, lanes_of, read_network
 from roadmend.world.scenario import Scenario
@@ -43,8 +43,10 @@ def film_of(scenario: Scenario, film: Film, *, collided: bool, text: str) -> dic
             places[names.index(name)] = _pose(pose.x, pose.y, pose.yaw)
             bodies[name] = pose.length, pose.width
         frames.append([round(tick * INTERVAL, 2), places])
-    vehicles = [
-        {"name": name, "length": round(bodies[name][0], 2), "width": round(bodies[name][1], 2)} for name in names
+    vehicles: list[dict[str, Any]] = [
+        {"name": name, "length": round(bodies[name][0], 2), "width": round(bodies[name][1], 2)}
+        | ({"fixed": True} if name in film.fixed else {})
+        for name in names
     ]
     return {
         "format": _FORMAT,
@@ -70,7 +72,7 @@ def film_of_start(scenario: Scenario) -> dict[str, Any]:
         InputError: the scenario cannot be run.
         SimulationError: SUMO failed.
     """
-    film = Film(ego_name_of(scenario))
+    film = blank_film(scenario)
     with Simulation(scenario) as simulation:
         tick = simulation.first()
         if simulation.seen is not None:

@@ -8,7 +8,7 @@ from roadmend.core.errors import RoadmendError
 from roadmend.core.whole_file import write_text
 from roadmend.reports.crash_film import film_of_start
 from roadmend.reports.crash_page import account_of_extraction, load_account, page_of_crash
-from roadmend.safe.construction import CrashRole, draw_scenario
+from roadmend.safe.construction import draw_scenario, roles_of
 from roadmend.safe.dsl import CrashScenario
 from roadmend.safe.dsl_file import load_crash_scenario
 from roadmend.safe.extraction import Extraction
@@ -50,11 +50,11 @@ def write_crash_page(report: CrashReport, extraction: Extraction, out: Path) -> 
 
 
 def _start_of(case: str, crash: CrashScenario) -> list[dict[str, Any]]:
-    """The scene with each vehicle in the policy's place that can be built; a page has more than its scenes."""
+    """The scene with the policy in each role that can be built; a page has more than its scenes."""
     films = []
-    for ego in range(len(crash.vehicles)):
+    for role in roles_of(case, crash):
         try:
-            films.append(film_of_start(draw_scenario(CrashRole(case, crash, ego), 0)))
+            films.append(film_of_start(draw_scenario(role, 0)))
         except RoadmendError:
             continue
     return films

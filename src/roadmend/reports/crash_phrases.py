@@ -37,7 +37,7 @@ def family_of(field: str) -> str:
         return f"vehicle {int(vehicle[1]) + 1}"
     if field.startswith("env."):
         return "environment"
-    return "contact" if field.startswith("collisions") else "road"
+    return "contact" if field.startswith(("collisions", "impacts")) else "road"
 
 
 def colour_of(field: str) -> str:

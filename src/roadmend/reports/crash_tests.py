@@ -55,6 +55,7 @@ JUDGED_TITLES = (
     "reproduced",
     "share",
     "only with the policy standing",
+    "with the policy looking on",
     "collisions shown",
     "unphysical runs",
     "wrong records accepted",
@@ -98,7 +99,8 @@ def report_of_tests(
     """The files of a test report, a page of each case among them; sketches are copied into the output folder."""
     rows = [(policy, *found.cells()) for policy, found in tallies.items()]
     intro = (
-        "Every vehicle of a report took the place of the ego in turn. A violation is a collision, as in the paper; "
+        "Every vehicle of a report took the place of the ego in turn; where one crashes alone, the ego looks on. A "
+        "violation is a collision, as in the paper; "
         "'at fault' are those that the ego is to blame for by the rules of nuPlan. The paper's figures come from "
         "other simulators and policies."
     )
@@ -127,7 +129,7 @@ def report_of_reproductions(
         "the same two, the same one running into the other, on the same parts, from and to the same directions, on the "
         "same type of road, everybody moving as vehicles can. The first table goes by this program's own reading of "
         "the report; the second, where records were given, by a record of the real crash that no reading touches. "
-        "The others drive as described and look out for nobody."
+        "The others drive as described and look out for nobody. Where one vehicle crashes alone, the policy looks on."
     )
     table = (REPRODUCTION_TITLES, *rows, *PAPER_REPRODUCTION)
     files = _files("reproduction", "Crashes reproduced", intro, table, cases, results, out)
@@ -152,6 +154,7 @@ def judged_cells(found: JudgedSummary) -> tuple[str, ...]:
         *map(str, counts),
         share,
         str(found.stood),
+        str(found.looked_on),
         f"{found.shown} of {found.collisions}",
         str(found.unphysical),
         wrong,
@@ -160,9 +163,13 @@ def judged_cells(found: JudgedSummary) -> tuple[str, ...]:
 
 def _judged_row(run: JudgedRun) -> tuple[str, ...]:
     if run.failed is None:
-        return run.report, str(run.vehicle), run.policy, "-", run.note
+        return run.report, _role(run.vehicle), run.policy, "-", run.note
     verdict = "reproduced" if run.is_reproduced else ", ".join(run.failed)
-    return run.report, str(run.vehicle), run.policy, verdict, run.note
+    return run.report, _role(run.vehicle), run.policy, verdict, run.note
+
+
+def _role(vehicle: int | None) -> str:
+    return "onlooker" if vehicle is None else str(vehicle)
 
 
 def _of(judged: Sequence[JudgedRun], policy: str) -> list[JudgedRun]:
@@ -182,7 +189,7 @@ def _files(
     for result in results:
         own[result.report].append(result)
     listing = [("report", "vehicle", "policy", "scenario", "how it ended")] + [
-        (result.report, str(result.vehicle), result.policy, result.scenario or "-", result.text)
+        (result.report, _role(result.vehicle), result.policy, result.scenario or "-", result.text)
         for case in cases
         for result in own[case.name]
     ]

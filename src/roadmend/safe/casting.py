@@ -3,13 +3,12 @@
 import math
 from dataclasses import replace
 
-from roadmend.core.errors import InputError
 from roadmend.safe.alongside import Neighbour
 from roadmend.safe.dsl import CROSSING_OVER, STANDING, Action, CrashScenario, DslModel, Manoeuvre, Side
 from roadmend.safe.own_lines import backwards_line, u_turn_line
 from roadmend.safe.spots import Casting, Spot, make_room
 from roadmend.safe.staging import Relation, relation_of
-from roadmend.safe.ways import Layout, Way, centre_line
+from roadmend.safe.ways import Layout, Way, centre_line, chosen_lane
 from roadmend.world import scenario as world
 from roadmend.world.drivers import BODIES
 from roadmend.world.ego import GRAVITY
@@ -90,7 +89,7 @@ class MeetingStage:
             ahead = self._queue_head()
             spots.append(ahead)
             still: list[world.Manoeuvre] = [world.Heedless(when=world.Trigger(time=0.0), speed=0.0)]
-            actors.append(_actor(WAITED_FOR, "car", self._way(self._ego), ahead, still))
+            actors.append(vehicle_actor(WAITED_FOR, "car", self._way(self._ego), ahead, still))
         for index in range(len(self._crash.vehicles)):
             if index == self._ego:
                 continue
@@ -100,7 +99,7 @@ class MeetingStage:
             if spot.front > length:
                 continue  # pushed past the road's end: no room for it
             spots.append(spot)
-            actors.append(_actor(f"v{index + 1}", self._kind(index), self._way(index), spot, manoeuvres))
+            actors.append(vehicle_actor(f"v{index + 1}", self._kind(index), self._way(index), spot, manoeuvres))
         return actors
 
     @property
@@ -259,16 +258,11 @@ class MeetingStage:
         return float(self._drawn[f"v{index + 1}.{what}"])
 
     def _lane(self, index: int) -> int:
-        way = self._way(index)
-        if not way.lanes:
-            raise InputError(f"vehicle {index + 1}", f"no lane leads from {way.route[0]} to {way.route[-1]}", "mend it")
-        stated = self._layout.stated_lanes.get(index)
-        if stated is not None:
-            return min(way.lanes, key=lambda lane: abs(lane - stated))
-        return way.lanes[min(int(self._of(index, "lane") * len(way.lanes)), len(way.lanes) - 1)]
+        return chosen_lane(self._layout, index, self._drawn)
 
 
-def _actor(name: str, kind: str, way: Way, spot: Spot, manoeuvres: list[world.Manoeuvre]) -> world.Vehicle:
+def vehicle_actor(name: str, kind: str, way: Way, spot: Spot, manoeuvres: list[world.Manoeuvre]) -> world.Vehicle:
+    """One of a report's vehicles as it enters the scenario, from a spot, on its way."""
     inside = spot.front > spot.length + 0.5
     late = 0.0 if inside else (spot.length + 0.5 - spot.front) / max(spot.speed, 1.0)
     told = any(isinstance(manoeuvre, world.Heedless | world.Follow) for manoeuvre in manoeuvres)

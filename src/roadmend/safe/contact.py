@@ -92,7 +92,7 @@ def find_contacts(film: Film) -> list[Contact]:
         now = film.poses(tick)
         for one, other in itertools.combinations(sorted(now, key=film.names.index), 2):
             pair = frozenset({one, other})
-            if pair not in found and _gap(now[one], now[other]) <= 0.0:
+            if pair not in found and not pair <= film.fixed and _gap(now[one], now[other]) <= 0.0:
                 # Within one tick the earlier touch is the first of the two; pairs are few, so the order of names does.
                 found[pair] = _contact(tick, (one, other), before, now)
         before = now

@@ -11,9 +11,11 @@ whom, with which part, coming from and going to where, and on which road::
 ``from`` is the direction of travel before the crash and ``to`` the one that the vehicle meant to take, as points of the
 compass; a T-intersection may have a ``stem``. What is null is not known, and not asked of anybody. A record may also
 carry the scenario that a careful reader takes from the report, as ``oracle``; of it, the judge goes by the alternatives
-of the road's type alone.
+of the road's type alone. Who strikes or is struck and is no vehicle stands there in words, such as "object: tree".
 """
 
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -31,6 +33,14 @@ HEADINGS: dict[str, float] = {  # [deg] counter-clockwise from east
     name: 45.0 * place for place, name in enumerate(("E", "NE", "N", "NW", "W", "SW", "S", "SE"))
 }
 _MEND = "the form of records is on src/doc/safe.md"
+
+# Beginnings of words by which a record's own name of what was struck tells what that is; the first kind counts.
+_THINGS = {
+    "on the roadway": "deer|elk|moose|animal|horse|cow|dog|pedestrian|cycl|person|debris",
+    "along the road": "ditch|embankment|curb|kerb|wall|fence|guard|rail|barrier|hedge|culvert",
+    "vehicle": "trailer|vehicle|car|truck",
+    "upright": "tree|pole|sign|post|sapling|branch|bush|hydrant|mailbox|tower|pillar",
+}
 
 _Road = Literal["Straight", "Curve", "Intersection", "T-intersection", "Merging"]
 _Heading = Literal["E", "NE", "N", "NW", "W", "SW", "S", "SE"]
@@ -56,6 +66,14 @@ class RecordedManoeuvre(StrEnum):
     MERGE = "merge"
     RUN_OFF_ROAD = "run off road"
     WRONG_WAY = "wrong way"
+
+
+_SIDES = {
+    RecordedManoeuvre.DRIFT_LEFT: 1,
+    RecordedManoeuvre.CHANGE_LANE_LEFT: 1,
+    RecordedManoeuvre.DRIFT_RIGHT: -1,
+    RecordedManoeuvre.CHANGE_LANE_RIGHT: -1,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +102,11 @@ class RecordedVehicle:
         """Whether it went backwards."""
         return self.manoeuvre is RecordedManoeuvre.REVERSE
 
+    @property
+    def leaves(self) -> int:
+        """The side to which it left its way: 1 to the left, -1 to the right, 0 where that is not known."""
+        return _SIDES.get(self.manoeuvre, 0) if self.manoeuvre is not None else 0
+
 
 @dataclass(frozen=True, slots=True)
 class RecordedCollision:
@@ -93,6 +116,32 @@ class RecordedCollision:
     struck: int
     striking_part: Part | None = None
     struck_part: Part | None = None
+
+
+class RecordedThing(StrEnum):
+    """What a vehicle struck that is none, as far as a judge tells it apart."""
+
+    ON_THE_ROADWAY = "on the roadway"  # an animal, a person, debris
+    ALONG_THE_ROAD = "along the road"  # a ditch, a curb, a wall, a barrier
+    VEHICLE = "vehicle"  # one that stands there and is no vehicle of the record: a trailer
+    UPRIGHT = "upright"  # a tree, a pole, a sign
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedImpact:
+    """A vehicle of the record strikes what is none of its vehicles.
+
+    Attributes:
+        striking: number of the vehicle.
+        striking_part: what it hits with; None where it is not known.
+        thing: what it strikes; None where the record's words tell no kind.
+        on_roadway: whether that happened on the roadway, or beside it; None where it is not known.
+    """
+
+    striking: int
+    striking_part: Part | None = None
+    thing: RecordedThing | None = None
+    on_roadway: bool | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +155,7 @@ class CrashRecord:
         vehicles: those that are known.
         collisions: between two vehicles, in order; those with objects and people are not among them.
         events: collisions of all kinds that the record names.
+        impacts: of vehicles with objects, animals and people, in order.
     """
 
     case: str
@@ -114,6 +164,12 @@ class CrashRecord:
     collisions: tuple[RecordedCollision, ...]
     stem: float | None = None
     events: int = 0
+    impacts: tuple[RecordedImpact, ...] = ()
+
+    @property
+    def is_alone(self) -> bool:
+        """Whether a vehicle crashed alone: no two vehicles touched, and one struck something else."""
+        return not self.collisions and bool(self.impacts)
 
     def vehicle(self, number: int) -> RecordedVehicle:
         """One vehicle by its number; one of which nothing is known if the record does not list it."""
@@ -175,6 +231,19 @@ class _CollisionFields(_Fields):
             return None
         return RecordedCollision(self.striking, self.struck, self.striking_part, self.struck_part)
 
+    def impact(self, manoeuvres: Mapping[int, RecordedManoeuvre | None]) -> RecordedImpact | None:
+        """That of a vehicle with what is none; None for all others."""
+        parts = {self.striking: self.striking_part, self.struck: self.struck_part}
+        numbers = [each for each in parts if isinstance(each, int)]
+        words = [each.lower() for each in parts if isinstance(each, str)]
+        if len(numbers) != 1 or not words:
+            return None
+        thing = next((kind for kind, known in _THINGS.items() if re.search(rf"\b({known})", words[0])), None)
+        kind = RecordedThing(thing) if thing is not None else None
+        is_off = manoeuvres.get(numbers[0]) is RecordedManoeuvre.RUN_OFF_ROAD
+        place = kind is RecordedThing.ON_THE_ROADWAY if kind is not None else False if is_off else None
+        return RecordedImpact(numbers[0], parts[numbers[0]], kind, place)
+
 
 class _CrashFields(_Fields):
     road: _Road | None
@@ -205,6 +274,8 @@ class _RecordFile(_Fields):
         crash = self.crash
         also = self.oracle.alternatives.get("road_type", []) if self.oracle is not None else []
         collisions = [each.collision() for each in crash.collisions]
+        manoeuvres = {each.number: each.manoeuvre for each in crash.vehicles}
+        impacts = [each.impact(manoeuvres) for each in crash.collisions]
         return CrashRecord(
             self.case or name,
             (crash.road, *(each for each in also if each != crash.road)) if crash.road is not None else (),
@@ -212,4 +283,5 @@ class _RecordFile(_Fields):
             tuple(each for each in collisions if each is not None),
             None if crash.stem is None else HEADINGS[crash.stem],
             len(collisions),
+            tuple(each for each in impacts if each is not None),
         )

@@ -6,6 +6,7 @@ from typing import Any
 
 from roadmend.safe.cases import CrashCase
 from roadmend.safe.driving import CrashTestResult
+from roadmend.safe.staging import is_alone
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,12 +71,13 @@ def _runs_whole(case: CrashCase, results: Sequence[CrashTestResult]) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class ReproductionSummary:
-    """The crashes that happened again with a policy in the place of a vehicle, by the program's own reading.
+    """The crashes that happened again with a policy in the place of a vehicle, or before its eyes, by the own reading.
 
     Attributes:
         reports: that were given.
         possible: those with two vehicles or more.
-        reproduced: whose crash happened with the policy in at least one vehicle's place.
+        reproduced: whose crash happened in at least one role of the policy.
+        of_possible: those of them with two vehicles or more.
         names: of these.
         episodes: that were driven.
     """
@@ -83,6 +85,7 @@ class ReproductionSummary:
     reports: int
     possible: int
     reproduced: int
+    of_possible: int
     names: tuple[str, ...]
     episodes: int
 
@@ -96,7 +99,7 @@ class ReproductionSummary:
             str(self.reports),
             str(self.reproduced),
             _share(self.reproduced, self.reports),
-            f"{self.reproduced} of {self.possible} ({_share(self.reproduced, self.possible)})",
+            f"{self.of_possible} of {self.possible} ({_share(self.of_possible, self.possible)})",
             str(self.episodes),
         )
 
@@ -108,7 +111,6 @@ def _share(part: int, whole: int) -> str:
 def summarise_reproductions(cases: Sequence[CrashCase], results: Sequence[CrashTestResult]) -> ReproductionSummary:
     """Count the reproductions of one policy."""
     names = sorted({result.report for result in results if result.reproduced})
-    possible = sum(case.crash is not None and len(case.crash.vehicles) > 1 for case in cases)
-    return ReproductionSummary(
-        len(cases), possible, len(names), tuple(names), sum(result.episodes for result in results)
-    )
+    possible = {case.name for case in cases if case.crash is not None and not is_alone(case.crash)}
+    episodes = sum(result.episodes for result in results)
+    return ReproductionSummary(len(cases), len(possible), len(names), len(possible & {*names}), tuple(names), episodes)

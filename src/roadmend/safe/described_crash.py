@@ -4,12 +4,32 @@ The search for a crash aims at this; it is not what decides whether the crash wa
 """
 
 import math
+from dataclasses import replace
 
 from roadmend.safe.compass import BEARING, HEADING, TURN
 from roadmend.safe.contact import Part
-from roadmend.safe.crash_record import CrashRecord, RecordedCollision, RecordedManoeuvre, RecordedVehicle
-from roadmend.safe.dsl import Action, CrashScenario, DescribedVehicle, Manoeuvre, Position, RoadType, Side
-from roadmend.safe.staging import collisions_of, first_collision
+from roadmend.safe.crash_record import (
+    CrashRecord,
+    RecordedCollision,
+    RecordedImpact,
+    RecordedManoeuvre,
+    RecordedThing,
+    RecordedVehicle,
+)
+from roadmend.safe.dsl import (
+    ON_THE_ROADWAY,
+    STANDING,
+    Action,
+    CrashScenario,
+    DescribedImpact,
+    DescribedVehicle,
+    Manoeuvre,
+    Position,
+    RoadType,
+    Side,
+    StruckObject,
+)
+from roadmend.safe.staging import collisions_of, first_collision, is_alone
 from roadmend.safe.ways import Layout
 
 _PART = {side: Part(side.value.lower()) for side in Side}
@@ -25,10 +45,32 @@ _RECORDED = {  # of what a vehicle does, as far as a judge asks for it beside wh
 }
 
 
-def why_not_played(crash: CrashScenario, ego: int) -> str:
-    """Why the crash cannot happen as described with the policy in a vehicle's place; empty if it can."""
-    if len(crash.vehicles) == 1:
-        return "a single vehicle: there is nobody to collide with, and the ego does not leave its road"
+_THINGS = {
+    StruckObject.TREE: RecordedThing.UPRIGHT,
+    StruckObject.POLE: RecordedThing.UPRIGHT,
+    StruckObject.SIGN: RecordedThing.UPRIGHT,
+    StruckObject.BARRIER: RecordedThing.ALONG_THE_ROAD,
+    StruckObject.WALL: RecordedThing.ALONG_THE_ROAD,
+    StruckObject.DITCH: RecordedThing.ALONG_THE_ROAD,
+    StruckObject.CURB: RecordedThing.ALONG_THE_ROAD,
+    StruckObject.PARKED_TRAILER: RecordedThing.VEHICLE,
+    StruckObject.ANIMAL: RecordedThing.ON_THE_ROADWAY,
+    StruckObject.DEBRIS: RecordedThing.ON_THE_ROADWAY,
+}
+_LEAVES = {Side.LEFT: RecordedManoeuvre.DRIFT_LEFT, Side.RIGHT: RecordedManoeuvre.DRIFT_RIGHT}
+
+
+def why_not_played(crash: CrashScenario, ego: int | None) -> str:
+    """Why the crash cannot happen as described with the policy in a vehicle's place; empty if it can.
+
+    Where it looks on (None), a vehicle crashes alone that has to go forwards.
+    """
+    if is_alone(crash) and ego is not None:
+        return "a single vehicle: the ego, which does not leave its road, can only look on"
+    if ego is None:
+        manoeuvre = crash.vehicles[0].manoeuvre
+        stays = manoeuvre in {*STANDING, Manoeuvre.REVERSE}
+        return f"a vehicle alone that does not go forwards ({manoeuvre})" if stays else ""
     first = first_collision(crash)
     if first is not None and ego + 1 not in {first.striking, first.struck}:
         return "the vehicle is not in the first collision of the report"
@@ -57,11 +99,24 @@ def record_of(crash: CrashScenario, layout: Layout | None = None, ego: int = 0) 
         for each in crash.collisions or collisions_of(crash, ego)
     )
     vehicles = tuple(_vehicle(number, each) for number, each in enumerate(crash.vehicles, 1))
+    impacts = tuple(_impact(each) for each in crash.impacts)
+    if is_alone(crash):
+        impacts = impacts or (RecordedImpact(1),)
+        side = _LEAVES.get(crash.impacts[0].roadside) if crash.impacts and crash.impacts[0].roadside else None
+        vehicles = tuple(replace(each, manoeuvre=side) for each in vehicles)
+        collisions = ()
     roads = (crash.road.road_type.value,) if crash.road.road_type is not None else ()
     stem = float(BEARING[crash.road.stem]) if crash.road.stem is not None else None
     if layout is not None and layout.adapted:
         roads, stem = (), None  # the report contradicts itself there, and the scenario says so
-    return CrashRecord("", roads, vehicles, collisions, stem, len(collisions))
+    return CrashRecord("", roads, vehicles, collisions, stem, len(collisions) + len(impacts), impacts)
+
+
+def _impact(impact: DescribedImpact) -> RecordedImpact:
+    part = _PART.get(impact.striking_side) if impact.striking_side else None
+    if impact.object is None:
+        return RecordedImpact(impact.striking, part)
+    return RecordedImpact(impact.striking, part, _THINGS.get(impact.object), impact.object in ON_THE_ROADWAY)
 
 
 def _vehicle(number: int, vehicle: DescribedVehicle) -> RecordedVehicle:

@@ -71,7 +71,7 @@ class CrashTestResult:
 
     Attributes:
         report: name of the report.
-        vehicle: number of the vehicle whose place the ego took.
+        vehicle: number of the vehicle whose place the ego took; None where it looked on.
         policy: name.
         scenario: file in the output folder; empty if none was built (test) or nothing reproduced.
         picture: file in the output folder, or empty.
@@ -85,7 +85,7 @@ class CrashTestResult:
     """
 
     report: str
-    vehicle: int
+    vehicle: int | None
     policy: str
     scenario: str = ""
     picture: str = ""

@@ -1,7 +1,7 @@
 """The scenario language of SAFE (listing 1 of the paper): what happened, as far as a crash report says it.
 
-A field that the report leaves open is None. Two optional parts go beyond the paper's grammar: the manoeuvre of a
-vehicle in more words than the three actions have, and the collisions in the order in which they happened. Whatever
+A field that the report leaves open is None. Three optional parts go beyond the paper's grammar: a vehicle's manoeuvre in
+more words than the three actions have, the collisions in their order, and what a vehicle struck that is none. Whatever
 else a user wants to carry along goes into ``extras``, under names that start with ``x-``.
 """
 
@@ -127,6 +127,25 @@ class Side(StrEnum):
     RIGHT = "Right"
 
 
+class StruckObject(StrEnum):
+    """What a vehicle strikes that is none: it stands beside the road, but for the last two."""
+
+    TREE = "Tree"
+    POLE = "Pole"
+    SIGN = "Sign"
+    BARRIER = "Barrier"
+    WALL = "Wall"
+    DITCH = "Ditch"
+    CURB = "Curb"
+    PARKED_TRAILER = "Parked Trailer"
+    OTHER = "Other"
+    ANIMAL = "Animal"
+    DEBRIS = "Debris"
+
+
+ON_THE_ROADWAY = frozenset({StruckObject.ANIMAL, StruckObject.DEBRIS})
+
+
 @dataclass(frozen=True, slots=True)
 class DescribedRoadNetwork:
     """The road.
@@ -206,6 +225,27 @@ class DescribedCollision:
 
 
 @dataclass(frozen=True, slots=True)
+class DescribedImpact:
+    """A vehicle strikes something that is no vehicle.
+
+    Attributes:
+        striking: number of the vehicle, from 1.
+        object: what it strikes.
+        striking_side: what it hits with.
+        roadside: the side of the road, as the vehicle goes, on which that stands; None for what is on the roadway.
+    """
+
+    striking: int
+    object: StruckObject | None = None
+    striking_side: Side | None = None
+    roadside: Side | None = None
+
+    def __post_init__(self) -> None:
+        if self.roadside not in {None, Side.LEFT, Side.RIGHT}:
+            raise ValueError(f"roadside is {self.roadside}, but a road has a Left and a Right one")
+
+
+@dataclass(frozen=True, slots=True)
 class DescribedEnvironment:
     """Light and weather."""
 
@@ -226,6 +266,7 @@ class CrashScenario:
         vehicles: those in contact, at least one, in the order of the report's numbers.
         environment: light and weather.
         collisions: in the order in which they happened; empty where the report does not say.
+        impacts: with what is no vehicle, in the order in which they happened.
         extras: further fields.
     """
 
@@ -233,6 +274,7 @@ class CrashScenario:
     vehicles: tuple[DescribedVehicle, ...]
     environment: DescribedEnvironment
     collisions: tuple[DescribedCollision, ...] = ()
+    impacts: tuple[DescribedImpact, ...] = ()
     extras: Extras = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
@@ -246,10 +288,10 @@ class CrashScenario:
                     f"vehicles[{index}].initial_position is {vehicle.initial_position}, which a road of type "
                     f"{self.road.road_type} does not have"
                 )
-        for collision in self.collisions:
-            for number in (collision.striking, collision.struck):
-                if not 1 <= number <= len(self.vehicles):
-                    raise ValueError(f"collisions name vehicle {number}, there are {len(self.vehicles)}")
+        named = [("collisions", number) for each in self.collisions for number in (each.striking, each.struck)]
+        for part, number in (*named, *(("impacts", each.striking) for each in self.impacts)):
+            if not 1 <= number <= len(self.vehicles):
+                raise ValueError(f"{part} name vehicle {number}, there are {len(self.vehicles)}")
         _check_extras(self.extras)
 
 

@@ -16,6 +16,7 @@ from roadmend.safe.dsl import (
     CrashScenario,
     DescribedCollision,
     DescribedEnvironment,
+    DescribedImpact,
     DescribedRoadNetwork,
     DescribedVehicle,
     DslModel,
@@ -23,6 +24,7 @@ from roadmend.safe.dsl import (
     Position,
     RoadType,
     Side,
+    StruckObject,
     Time,
     Weather,
 )
@@ -31,6 +33,8 @@ Word = TypeVar("Word", bound=StrEnum)
 Lines = Mapping[str, int]  # field -> line of the file, from 1
 
 NOT_APPLICABLE = "Not applicable"
+_BEYOND = ("collisions", "impacts", "is_divided", "bend", "control")  # parts that the paper does not have
+_OF_IMPACT = ("object", "striking_side", "roadside")  # where known
 _MEND = "see the scenario language in the README"
 
 
@@ -53,6 +57,8 @@ def dump_data(scenario: CrashScenario) -> dict[str, Any]:
     }
     if scenario.collisions:
         content["collisions"] = [_dump_collision(collision) for collision in scenario.collisions]
+    if scenario.impacts:
+        content["impacts"] = [_dump_impact(impact) for impact in scenario.impacts]
     return content | dict(scenario.extras)
 
 
@@ -74,6 +80,11 @@ def _dump_collision(collision: DescribedCollision) -> dict[str, Any]:
     return {"striking": collision.striking, "struck": collision.struck} | {
         name: side for name, side in sides.items() if side is not None
     }
+
+
+def _dump_impact(impact: DescribedImpact) -> dict[str, Any]:
+    words = {name: _word(getattr(impact, name)) for name in _OF_IMPACT}
+    return {"striking": impact.striking} | {name: word for name, word in words.items() if word is not None}
 
 
 def _word(word: StrEnum | None) -> str | None:
@@ -161,7 +172,7 @@ class _Parser:
 
     def scenario(self, content: object) -> CrashScenario:
         needed = ("road_type", "num_lanes", "stem_direction", "vehicles", "env")
-        fields, extras = self.mapping(content, "", needed, ("collisions", "is_divided", "bend", "control"))
+        fields, extras = self.mapping(content, "", needed, _BEYOND)
         stem = {} if fields["stem_direction"] == NOT_APPLICABLE else fields
         road_type = self.word(fields, "", "road_type", RoadType)
         lanes, compass = self.whole(fields, "", "num_lanes"), self.word(stem, "", "stem_direction", Compass)
@@ -176,6 +187,10 @@ class _Parser:
             self.collision(collision, f"collisions[{index}]")
             for index, collision in enumerate(self.items(fields, "collisions") if "collisions" in fields else ())
         )
+        impacts = tuple(
+            self.impact(impact, f"impacts[{index}]")
+            for index, impact in enumerate(self.items(fields, "impacts") if "impacts" in fields else ())
+        )
         try:
             return CrashScenario(
                 DescribedRoadNetwork(
@@ -189,6 +204,7 @@ class _Parser:
                 vehicles,
                 environment,
                 collisions,
+                impacts,
                 extras,
             )
         except ValueError as error:
@@ -243,6 +259,22 @@ class _Parser:
             return DescribedCollision(striking, struck, *sides)
         except ValueError as error:
             raise self.fail(field, str(error)) from None
+
+    def impact(self, content: object, field: str) -> DescribedImpact:
+        fields, _ = self.mapping(content, field, ("striking",), _OF_IMPACT, extensible=False)
+        striking = self.whole(fields, field, "striking")
+        if striking is None:
+            raise self.fail(_join(field, "striking"), "names no vehicle", "give its number, from 1")
+        try:
+            return DescribedImpact(
+                striking,
+                self.word(fields, field, "object", StruckObject),
+                self.word(fields, field, "striking_side", Side),
+                self.word(fields, field, "roadside", Side),
+            )
+        except ValueError as error:
+            name, problem = str(error).split(maxsplit=1)
+            raise self.fail(_join(field, name), problem) from None
 
 
 def _outwards(field: str) -> list[str]:

@@ -29,6 +29,8 @@ _COLLISION = {
     "Striking_side": "striking_side",
     "Struck_side": "struck_side",
 }
+_PARTS = {"Actors": "vehicles", "Env": "env", "Collisions": "collisions", "Impacts": "impacts"}
+_IMPACT = {"Striking": "striking", "Object": "object", "Striking_side": "striking_side", "Roadside": "roadside"}
 _JSON = {"num_lanes", "speed_limit_mph", "striking", "struck", "is_divided"}
 
 
@@ -49,6 +51,10 @@ def dump_text(scenario: CrashScenario) -> str:
         lines.append("  <Collisions>:")
         for number, collision in enumerate(data["collisions"], start=1):
             lines += [f"    <Collision_{number}>:", *_dump_fields(collision, _COLLISION, 6)]
+    if scenario.impacts:
+        lines.append("  <Impacts>:")
+        for number, impact in enumerate(data["impacts"], start=1):
+            lines += [f"    <Impact_{number}>:", *_dump_fields(impact, _IMPACT, 6)]
     lines += [f"  <{name}>: {json.dumps(value)}" for name, value in scenario.extras.items()]
     return "\n".join(lines) + "\n"
 
@@ -142,13 +148,13 @@ class _Reader:
                     content["env"] = self.fields(entry, _ENV, "env")
                 case "Collisions":
                     content["collisions"] = self.numbered(entry, "Collision", _COLLISION, "collisions")
+                case "Impacts":
+                    content["impacts"] = self.numbered(entry, "Impact", _IMPACT, "impacts")
                 case name if name.startswith(EXTRA_PREFIX):
                     content[name] = self.json(entry)
                 case _:
-                    raise self.fail(entry, "is none of Road network, Actors, Env, Collisions")
-            self.lines.setdefault(
-                {"Actors": "vehicles", "Env": "env", "Collisions": "collisions"}.get(entry.name, ""), entry.line
-            )
+                    raise self.fail(entry, "is none of Road network, Actors, Env, Collisions, Impacts")
+            self.lines.setdefault(_PARTS.get(entry.name, ""), entry.line)
         return content
 
     def numbered(self, parent: _Entry, kind: str, names: dict[str, str], path: str) -> list[dict[str, Any]]:
@@ -171,7 +177,7 @@ class _Reader:
             if entry.parts:
                 raise self.fail(entry.parts[0], f"does not belong below <{entry.name}>")
             self.lines[f"{path}.{key}" if path else key] = entry.line
-            is_extra = entry.name.startswith(EXTRA_PREFIX) and path not in {"", "collisions"}
+            is_extra = entry.name.startswith(EXTRA_PREFIX) and path not in {"", "collisions", "impacts"}
             if entry.name not in names and not is_extra:
                 raise self.fail(entry, f"is none of {', '.join(names)}")
             content[key] = self.json(entry) if is_extra else self.value(entry, key)

@@ -7,6 +7,7 @@ from typing import Any
 
 from roadmend.language.chat import Image
 from roadmend.safe.claims import AnyClaim, Box, Cast, Claim, Span
+from roadmend.safe.dsl import StruckObject
 from roadmend.safe.extraction import Extraction, ExtractionError, FieldEvidence, Step, Watch, unwatched
 from roadmend.safe.reading.assembly import ReportReading
 from roadmend.safe.reading.lexicon import is_known
@@ -94,10 +95,13 @@ class EmbeddedExtractor:
 
 
 def _limits(said: SummaryClaims, reading: ReportReading) -> Iterator[str]:
+    impacts = reading.scenario.impacts
     for name in said.others:
+        if name == "animal" and any(each.object is StruckObject.ANIMAL for each in impacts):
+            continue
         yield f"a {name} takes part, for which the scenario language has no words"
     if len(reading.scenario.vehicles) == 1:
-        yield "one vehicle alone: there is no other to collide with"
+        yield "one vehicle alone: whoever drives the ego looks on"
 
 
 def _doubts(findings: Mapping[str, JudgedField]) -> Iterator[str]:

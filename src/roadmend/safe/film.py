@@ -18,7 +18,8 @@ class Film:
     """An episode as it was driven.
 
     Attributes:
-        ego_name: name of the vehicle that the policy drove, as the report has it.
+        ego_name: name of the vehicle that the policy drove, as the report has it; "ego" where it has none.
+        fixed: names of those that are no vehicles and stand where they are.
         ego: its states, one a tick, the last tick too.
         objects: who was around it, as pictures show them, one list a tick.
         everyone: the others on the map, near or far, by name, one mapping a tick.
@@ -28,6 +29,7 @@ class Film:
     ego: list[EgoState] = field(default_factory=list)
     objects: list[ObjectList] = field(default_factory=list)
     everyone: list[dict[str, Pose]] = field(default_factory=list)
+    fixed: frozenset[str] = frozenset()
 
     def add(self, ego: EgoState, objects: ObjectList, others: dict[str, Pose]) -> None:
         """Take in one tick."""
@@ -37,7 +39,7 @@ class Film:
 
     @property
     def names(self) -> list[str]:
-        """All vehicles that were seen, the ego first."""
+        """All that were seen, the ego first."""
         seen = {name for others in self.everyone for name in others}
         return [self.ego_name, *sorted(seen - {self.ego_name})]
 
@@ -56,13 +58,13 @@ class Film:
                 rows.append((tick, pose.x, pose.y, pose.yaw, pose.speed))
         return np.array(rows, dtype=np.float64).reshape(-1, 5)
 
-    def nearest(self) -> int:
-        """The tick at which somebody was nearest to the ego, or the middle of the episode if nobody was near."""
+    def nearest(self, since: int = 0) -> int:
+        """The tick, from one on, at which somebody was nearest to the ego, or the middle if nobody ever was there."""
         gaps = [
             min((math.hypot(pose.x - ego.x, pose.y - ego.y) for pose in others.values()), default=math.inf)
             for ego, others in zip(self.ego, self.everyone, strict=True)
         ]
-        best = min(range(len(gaps)), key=gaps.__getitem__)
+        best = min(range(since, len(gaps)), key=gaps.__getitem__)
         return best if math.isfinite(gaps[best]) else len(gaps) // 2
 
     @property

@@ -12,7 +12,8 @@ from roadmend.core.errors import RoadmendError
 from roadmend.core.fanout import fan_out
 from roadmend.safe.crash_record import CrashRecord
 from roadmend.safe.driving import CrashTestResult
-from roadmend.safe.judge import Likeness, judge
+from roadmend.safe.judge import judge
+from roadmend.safe.likeness import Likeness
 from roadmend.safe.trial import run_trial
 from roadmend.world.scenario_file import load_scenario
 
@@ -23,12 +24,12 @@ class JudgedRun:
 
     Attributes:
         report: name.
-        vehicle: number of the vehicle whose place the ego took.
+        vehicle: number of the vehicle whose place the ego took; None where it looked on.
         policy: name.
         failed: what differs, by dimension; None where there is nothing to judge.
         note: why there is nothing.
         shown: collisions of the record that the run shows.
-        recorded: collisions of two vehicles that the record has.
+        recorded: collisions that the record has: of two vehicles, or those of a vehicle that crashed alone.
         is_physical: whether everybody moved as vehicles can; None where nothing ran.
         hardest: largest accelerations along and across the way [m/s2] of all in the run.
         wrong_records: records of other crashes on the same type of road.
@@ -37,7 +38,7 @@ class JudgedRun:
     """
 
     report: str
-    vehicle: int
+    vehicle: int | None
     policy: str
     failed: Mapping[str, str] | None = None
     note: str = ""
@@ -92,14 +93,19 @@ def judge_results(
 
 
 def _others(report: str, records: Mapping[str, CrashRecord]) -> tuple[CrashRecord, ...]:
-    """The records of other crashes of two vehicles or more on the same type of road."""
+    """The records of other crashes on the same type of road: of vehicles alone for one alone, of several for several.
+
+    That the one kind is never taken for the other is how the judge is made; such pairs would only swell the count.
+    """
     own = records.get(report)
     if own is None:
         return ()
     return tuple(
         each
         for name, each in sorted(records.items())
-        if name != report and each.collisions and {*each.roads} & {*own.roads}
+        if name != report
+        and (each.is_alone if own.is_alone else bool(each.collisions))
+        and {*each.roads} & {*own.roads}
     )
 
 
@@ -131,7 +137,7 @@ def _judge(job: _JudgingJob) -> JudgedRun:
         ),
         len(job.wrong),
         sum(judge(trial.run, each).is_reproduced for each in job.wrong),
-        record.vehicle(result.vehicle).stands,
+        result.vehicle is not None and record.vehicle(result.vehicle).stands,
     )
 
 
@@ -145,11 +151,12 @@ class JudgedSummary:
         run: those of which a run exists.
         reproduced: those of which the judge takes at least one role's run for the crash.
         stood: those of the reproduced ones in which the policy only played vehicles that stood.
+        looked_on: those in which it played none: a vehicle crashed alone before its eyes.
         names: of the reproduced ones.
         but_for: how many there would be were one dimension dropped.
         failed: how many runs differ, by dimension.
         unphysical: runs in which somebody moved as no vehicle can.
-        shown: collisions of two vehicles that the reproducing runs show.
+        shown: collisions that the reproducing runs show.
         collisions: that the records of these crashes have.
         wrong_records: pairs of a run and the record of another crash on the same type of road.
         wrongly_accepted: those of them that the judge takes for that crash.
@@ -160,6 +167,7 @@ class JudgedSummary:
     run: int
     reproduced: int
     stood: int
+    looked_on: int
     names: tuple[str, ...]
     but_for: Mapping[str, int]
     failed: Mapping[str, int]
@@ -189,6 +197,7 @@ def summarise_judged(reports: Sequence[str], recorded: Sequence[str], runs: Sequ
         run=len({run.report for run in judged}),
         reproduced=len(names),
         stood=len({*names} - played),
+        looked_on=len({run.report for run in judged if run.is_reproduced and run.vehicle is None}),
         names=tuple(names),
         but_for={dimension.value: but_for(dimension) for dimension in Likeness},
         failed={

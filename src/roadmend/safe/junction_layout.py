@@ -6,6 +6,7 @@ import numpy as np
 
 from roadmend.safe.compass import BEARING, SIDE_AT, TURN
 from roadmend.safe.dsl import Action, Compass, CrashScenario, DescribedVehicle, Manoeuvre, RoadType
+from roadmend.safe.staging import is_alone
 from roadmend.safe.stated import control_of, median_of
 from roadmend.safe.ways import Layout, Way, lanes_each_way, limit_of
 from roadmend.world.network import network_file
@@ -33,6 +34,9 @@ def lay_out_junction(crash: CrashScenario, drawn: Parameters, headings: list[int
         for heading, vehicle in zip(headings, crash.vehicles, strict=True)
         if isinstance(vehicle.action, Action)
     ]
+    ends = is_alone(crash) and crash.road.stem is sources[0] and _same_axis(exits[0], sources[0])
+    if ends:  # straight on where the road ends is off the road; to the map it is a way to the right
+        exits = [SIDE_AT[(headings[0] - 90) % 360]]
     sides, accesses, adapted = _sides(crash, sources, exits)
     main = _main_road(crash, sources, drawn)
     forward, backward = lanes_each_way(crash)
@@ -71,7 +75,7 @@ def lay_out_junction(crash: CrashScenario, drawn: Parameters, headings: list[int
         _through(net, source, to, heading, vehicle)
         for source, to, heading, vehicle in zip(sources, exits, headings, crash.vehicles, strict=True)
     )
-    return Layout(network, ways, is_junction=True, adapted=tuple(adapted))
+    return Layout(network, ways, is_junction=True, adapted=tuple(adapted), ends=ends)
 
 
 def _is_major(crash: CrashScenario, side: Compass, first: Compass, drawn: Parameters, *, with_accesses: bool) -> bool:

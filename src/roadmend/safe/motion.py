@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,9 @@ _STANDING = 0.5  # [m/s] below which there is no direction of travel
 _ROUNDING = 1.02  # what positions in centimetres and a fit leave of a bound that is kept
 
 
+_NONE: Mapping[str, int] = MappingProxyType({})
+
+
 @dataclass(frozen=True, slots=True)
 class Motion:
     """The hardest accelerations of one vehicle [m/s2], sizes."""
@@ -33,9 +37,23 @@ class Motion:
         return self.longitudinal <= LONGITUDINAL_BOUND * _ROUNDING and self.lateral <= LATERAL_BOUND * _ROUNDING
 
 
-def motions_of(film: Film) -> Mapping[str, Motion]:
-    """The hardest accelerations of everybody, the ego too, up to the last tick."""
-    return {name: motion_of(film.track(name)) for name in film.names}
+def motions_of(film: Film, impacts: Mapping[str, int] = _NONE) -> Mapping[str, Motion]:
+    """The hardest accelerations of every vehicle, the ego too, up to the last tick.
+
+    Args:
+        film: where everybody was.
+        impacts: by name, the tick at which a vehicle struck something that stands fixed. What that does to it in a tenth
+            of a second is the crash and no driving: the track is measured up to it and from there on, not across it.
+    """
+    return {name: _apart(film.track(name), impacts.get(name)) for name in film.names if name not in film.fixed}
+
+
+def _apart(track: Floats, tick: int | None) -> Motion:
+    if tick is None:
+        return motion_of(track)
+    place = int(np.searchsorted(track[:, 0], tick, side="right"))
+    parts = motion_of(track[:place]), motion_of(track[place:])
+    return Motion(max(part.longitudinal for part in parts), max(part.lateral for part in parts))
 
 
 def motion_of(track: Floats) -> Motion:

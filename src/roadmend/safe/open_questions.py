@@ -18,7 +18,7 @@ from roadmend.safe.dsl import (
     Time,
     Weather,
 )
-from roadmend.safe.staging import is_struck_from_behind
+from roadmend.safe.staging import is_alone, is_struck_from_behind
 from roadmend.safe.stated import bend_side, control_of
 from roadmend.world.space import Choice, Dimension, Parameters, Uniform, Value, Whole
 
@@ -54,6 +54,8 @@ def open_questions(crash: CrashScenario) -> dict[str, Dimension]:
         if is_struck_from_behind(crash, number - 1) and vehicle.manoeuvre not in STANDING:
             # "Move Forward" is all that the paper's language has for who waits in a queue, or to turn.
             space[f"v{number}.waits"] = Choice({"yes": _WAITS, "no": 1.0 - _WAITS})
+    if is_alone(crash):
+        space |= _of_departure()
     if kinds != [RoadType.MERGING]:  # a straight road too may turn out to need a side road
         control: dict[Value, float] = {"first_major": 0.25, "other_major": 0.25}
         if control_of(crash) is None:  # else only which road is the major one
@@ -100,6 +102,17 @@ def _of_vehicle(
         f"{name}.braking": Uniform(4.0, 8.0),  # [m/s2]
         f"{name}.drift_time": Uniform(0.8, 2.5),  # [s] that leaving the lane takes
         f"{name}.side": Whole(0, 1),  # of the ego: right or left, where both go the same way
+    }
+
+
+def _of_departure() -> dict[str, Dimension]:
+    """How a vehicle leaves its road that crashes alone, and where the onlooker is."""
+    return {
+        "v1.depart_angle": Uniform(5.0, 14.0),  # [deg] to its lane
+        "v1.clearance": Uniform(0.4, 2.5),  # [m] of what it strikes from the roadway
+        "onlooker": Choice({"behind": 0.7, "oncoming": 0.3}),  # oncoming where the road has lanes for that
+        "onlooker.gap": Uniform(1.2, 3.5),  # [s] behind it
+        "onlooker.delay": Uniform(0.5, 4.0),  # [s] after the crash that one who comes the other way is there
     }
 
 

@@ -27,6 +27,7 @@ from roadmend.world.scenario import (
     Follow,
     Heedless,
     Manoeuvre,
+    Obstacle,
     Pedestrian,
     RunRightOfWay,
     Scenario,
@@ -48,6 +49,18 @@ _CATEGORY = {
     "motorcycle": "motorbike",
     "bicycle": "bicycle",
     "minivan": "van",
+}
+_STANDING = {  # height [m], mass [kg] and category of what stands there
+    "tree": (8.0, 1000.0, "tree"),
+    "pole": (8.0, 300.0, "pole"),
+    "sign": (2.5, 30.0, "pole"),
+    "barrier": (0.8, 3000.0, "barrier"),
+    "wall": (2.0, 20_000.0, "building"),
+    "ditch": (0.1, 1000.0, "patch"),
+    "curb": (0.15, 1000.0, "obstacle"),
+    "parked_vehicle": (4.0, 7000.0, "obstacle"),
+    "animal": (1.2, 100.0, "obstacle"),
+    "debris": (0.5, 50.0, "obstacle"),
 }
 _CLOUDS = {"cloudy": "sixOktas", "overcast": "eightOktas", "rainy": "eightOktas", "snowy": "eightOktas"}
 _CUT_IN = 3.0  # [s]
@@ -125,6 +138,11 @@ class _Description:
             if script.events:
                 group.add_maneuver(script)
                 act.add_maneuver_group(group)
+        for obstacle in self._scenario.obstacles:
+            entities.add_scenario_object(obstacle.id, _misc_object(obstacle))
+            yaw = round(math.radians(obstacle.heading), 5)
+            place = xosc.WorldPosition(obstacle.x, obstacle.y, 0.0, yaw, 0.0, 0.0)
+            init.add_init_action(obstacle.id, xosc.TeleportAction(place))
         story = xosc.StoryBoard(init, _at(self._scenario.time_limit, point="stop"))
         if act.maneuvergroup:
             story.add_act(act)
@@ -173,6 +191,15 @@ def _vehicle(kind: str, length: float, width: float, who: Vehicle | str) -> xosc
         if any(isinstance(each, RunRightOfWay | Heedless | Follow) for each in who.manoeuvres):
             vehicle.add_property("disregards_right_of_way", "true")
     return vehicle
+
+
+def _misc_object(obstacle: Obstacle) -> xosc.MiscObject:
+    height, mass, word = _STANDING.get(obstacle.kind, (1.5, 1000.0, "obstacle"))
+    box = xosc.BoundingBox(obstacle.width, obstacle.length, height, 0.0, 0.0, 0.5 * height)
+    thing = xosc.MiscObject(f"{obstacle.id}-{obstacle.kind}", mass, getattr(xosc.MiscObjectCategory, word), box)
+    thing.add_property("kind", obstacle.kind)
+    thing.add_property("firm", "true" if obstacle.firm else "false")
+    return thing
 
 
 def _environment(environment: Environment) -> xosc.Environment:

@@ -11,7 +11,7 @@ from pydantic import TypeAdapter
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal, Key
 from roadmend.safe.cases import CrashCase
-from roadmend.safe.construction import CrashRole
+from roadmend.safe.construction import roles_of
 from roadmend.safe.driving import CrashTestJob, CrashTestResult, Drawing, Task, do
 
 _WORK = ".work"  # folder for finished jobs in the output
@@ -30,13 +30,13 @@ def plan(
     seed: int = 0,
     draw: Drawing | None = None,
 ) -> list[CrashTestJob]:
-    """The jobs: every vehicle of every case takes the ego's place in turn."""
+    """The jobs: the ego takes every role of every case in turn."""
     return [
-        CrashTestJob(task, CrashRole(case.name, case.crash, ego), policy, seed, index, budget, out, draw)
+        CrashTestJob(task, role, policy, seed, index, budget, out, draw)
         for policy in policies
         for case in cases
         if case.crash is not None
-        for ego in range(len(case.crash.vehicles))
+        for role in roles_of(case.name, case.crash)
         for index in range(samples)
     ]
 

@@ -50,6 +50,9 @@ _MEANINGS: Mapping[str, str] = {
     "struck": "number of the other one",
     "striking_side": "what the one hit with",
     "struck_side": "where the other one was hit",
+    "impacts": "with what is no vehicle, in the order in which they happened, each with",
+    "object": "what was struck",
+    "roadside": "the side of the road, as the vehicle goes, where that stands; null for what is on the roadway",
 }
 
 
@@ -153,7 +156,7 @@ def extraction_request(
 def _complete(content: Any, schema: Mapping[str, Any]) -> Any:
     """An example with every field that an answer has to have, in its order; null where the example leaves it out."""
     if content is None:
-        return None
+        return [] if schema.get("type") == "array" else None
     if "properties" in schema:
         return {name: _complete(content.get(name), each) for name, each in schema["properties"].items()}
     return [_complete(each, schema["items"]) for each in content] if "items" in schema else content

@@ -8,6 +8,7 @@ from typing import Any, cast
 from roadmend.core.errors import InputError
 from roadmend.core.registry import Registry
 from roadmend.safe.cases import CrashCase
+from roadmend.safe.construction import role_title
 from roadmend.safe.driving import Task, do
 from roadmend.safe.extraction import Extraction, Extractor, Step, Watch
 from roadmend.safe.extraction_run import Extracted, keep_extraction
@@ -85,6 +86,6 @@ def build_report(
         extraction,
         extracted,
         tuple(result.scenario for result in results if result.scenario),
-        tuple(f"vehicle {result.vehicle}: {result.text}" for result in results if not result.scenario),
+        tuple(f"{role_title(result.vehicle)}: {result.text}" for result in results if not result.scenario),
         write_page(report, extraction, out) if write_page is not None else None,
     )

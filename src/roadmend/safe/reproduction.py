@@ -11,8 +11,9 @@ from roadmend.core.errors import RoadmendError
 from roadmend.core.tick import INTERVAL
 from roadmend.safe.construction import CrashRole, build_scenario, generator_of
 from roadmend.safe.described_crash import record_of, why_not_played
-from roadmend.safe.judge import Judgement, Likeness, judge
+from roadmend.safe.judge import judge
 from roadmend.safe.layout import lay_out
+from roadmend.safe.likeness import Judgement, Likeness
 from roadmend.safe.open_questions import answer, open_questions
 from roadmend.safe.trial import CrashTestEpisode, run_trial
 from roadmend.world.scenario import Scenario
@@ -34,7 +35,7 @@ class CrashReproduction:
 
     Attributes:
         report: its name.
-        vehicle: number of the vehicle whose place the ego took, from 1.
+        vehicle: number of the vehicle whose place the ego took, from 1; None where it looked on.
         policy: name.
         episodes: driven until the crash happened, or in all.
         scenario: the one that is most like the described crash; None if nobody ever touched anybody.
@@ -44,7 +45,7 @@ class CrashReproduction:
     """
 
     report: str
-    vehicle: int
+    vehicle: int | None
     policy: str
     episodes: int
     scenario: Scenario | None
@@ -70,7 +71,7 @@ def reproduce(role: CrashRole, policy: str, budget: int, seed: int = 0) -> Crash
     else the result is the one with a contact in which the least differs.
 
     Args:
-        role: the report, and the vehicle whose place the ego takes.
+        role: the report, and the vehicle whose place the ego takes, if it takes one's.
         policy: name of the policy that drives the ego.
         budget: episodes at most; with 1, there is no search, only a draw.
         seed: of the search and of the simulator.
@@ -86,7 +87,7 @@ def reproduce(role: CrashRole, policy: str, budget: int, seed: int = 0) -> Crash
     for episode in range(budget):
         drawn = _next(space, best, role, generator, fresh=episode % _FRESH == 0)
         try:
-            scenario = build_scenario(role, drawn, f"{role.report}-v{role.number}-reproduced-{policy}", seed)
+            scenario = build_scenario(role, drawn, f"{role.report}-{role.name}-reproduced-{policy}", seed)
             trial = run_trial(scenario, policy)
         except RoadmendError as error:
             said = str(error)
@@ -94,7 +95,7 @@ def reproduce(role: CrashRole, policy: str, budget: int, seed: int = 0) -> Crash
         gap = math.inf if trial.summary.min_distance is None else trial.summary.min_distance
         if trial.contact is not None:
             crash = answer(role.crash, drawn)
-            own = judge(trial.run, record_of(role.crash, lay_out(crash, drawn), role.ego))
+            own = judge(trial.run, record_of(role.crash, lay_out(crash, drawn), role.ego or 0))
             if found is None or _weight(own) < _weight(found.own):
                 found = _Found(scenario, trial, own)
             if own.is_reproduced:
@@ -132,7 +133,7 @@ def _next(
     point = dict(drawn)
     aimed = False
     for index in range(len(role.crash.vehicles)):
-        if index == role.ego:
+        if role.ego is None or index == role.ego:  # who looks on shall not be met
             continue
         shift = _shift(trial, f"v{index + 1}")
         if shift is not None:

@@ -10,6 +10,7 @@ from roadmend.world.scenario import IntersectionNetwork, Network, OnRampNetwork,
 
 ACCESS_LENGTH = 60.0  # [m] up to which an arm is an access to a property and no road
 _AT_JUNCTION = 50.0  # [m] from a junction's middle within which a place belongs to it
+_EDGE = 0.1  # [m] at a lane's edge that counts as beside it
 _AT_BEND = 40.0  # [m] beyond a bend within which a place belongs to it
 
 
@@ -45,6 +46,22 @@ def stem_at(network: Network) -> float | None:
     return None
 
 
+def is_on_roadway(network: Network, x: float, y: float) -> bool:
+    """Whether a place [m] is on a lane, and not only at its edge."""
+    lanes = [lane for edge in read_network(network_file(network)).edges.values() for lane in edge.lanes]
+    return any(abs(_beside(lane.shape, x, y)) < 0.5 * lane.width - _EDGE for lane in lanes if len(lane.shape) > 1)
+
+
+def beside_its_way(scenario: Scenario, actor: str, x: float, y: float) -> float:
+    """Metres from the lane that a vehicle starts on, and those that follow it, to a place [m]; left is positive."""
+    vehicle = next((each for each in scenario.actors if isinstance(each, Vehicle) and each.id == actor), None)
+    if vehicle is None:
+        return math.nan
+    edges = read_network(network_file(scenario.network)).edges
+    lanes = [edges[name].car_lanes for name in vehicle.route]
+    return min((_beside(each[min(vehicle.lane, len(each) - 1)].shape, x, y) for each in lanes), key=abs)
+
+
 def heading_at_end(scenario: Scenario, actor: str | None) -> list[float]:
     """Headings [rad] that describe where a vehicle goes: at the end of its way, and in a bend at the middle of it too.
 
@@ -61,6 +78,17 @@ def heading_at_end(scenario: Scenario, actor: str | None) -> list[float]:
     if len(route) == 1:
         headings = [_heading(shape[0], shape[1]), _heading(*shape[(len(shape) - 1) // 2 :][:2]), *headings]
     return headings
+
+
+def _beside(shape: np.ndarray, x: float, y: float) -> float:
+    """Distance [m] of a place from the nearest point of a line, left of it positive."""
+    begin, steps = shape[:-1], np.diff(shape, axis=0)
+    offset = np.array((x, y)) - begin
+    share = np.clip((offset * steps).sum(axis=1) / np.maximum((steps**2).sum(axis=1), 1e-9), 0.0, 1.0)
+    gaps = np.hypot(*(offset - share[:, None] * steps).T)
+    nearest = int(np.argmin(gaps))
+    left = steps[nearest, 0] * offset[nearest, 1] - steps[nearest, 1] * offset[nearest, 0]
+    return math.copysign(float(gaps[nearest]), float(left))
 
 
 def _heading(begin: np.ndarray, end: np.ndarray) -> float:

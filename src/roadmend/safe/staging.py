@@ -27,6 +27,11 @@ def relation_of(one: Way, other: Way) -> Relation:
     return Relation.CROSSING
 
 
+def is_alone(crash: CrashScenario) -> bool:
+    """Whether one vehicle crashes alone: nobody can take its place, and the ego looks on."""
+    return len(crash.vehicles) == 1
+
+
 def collisions_of(crash: CrashScenario, ego: int) -> list[DescribedCollision]:
     """The described collisions that a vehicle takes part in; one with every other vehicle if the report names none."""
     if crash.collisions:

@@ -12,7 +12,7 @@ from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.safe.contact import Contact
 from roadmend.safe.film import Film
-from roadmend.safe.judge import Run, run_of
+from roadmend.safe.likeness import Run, run_of
 from roadmend.world.runner import drive
 from roadmend.world.scenario import Scenario
 from roadmend.world.simulation import Simulation
@@ -43,14 +43,24 @@ class CrashTestEpisode:
 
     @property
     def moment(self) -> int:
-        """The tick to look at: the ego's contact, else that at which somebody was nearest, else the middle."""
+        """The tick to look at: the ego's contact, else that at which somebody was nearest, else the middle.
+
+        Who looks on is looked at from the crash on.
+        """
         own = [each.tick for each in self.run.contacts if self.film.ego_name in each.names]
-        return own[0] if own else self.film.nearest()
+        crash = [each.tick for each in self.run.contacts if each.names & self.film.fixed]
+        return own[0] if own else self.film.nearest(since=crash[0] if crash else 0)
 
 
 def ego_name_of(scenario: Scenario) -> str:
-    """What the report calls the vehicle in whose place the policy drives; "ego" where there is no report."""
-    return f"v{scenario.origin.vehicle}" if scenario.origin is not None else "ego"
+    """What the report calls the vehicle in whose place the policy drives; "ego" where it is none of the report's."""
+    number = scenario.origin.vehicle if scenario.origin is not None else None
+    return "ego" if number is None else f"v{number}"
+
+
+def blank_film(scenario: Scenario) -> Film:
+    """A film of a scenario before its first tick."""
+    return Film(ego_name_of(scenario), fixed=frozenset(each.id for each in scenario.obstacles))
 
 
 def run_trial(scenario: Scenario, policy: str) -> CrashTestEpisode:
@@ -60,7 +70,7 @@ def run_trial(scenario: Scenario, policy: str) -> CrashTestEpisode:
         InputError: the scenario cannot be run, or there is no such policy.
         SimulationError: SUMO failed, or the ego touches somebody before it moves.
     """
-    film = Film(ego_name_of(scenario))
+    film = blank_film(scenario)
     with Simulation(scenario) as simulation:
 
         def see(tick: Tick) -> None:

@@ -4,10 +4,12 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from roadmend.core.errors import InputError
 from roadmend.safe.dsl import CrashScenario, DescribedVehicle
 from roadmend.world.network import network_file
 from roadmend.world.road_network import read_network
 from roadmend.world.scenario import Network
+from roadmend.world.space import Parameters
 
 MPH = 0.44704  # [m/s]
 MOST_LANES = 6  # of one direction
@@ -47,7 +49,8 @@ class Layout:
     """A network, each vehicle's way, and where the report could not be followed to the letter.
 
     ``median`` is what lies between the two directions [m]; ``stated_lanes`` are the lanes, from the right, that the
-    report names, by the index of the vehicle.
+    report names, by the index of the vehicle. ``ends`` says that a vehicle that crashes alone goes straight on where its
+    road ends, which its way does not.
     """
 
     network: Network
@@ -56,6 +59,7 @@ class Layout:
     adapted: tuple[str, ...]
     median: float = 0.0
     stated_lanes: Mapping[int, int] = field(default_factory=dict)
+    ends: bool = False
 
 
 def centre_line(network: Network, route: tuple[str, ...], lane: int) -> list[tuple[float, float]]:
@@ -75,6 +79,22 @@ def centre_line(network: Network, route: tuple[str, ...], lane: int) -> list[tup
         points += map(tuple, net.edges[edge].lanes[number].shape)
     rounded = [(round(float(x), 3), round(float(y), 3)) for x, y in points]
     return [point for place, point in enumerate(rounded) if not place or point != rounded[place - 1]]
+
+
+def chosen_lane(layout: Layout, index: int, drawn: Parameters) -> int:
+    """The lane on which a vehicle starts, from 0 at the right: the stated one, else as it was drawn.
+
+    Raises:
+        InputError: no lane leads along its way.
+    """
+    way = layout.ways[index]
+    if not way.lanes:
+        raise InputError(f"vehicle {index + 1}", f"no lane leads from {way.route[0]} to {way.route[-1]}", "mend it")
+    stated = layout.stated_lanes.get(index)
+    if stated is not None:
+        return min(way.lanes, key=lambda lane: abs(lane - stated))
+    share = float(drawn[f"v{index + 1}.lane"])
+    return way.lanes[min(int(share * len(way.lanes)), len(way.lanes) - 1)]
 
 
 def limit_of(vehicle: DescribedVehicle) -> float:

@@ -1,7 +1,7 @@
 """Scripted misbehaviour of single actors, on top of what SUMO's drivers do by themselves."""
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import libsumo
@@ -11,6 +11,7 @@ from roadmend.world.drifting import Drifter, Follower
 from roadmend.world.ego import GRAVITY
 from roadmend.world.participants import Observation
 from roadmend.world.scenario import Brake, CutIn, Drift, Follow, Heedless, Manoeuvre, RunRightOfWay, Scenario, Vehicle
+from roadmend.world.steering import SteeredVehicle
 from roadmend.world.traffic_file import EGO
 
 _SPEED_MODE_NORMAL = 31
@@ -56,6 +57,11 @@ class ManoeuvreScript:
     def heedless(self) -> Collection[str]:
         """Names of those who have stopped to look at others."""
         return self._heedless
+
+    @property
+    def steered(self) -> Iterator[SteeredVehicle]:
+        """Those who have left the lanes."""
+        return (leader.driven for leader in self._drifting.values())
 
     def step(self, time: float, ego: tuple[float, float, float], seen: Observation | None) -> None:
         """Start what is due at ``time`` [s] with the ego at a pose ([m], [m], [rad]), end what is over.

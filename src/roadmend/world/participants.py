@@ -1,7 +1,9 @@
 """Reads everybody but the ego out of SUMO, in the project's own frame and units."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import NamedTuple
 
 import libsumo
@@ -68,6 +70,9 @@ class Pose(NamedTuple):
     width: float
 
 
+_NOTHING: Mapping[str, Pose] = MappingProxyType({})
+
+
 def all_vehicles(but: str) -> dict[str, Pose]:
     """Every vehicle on the map, near or far, by SUMO's name, but for one."""
     vehicle = libsumo.vehicle
@@ -93,6 +98,7 @@ class Participants:
         *,
         with_persons: bool,
         elsewhere: frozenset[str] = frozenset(),
+        fixed: Mapping[str, Pose] = _NOTHING,
     ) -> None:
         """Start with nobody known.
 
@@ -102,12 +108,14 @@ class Participants:
             sensing_range: [m], may be infinite.
             with_persons: whether there are people on foot.
             elsewhere: edges on other levels than the ego's way; whoever is on them is not there for it.
+            fixed: what stands there and is none of SUMO's, by name.
         """
         self._ego_name = ego_name
         self._interval = interval
         self._range = sensing_range  # [m], may be infinite
         self._with_persons = with_persons
         self._elsewhere = elsewhere
+        self._obstacles = fixed
         self._fixed: dict[str, _Fixed] = {}
         self._names: tuple[str, ...] = ()
         self._objects = ObjectList.empty()  # at the last tick, in the order of the names
@@ -155,6 +163,11 @@ class Participants:
                         continue  # a passenger is part of the vehicle
                     names.append(name)
                     values += (there_x, there_y, person.getAngle(name), person.getSpeed(name))
+        for name, pose in self._obstacles.items():
+            if (pose.x - x) ** 2 + (pose.y - y) ** 2 <= reach:
+                ahead_x, ahead_y = 0.5 * pose.length * math.cos(pose.yaw), 0.5 * pose.length * math.sin(pose.yaw)
+                names.append(name)
+                values += (pose.x + ahead_x, pose.y + ahead_y, 90.0 - math.degrees(pose.yaw), 0.0)
         return tuple(names), values
 
     def _renew(self, names: tuple[str, ...]) -> None:
@@ -174,6 +187,9 @@ class Participants:
 
     def _look_up(self, name: str) -> _Fixed:
         number = len(self._fixed) + 1
+        if name in self._obstacles:
+            pose = self._obstacles[name]
+            return _Fixed(number, int(ObjectKind.UNKNOWN), pose.length, pose.width)
         if self._with_persons and name in libsumo.person.getIDList():
             # A person's outline is a body, not the point that SUMO walks; its position is its centre.
             return _Fixed(number, int(ObjectKind.PEDESTRIAN), PEDESTRIAN_LENGTH, PEDESTRIAN_WIDTH)

@@ -24,6 +24,19 @@ VehicleKind = Literal[
     "motorcycle",
     "bicycle",
 ]
+ObstacleKind = Literal[
+    "tree",
+    "pole",
+    "sign",
+    "barrier",
+    "wall",
+    "ditch",
+    "curb",
+    "parked_vehicle",
+    "animal",
+    "debris",
+    "object",
+]
 DriverName = Literal["careful", "normal", "aggressive", "reckless"]
 Weather = Literal["clear", "sunny", "cloudy", "overcast", "windy", "rainy", "foggy", "snowy"]
 
@@ -44,6 +57,10 @@ def _is_zero(value: object) -> bool:
 
 def _is_false(value: object) -> bool:
     return value is False
+
+
+def _is_empty(value: object) -> bool:
+    return value == []
 
 
 class Arm(ScenarioModel):
@@ -278,6 +295,26 @@ class Pedestrian(ScenarioModel):
 
 Actor = Annotated[Vehicle | Pedestrian, Field(discriminator="type")]
 
+
+class Obstacle(ScenarioModel):
+    """Something that stands where it is, beside the road or on it.
+
+    The ego, and vehicles that have left the lanes (drift, follow), can strike it. Whoever SUMO drives along a lane does
+    not see it.
+    """
+
+    id: Identifier
+    kind: ObstacleKind = "object"
+    x: float = Field(ge=-100_000.0, le=100_000.0, description="[m] of its middle, in the map frame")
+    y: float = Field(ge=-100_000.0, le=100_000.0, description="[m]")
+    heading: float = Field(default=0.0, ge=-360.0, le=360.0, description="[deg] of its length, from east to the left")
+    length: float = Field(default=0.5, ge=0.05, le=100.0, description="[m]")
+    width: float = Field(default=0.5, ge=0.05, le=100.0, description="[m]")
+    firm: bool = Field(
+        default=True, description="who strikes it stands there from then on; else drives on over it, and it stays"
+    )
+
+
 # Tyre-road friction and how far objects are seen [m], by weather; published ranges for passenger tyres on asphalt.
 _FRICTION: dict[str, float] = {
     "clear": 0.9,
@@ -329,7 +366,12 @@ class ReportOrigin(ScenarioModel):
     """What a scenario was made from. It says where the values come from and changes nothing in how it runs."""
 
     report: str = Field(description="name of the crash report")
-    vehicle: int = Field(ge=1, description="number of the report's vehicle that the ego takes the place of")
+    vehicle: int | None = Field(
+        default=None,
+        ge=1,
+        exclude_if=_is_none,
+        description="number of the report's vehicle that the ego takes the place of; none where it looks on",
+    )
     sampled: dict[str, float | int | str | bool] = Field(description="what the report leaves open, as it was drawn")
     adapted: list[str] = Field(default=[], description="where the report could not be followed to the letter")
 
@@ -345,16 +387,17 @@ class Scenario(ScenarioModel):
     network: Network
     ego: Ego
     actors: list[Actor] = []
+    obstacles: list[Obstacle] = Field(default=[], exclude_if=_is_empty)
     environment: Environment = Environment()
     origin: ReportOrigin | None = Field(default=None, exclude_if=_is_none)
 
     @model_validator(mode="after")
     def _unique_ids(self) -> "Scenario":
         seen: set[str] = {"ego"}
-        for actor in self.actors:
-            if actor.id in seen:
-                raise ValueError(f"actor id {actor.id!r} is used twice")
-            seen.add(actor.id)
+        for one in (*self.actors, *self.obstacles):
+            if one.id in seen:
+                raise ValueError(f"{'obstacle' if isinstance(one, Obstacle) else 'actor'} id {one.id!r} is used twice")
+            seen.add(one.id)
         return self
 
     @property

@@ -25,6 +25,7 @@ from roadmend.world.blame import find_blame
 from roadmend.world.courtesy import Courtesy
 from roadmend.world.ego import STANDING, LongitudinalDynamics, RouteFollower, VehicleParameters
 from roadmend.world.ego_in_sumo import EgoInSumo
+from roadmend.world.impacts import Impacts
 from roadmend.world.joining import join_traffic
 from roadmend.world.levels import roads_on_other_levels
 from roadmend.world.manoeuvres import ManoeuvreScript
@@ -99,15 +100,17 @@ class Simulation:
         environment = scenario.environment
         limited = not self._is_users or environment.sensing_range is not None
         with_persons = self._is_users or any(isinstance(actor, Pedestrian) for actor in scenario.actors)
+        self._impacts = Impacts(scenario.obstacles)
         self._participants = Participants(
             EGO,
             INTERVAL,
             environment.effective_range if limited else math.inf,
             with_persons=with_persons,
             elsewhere=roads_on_other_levels(self.network, scenario.ego.route, built.route),
+            fixed=self._impacts.standing,
         )
         self._courtesy = Courtesy()
-        self._stand_off = StandOff(INTERVAL)
+        self._stand_off = StandOff(INTERVAL, self._impacts.standing)
         self._script = ManoeuvreScript(scenario)
         self._dynamics = LongitudinalDynamics(VehicleParameters(), environment.effective_friction, scenario.ego.speed)
         self._follower = RouteFollower(built.route, built.start_position)
@@ -127,8 +130,8 @@ class Simulation:
         return self._seen
 
     def everyone(self) -> dict[str, Pose]:
-        """All other vehicles on the map at the last tick, near or far, by name."""
-        return all_vehicles(EGO)
+        """All other vehicles on the map at the last tick, near or far, and the obstacles that stand there, by name."""
+        return {**all_vehicles(EGO), **self._impacts.standing}
 
     def __enter__(self) -> Self:
         return self
@@ -164,6 +167,7 @@ class Simulation:
         self._tick += 1
         pose = (follower.x, follower.y, follower.yaw)
         self._script.step(self._tick * INTERVAL, pose, self._seen)
+        self._impacts.step(self._script.steered)
         self._step_sumo(distance)
         return self._observe(events)
 
@@ -213,7 +217,7 @@ class Simulation:
             scenario.ego.width,
         )
         seen = self._seen = self._participants.observe(ego)
-        self._courtesy.step(ego, seen.names, seen.around, self._script.heedless)
+        self._courtesy.step(ego, seen.names, seen.around, {*self._script.heedless, *self._impacts.standing})
         names = self._hit(seen, ego.speed) if seen.nearest <= 0.0 else ()
         if names:
             blame = find_blame(ego, seen.around, seen.names.index(names[0]), changing=follower.changing)

@@ -28,8 +28,9 @@ Way = Callable[[float], tuple[float, float, float]]
 class StandOff:
     """Finds those who have blocked the ego for too long."""
 
-    def __init__(self, interval: float) -> None:
-        """Start afresh; ``interval`` [s] is the time between ticks."""
+    def __init__(self, interval: float, fixed: Collection[str] = ()) -> None:
+        """Start afresh; ``interval`` [s] is the time between ticks, ``fixed`` names what nobody can take off the road."""
+        self._fixed = frozenset(fixed)
         self._patience = round(PATIENCE / interval)
         self._from = (math.inf, math.inf)  # where the ego was [m] when it last got on
         self._ego_ticks = 0  # since then
@@ -53,7 +54,7 @@ class StandOff:
             return []
         self._ego_ticks += 1
         slow = (around.speed < STANDING) & (around.kind != int(ObjectKind.PEDESTRIAN))
-        standing = {names[index]: int(index) for index in np.flatnonzero(slow)}
+        standing = {names[index]: int(index) for index in np.flatnonzero(slow) if names[index] not in self._fixed}
         self._stood = {name: self._stood.get(name, 0) + 1 for name in standing}
         if self._ego_ticks < self._patience:
             return []

@@ -13,6 +13,7 @@ import libsumo
 from roadmend.core.geometry import wrap_angle
 from roadmend.core.route import Stage
 from roadmend.core.tick import INTERVAL
+from roadmend.world.participants import Pose
 
 _FREE_PLACE = 2  # moveToXY: exactly there, on or off the lane
 _LATERAL = 0.42 * 9.81  # [m/s2] that a driver goes up to
@@ -76,6 +77,7 @@ class SteeredVehicle:
         """
         self.vehicle = vehicle
         self._half = 0.5 * libsumo.vehicle.getLength(vehicle)
+        self._width: float = libsumo.vehicle.getWidth(vehicle)
         self.body: SteeredBody = before.body if before is not None else _body_of(vehicle, self._half, grip)
         if line is None:
             line = before.line if before is not None else lane_line(vehicle)
@@ -83,8 +85,15 @@ class SteeredVehicle:
         self.position, self.beside = self.line.project(
             self.body.x, self.body.y, 0.5 * self.line.length, self.line.length
         )
+        self.is_wrecked: bool = before is not None and before.is_wrecked  # it stands where it is for good
         libsumo.vehicle.setSpeedMode(vehicle, 0)
         libsumo.vehicle.setLaneChangeMode(vehicle, 0)
+
+    @property
+    def pose(self) -> Pose:
+        """Where its body is, in the map frame."""
+        body = self.body
+        return Pose(body.x, body.y, body.yaw, body.speed, 2.0 * self._half, self._width)
 
     @property
     def at_end(self) -> bool:
@@ -93,6 +102,10 @@ class SteeredVehicle:
 
     def step(self, speed: float, offset: Callable[[float], float], *, backwards: bool = False) -> None:
         """Drive for one tick; ``offset`` gives metres to the left of the line for seconds from now."""
+        if self.is_wrecked:
+            self.body.speed = 0.0
+            self._place()
+            return
         body, line = self.body, self.line
         self.position, _ = line.project(body.x, body.y, self.position, 8.0)
         ahead = max(_PREVIEW_LEAST, _PREVIEW * abs(body.speed))
@@ -108,6 +121,11 @@ class SteeredVehicle:
         curvature = 2.0 * across / apart
         # Curvature is measured along the axis: backwards, the same wheels turn the body the other way.
         body.step(-speed if backwards else speed, -curvature if backwards else curvature)
+        self._place()
+
+    def _place(self) -> None:
+        """Tell SUMO where the body is."""
+        body = self.body
         libsumo.vehicle.moveToXY(
             self.vehicle,
             "",

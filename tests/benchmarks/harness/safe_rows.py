@@ -65,6 +65,8 @@ def _reproduction(content: Mapping[str, Any]) -> Iterator[_Line]:
             if shares:
                 yield f"on the {half} half", shares, _NOT_MEASURED
         yield "with the policy only in a vehicle that stood", [str(each["stood"]) for each in found], _NOT_MEASURED
+        looked_on = [str(each["looked_on"]) for each in found]
+        yield "with the policy as an onlooker of a vehicle that crashes alone", looked_on, _NOT_MEASURED
         yield "of these crashes' collisions, shown", [f"{each['shown']} of {each['collisions']}" for each in found], "-"
         for name, title in _DIMENSIONS.items():
             cells = [f"{each['but_for'][name]} ({each['failed'][name]} runs differ)" for each in found]

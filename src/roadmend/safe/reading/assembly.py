@@ -4,21 +4,27 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from roadmend.safe.claims import AnyClaim, Claim, ContactClaim, DirectionClaim
+from roadmend.safe.compass import TOWARDS, turned
 from roadmend.safe.dsl import (
+    ON_THE_ROADWAY,
     Action,
+    Compass,
     CrashScenario,
     DescribedCollision,
     DescribedEnvironment,
+    DescribedImpact,
     DescribedRoadNetwork,
     DescribedVehicle,
     Manoeuvre,
     Position,
     RoadType,
+    Side,
     Time,
     Weather,
 )
 from roadmend.safe.reading.contacts import joined
 from roadmend.safe.reading.facts import AXES, claim, of_vehicle
+from roadmend.safe.reading.impacts import ROADSIDE, STRUCK, STRUCK_WITH
 from roadmend.safe.reading.limits import PostedLimit
 from roadmend.safe.reading.scene import solve
 from roadmend.safe.reading.tokens import Sentence
@@ -32,6 +38,7 @@ _WORST_FIRST = (
     *(Weather.SNOWY, Weather.RAINY, Weather.FOGGY, Weather.WINDY, Weather.OVERCAST, Weather.CLOUDY),
     *(Weather.SUNNY, Weather.CLEAR),
 )
+_IMPACT = ("object", "striking_side", "roadside")
 _VEHICLE = ("model", "initial_position", "action", "speed_limit_mph", "manoeuvre")
 
 
@@ -96,7 +103,13 @@ def put_together(
     road = DescribedRoadNetwork(*(findings.get(name, NO_VALUE).value for name in names))
     collisions = tuple(_collisions(claims, {place: index for index, place in enumerate(kept, start=1)}))
     environment = DescribedEnvironment(time.value, weather.value)
-    return ReportReading(CrashScenario(road, tuple(vehicles), environment, collisions), findings, left_out)
+    impacts: tuple[DescribedImpact, ...] = ()
+    if len(kept) == 1:  # where several vehicles touched, that is the crash
+        fields = dict(_impact(judged, kept[0], vehicles[0].initial_position))
+        if fields:
+            findings |= {f"impacts[0].{name}": field for name, field in fields.items()}
+            impacts = (DescribedImpact(1, *(fields.get(name, NO_VALUE).value for name in _IMPACT)),)
+    return ReportReading(CrashScenario(road, tuple(vehicles), environment, collisions, impacts), findings, left_out)
 
 
 def _on_ramp(each: AnyClaim) -> AnyClaim:
@@ -130,6 +143,24 @@ def _vehicle(judged: Mapping[str, JudgedField], place: int, *, merging: bool) ->
     elif manoeuvre.confidence < _LEAST:
         fields["manoeuvre"] = JudgedField(Manoeuvre.MOVE_FORWARD, action.confidence, action.claims)
     return fields
+
+
+def _impact(
+    judged: Mapping[str, JudgedField], place: int, heading: Position | None
+) -> Iterator[tuple[str, JudgedField]]:
+    """The fields of a vehicle's first impact with what is none."""
+    struck = judged.get(of_vehicle(place, STRUCK), NO_VALUE)
+    if struck.value is None:
+        return
+    yield "object", struck
+    if of_vehicle(place, STRUCK_WITH) in judged:
+        yield "striking_side", judged[of_vehicle(place, STRUCK_WITH)]
+    roadside = judged.get(of_vehicle(place, ROADSIDE), NO_VALUE)
+    if isinstance(roadside.value, Compass):  # "the west edge" of a road is on the right of who goes south
+        sides = {TOWARDS[turned(heading, side)]: side for side in (Side.LEFT, Side.RIGHT)} if heading in TOWARDS else {}
+        roadside = replace(roadside, value=sides.get(roadside.value))
+    if roadside.value is not None and struck.value not in ON_THE_ROADWAY:
+        yield "roadside", roadside
 
 
 def _limit(

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from roadmend.safe.claims import ClaimSource, ContactClaim
 from roadmend.safe.dsl import Side
-from roadmend.safe.reading.clauses import STRIKES, Actor, Clause
+from roadmend.safe.reading.clauses import NOBODY, STRIKES, Actor, Clause
 from roadmend.safe.reading.facts import Text
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.parts import NamedPart
@@ -75,7 +75,8 @@ def _of_clause(clause: Clause, count: int) -> Iterator[ContactClaim]:
         struck = struck if struck != strikers else me.vehicles
     sure = _SURE if kind in STRIKES else 0.75 if kind == "collide" else _TOLD
     hints = target is not None or mine or theirs or clause.is_passive
-    hits_thing = clause.tail.cut(0, 6).has("object", "walker")
+    of_thing = any(lead.low == "of" and actor == replace(NOBODY, span=actor.span) for lead, actor in clause.others)
+    hits_thing = of_thing or clause.tail.cut(0, 6).has("object", "walker")  # "the edge of the trailer" is no vehicle's
     if count == 2 and kind in STRIKES and hints and not hits_thing and bool(strikers) != bool(struck):
         known, sure = (strikers or struck)[0], _GUESSED  # of two, it was the other one
         strikers, struck = (strikers or (1 - known,)), (struck or (1 - known,))

@@ -14,6 +14,7 @@ from roadmend.safe.reading.cast import MentionedVehicle
 from roadmend.safe.reading.clauses import STRIKES
 from roadmend.safe.reading.contacts import read_contacts
 from roadmend.safe.reading.facts import Text, claim, of_vehicle
+from roadmend.safe.reading.impacts import read_impacts
 from roadmend.safe.reading.lanes import read_lanes
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.limits import PostedLimit, claim_limits, read_limits
@@ -90,6 +91,7 @@ def read_claims(summary: str) -> SummaryClaims | None:
         *read_lanes(text),
         *claim_limits(text, limits),
         *read_surroundings(text),
+        *read_impacts(text),
     ]
     cast = tuple(_member(vehicle) for vehicle in spoken.roll.vehicles)
     return SummaryClaims(text, cast, tuple(claims), limits, _kept(text, contacts), _others(text))
