@@ -52,6 +52,14 @@ def is_head(items: Words, place: int) -> bool:
     if after.is_a("body") and item.is_name and not item.is_a(*other):
         return True
     lead = items.at(place - 2) if before.is_a("descriptor", "name", *TRAITS) else before  # "the white Explorer"
+    chain = items.cut(place - 5, place)
+    if (
+        len(item.kinds) == 1
+        and chain.says({"in", "driving"})
+        and chain.cut(1).has("determiner")
+        and not chain.has("road")
+    ):
+        return True  # "in a beat up ranger"
     led = lead.is_a("determiner") or lead.get("pronoun") in {"own", "its", "other"} or lead.low in {"(", "'s", "her"}
     led |= before.get("pronoun") in {"own", "its"}
     if led and item.low in word_set("models_in_small_letters") and not after.is_a("road"):

@@ -10,6 +10,7 @@ from roadmend.safe.reading.seats import (
     add_writer,
     claim_own,
     couple,
+    lead_in,
     let_speak,
     possess,
     put_in_order,
@@ -76,6 +77,7 @@ def find_mentions(sentences: Sequence[Sentence]) -> Spoken:
     for vehicle in roll.vehicles if alike else ():
         if vehicle.description.body()[0] is None:
             vehicle.description = replace(vehicle.description, bodies=alike)
+    lead_in(sentences, found, headlines, roll)
     put_in_order(sentences, found, headlines, roll)
     own = roll.own()
     for sentence, row in zip(sentences, found, strict=True):

@@ -118,6 +118,28 @@ def _is_struck(items: Words, mention: Mention) -> bool:
     return items[mention.first].low == "me" and before.verb is not None and before.verb.kind in STRIKES
 
 
+def lead_in(
+    sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]], headlines: Sequence[bool], roll: VehicleRoll
+) -> None:
+    """Let "a driver" who strikes one of two vehicles in the first sentence be the other's."""
+    if len(roll.vehicles) != 2:
+        return
+    rows = zip(sentences, found, headlines, strict=True)
+    sentence, row = next(((each, row) for each, row, is_title in rows if not is_title and row), (None, ()))
+    struck = next((each for each in row if each.description is not None and len(each.vehicles) == 1), None)
+    person = row[0] if row else None
+    if sentence is None or struck is None or person is None or person.kind is not MentionKind.PERSON or person.vehicles:
+        return
+    between = sentence.items.cut(person.last + 1, struck.first)
+    strikes = any(item.verb is not None and item.verb.kind in STRIKES for item in between)
+    if (
+        strikes
+        and not between.has("conjunction")
+        and sentence.items[person.last].get("person") in {"driver", "someone"}
+    ):
+        person.vehicles = (1 - struck.vehicles[0],)
+
+
 def _is_of_writer(items: Words, row: Sequence[Mention]) -> bool:
     """Whether a sentence begins with what the writer does behind the wheel, with "I" or without: "Got on the freeway"."""
     opens = items.at(0)
@@ -211,6 +233,12 @@ def seat_persons(items: Words, row: Sequence[Mention]) -> None:
             continue
         if sits and one.kind in {MentionKind.ONE, MentionKind.PERSON}:
             one.vehicles = other.vehicles
+    for place, one in enumerate(row):  # "the woman who hit me was in a Nissan"
+        if one.kind is MentionKind.PERSON and not one.vehicles and items.at(one.last + 1).is_a("relative"):
+            seats = [each for each in row[place + 1 :] if each.description and each.vehicles]
+            led = items.cut(seats[0].first - 2, seats[0].first) if seats else Words()
+            if led.says(word_set("sits_in")) and led.at(0).get("auxiliary") == "be":
+                one.vehicles = seats[0].vehicles
 
 
 def couple(items: Words, row: Sequence[Mention]) -> None:

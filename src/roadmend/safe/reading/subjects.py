@@ -59,6 +59,12 @@ class Subjects(Referents):
             return self.last, nothing
         if old.kind == "see" and old.object is not None and verb.form == "ing" and self.items[place - 1].low == ",":
             return old.object, nothing  # "I saw a van, coming from the west"
+        if (
+            old.kind in {"see", "say"}
+            and old.object is not None
+            and self.items[place - 1].is_a("auxiliary", "negation")
+        ):
+            return old.object, nothing  # "he saw that the car was stopped"
         if old.subject is self.road and is_apart(old.tail, ",") and self.focus.vehicles:
             return self.focus, nothing  # what a road does is over
         if not self._governs(old, self.items[place]):

@@ -43,6 +43,7 @@ def _told(text: Text) -> Iterator[Claim]:
             turned.add(who)
         yield from _from_driveway(clause, sides)
     yield from _by_sun(text)
+    yield from _of_place(text)
     yield from _beside_mentions(text)
     for mention in itertools.chain(*text.spoken.mentions):
         for trait in mention.traits if len(mention.vehicles) == 1 else ():
@@ -239,6 +240,19 @@ def _sides(items: Words) -> list[Item]:
     """Sides of a road that are named: "on the east side"."""
     pairs = itertools.pairwise(items)
     return [one for one, after in pairs if one.is_a("compass") and direction(one) and after.low in {"side", "edge"}]
+
+
+def _of_place(text: Text) -> Iterator[Claim]:
+    """Where the crash was: "the crash occurred in the northbound lanes of a divided road"."""
+    for sentence, mentions in zip(text.sentences, text.spoken.mentions, strict=True):
+        head, bound = sentence.items.cut(0, 8), [item for item in sentence.items if item.is_a("bound")]
+        told = head.has("collision") and head.says(word_set("happened")) and not sentence.items.has("axis", "junction")
+        ways = {direction(item) for item in bound}
+        for vehicle in (
+            range(text.count) if told and len(ways) == 1 and not any(each.vehicles for each in mentions) else ()
+        ):
+            path = of_vehicle(vehicle, "initial_position")
+            yield claim(path, direction(bound[0]), 0.68, "the crash was on that side of the road", bound[0])
 
 
 def _by_sun(text: Text) -> Iterator[Claim]:
