@@ -11,6 +11,7 @@ from roadmend.core.outcome import Blame, Event, EventKind
 from roadmend.core.route import Route, Stage, Window
 from roadmend.core.scene import ObjectKind, ObjectList
 from roadmend.world.ego import RouteFollower
+from roadmend.world.impacts import Impacts
 from roadmend.world.participants import Observation
 from roadmend.world.simulation import Simulation
 
@@ -85,12 +86,13 @@ def road(goal=290.0, stages=1):
 def simulation(*people, speed=8.0, position=100.0, time_limit=60.0, stages=1, cleared=()):
     """A simulation at its tick 7, the ego on a straight road to the east."""
     made = object.__new__(Simulation)
+    made._impacts = Impacts(())
     made.scenario = SimpleNamespace(ego=SimpleNamespace(length=4.6, width=1.8), time_limit=time_limit)
     made._follower = RouteFollower(road(stages=stages), position)
     made._dynamics = SimpleNamespace(speed=speed)
     made._participants = Crowd(people)
     made._courtesy, made._stand_off = Recorder(), Recorder(list(cleared))
-    made._script = SimpleNamespace(heedless="who heeds nothing")
+    made._script = SimpleNamespace(heedless={"who heeds nothing"})
     made._built = SimpleNamespace(signals=())
     made._tick, made._last_yaw, made._final, made._seen = TICK, 0.0, None, None
     return made
@@ -240,7 +242,7 @@ def test_the_rules_for_the_others_are_given_what_is_there():
     ego, seen = tick.scene.ego, made.seen
     assert seen.names == ("v1", "v2")
     assert seen.objects is tick.scene.objects
-    assert made._courtesy.asked == [(ego, seen.names, seen.around, "who heeds nothing")]
+    assert made._courtesy.asked == [(ego, seen.names, seen.around, {"who heeds nothing"})]
     ((stander, way, names, around, waiting),) = made._stand_off.asked
     assert (stander, names, around, waiting) == (ego, seen.names, seen.around, "who waits")
     assert way(15.0) == pytest.approx((135.0, 0.0, 0.0))  # the pose that far ahead on the ego's lane
