@@ -16,7 +16,8 @@ from roadmend.safe.judge import judge
 from roadmend.safe.likeness import Likeness, run_of
 from roadmend.safe.motion import Motion
 from roadmend.world.impacts import pose_of
-from roadmend.world.scenario import Ego, Obstacle, OpenRoadNetwork, Scenario, Vehicle
+from roadmend.world.obstacle import Obstacle
+from roadmend.world.scenario import Ego, OpenRoadNetwork, Scenario, Vehicle
 
 from .films import film_of
 

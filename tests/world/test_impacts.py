@@ -8,7 +8,8 @@ from roadmend.core.command import Command
 from roadmend.core.outcome import EventKind
 from roadmend.core.scene import ObjectKind
 from roadmend.world.impacts import pose_of
-from roadmend.world.scenario import Ego, Follow, Obstacle, OpenRoadNetwork, Scenario, Trigger, Vehicle
+from roadmend.world.obstacle import Obstacle
+from roadmend.world.scenario import Ego, Follow, OpenRoadNetwork, Scenario, Trigger, Vehicle
 from roadmend.world.simulation import Simulation
 
 ROAD = OpenRoadNetwork(lanes=1, backward_lanes=1, length=400.0)

@@ -13,6 +13,7 @@ from roadmend.world import scenario as world
 from roadmend.world.drivers import BODIES
 from roadmend.world.ego import GRAVITY
 from roadmend.world.network import LANE_WIDTH
+from roadmend.world.obstacle import Obstacle
 from roadmend.world.space import Parameters
 
 KIND: dict[DslModel, str] = {
@@ -80,6 +81,10 @@ class MeetingStage:
             length=body.length,
             width=body.width,
         )
+
+    def obstacles(self) -> list[Obstacle]:
+        """Nothing: vehicles meet."""
+        return []
 
     def actors(self) -> list[world.Actor]:
         """The report's other vehicles, and whom a vehicle that has stopped waits for."""

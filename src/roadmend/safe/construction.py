@@ -102,7 +102,7 @@ def build_scenario(role: CrashRole, drawn: Parameters, name: str, seed: int) -> 
         network=layout.network,
         ego=stage.ego(),
         actors=stage.actors(),
-        obstacles=stage.obstacles() if isinstance(stage, OnlookerStage) else [],
+        obstacles=stage.obstacles(),
         environment=environment,
         origin=world.ReportOrigin(
             report=role.report, vehicle=role.number, sampled=dict(drawn), adapted=[*layout.adapted, *stage.adapted]

@@ -13,8 +13,9 @@ import numpy as np
 from roadmend.safe.dsl import ON_THE_ROADWAY, Side, StruckObject
 from roadmend.world.drivers import Body
 from roadmend.world.network import network_file
+from roadmend.world.obstacle import Obstacle, ObstacleKind
 from roadmend.world.road_network import RoadNetwork, read_network
-from roadmend.world.scenario import Network, Obstacle, ObstacleKind
+from roadmend.world.scenario import Network
 from roadmend.world.steering import line_through
 
 Points = list[tuple[float, float]]
@@ -46,7 +47,7 @@ class Thing:
     firm: bool = True
 
 
-_THINGS = MappingProxyType(
+THINGS = MappingProxyType(
     {
         StruckObject.TREE: Thing("tree", 0.5, 0.5),
         StruckObject.POLE: Thing("pole", 0.3, 0.3),
@@ -127,7 +128,7 @@ class _Course:
     def __init__(self, network: RoadNetwork, lane: Points, body: Body, way: Departure) -> None:
         import shapely  # noqa: PLC0415 - only who leaves the road needs it
 
-        self._lane, self._body, self._way, self._thing = line_through(lane), body, way, _THINGS[way.object]
+        self._lane, self._body, self._way, self._thing = line_through(lane), body, way, THINGS[way.object]
         self._stays = way.object in ON_THE_ROADWAY
         lanes = [lane for edge in network.edges.values() for lane in edge.lanes if len(lane.shape) > 1]
         self._roadway = shapely.unary_union(

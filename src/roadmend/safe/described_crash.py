@@ -13,9 +13,9 @@ from roadmend.safe.crash_record import (
     RecordedCollision,
     RecordedImpact,
     RecordedManoeuvre,
-    RecordedThing,
     RecordedVehicle,
 )
+from roadmend.safe.departure import THINGS
 from roadmend.safe.dsl import (
     ON_THE_ROADWAY,
     STANDING,
@@ -27,8 +27,8 @@ from roadmend.safe.dsl import (
     Position,
     RoadType,
     Side,
-    StruckObject,
 )
+from roadmend.safe.lone_judge import THINGS as RECORDED
 from roadmend.safe.staging import collisions_of, first_collision, is_alone
 from roadmend.safe.ways import Layout
 
@@ -45,18 +45,6 @@ _RECORDED = {  # of what a vehicle does, as far as a judge asks for it beside wh
 }
 
 
-_THINGS = {
-    StruckObject.TREE: RecordedThing.UPRIGHT,
-    StruckObject.POLE: RecordedThing.UPRIGHT,
-    StruckObject.SIGN: RecordedThing.UPRIGHT,
-    StruckObject.BARRIER: RecordedThing.ALONG_THE_ROAD,
-    StruckObject.WALL: RecordedThing.ALONG_THE_ROAD,
-    StruckObject.DITCH: RecordedThing.ALONG_THE_ROAD,
-    StruckObject.CURB: RecordedThing.ALONG_THE_ROAD,
-    StruckObject.PARKED_TRAILER: RecordedThing.VEHICLE,
-    StruckObject.ANIMAL: RecordedThing.ON_THE_ROADWAY,
-    StruckObject.DEBRIS: RecordedThing.ON_THE_ROADWAY,
-}
 _LEAVES = {Side.LEFT: RecordedManoeuvre.DRIFT_LEFT, Side.RIGHT: RecordedManoeuvre.DRIFT_RIGHT}
 
 
@@ -116,7 +104,7 @@ def _impact(impact: DescribedImpact) -> RecordedImpact:
     part = _PART.get(impact.striking_side) if impact.striking_side else None
     if impact.object is None:
         return RecordedImpact(impact.striking, part)
-    return RecordedImpact(impact.striking, part, _THINGS.get(impact.object), impact.object in ON_THE_ROADWAY)
+    return RecordedImpact(impact.striking, part, RECORDED[THINGS[impact.object].kind], impact.object in ON_THE_ROADWAY)
 
 
 def _vehicle(number: int, vehicle: DescribedVehicle) -> RecordedVehicle:

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping
 
 from roadmend.safe.contact import Contact, Part
 from roadmend.safe.crash_record import CrashRecord, RecordedCollision
-from roadmend.safe.likeness import BACKWARDS, STANDING, Check, Judgement, Likeness, Run, vehicle_name
+from roadmend.safe.likeness import BACKWARDS, STANDING, Check, Judgement, Likeness, Run, judgement_by, vehicle_name
 from roadmend.safe.lone_judge import judge_alone
 from roadmend.safe.way_checks import check_destination, check_origin, check_physical, check_road
 
@@ -23,15 +23,10 @@ def judge(run: Run, record: CrashRecord) -> Judgement:
     """Hold a run against the record of a crash."""
     if record.is_alone:
         return judge_alone(run, record)
-    first = run.contacts[0] if run.contacts else None
-    if first is None or not record.collisions:
+    if not run.contacts or not record.collisions:
         reason = "nobody touched anybody" if record.collisions else "the record has no collision of two vehicles"
         return Judgement(dict.fromkeys(Likeness, reason), 0, len(record.collisions))
-    found = {dimension: _CHECKS[dimension](run, record, first) for dimension in Likeness}
-    shown = 0 if found[Likeness.ORDER] else len(run.contacts)
-    return Judgement(
-        {dimension: reason for dimension, reason in found.items() if reason}, shown, len(record.collisions)
-    )
+    return judgement_by(_CHECKS, run, record, len(record.collisions))
 
 
 def _who(_run: Run, record: CrashRecord, first: Contact) -> str:

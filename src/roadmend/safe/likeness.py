@@ -77,6 +77,13 @@ class Judgement:
 Check = Callable[[Run, CrashRecord, Contact], str]  # of a run by a record, with the run's first contact; why it differs
 
 
+def judgement_by(checks: Mapping[Likeness, Check], run: Run, record: CrashRecord, recorded: int) -> Judgement:
+    """What a run in which somebody touched something has of a crash with ``recorded`` collisions."""
+    found = {dimension: checks[dimension](run, record, run.contacts[0]) for dimension in Likeness}
+    shown = 0 if found[Likeness.ORDER] else len(run.contacts)
+    return Judgement({dimension: reason for dimension, reason in found.items() if reason}, shown, recorded)
+
+
 def vehicle_name(number: int) -> str:
     """What a film calls the report's vehicle with a number."""
     return f"v{number}"

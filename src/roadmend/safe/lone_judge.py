@@ -11,12 +11,12 @@ from collections.abc import Mapping
 
 from roadmend.safe.contact import Contact
 from roadmend.safe.crash_record import CrashRecord, RecordedThing
-from roadmend.safe.likeness import BACKWARDS, STANDING, Check, Judgement, Likeness, Run, vehicle_name
+from roadmend.safe.likeness import BACKWARDS, STANDING, Check, Judgement, Likeness, Run, judgement_by, vehicle_name
 from roadmend.safe.run_map import beside_its_way, is_on_roadway
 from roadmend.safe.way_checks import check_destination, check_origin, check_physical, check_road
-from roadmend.world.scenario import ObstacleKind
+from roadmend.world.obstacle import ObstacleKind
 
-_KINDS: Mapping[ObstacleKind, RecordedThing] = {
+THINGS: Mapping[ObstacleKind, RecordedThing] = {
     "tree": RecordedThing.UPRIGHT,
     "pole": RecordedThing.UPRIGHT,
     "sign": RecordedThing.UPRIGHT,
@@ -34,12 +34,9 @@ _BESIDE = 1.0  # [m] at least from the middle of its lane to what a vehicle stri
 
 def judge_alone(run: Run, record: CrashRecord) -> Judgement:
     """Hold a run against the record of a crash in which no two vehicles touched."""
-    first = run.contacts[0] if run.contacts else None
-    if first is None:
+    if not run.contacts:
         return Judgement(dict.fromkeys(Likeness, "nobody struck anything"), 0, len(record.impacts))
-    found = {dimension: _CHECKS[dimension](run, record, first) for dimension in Likeness}
-    shown = 0 if found[Likeness.ORDER] else len(run.contacts)
-    return Judgement({dimension: reason for dimension, reason in found.items() if reason}, shown, len(record.impacts))
+    return judgement_by(_CHECKS, run, record, len(record.impacts))
 
 
 def _striking(record: CrashRecord) -> str:
@@ -53,7 +50,7 @@ def _who(run: Run, record: CrashRecord, first: Contact) -> str:
     if abs(first.of(name).speed) <= STANDING:
         return f"{name} stood"
     wanted = record.impacts[0].thing
-    kinds = [_KINDS[each.kind] for each in run.scenario.obstacles if each.id in first.names]
+    kinds = [THINGS[each.kind] for each in run.scenario.obstacles if each.id in first.names]
     if wanted is not None and wanted not in kinds:
         return f"{name} struck something {' and '.join(kinds)}, not {wanted}"
     return ""

@@ -11,6 +11,7 @@ from roadmend.world import scenario as world
 from roadmend.world.drivers import BODIES
 from roadmend.world.ego import GRAVITY
 from roadmend.world.network import network_file
+from roadmend.world.obstacle import Obstacle
 from roadmend.world.road_network import read_network
 from roadmend.world.scenario import OpenRoadNetwork
 from roadmend.world.space import Parameters
@@ -66,7 +67,7 @@ class OnlookerStage:
         follow = world.Follow(when=world.Trigger(time=0.0), points=self._crash.line, speed=round(self._speed, 2))
         return [vehicle_actor("v1", self._kind, self._way, spot, [follow])]
 
-    def obstacles(self) -> list[world.Obstacle]:
+    def obstacles(self) -> list[Obstacle]:
         """What it strikes."""
         return [self._crash.obstacle]
 

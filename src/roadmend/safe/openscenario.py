@@ -17,6 +17,7 @@ from roadmend.core.route import Stage
 from roadmend.core.whole_file import written_beside
 from roadmend.world.drivers import BODIES
 from roadmend.world.network import network_file
+from roadmend.world.obstacle import Obstacle
 from roadmend.world.opendrive import write_opendrive
 from roadmend.world.road_network import RoadNetwork, read_network
 from roadmend.world.scenario import (
@@ -27,7 +28,6 @@ from roadmend.world.scenario import (
     Follow,
     Heedless,
     Manoeuvre,
-    Obstacle,
     Pedestrian,
     RunRightOfWay,
     Scenario,

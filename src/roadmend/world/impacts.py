@@ -12,8 +12,8 @@ from types import MappingProxyType
 import numpy as np
 
 from roadmend.core.geometry import corner_distance, fill_outline, wrap_angle
+from roadmend.world.obstacle import Obstacle
 from roadmend.world.participants import Pose
-from roadmend.world.scenario import Obstacle
 from roadmend.world.steering import SteeredVehicle
 
 

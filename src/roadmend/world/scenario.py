@@ -3,11 +3,13 @@
 import hashlib
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
+
+from roadmend.world.obstacle import Obstacle
+from roadmend.world.scenario_model import Identifier, ScenarioModel
 
 FORMAT: Literal["roadmend-scenario/1"] = "roadmend-scenario/1"
 
-Identifier = Annotated[str, Field(pattern=r"^[A-Za-z0-9_.\-]+$", description="letters, digits, '_', '.' and '-'")]
 Metres = Annotated[float, Field(ge=0.0, le=100_000.0, allow_inf_nan=False)]
 Seconds = Annotated[float, Field(ge=0.0, le=86_400.0, allow_inf_nan=False)]
 Speed = Annotated[float, Field(ge=0.0, le=70.0, allow_inf_nan=False, description="[m/s]")]
@@ -24,27 +26,8 @@ VehicleKind = Literal[
     "motorcycle",
     "bicycle",
 ]
-ObstacleKind = Literal[
-    "tree",
-    "pole",
-    "sign",
-    "barrier",
-    "wall",
-    "ditch",
-    "curb",
-    "parked_vehicle",
-    "animal",
-    "debris",
-    "object",
-]
 DriverName = Literal["careful", "normal", "aggressive", "reckless"]
 Weather = Literal["clear", "sunny", "cloudy", "overcast", "windy", "rainy", "foggy", "snowy"]
-
-
-class ScenarioModel(BaseModel):
-    """Base of all scenario parts: unknown fields are errors, values do not change after reading."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 def _is_none(value: object) -> bool:
@@ -278,7 +261,7 @@ class Vehicle(ScenarioModel):
         description="[m/s] at departure, at most what the driver wants to go there; that speed if not given",
     )
     speed_factor: float | None = Field(default=None, ge=0.3, le=2.0, description="of the speed limit; the driver's")
-    manoeuvres: list[Manoeuvre] = []
+    manoeuvres: list[Manoeuvre] = Field(default=[])
 
 
 class Pedestrian(ScenarioModel):
@@ -294,26 +277,6 @@ class Pedestrian(ScenarioModel):
 
 
 Actor = Annotated[Vehicle | Pedestrian, Field(discriminator="type")]
-
-
-class Obstacle(ScenarioModel):
-    """Something that stands where it is, beside the road or on it.
-
-    The ego, and vehicles that have left the lanes (drift, follow), can strike it. Whoever SUMO drives along a lane does
-    not see it.
-    """
-
-    id: Identifier
-    kind: ObstacleKind = "object"
-    x: float = Field(ge=-100_000.0, le=100_000.0, description="[m] of its middle, in the map frame")
-    y: float = Field(ge=-100_000.0, le=100_000.0, description="[m]")
-    heading: float = Field(default=0.0, ge=-360.0, le=360.0, description="[deg] of its length, from east to the left")
-    length: float = Field(default=0.5, ge=0.05, le=100.0, description="[m]")
-    width: float = Field(default=0.5, ge=0.05, le=100.0, description="[m]")
-    firm: bool = Field(
-        default=True, description="who strikes it stands there from then on; else drives on over it, and it stays"
-    )
-
 
 # Tyre-road friction and how far objects are seen [m], by weather; published ranges for passenger tyres on asphalt.
 _FRICTION: dict[str, float] = {
@@ -386,7 +349,7 @@ class Scenario(ScenarioModel):
     time_limit: float = Field(default=60.0, gt=0.0, le=86_400.0, allow_inf_nan=False, description="[s]")
     network: Network
     ego: Ego
-    actors: list[Actor] = []
+    actors: list[Actor] = Field(default=[])
     obstacles: list[Obstacle] = Field(default=[], exclude_if=_is_empty)
     environment: Environment = Environment()
     origin: ReportOrigin | None = Field(default=None, exclude_if=_is_none)

@@ -1,7 +1,8 @@
 """What a vehicle strikes that is no vehicle, with which side, and on which side of its road that stands."""
 
+import functools
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from roadmend.safe.claims import Claim, Span
@@ -108,10 +109,13 @@ def _thing(item: Item) -> StruckObject | None:
         return StruckObject.ANIMAL
     if not item.is_a("object"):
         return None
-    key = squeeze(item.low)
-    table = read_table("things")
-    name = next((each for each, words in table.items() if any(squeeze(word) == key for word in words)), None)
-    return StruckObject(name) if name is not None else StruckObject.OTHER
+    return _known_things().get(squeeze(item.low), StruckObject.OTHER)
+
+
+@functools.cache
+def _known_things() -> Mapping[str, StruckObject]:
+    """What the words of the table stand for."""
+    return {squeeze(word): StruckObject(name) for name, words in read_table("things").items() for word in words}
 
 
 def _with(clause: Clause) -> Side | None:
