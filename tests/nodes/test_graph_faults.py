@@ -177,7 +177,7 @@ def test_a_simulator_that_hangs_ends_the_run_and_the_bag_reads(run, clock):
 
 @pytest.mark.parametrize("name", ["policy_node", "repair_node"])
 def test_in_lockstep_who_hangs_is_started_anew_too(run, name):
-    there = run("--silence", "2", time_limit=200.0)
+    there = run("--silence", "2", time_limit=80.0)
     there.until_driving()
     os.kill(there.node(name), signal.SIGSTOP)
     code, result, said = there.end()
