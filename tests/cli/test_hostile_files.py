@@ -42,6 +42,7 @@ COMMANDS = {
 TRAINING = {
     "imitation": (("train", "policy", "--config", "{}/f.yaml", "--out", "out"), ("empty",)),
     "adreft": (("train", "adreft", "--policy", "modular", "--config", "{}/f.yaml", "--out", "out"), ("empty",)),
+    "changes": (("train", "changes", "{}/f.safetensors", "--policy", "modular", "--out", "out"), ()),
     "adjusted": (("train", "adjust", "{}/f.safetensors", "--threshold", "0.5", "--out", "out"), ()),
 }
 

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pytest
 
 from roadmend.core.command import Command
@@ -10,6 +12,15 @@ def answer(final):
     status = RepairStatus.PASS if final == 0.5 else RepairStatus.REPAIRED
     command = Command(max(final, 0.0), max(-final, 0.0))
     return Repair(command, status, 0.0, 0.5, 0.5, final, final != 0.5)
+
+
+def test_held_back_lane_changes_are_counted_spell_by_spell():
+    builder = SpellBuilder()
+    held = replace(answer(0.5), status=RepairStatus.REPAIRED, intervened=True, held_back=True)
+    for tick, each in enumerate([held, answer(0.0), held, answer(0.5), held]):
+        builder.add(0.05 * tick, each)
+    assert [spell.held_back for spell in builder.spells] == [2, 1]
+    assert builder.spells[1].dose == 0.0
 
 
 def test_spells_are_uninterrupted_and_know_their_dose():

@@ -1,5 +1,7 @@
 """What was counted outlives the node that counted it."""
 
+from dataclasses import replace
+
 import pytest
 
 from roadmend.core.command import Command
@@ -18,7 +20,7 @@ ANSWERS = [
     (0.1, answer(0.3, -0.1)),
     (0.15, answer(0.1, 0.1, RepairStatus.PASS)),
     (0.2, answer(float("nan"), -0.5, RepairStatus.STALE_COMMAND)),
-    (0.25, answer(0.4, -0.5, RepairStatus.STALE_COMMAND)),
+    (0.25, replace(answer(0.4, -0.5, RepairStatus.STALE_COMMAND), held_back=True)),
 ]
 
 
@@ -37,6 +39,7 @@ def test_a_node_that_is_killed_takes_nothing_with_it(tmp_path):
     assert whole["answers"] == 6
     assert whole["interventions"] == 4
     assert whole["stale"] == 2
+    assert [spell["held_back"] for spell in whole["spells"]] == [0, 1]
 
 
 @pytest.mark.parametrize("cut", range(1, len(ANSWERS)))

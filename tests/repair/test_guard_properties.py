@@ -27,6 +27,7 @@ proposals = st.builds(
     st.one_of(st.floats(0.0, 1.0), st.floats()),
     st.one_of(st.floats(0.0, 1.0), st.floats()),
     st.one_of(st.floats(-1.0, 1.0), odd, st.floats()),
+    hold_back=st.booleans(),
 )
 answers = st.one_of(proposals, st.sampled_from([None, "brake", ValueError("out of tune"), ZeroDivisionError()]))
 
@@ -104,6 +105,8 @@ def check(repair, command, stop, count):
     if math.isfinite(command.brake) and command.brake >= 0.0:
         assert repair.command.brake >= min(1.0, command.brake)
     assert not repair.command.change_lane or command.change_lane
+    assert not (repair.held_back and repair.command.change_lane)
+    assert not repair.held_back or repair.intervened
     assert repair.status in set(RepairStatus)
     assert 0 <= repair.dropped_objects <= count
     assert "\n" not in repair.reason

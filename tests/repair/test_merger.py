@@ -39,6 +39,16 @@ def test_never_raises_the_acceleration(policy, action, score, threshold, change_
     assert (merged is command) == (not (score > threshold and policy > action))
 
 
+@given(actions, actions, st.sampled_from([0.0, 1.0]), st.booleans(), st.booleans())
+def test_a_lane_change_is_begun_only_where_it_was_asked_for_and_not_held_back(policy, action, score, asked, held_back):
+    command = Command.from_action(policy, change_lane=asked)
+    merged = merge(command, Proposal(score, 0.5, action, hold_back=held_back))
+    assert merged.change_lane is (asked and not held_back)
+    assert merged.action == merge(command, Proposal(score, 0.5, action)).action  # holding back moves no pedal
+    if not asked and score < 0.5:
+        assert merged is command
+
+
 def test_score_equal_to_the_threshold_does_not_step_in():
     command = Command(0.5, 0.0)
     assert merge(command, Proposal(0.7, 0.7, -1.0)) is command

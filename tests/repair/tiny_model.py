@@ -4,16 +4,20 @@ import numpy as np
 
 from roadmend.networks.checkpoint import save_checkpoint
 from roadmend.networks.shape import EncoderShape
+from roadmend.repair.adreft.change_monitor import ChangeConfiguration
 from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.repair.adreft.registry import make_tokenizer
 
 HIDDEN = 8
+CHANGE = {"head": (6,), "threshold": 0.5, "horizon": 8.0}  # of a change monitor
 
 
 def configuration_of(tokenizer="paper", **changes):
     made = make_tokenizer(tokenizer)
     encoder = EncoderShape(attributes=made.attributes, hidden=HIDDEN, layers=1, heads=2, feed_forward=8)
     values = {"tokenizer": tokenizer, "tokenizer_version": made.version, "encoder": encoder, "monitor": (6,)}
+    if isinstance(changes.get("change"), dict):
+        changes["change"] = ChangeConfiguration(encoder=encoder, **changes["change"])
     return ModelConfiguration(**{**values, "adapter": (6,), **changes})
 
 
@@ -25,10 +29,13 @@ def random_tensors(configuration, seed=0):
         tensors[f"{name}.weight"] = numbers.normal(0.0, inputs**-0.5, (outputs, inputs)).astype(np.float32)
         tensors[f"{name}.bias"] = numbers.normal(0.0, 0.1, outputs).astype(np.float32)
 
-    linear("encoder.embed", encoder.hidden, encoder.attributes)
-    tensors["encoder.cls"] = numbers.normal(0.0, 1.0, encoder.hidden).astype(np.float32)
-    for place in range(encoder.layers):
-        layer = f"encoder.layers.{place}"
+    def scene_encoder(name):
+        linear(f"{name}.embed", encoder.hidden, encoder.attributes)
+        tensors[f"{name}.cls"] = numbers.normal(0.0, 1.0, encoder.hidden).astype(np.float32)
+        for place in range(encoder.layers):
+            encoder_layer(f"{name}.layers.{place}")
+
+    def encoder_layer(layer):
         linear(f"{layer}.attention_in", 3 * encoder.hidden, encoder.hidden)
         linear(f"{layer}.attention_out", encoder.hidden, encoder.hidden)
         linear(f"{layer}.feed_in", encoder.feed_forward, encoder.hidden)
@@ -36,7 +43,13 @@ def random_tensors(configuration, seed=0):
         for norm in ("norm1", "norm2"):
             tensors[f"{layer}.{norm}.weight"] = np.ones(encoder.hidden, np.float32)
             tensors[f"{layer}.{norm}.bias"] = np.zeros(encoder.hidden, np.float32)
-    for name, shape in (("monitor", configuration.monitor_shape), ("adapter", configuration.adapter_shape)):
+
+    scene_encoder("encoder")
+    heads = {"monitor": configuration.monitor_shape, "adapter": configuration.adapter_shape}
+    if configuration.change is not None:
+        scene_encoder("change.encoder")
+        heads["change.head"] = configuration.change.head_shape
+    for name, shape in heads.items():
         for place, (inputs, outputs) in enumerate(zip(shape.widths, shape.widths[1:], strict=False)):
             linear(f"{name}.layers.{place}", outputs, inputs)
     return tensors

@@ -187,7 +187,7 @@ def adreft(given: AdreftOptions) -> None:
     """
     begin = time.perf_counter()
     configuration = read_training_configuration(
-        given.file or config_folder() / "training" / "adreft.yaml", dict(map(_setting, given.settings))
+        given.file or config_folder() / "training" / "adreft.yaml", dict(map(setting, given.settings))
     )
     only = given.only
     if given.ablation is not None:
@@ -200,7 +200,7 @@ def adreft(given: AdreftOptions) -> None:
     work = given.work or given.out.with_name(f"{given.out.stem}.training")
     open_work(work, resume=given.resume, keep_supervised=only == "reinforcement")
     validation = corpus.select(split="validation")
-    subject = TrainingSubject(_driver(corpus), validation, [_driver(corpus_of(other)) for other in given.also])
+    subject = TrainingSubject(driver_of(corpus), validation, [driver_of(corpus_of(other)) for other in given.also])
     chosen = choose_torch_device(given.device, configuration.threads)
     with counting(TextColumn("{task.fields[how]}")) as progress, fan_out(given.workers) as mapper:
         tasks: dict[str, Any] = {}
@@ -240,7 +240,7 @@ def adreft(given: AdreftOptions) -> None:
 @JSON
 def adjust(model: Path, threshold: float | None, settings: tuple[str, ...], out: Path, *, as_json: bool) -> None:
     """Write MODEL, one of ADReFT, with another threshold or other rules of deciding; its networks stay as they are."""
-    changes = {name.removeprefix("model."): value for name, value in (_setting(f"model.{each}") for each in settings)}
+    changes = {name.removeprefix("model."): value for name, value in (setting(f"model.{each}") for each in settings)}
     command = f"./roadmend train adjust {model.name}"
     command += f" --threshold {threshold:g}" if threshold is not None else ""
     command += "".join(f" --set {each}" for each in settings)
@@ -248,8 +248,8 @@ def adjust(model: Path, threshold: float | None, settings: tuple[str, ...], out:
     click.echo(json.dumps({"model": str(out), "sha256": digest}) if as_json else f"{out}: SHA-256 {digest}")
 
 
-def _setting(text: str) -> tuple[str, Any]:
-    """The name and the value of ``SECTION.NAME=VALUE``.
+def setting(text: str) -> tuple[str, Any]:
+    """The name and the value of ``SECTION.NAME=VALUE``, as options have it.
 
     Raises:
         InputError: it is no such thing.
@@ -263,7 +263,8 @@ def _setting(text: str) -> tuple[str, Any]:
     raise InputError("--set", f"{text[:100]!r} is no SECTION.NAME=VALUE", "write for instance practice.dose=0.1")
 
 
-def _driver(corpus: Corpus) -> RepairedPolicy:
+def driver_of(corpus: Corpus) -> RepairedPolicy:
+    """Whose repair is learned from a corpus: from its training cases."""
     return RepairedPolicy(corpus.policy, corpus.model or "", corpus.digest, corpus.select(split="training"))
 
 

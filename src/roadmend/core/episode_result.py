@@ -65,6 +65,11 @@ class EpisodeResult:
         return Interventions(self.interventions, self.change).dose
 
     @property
+    def held_back(self) -> int:
+        """Lane changes that the policy asked for and was not granted."""
+        return sum(spell.held_back for spell in self.spells)
+
+    @property
     def reached_goal(self) -> bool:
         """Whether the ego completed its route in time."""
         return self.outcome is EventKind.GOAL
@@ -93,6 +98,7 @@ class EpisodeResult:
             "interventions": self.interventions,
             "intensity": self.intensity,
             "dose": self.dose,
+            "held_back": self.held_back,
             "peak_deceleration": self.peak_deceleration,
             "peak_jerk": self.peak_jerk,
             "digest": self.digest,

@@ -40,6 +40,7 @@ class Proposal:
     triggers: tuple[RepairTrigger, ...] = ()
     reason: str = ""
     worth: float | None = None  # see Repair.worth
+    hold_back: bool = False  # whether a lane change that the policy would begin at this tick must wait
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +59,7 @@ class Repair:
     reason: str = ""
     worth: float | None = None  # by how much the proposed action is judged better than leaving the policy alone, in
     # prices of a collision; None where the method judges no worth, which is not the same as none
+    held_back: bool = False  # whether the policy asked for a lane change that it was not granted
 
     @property
     def change(self) -> float:

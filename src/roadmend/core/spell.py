@@ -14,6 +14,7 @@ class Spell:
     ticks: int
     change: float  # sum of |policy's action - final action| over them, 0 .. 2 each
     need: float | None = None  # share of futures from its first tick, unrepaired, that violate; None: not looked at
+    held_back: int = 0  # lane changes that the policy asked for in it and was not granted
 
     @property
     def dose(self) -> float:
@@ -37,10 +38,11 @@ class SpellBuilder:
         """Take in the answer at ``time`` [s]; returns whether a spell begins with it."""
         begins = repair.intervened and not self._is_open
         if begins:
-            self._spells.append(Spell(time, 1, repair.change))
+            self._spells.append(Spell(time, 1, repair.change, held_back=int(repair.held_back)))
         elif repair.intervened:
             last = self._spells[-1]
-            self._spells[-1] = Spell(last.begin, last.ticks + 1, last.change + repair.change)
+            held_back = last.held_back + repair.held_back
+            self._spells[-1] = Spell(last.begin, last.ticks + 1, last.change + repair.change, held_back=held_back)
         self._is_open = repair.intervened
         return begins
 

@@ -15,7 +15,7 @@ class OrdinaryFigures:
     """What a method costs in ordinary drives; shares in percent, None where no drive tells."""
 
     drives: int  # in which the policy alone does not violate
-    untouched: float | None  # [%] of them whose dose is below TOUCH
+    untouched: float | None  # [%] of them whose dose is below TOUCH, and in which no lane change was held back
     time_lost: (
         float | None
     )  # [%] mean over those that the policy alone brings to the goal, and that do not end early now
@@ -49,7 +49,7 @@ def ordinary_figures(pairs: Sequence[tuple[EpisodeResult, EpisodeResult]]) -> Or
         needless = sum(spell.dose for spell in spells if spell.need is not None and spell.need < NEEDLESS)
     return OrdinaryFigures(
         len(calm),
-        _percent([own.dose < TOUCH for _, own in calm]),
+        _percent([own.dose < TOUCH and not own.held_back for _, own in calm]),
         _percent(to_goal),
         100.0 * median(to_goal) if to_goal else None,
         _percent(in_time),

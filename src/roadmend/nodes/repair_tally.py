@@ -11,7 +11,7 @@ from roadmend.core.repair import Interventions, Repair, RepairStatus
 from roadmend.core.spell import Spell, SpellBuilder
 
 STALE = frozenset({RepairStatus.STALE_COMMAND, RepairStatus.STALE_OBJECTS})
-_ANSWER = struct.Struct("<dddBB")  # time [s], action asked for, action sent, state, whether they differ
+_ANSWER = struct.Struct("<dddBBB")  # time [s], action asked for, action sent, state, whether they differ, held back
 _RESTART = 255  # in place of a state: a new node goes on from here
 
 
@@ -39,15 +39,16 @@ class RepairTally:
         try:
             data = journal.read_bytes() if journal.exists() else b""
             whole = len(data) // _ANSWER.size * _ANSWER.size
-            for time, asked, sent, state, intervened in _ANSWER.iter_unpack(data[:whole]):
+            for time, asked, sent, state, *told in _ANSWER.iter_unpack(data[:whole]):
                 if state == _RESTART:
                     self._break()
                 else:
-                    self._count(time, _repair_of(asked, sent, state, intervened=bool(intervened)))
+                    intervened, held_back = map(bool, told)
+                    self._count(time, _repair_of(asked, sent, state, intervened=intervened, held_back=held_back))
             self._break()
             self._descriptor = os.open(journal, os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC, 0o644)
             os.truncate(self._descriptor, whole)  # the node may have died over an answer
-            self._write(_ANSWER.pack(0.0, 0.0, 0.0, _RESTART, 0))
+            self._write(_ANSWER.pack(0.0, 0.0, 0.0, _RESTART, 0, 0))
         except (OSError, ValueError):  # without it the count is this node's alone; that is no reason to stop answering
             self.close()
 
@@ -56,8 +57,8 @@ class RepairTally:
         self._count(time, repair)
         if self._descriptor < 0:
             return
-        sent = repair.final_action
-        self._write(_ANSWER.pack(time, repair.policy_action, sent, int(repair.status), int(repair.intervened)))
+        told = int(repair.status), int(repair.intervened), int(repair.held_back)
+        self._write(_ANSWER.pack(time, repair.policy_action, repair.final_action, *told))
 
     def _write(self, record: bytes) -> None:
         try:
@@ -100,7 +101,8 @@ class RepairTally:
             self._descriptor = -1
 
 
-def _repair_of(asked: float, sent: float, state: int, *, intervened: bool) -> Repair:
+def _repair_of(asked: float, sent: float, state: int, *, intervened: bool, held_back: bool) -> Repair:
     """An answer as far as it counts."""
     status = RepairStatus(state)
-    return Repair(Command.from_action(sent), status, 0.0, 0.0, asked, sent, intervened=intervened)
+    command = Command.from_action(sent)
+    return Repair(command, status, 0.0, 0.0, asked, sent, intervened=intervened, held_back=held_back)

@@ -216,6 +216,7 @@ def repair_message_of(repair: Repair, method: str, header: Any) -> Any:
         dropped_objects=repair.dropped_objects,
         trigger_id=np.array([trigger.object_id for trigger in repair.triggers], dtype=np.uint32),
         trigger_weight=np.array([trigger.weight for trigger in repair.triggers], dtype=np.float64),
+        held_back=repair.held_back,
         reason=repair.reason,
     )
 
@@ -230,7 +231,7 @@ def renewed_repair_message_of(message: Any) -> Any:
 def repair_of(message: Any) -> Repair:
     """The account of one tick's repair, with the command that its final action stands for.
 
-    Bags of earlier versions tell no worth.
+    Bags of earlier versions tell no worth, and held nothing back.
 
     Raises:
         ValueError: the arrays differ in length.
@@ -249,6 +250,7 @@ def repair_of(message: Any) -> Repair:
         tuple(RepairTrigger(identity, weight) for identity, weight in triggers),
         message.reason,
         worth if math.isfinite(worth) else None,
+        getattr(message, "held_back", False),
     )
 
 

@@ -1,7 +1,8 @@
 """A rule that steps in only where a learned monitor foresees a collision as well.
 
 A rival for ADReFT that has its prediction but not its choice of when and how: RSS and PredictiveBrake know what to do
-about whoever is near, and are wrong mostly about whether anything will come of it.
+about whoever is near, and are wrong mostly about whether anything will come of it. Lane changes it holds back by the
+model's own change monitor, as ADReFT does.
 """
 
 from collections.abc import Callable
@@ -11,6 +12,7 @@ from roadmend.core.repair import Proposal
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.networks.checkpoint import find_model
+from roadmend.repair.adreft.change_gate import ChangeGate
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.method import RepairMethod
 from roadmend.repair.parameters import GatedParameters, PredictiveParameters, RssParameters
@@ -42,6 +44,7 @@ class GatedRepair:
         self._model = AdreftModel.load(find_model(parameters.model, "adreft-"))
         self.model_digest = self._model.digest  # results are kept by it
         self._threshold = parameters.threshold if parameters.threshold >= 0.0 else self._model.threshold
+        self._changes = ChangeGate(self._model, parameters.change_threshold)
         self._tokenizer = self._model.tokenizer()
         self._rules = _RULES[parameters.rule](parameters)
 
@@ -57,10 +60,12 @@ class GatedRepair:
         score = self._model.score(self._model.encode(tokens.values), decision.command.action)
         proposed = [rule.propose(scene, decision) for rule in self._rules]
         stepping = [each for each in proposed if each.score > each.threshold]
-        if not stepping:
-            return Proposal(0.0, self._threshold, decision.command.action)
-        hardest = min(stepping, key=lambda each: each.action)
-        return Proposal(score, self._threshold, hardest.action, hardest.triggers, hardest.reason)
+        if stepping:
+            hardest = min(stepping, key=lambda each: each.action)
+            proposal = Proposal(score, self._threshold, hardest.action, hardest.triggers, hardest.reason)
+        else:
+            proposal = Proposal(0.0, self._threshold, decision.command.action)
+        return self._changes.judge(proposal, tokens, scene) if decision.command.change_lane else proposal
 
 
 def _rss(given: GatedParameters) -> RssRepair:

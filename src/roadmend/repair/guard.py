@@ -204,6 +204,7 @@ class GuardedRepairer:
             if fault:
                 stop = self.controlled_stop(RepairStatus.MODEL_FAULT, "; ".join([*notes, fault]), None, decision)
                 return replace(stop, dropped_objects=dropped)
+            proposal = replace(proposal, hold_back=True)  # no lane change begins that nobody judges
         final = merge(command, proposal)
         if final is not command and status == RepairStatus.PASS:
             status = RepairStatus.REPAIRED
@@ -222,6 +223,7 @@ class GuardedRepairer:
             proposal.triggers,
             "; ".join(notes),
             proposal.worth,
+            held_back=command.change_lane and not final.change_lane,
         )
 
     def _consult(self, scene: Scene, decision: Decision) -> tuple[Proposal, str]:

@@ -1,6 +1,7 @@
 """The decision merger (ADReFT section 3.1.4): the one place where a proposal may replace the policy's command."""
 
 import math
+from dataclasses import replace
 
 from roadmend.core.command import Command
 from roadmend.core.repair import Proposal
@@ -24,14 +25,17 @@ def proposal_fault(proposal: Proposal) -> str:
 
 
 def merge(command: Command, proposal: Proposal) -> Command:
-    """The policy's own command object, or the proposed action where the method steps in and it means less thrust.
+    """The policy's own command object, or what is left of it.
 
-    The acceleration is never raised, and ``change_lane`` is always the policy's.
+    The proposed action takes the place of the policy's where the method steps in and it means less thrust; a lane change
+    that the method holds back is not begun. The acceleration is never raised, and no lane change is begun that the policy
+    has not asked for.
 
     Args:
         command: a valid command of the policy.
         proposal: a proposal in which ``proposal_fault`` finds nothing.
     """
+    change_lane = command.change_lane and not proposal.hold_back
     if proposal.score > proposal.threshold and command.action > proposal.action:
-        return Command.from_action(proposal.action, change_lane=command.change_lane)
-    return command
+        return Command.from_action(proposal.action, change_lane=change_lane)
+    return command if change_lane == command.change_lane else replace(command, change_lane=change_lane)

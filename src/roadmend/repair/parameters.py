@@ -100,6 +100,12 @@ class AdreftParameters(Parameters):
     threshold: float = Field(
         -1.0, ge=-1.0, le=1.0, description="steps in where the score is above this; below 0: the model's own threshold"
     )
+    change_threshold: float = Field(
+        -1.0,
+        ge=-1.0,
+        le=1.0,
+        description="holds back a lane change whose risk is above this; below 0: the model's own, 1: never",
+    )
 
 
 class GatedParameters(AdreftParameters):

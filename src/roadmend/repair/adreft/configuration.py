@@ -10,6 +10,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
 from roadmend.networks.shape import EncoderShape, HeadShape
 from roadmend.repair.actions import ACTIONS
+from roadmend.repair.adreft.change_monitor import ChangeConfiguration
 from roadmend.repair.adreft.weighing import OUTPUTS, Weighing
 
 Width = Annotated[int, Field(ge=1, le=4096)]
@@ -58,6 +59,10 @@ class ModelConfiguration(Deciding):
     tokenizer: str = Field(description="name of the tokenizer")
     tokenizer_version: int = Field(ge=1, description="version of the tokenizer that the model was trained with")
     encoder: EncoderShape = Field(description="shape of the state encoder")
+    change: ChangeConfiguration | None = Field(
+        None,
+        description="of the monitor that holds back lane changes; none: they are the policy's affair, as the paper's",
+    )
 
     @property
     def monitor_shape(self) -> HeadShape:

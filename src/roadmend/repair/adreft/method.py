@@ -11,21 +11,21 @@ from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.networks.checkpoint import find_model
 from roadmend.repair.actions import ACTIONS
+from roadmend.repair.adreft.attention import attended
+from roadmend.repair.adreft.change_gate import ChangeGate
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.adreft.patience import Patience
-from roadmend.repair.adreft.tokenizer import TokenSet
 from roadmend.repair.latch import Latch
 from roadmend.repair.parameters import AdreftParameters
-
-_TRIGGERS = 3  # participants named at most
 
 
 class AdreftRepair:
     """Proposes the action of greatest value; steps in where the score is above the threshold.
 
+    Lane changes whose risk is above a threshold of their own it holds back, where its model has a monitor of them.
     Score: y_safe, or how due an intervention is by its worth where that is more; threshold: lambda_safe of the model,
-    or what was given instead, raised where patience has ended. A trigger's weight is the share of attention that the participant's tokens drew in the
-    encoder's last layer.
+    or what was given instead, raised where patience has ended. A trigger's weight is the share of attention that the
+    participant's tokens drew in the encoder's last layer.
     """
 
     name = "adreft"
@@ -46,6 +46,7 @@ class AdreftRepair:
         parameters = parameters or AdreftParameters()
         self.model = model or AdreftModel.load(find_model(parameters.model, "adreft-"))
         self.threshold = parameters.threshold if parameters.threshold >= 0.0 else self.model.threshold
+        self._changes = ChangeGate(self.model, parameters.change_threshold)
         self._tokenizer = self.model.tokenizer()
         self._seed = seed
         self._numbers = random.Random(f"{seed}:")
@@ -85,7 +86,7 @@ class AdreftRepair:
         triggers: tuple[RepairTrigger, ...] = ()
         reason = f"let go until the score falls to {self.threshold:.3f}" if self._patience.has_ended else ""
         if score > bar:
-            triggers = attended(self.model, tokens, scene)
+            triggers = attended(self.model.attention, tokens, scene)
             what = "criticality" if alarmed else "precaution: worth"
             reason = f"{what} {score:.3f} above {bar:.3f}"
         worth = self.model.worth(values, asked, ACTIONS.index(self._action))
@@ -96,7 +97,7 @@ class AdreftRepair:
         else:
             proposal = self._latch.settle(scene.time, proposal)
         self._patience.watch(scene, intervenes=proposal.score > proposal.threshold and asked > proposal.action)
-        return proposal
+        return self._changes.judge(proposal, tokens, scene) if decision.command.change_lane else proposal
 
     def _choose(self, values: NDArray[np.float32], asked: float) -> int:
         """Index of the action to propose where the policy asks for ``asked``."""
@@ -111,12 +112,3 @@ class AdreftRepair:
             if values[best] <= idle + configuration.margin:
                 return 0
         return best
-
-
-def attended(model: AdreftModel, tokens: TokenSet, scene: Scene) -> tuple[RepairTrigger, ...]:
-    """The participants that drew most attention in the model's last call, the weightiest first."""
-    rows = tokens.object_rows
-    named = rows >= 0
-    weights = np.bincount(rows[named], model.attention[named], minlength=len(scene.objects))
-    ranked = np.argsort(-weights, kind="stable")[:_TRIGGERS]
-    return tuple(RepairTrigger(int(scene.objects.id[row]), float(weights[row])) for row in ranked if weights[row] > 0.0)
