@@ -17,6 +17,23 @@ Value = TypeVar("Value", float, Floats)
 
 
 @dataclass(frozen=True, slots=True)
+class PairedCase:
+    """What is needed of a case to hold two methods against each other."""
+
+    case: str
+    is_violation: bool
+    reached_goal: bool
+    collided: bool
+    dose: float  # [s]
+
+    @classmethod
+    def of(cls, result: CaseResult) -> "PairedCase":
+        """That of a whole result."""
+        episode = result.episode
+        return cls(result.case, result.is_violation, episode.reached_goal, episode.collided, episode.dose)
+
+
+@dataclass(frozen=True, slots=True)
 class Split:
     """Results of one method, apart by what the policy alone does."""
 
@@ -119,6 +136,15 @@ def summarise(results: Sequence[CaseResult]) -> Figures:
 
 
 def advantage(results: Sequence[CaseResult], others: Sequence[CaseResult]) -> Figures:
+    """As ``advantage_of``, of whole results.
+
+    Raises:
+        ValueError: the two were not run on the same cases.
+    """
+    return advantage_of([*map(PairedCase.of, results)], [*map(PairedCase.of, others)])
+
+
+def advantage_of(results: Sequence[PairedCase], others: Sequence[PairedCase]) -> Figures:
     """By how much ``delta_e`` and ``dose`` of a method exceed another's on the same cases.
 
     With the intervals of the paired bootstrap: cases are drawn, and both methods are read on what was drawn.
@@ -130,19 +156,11 @@ def advantage(results: Sequence[CaseResult], others: Sequence[CaseResult]) -> Fi
         raise ValueError("results of different cases cannot be paired")
     pairs = list(zip(results, others, strict=True))
     violations = np.array(
-        [
-            (a.episode.reached_goal - b.episode.reached_goal, a.episode.dose - b.episode.dose)
-            for a, b in pairs
-            if a.is_violation
-        ],
+        [(a.reached_goal - b.reached_goal, a.dose - b.dose) for a, b in pairs if a.is_violation],
         dtype=np.float64,
     ).reshape(-1, 2)
     successes = np.array(
-        [
-            (a.episode.collided - b.episode.collided, a.episode.dose - b.episode.dose)
-            for a, b in pairs
-            if not a.is_violation
-        ],
+        [(a.collided - b.collided, a.dose - b.dose) for a, b in pairs if not a.is_violation],
         dtype=np.float64,
     ).reshape(-1, 2)
     strata = violations, successes

@@ -57,10 +57,13 @@ def origin(made: Mapping[str, Any]) -> str:
     """One line about what made a file."""
     machine = made["machine"]
     changed = " (changed)" if made["dirty"] else ""
-    return (
+    line = (
         f"Made by `{made['command']}` at commit {made['commit'][:12]}{changed} on {machine['processor']}, "
         f"{machine['cores']} cores, Python {machine['python']}."
     )
+    for entry in made.get("kept", ()):
+        line += f" Kept from `{entry['command']}` at commit {entry['commit'][:12]}: {', '.join(entry['methods'])}."
+    return line
 
 
 def _git(*arguments: str) -> str:

@@ -19,6 +19,7 @@ from harness.benchmark_run import FORMAT, RESULTS, Measured, drive, find_jobs, r
 from harness.benchmark_tables import headline
 from harness.beside import beside
 from harness.contenders import BenchmarkPlan, read_plan
+from harness.kept_rows import keep_cases
 from harness.options import CACHED_WORK, COLUMNS, COMMITTED, PLANS
 from harness.policy_benchmarks import Choice, find_benchmarks
 from roadmend.cli.options import WORKERS
@@ -45,6 +46,7 @@ class _Options:
     committed: Path  # folder
     command: str
     as_json: bool
+    keeps: bool  # the committed rows of methods that are not asked for
 
 
 @click.command()
@@ -76,6 +78,7 @@ class _Options:
     help="With --robustness: scenarios of each search.",
 )
 @click.option("--verify", is_flag=True, help="Drive everything again; exit code 1 if it differs from the committed.")
+@click.option("--keep", is_flag=True, help="Take the rows of all other methods from the committed table.")
 @click.option("--cost/--no-cost", default=True, show_default=True, help="Measure the cost of a frame.")
 @click.option(
     "--corpora", type=click.Path(path_type=Path, file_okay=False), help="Folder of the corpora.  [default: config's]"
@@ -102,6 +105,7 @@ def adreft(
     quick: bool,
     robustness: bool,
     verify: bool,
+    keep: bool,
     cost: bool,
     as_json: bool,
 ) -> int:
@@ -116,6 +120,8 @@ def adreft(
         raise click.UsageError("--fresh-seed needs --cases")
     if fresh_seed is not None and split != "test":
         raise click.UsageError("fresh cases have no other split than test")
+    if keep and (verify or quick or robustness or fresh_seed is not None or split != "test" or cases is not None):
+        raise click.UsageError("--keep goes with the whole of the committed cases only")
     if verify and (fresh_seed is not None or robustness or split != "test"):
         raise click.UsageError("--verify goes with the committed cases only")
     choice = Choice(
@@ -135,6 +141,7 @@ def adreft(
         committed,
         _command(choice, corpora, verify=verify),
         as_json,
+        keep,
     )
     if robustness:
         command = options.command + f" --robustness --budget {budget}"
@@ -154,13 +161,17 @@ def _measure(plan: BenchmarkPlan, config: Path, choice: Choice, options: _Option
         content["cost"] = cost_of(most.benchmark.contenders, is_quick=choice.is_quick)
     if choice.fresh_seed is not None:
         content["difference_to_table"] = _to_table(content, options.committed / "adreft.json")
+    cases = case_table(measured)
+    if options.keeps:
+        before, cases_before = (read_json(options.committed / name) for name in ("adreft.json", "adreft-cases.json"))
+        keep_cases(content, cases, before, cases_before, [*plan.methods])
+        content["cost"] = content["cost"] or before["cost"]
     if options.out is not None:
-        stem = _stem(plan, choice)
+        stem = "adreft" if options.keeps else _stem(plan, choice)
         if stem == "adreft":
             content |= beside(options.out)
-        if stem == "adreft":
-            content["not_run"] += _not_asked_for(plan, choice)
-        write_benchmark(options.out, stem, content, case_table(measured))
+            content["not_run"] += _not_asked_for(plan, content)
+        write_benchmark(options.out, stem, content, cases)
     if options.as_json:
         click.echo(dump_json(content))
     else:
@@ -248,11 +259,14 @@ def _stem(plan: BenchmarkPlan, choice: Choice) -> str:
     return "adreft" if whole and [*choice.families] == [*FAMILIES] and choice.cases is None else "adreft-part"
 
 
-def _not_asked_for(plan: BenchmarkPlan, choice: Choice) -> list[dict[str, str]]:
-    """The methods that --methods left out of a whole table, as its readers should know."""
-    left = [name for name in plan.methods if name not in choice.methods]
+def _not_asked_for(plan: BenchmarkPlan, content: dict[str, Any]) -> list[dict[str, str]]:
+    """The methods that a whole table is without because nobody asked for them, as its readers should know."""
+    known = {(entry["policy"], entry["method"]) for entry in content["not_run"]}
     return [
-        {"policy": policy, "method": name, "reason": "not asked for"} for policy in choice.policies for name in left
+        {"policy": policy, "method": name, "reason": "not asked for"}
+        for policy, methods in content["summary"].items()
+        for name in plan.methods
+        if name not in methods and (policy, name) not in known
     ]
 
 
@@ -279,6 +293,7 @@ def _command(choice: Choice, corpora: Path | None, *, verify: bool) -> str:
     parts += ["--quick"] * choice.is_quick
     parts += [f"--fresh-seed {choice.fresh_seed}"] * (choice.fresh_seed is not None)
     parts += [f"--corpora {corpora}"] * (corpora is not None)
+    parts += ["--keep"] * bool(context.params["keep"])
     parts += ["--no-cost"] * ("cost" in given and not context.params["cost"])
     return " ".join(parts + ["--verify"] * verify)
 

@@ -10,10 +10,12 @@ from rich.console import Console
 from rich.progress import Progress
 
 from harness.benchmark_content import dump_json
+from harness.benchmark_files import read_json
 from harness.beside import renew
 from harness.contenders import BenchmarkPlan, read_plan, resolve
 from harness.grid import TABLE_SEED, Figures, Setting, alone, drive_all, random_drives
-from harness.options import CACHED_WORK, COLUMNS, PLANS
+from harness.kept_rows import keep_ordinary
+from harness.options import CACHED_WORK, COLUMNS, COMMITTED, PLANS
 from harness.ordinary_tables import ordinary_tables
 from harness.price_curve import Ground, add_leads, at_time_lost, curve_settings, points_of
 from roadmend.cli.options import JSON, WORKERS, options_of
@@ -108,6 +110,10 @@ class OrdinaryOptions:
             help="Test violations, and successes, of each family for what is then said of them.  [default: all]",
         ),
     ]
+    keep: Annotated[
+        bool, click.option("--keep", is_flag=True, help="Take whatever is not measured now from the committed figures.")
+    ]
+    committed: Annotated[Path, COMMITTED]
     work: Annotated[Path | None, CACHED_WORK]
     out: Annotated[
         Path | None, click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Folder of results.")
@@ -149,6 +155,8 @@ def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
                 content["ordinary"].setdefault(name, {})[policy] = found
             if given.curve_count:
                 content["curve"][policy], content["at_time_lost"][policy] = _curves(plan, policy, given, work, progress)
+    if given.keep:
+        keep_ordinary(content, read_json(given.committed / f"{STEM}.json"), [*plan.methods])
     tables = ordinary_tables(content)
     if given.out is not None:
         text = "\n\n".join(table.markdown(3) for table in tables)
@@ -210,4 +218,5 @@ def _command(given: OrdinaryOptions) -> str:
     parts += [f"--futures {given.futures}"] if given.futures else []
     parts += [f"--curve-count {given.curve_count} --curve-cases {given.curve_cases}"] if given.curve_count else []
     parts += [f"--table-cases {given.table_cases}"] if given.table_cases else []
+    parts += ["--keep"] * given.keep
     return " ".join(parts)

@@ -69,6 +69,7 @@ def case_table(measured: Sequence[Measured]) -> dict[str, Any]:
     return {
         each.benchmark.policy: {
             "names": [case.name for case in each.benchmark.cases],
+            "families": [case.family for case in each.benchmark.cases],
             "alone": "".join("C" if case.is_violation else "G" for case in each.benchmark.cases),
             "methods": {
                 method: {

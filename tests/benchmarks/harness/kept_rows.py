@@ -1,0 +1,134 @@
+"""Rows of a committed table that are not measured again: they stand beside the fresh ones, and say where they are from.
+
+A whole table takes hours, a method alone minutes. What is kept was measured on the same cases; ``--verify`` drives it
+again and tells whether the world or a method has moved since.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from harness.benchmark_content import OURS
+from roadmend.core.errors import InputError
+from roadmend.measures.repair import PairedCase, advantage_of
+
+Content = dict[str, Any]
+
+
+def keep_cases(
+    content: Content, cases: Content, before: Mapping[str, Any], cases_before: Mapping[str, Any], order: Sequence[str]
+) -> None:
+    """Add to a table, and to its cases, what an earlier one has besides; who leads by how much is found anew.
+
+    Args:
+        content: as ``build_content`` makes it.
+        cases: as ``case_table`` makes it.
+        before: the earlier table.
+        cases_before: its cases.
+        order: of the methods.
+
+    Raises:
+        InputError: the two are not of the same cases.
+    """
+    kept: set[str] = set()
+    for policy, table in cases.items():
+        former = cases_before.get(policy, {"names": [], "methods": {}})
+        if (
+            former["names"] != table["names"]
+            or before["corpora"][policy]["digest"] != content["corpora"][policy]["digest"]
+        ):
+            mend = "measure all methods again, without --keep"
+            raise InputError("--keep", f"the committed table has other cases of the policy {policy}", mend)
+        missing = [name for name in former["methods"] if name not in table["methods"]]
+        kept.update(missing)
+        table["methods"] |= {name: former["methods"][name] for name in missing}
+        table["methods"] = _ordered(table["methods"], order)
+        _take(content["contenders"][policy], before["contenders"][policy], missing)
+        groups = {"": (content["summary"], before["summary"])}
+        groups |= {family: (content["families"][family], before["families"][family]) for family in content["families"]}
+        for family, (fresh, old) in groups.items():
+            _take(fresh[policy], old[policy], missing)
+            _lead(fresh[policy], table, family, missing)
+            fresh[policy] = _ordered(fresh[policy], order)
+        monitor = content["monitor"][policy]
+        _take(monitor, before["monitor"][policy], [name for name in before["monitor"][policy] if name not in monitor])
+    for part in ("titles", "monitor_titles"):
+        content[part] = _ordered({**before[part], **content[part]}, order)
+    known = {(entry["policy"], entry["method"]) for entry in content["not_run"]}
+    content["not_run"] += [
+        entry
+        for entry in before["not_run"]
+        if entry["method"] in kept and (entry["policy"], entry["method"]) not in known
+    ]
+    _note(content, before, _ordered(dict.fromkeys(kept), order))
+
+
+def keep_ordinary(content: Content, before: Mapping[str, Any], order: Sequence[str]) -> None:
+    """Add to what ordinary drives and prices came to what an earlier measurement has besides.
+
+    By how much ADReFT leads at a price is known only where both were driven together: of what is kept it is not told.
+    """
+    kept: set[str] = set()
+
+    def take(fresh: Content, policy: str, old: Mapping[str, Any]) -> None:
+        methods = fresh.setdefault(policy, {})
+        missing = [name for name in old if name not in methods]
+        _take(methods, old, missing)
+        kept.update(missing)
+        fresh[policy] = _ordered(methods, order)
+
+    for name, policies in before["ordinary"].items():
+        for policy, old in policies.items():
+            take(content["ordinary"].setdefault(name, {}), policy, old)
+    for policy, old in before["curve"].items():
+        take(content["curve"], policy, old)
+    for policy, old in before["at_time_lost"].items():
+        take(content["at_time_lost"], policy, {name: _without_lead(prices) for name, prices in old.items()})
+    _note(content, before, _ordered(dict.fromkeys(kept), order))
+
+
+def _take(fresh: Content, old: Mapping[str, Any], names: Sequence[str]) -> None:
+    for name in names:
+        found = old[name]
+        fresh[name] = dict(found) if isinstance(found, Mapping) else found
+
+
+def _lead(figures: Content, table: Mapping[str, Any], family: str, methods: Sequence[str]) -> None:
+    """By how much ADReFT leads over what was kept, on the cases of a family; empty: on all."""
+    if OURS not in table["methods"]:
+        return
+    own = _paired(table, OURS, family)
+    for name in methods:
+        figures[name]["adreft_minus_this"] = advantage_of(own, _paired(table, name, family))
+
+
+def _paired(table: Mapping[str, Any], method: str, family: str) -> list[PairedCase]:
+    columns = table["methods"][method]
+    rows = zip(table["names"], table["families"], table["alone"], columns["outcomes"], columns["doses"], strict=True)
+    return [
+        PairedCase(name, alone == "C", outcome == "G", outcome == "C", dose)
+        for name, of, alone, outcome, dose in rows
+        if family in ("", of)
+    ]
+
+
+def _without_lead(prices: Mapping[str, Any]) -> Content:
+    return {price: None if point is None else {**point, "lead": None} for price, point in prices.items()}
+
+
+def _ordered(methods: Mapping[str, Any], order: Sequence[str]) -> Content:
+    """In the order given; what is not in it comes last."""
+    places = {name: place for place, name in enumerate(order)}
+    return {name: methods[name] for name in sorted(methods, key=lambda each: places.get(each, len(places)))}
+
+
+def _note(content: Content, before: Mapping[str, Any], methods: Sequence[str] | Mapping[str, Any]) -> None:
+    """Write into the provenance which methods were measured by which earlier command."""
+    made = before["provenance"]
+    earlier = {name: entry for entry in made.get("kept", ()) for name in entry["methods"]}
+    found: dict[tuple[str, str], list[str]] = {}
+    for name in methods:
+        entry = earlier.get(name, made)
+        found.setdefault((entry["commit"], entry["command"]), []).append(name)
+    content["provenance"]["kept"] = [
+        {"commit": commit, "command": command, "methods": names} for (commit, command), names in found.items()
+    ]

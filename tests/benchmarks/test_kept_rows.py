@@ -1,0 +1,107 @@
+"""Rows of an earlier table stand beside fresh ones: whole, in order, and paired anew."""
+
+from copy import deepcopy
+from dataclasses import replace
+
+import pytest
+
+from harness.benchmark_content import build_content, case_table
+from harness.kept_rows import keep_cases, keep_ordinary
+from roadmend.core.errors import InputError
+from roadmend.reports.result_files import origin
+from tests.benchmarks.made_up import MADE, measured
+from tests.measures.results import run
+
+ORDER = ["none", "rule", "adreft", "hindsight"]
+LATER = {**MADE, "commit": "fedcba9876543210", "command": "./roadmend bench adreft --methods adreft --keep"}
+
+
+def table_of(one, made=MADE):
+    return build_content([one], dict(made), {}), case_table([one])
+
+
+def only(one, **results):
+    """The benchmark with some methods alone."""
+    contenders = tuple(each for each in one.benchmark.contenders if each.name in results)
+    return replace(one, benchmark=replace(one.benchmark, contenders=contenders), results=results, confusions={})
+
+
+def test_what_is_kept_is_the_whole_table_again_where_nothing_has_changed():
+    whole, cases = table_of(measured())
+    adreft = measured().results["adreft"]
+    fresh, fresh_cases = table_of(only(measured(), adreft=adreft), LATER)
+    keep_cases(fresh, fresh_cases, whole, cases, ORDER)
+    assert fresh_cases == cases
+    assert [*fresh["summary"]["modular"]] == ORDER
+    for part in ("titles", "monitor", "contenders", "corpora"):
+        assert fresh[part] == whole[part]
+    for policy, methods in whole["summary"].items():
+        for name, figures in methods.items():
+            found = fresh["summary"][policy][name]
+            more, then = (each.pop("adreft_minus_this", None) for each in (found, figures))
+            assert {**found, "bound": None} == {**figures, "bound": None}
+            if then is not None:
+                assert more["dose"] == pytest.approx(then["dose"])
+                assert {**more, "dose": None} == {**then, "dose": None}
+    assert fresh["provenance"]["kept"] == [
+        {"commit": MADE["commit"], "command": MADE["command"], "methods": ["none", "rule", "hindsight"]}
+    ]
+    assert "Kept from `./roadmend bench adreft` at commit 0123456789ab: none, rule, hindsight." in origin(
+        fresh["provenance"]
+    )
+
+
+def test_who_leads_is_found_anew():
+    whole, cases = table_of(measured())
+    fresh, fresh_cases = table_of(only(measured(), adreft=run("GGGGGGGG", 10, 6.0)), LATER)
+    keep_cases(fresh, fresh_cases, whole, cases, ORDER)
+    more = fresh["summary"]["modular"]["rule"]["adreft_minus_this"]
+    own, rule = (fresh["summary"]["modular"][name]["delta_e"] for name in ("adreft", "rule"))
+    assert more["delta_e"] == pytest.approx(own - rule)
+    assert more != whole["summary"]["modular"]["rule"]["adreft_minus_this"]
+
+
+def test_rows_keep_the_commit_that_they_had():
+    whole, cases = table_of(measured())
+    second, second_cases = table_of(only(measured(), adreft=measured().results["adreft"]), LATER)
+    keep_cases(second, second_cases, whole, cases, ORDER)
+    third, third_cases = table_of(only(measured(), rule=measured().results["rule"]), {**LATER, "commit": "3" * 16})
+    keep_cases(third, third_cases, second, second_cases, ORDER)
+    assert [(entry["commit"], entry["methods"]) for entry in third["provenance"]["kept"]] == [
+        (MADE["commit"], ["none", "hindsight"]),
+        (LATER["commit"], ["adreft"]),
+    ]
+
+
+def test_other_cases_are_refused():
+    whole, cases = table_of(measured())
+    fresh, fresh_cases = table_of(only(measured(), adreft=measured().results["adreft"]))
+    other = deepcopy(whole)
+    other["corpora"]["modular"]["digest"] = "e" * 64
+    with pytest.raises(InputError, match="other cases of the policy modular"):
+        keep_cases(fresh, fresh_cases, other, cases, ORDER)
+
+
+def test_of_prices_that_are_kept_no_lead_is_told():
+    point = {"delta_e": 50.0, "lead": {"delta_e": 3.0, "interval": [1.0, 5.0]}}
+    before = {
+        "provenance": MADE,
+        "ordinary": {"random": {"modular": {"none": 1, "rule": 2, "adreft": 3}}},
+        "curve": {"modular": {"rule": [1], "adreft": [2]}},
+        "at_time_lost": {"modular": {"rule": {"1": None, "2": point}}},
+    }
+    content = {
+        "provenance": dict(LATER),
+        "ordinary": {"random": {"modular": {"none": 1, "adreft": 4}}, "given": {"modular": {"adreft": 5}}},
+        "curve": {},
+        "at_time_lost": {"modular": {"adreft": {"1": None, "2": point}}},
+    }
+    keep_ordinary(content, before, ORDER)
+    assert content["ordinary"] == {
+        "random": {"modular": {"none": 1, "rule": 2, "adreft": 4}},
+        "given": {"modular": {"adreft": 5}},
+    }
+    assert content["curve"] == before["curve"]
+    assert content["at_time_lost"]["modular"]["rule"] == {"1": None, "2": {**point, "lead": None}}
+    assert content["at_time_lost"]["modular"]["adreft"]["2"]["lead"] == point["lead"]
+    assert content["provenance"]["kept"][0]["methods"] == ["rule", "adreft"]
