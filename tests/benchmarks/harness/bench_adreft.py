@@ -124,6 +124,10 @@ def adreft(
         raise click.UsageError("--keep goes with the whole of the committed cases only")
     if verify and (fresh_seed is not None or robustness or split != "test"):
         raise click.UsageError("--verify goes with the committed cases only")
+    if keep:  # monitors of methods that are not measured now are kept as well
+        asked = _list(methods, [*plan.methods], plan.methods, "--methods")
+        named = {name: plan.watched[name].method if name in plan.watched else name for name in plan.monitors}
+        plan = plan.model_copy(update={"monitors": [name for name, method in named.items() if method in asked]})
     choice = Choice(
         _names(policies or plan.policies, plan.policies, "--policy"),
         _list(methods, _usual_methods(plan, committed, quick=quick, verify=verify), plan.methods, "--methods"),

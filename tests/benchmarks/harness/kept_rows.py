@@ -47,7 +47,7 @@ def keep_cases(
         groups |= {family: (content["families"][family], before["families"][family]) for family in content["families"]}
         for family, (fresh, old) in groups.items():
             _take(fresh[policy], old[policy], missing)
-            _lead(fresh[policy], table, family, missing)
+            _lead(fresh[policy], table, family)
             fresh[policy] = _ordered(fresh[policy], order)
         monitor = content["monitor"][policy]
         _take(monitor, before["monitor"][policy], [name for name in before["monitor"][policy] if name not in monitor])
@@ -92,13 +92,14 @@ def _take(fresh: Content, old: Mapping[str, Any], names: Sequence[str]) -> None:
         fresh[name] = dict(found) if isinstance(found, Mapping) else found
 
 
-def _lead(figures: Content, table: Mapping[str, Any], family: str, methods: Sequence[str]) -> None:
-    """By how much ADReFT leads over what was kept, on the cases of a family; empty: on all."""
+def _lead(figures: Content, table: Mapping[str, Any], family: str) -> None:
+    """By how much ADReFT leads over the others, one of the two kept, on the cases of a family; empty: on all."""
     if OURS not in table["methods"]:
         return
     own = _paired(table, OURS, family)
-    for name in methods:
-        figures[name]["adreft_minus_this"] = advantage_of(own, _paired(table, name, family))
+    for name in table["methods"]:
+        if name != OURS:
+            figures[name]["adreft_minus_this"] = advantage_of(own, _paired(table, name, family))
 
 
 def _paired(table: Mapping[str, Any], method: str, family: str) -> list[PairedCase]:
