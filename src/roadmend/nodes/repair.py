@@ -285,8 +285,12 @@ class RepairNode(SteadyLifecycleNode):
             self._repeat_stop(now)
 
     def _answer_late(self, now: float) -> None:
-        """Answer the oldest tick, and those that are as late, if it is late."""
-        if self._repairer is None:
+        """Answer the oldest tick, and those that are as late, if it is late.
+
+        A first tick after which none comes is held by the simulator until the policy has answered it: an answer in the
+        policy's place would let the vehicle go, and brake it from there on.
+        """
+        if self._repairer is None or (not self._started and self._parts.is_held):
             return
         late = self._parts.take_late(now, self._times.ages, is_silent=bool(self._silent_since))
         if late is None:
