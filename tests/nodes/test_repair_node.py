@@ -662,6 +662,26 @@ def test_a_method_that_takes_too_long_is_replaced_by_the_rule_guard(bench, monke
     assert "ms of 50.0 ms" in state.reason
 
 
+@pytest.mark.parametrize(
+    ("what", "level"),
+    [
+        ({"command": Command(7.0, 0.0)}, Level.WARN),
+        ({"objects": [(7, 90.0, 0.0, math.nan, 4.0)]}, Level.WARN),
+        ({"objects": "unequal"}, Level.ERROR),
+    ],
+)
+def test_what_is_wrong_with_a_tick_is_in_diagnostics_at_once(bench, monkeypatch, what, level):
+    there, said = bench(), []
+    there.start()
+    monkeypatch.setattr(there.node._diagnostics, "publish", lambda: said.append(there.health.level))
+    if what.get("objects") == "unequal":
+        what = {"objects": objects_message([(7, 90.0, 0.0, 5.0, 4.0)])}
+        what["objects"].speed = np.array([1.0, 2.0])
+    there.tick(2, **what)
+    there.tick(3, **what)
+    assert said == [level]
+
+
 # -- real time ---------------------------------------------------------------------------------------------------------
 
 

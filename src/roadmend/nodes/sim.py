@@ -241,6 +241,7 @@ class SimNode(Node):
         if not self._watchdog:
             self._watchdog = True
             self._announce(EventKind.WATCHDOG, f"{reason}: the simulator brakes")
+            self._diagnostics.complain(Level.ERROR)
         self._watchdog_ticks += 1
         self._watchdog_since += 1
         self._advance(WATCHDOG_COMMAND, obeyed=False)
