@@ -87,6 +87,17 @@ def test_where_messages_were_distorted_the_first_of_them_is_the_moment():
     assert evidence.to_state == pytest.approx(0.05)
 
 
+def test_what_a_message_held_need_not_be_said_of_ticks_that_were_stopped_for_want_of_another():
+    ticks = [tick(place) for place in range(30)]
+    for place in range(12, 20):
+        status = RepairStatus.STALE_OBJECTS if place < 16 else RepairStatus.PASS
+        ticks[place] = tick(place, status=status)
+    ticks[18] = tick(18, status=RepairStatus.INVALID_OBJECTS)
+    assert evidence_of(ticks, None, "INVALID_OBJECTS", None, since=12 * STEP).to_state == pytest.approx(0.1)
+    assert evidence_of(ticks, None, "STALE_OBJECTS", None, since=11 * STEP).to_state == pytest.approx(0.05)
+    assert evidence_of(ticks, None, "INVALID_COMMAND", None, since=12 * STEP).to_state is None
+
+
 def test_a_run_without_a_fault_has_warned_of_nothing():
     assert not read_evidence(SAMPLE, None, None, None).in_diagnostics
 

@@ -66,6 +66,23 @@ def test_in_real_time_nobody_is_taken_away_without_a_tick_that_shows_it():
     assert not realtime.is_reported
 
 
+def test_who_goes_on_again_is_named_by_the_state_where_it_must_be_declared():
+    fault = SignalFault(
+        name="stopped", node="policy", signal="STOP", resume=1.0, declared="STALE_COMMAND", exits=(0,), named=False
+    )
+    assert fault.said == "STALE_COMMAND"
+    unsaid = dataclasses.replace(GOOD, exit_code=0, named=False)
+    for clock, evidence, is_reported in (
+        ("realtime", SEEN, False),
+        ("lockstep", SEEN, False),
+        ("lockstep", dataclasses.replace(SEEN, silence=None, is_declared=False), True),
+    ):
+        found = judge([(FaultTrial(fault, clock, 1.0, 0), dataclasses.replace(unsaid, evidence=evidence))])
+        assert found[0].is_reported is is_reported
+    (said,) = judge([(FaultTrial(fault, "realtime", 1.0, 0), dataclasses.replace(unsaid, named=True))])
+    assert said.is_reported
+
+
 def test_a_fault_that_came_too_late_is_no_run():
     assert judged(injected=False) is None
 

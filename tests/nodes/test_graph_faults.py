@@ -70,8 +70,8 @@ class Run:
             time.sleep(0.05)
         pytest.fail(f"no {name}: {self.lines}")
 
-    def until_driving(self):
-        """Until the policy has decided for some ticks, and every node has come round so often that it counts as up."""
+    def until_driving(self, *, settled=True):
+        """Until the policy has decided for some ticks; ``settled``: and every node came round so often that it is up."""
         context, stamps = Context(), set()
         rclpy.init(context=context)
         node = Node("onlooker", context=context)
@@ -82,7 +82,7 @@ class Run:
             for _ in range(2400):
                 executor.spin_once(timeout_sec=0.05)
                 if len(stamps) > 10:
-                    time.sleep((SETTLED_BEATS + 3) * PERIOD_S)
+                    time.sleep((SETTLED_BEATS + 3) * PERIOD_S if settled else 0.0)
                     assert self.process.poll() is None, self.lines
                     return
                 assert self.process.poll() is None, self.lines
@@ -197,15 +197,35 @@ def test_a_recorder_that_hangs_is_ended_and_its_bag_is_said_to_be_cut(run):
 
 @pytest.mark.parametrize("name", ["policy_node", "repair_node"])
 def test_who_falls_silent_shortly_before_the_end_is_named_too(run, name):
-    there = run("--clock", "realtime", "--rate", "2", "--silence", "60", time_limit=14.0)
+    there = run("--clock", "realtime", "--rate", "2", "--silence", "10", time_limit=14.0)
     there.until_driving()
     os.kill(there.node(name), signal.SIGSTOP)
     code, result, said = there.end()
     assert code == 1
-    (fault,) = result["faults"]
-    assert fault.startswith(name)
-    assert fault in said
+    assert f"{name} hung: no sign of life for 10 s, at the end" in result["faults"]
+    assert all(fault.startswith(name) and fault in said for fault in result["faults"])
     assert result["restarts"] == 0
+
+
+def test_in_lockstep_markers_that_hang_just_before_the_end_are_named_too(run):
+    there = run("--viz", "--silence", "10", time_limit=12.0)
+    number = there.node("viz_node")
+    there.until_driving(settled=False)
+    os.kill(number, signal.SIGSTOP)
+    code, result, said = there.end()
+    assert (code, result["faults"]) == (1, ["viz_node hung: no sign of life for 10 s, at the end"])
+    assert result["faults"][0] in said
+
+
+def test_in_real_time_a_policy_that_is_slow_to_begin_is_waited_for_and_then_driven(run, own):
+    slow = own(POLICY.replace("time.sleep(0.005)  #", "time.sleep(0.0 if scene.time else 3.0)  #"))
+    there = run("--policy", f"{slow}:Stay", "--clock", "realtime", "--rate", "2", time_limit=6.0)
+    _, _, said = there.end()
+    states = records(there.bag, "/repair/state")
+    assert states, said
+    assert stamp_of(states[0]) == 0
+    assert states[0].state == states[0].RESET  # the policy's own command, at the very first tick
+    assert not [state for state in states if state.state == state.STARTING]
 
 
 def test_what_a_killed_repair_node_has_counted_is_in_the_result(run):

@@ -662,6 +662,26 @@ def test_a_method_that_takes_too_long_is_replaced_by_the_rule_guard(bench, monke
     assert "ms of 50.0 ms" in state.reason
 
 
+@pytest.mark.parametrize(
+    ("what", "level"),
+    [
+        ({"command": Command(7.0, 0.0)}, Level.WARN),
+        ({"objects": [(7, 90.0, 0.0, math.nan, 4.0)]}, Level.WARN),
+        ({"objects": "unequal"}, Level.ERROR),
+    ],
+)
+def test_what_is_wrong_with_a_tick_is_in_diagnostics_at_once(bench, monkeypatch, what, level):
+    there, said = bench(), []
+    there.start()
+    monkeypatch.setattr(there.node._diagnostics, "publish", lambda: said.append(there.health.level))
+    if what.get("objects") == "unequal":
+        what = {"objects": objects_message([(7, 90.0, 0.0, 5.0, 4.0)])}
+        what["objects"].speed = np.array([1.0, 2.0])
+    there.tick(2, **what)
+    there.tick(3, **what)
+    assert said == [level]
+
+
 # -- real time ---------------------------------------------------------------------------------------------------------
 
 
@@ -718,12 +738,28 @@ def test_at_every_rate_ticks_in_time_are_driven_and_what_lies_between_them_is_no
     assert first[1].state == RepairStatus.STALE_OBJECTS
 
 
-def test_in_real_time_a_policy_that_is_not_there_yet_is_a_start_not_an_emergency(bench):
+def test_in_real_time_a_first_tick_that_is_held_waits_for_the_policy_however_long(bench):
+    """An answer in its place would let the vehicle go, and brake it from there on."""
     there = bench(clock="realtime", time_budget=10.0)
     there.route()
-    there.tick(0, without=("command", "trajectory"))
-    (state,) = there.wait(0.05)
-    assert (state.state, state.final_action) == (RepairStatus.STARTING, STOP)
+    for _ in range(20):
+        there.tick(0, without=("command", "trajectory"))
+        assert there.wait(0.25) == []
+    assert "for want of command, trajectory" in there.health.message
+    assert [state.state for state in there.tick(0)] == [RepairStatus.RESET]
+    assert there.commands.got[-1].throttle == 0.2
+
+
+@pytest.mark.parametrize("without", [("command", "trajectory"), ("ego",), ("objects",)])
+def test_in_real_time_who_is_not_there_yet_while_time_passes_is_a_start_not_an_emergency(bench, without):
+    there = bench(clock="realtime", time_budget=10.0)
+    there.route()
+    there.tick(7, without=without)  # as a node sees it that was restarted
+    there.wait(0.05)
+    there.tick(8, without=without)
+    there.wait(0.05)
+    assert there.states.got
+    assert {(state.state, state.final_action) for state in there.states.got} == {(int(RepairStatus.STARTING), STOP)}
 
 
 def test_in_real_time_silence_never_means_go(bench):

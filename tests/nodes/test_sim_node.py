@@ -215,10 +215,11 @@ def test_an_invalid_command_is_refused(bench, command, clock):
 def test_in_real_time_the_vehicle_is_held_until_the_first_command(bench):
     there = bench(clock="realtime")
     speed = there.speed
-    for _ in range(10):
+    for _ in range(20):
+        there.clock.now += 0.05
         there.node._beat()
     assert (there.tick, there.speed) == (0, speed)
-    assert len(there.objects.got) == 11
+    assert 4 <= len(there.objects.got) <= 5  # it says so again, but not at every beat
     assert there.kinds == [EventKind.STARTED]
 
 

@@ -91,12 +91,50 @@ def test_who_ends_too_often_ends_the_run(fake):
         supervisor.restart(fake)
 
 
-def test_a_hang_that_the_end_of_the_run_cuts_short_is_named_too(fake):
-    supervisor = Supervisor(5.0)
-    assert fake.live(supervisor, 4.0)
-    assert supervisor.still_silent([fake]) == []
-    assert fake.live(supervisor, 3.0, beats=False)
-    assert supervisor.still_silent([fake]) == ["policy_node hung: no sign of life for 3 s, to the end"]
+@pytest.fixture
+def beater(tmp_path, monkeypatch):
+    """Makes processes of their own that beat."""
+    (tmp_path / "beats_for_ever.py").write_text(MODULE)
+    monkeypatch.syspath_prepend(tmp_path)
+    made = []
+
+    def make(name):
+        child = Child(name, "beats_for_ever", [], {}, tmp_path / f"{name}.log", may_restart=True)
+        child.start()
+        made.append(child)
+        deadline = time.monotonic() + 100.0
+        while not child.pulse.beats and time.monotonic() < deadline:
+            child.pulse.look(time.monotonic())
+            time.sleep(0.02)
+        return child
+
+    yield make
+    for child in made:
+        child.kill("the test is over")
+
+
+def test_who_falls_silent_just_before_the_end_does_not_answer_it_and_is_named(beater):
+    well, hung, dead = beater("well_node"), beater("hung_node"), beater("dead_node")
+    os.kill(hung.process.pid, signal.SIGSTOP)
+    dead.process.kill()
+    dead.process.join()
+    supervisor = Supervisor(1.0)
+    supervisor.end([well, hung, dead])
+    assert supervisor.faults == [
+        "dead_node ended (-9), at the end",
+        "hung_node hung: no sign of life for 1 s, at the end",
+    ]
+    assert None not in {child.exit_code for child in (well, hung, dead)}
+
+
+def test_who_is_hurried_blames_nobody(beater):
+    child = beater("slow_node")
+    os.kill(child.process.pid, signal.SIGSTOP)
+    supervisor, begin = Supervisor(60.0), time.monotonic()
+    supervisor.end([child], lambda: True)
+    assert supervisor.faults == []
+    assert child.exit_code == -signal.SIGKILL
+    assert time.monotonic() - begin < 30.0
 
 
 def test_a_process_that_is_stopped_is_killed_and_says_why(tmp_path, monkeypatch):

@@ -12,6 +12,8 @@ from roadmend.recording.reader import BagReader
 from roadmend.recording.ticks import BagTick, BagTicks
 
 _NS = 1e-9
+_OF_CONTENT = frozenset({RepairStatus.INVALID_COMMAND.name, RepairStatus.INVALID_OBJECTS.name})
+_STOPS = frozenset({RepairStatus.STALE_COMMAND, RepairStatus.STALE_OBJECTS})
 
 
 @dataclass(frozen=True)
@@ -25,7 +27,8 @@ class Evidence:
         lost: messages of the simulator that are not in it although it drove on, one ego and one object list a tick.
         silence: simulated time of the first tick that the node did not answer, or whose messages were distorted [s]; None
             if it answered all, or need not.
-        to_state: simulated time from there until the state or event was declared [s]; None if it never was.
+        to_state: simulated time from there until the state or event was declared [s]; None if it never was. Of a state that
+            says what a message held, from the first tick whose messages were all there: a stop for want of one is graver.
         to_standstill: likewise until the ego stood.
         in_diagnostics: whether the repair node or the simulator has warned there after the drive had begun.
         begun: simulated time of the first tick that was driven by the policy's command [s]; None without one. Before it the
@@ -103,16 +106,20 @@ def evidence_of(
     )
     if silence is None or declared is None:
         return found
-    shown = next((tick.stamp for tick in ticks if tick.stamp >= silence and _declares(tick, declared)), None)
-    stood = next(
-        (tick.stamp for tick in seen if tick.stamp >= silence and tick.ego is not None and tick.ego.speed < 0.1),
-        None,
-    )
+    disturbed = [tick for tick in ticks if tick.stamp >= silence]
+    heard = disturbed if declared not in _OF_CONTENT else [tick for tick in disturbed if not _is_stopped(tick)]
+    shown = next((tick.stamp for tick in heard if _declares(tick, declared)), None)
+    stood = next((tick.stamp for tick in disturbed if tick.ego is not None and tick.ego.speed < 0.1), None)
     return replace(
         found,
-        to_state=None if shown is None else (shown - silence) * _NS,
+        to_state=None if shown is None else (shown - heard[0].stamp) * _NS,
         to_standstill=None if stood is None else (stood - silence) * _NS,
     )
+
+
+def _is_stopped(tick: BagTick) -> bool:
+    """Whether the repair node had to do without a part of it, or passed it over for a newer one."""
+    return tick.repair is None or tick.repair.status in _STOPS
 
 
 def _is_driven(tick: BagTick) -> bool:

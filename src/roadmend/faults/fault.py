@@ -22,7 +22,9 @@ class Fault(Parameters):
         None, description=f"state of repair, or event, by which the bag must show it: {', '.join(DECLARABLE)}"
     )
     exits: tuple[int, ...] = Field((0,), description="exit codes of 'roadmend run' that are right")
-    named: bool = Field(default=True, description="whether standard error must name it")
+    named: bool = Field(
+        default=True, description="whether standard error must name it, even where there is nothing to declare"
+    )
     prompt: bool = Field(default=True, description="whether it can be known with the first tick that it touches")
     clocks: tuple[Clock, ...] = Field(("lockstep", "realtime"), min_length=1, description="on which it means something")
 
@@ -58,8 +60,8 @@ class SignalFault(Fault):
 
     @property
     def said(self) -> str:
-        """The node's name."""
-        return f"{self.node}_node"
+        """The node's name; of one that goes on again, what it left unanswered meanwhile, if that must be declared."""
+        return self.declared if self.resume is not None and self.declared else f"{self.node}_node"
 
 
 class TopicFault(Fault):

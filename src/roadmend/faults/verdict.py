@@ -88,15 +88,12 @@ def _is_reported(fault: Fault, clock: str, disturbed: Disturbed) -> bool:
     In lockstep the simulator waits, so that who is soon back has left no tick unanswered and nothing to declare; in real
     time nobody can be away without it.
     """
-    if fault.named and not disturbed.named:
-        return False
     evidence = disturbed.evidence
-    if fault.declared is None:
-        return True
-    if evidence is None:
+    is_silent = evidence is None or evidence.silence is not None
+    must_show = fault.declared is not None and (clock == "realtime" or not isinstance(fault, SignalFault) or is_silent)
+    if (fault.named or must_show) and not disturbed.named:
         return False
-    must_show = clock == "realtime" or not isinstance(fault, SignalFault) or evidence.silence is not None
-    return evidence.is_declared or not must_show
+    return not must_show or (evidence is not None and evidence.is_declared)
 
 
 def campaign_rows(judged: Sequence[Judged]) -> list[dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""Every node's health on /diagnostics, once a second of wall time."""
+"""Every node's health on /diagnostics, once a second of wall time, and at once where it gets worse."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -38,6 +38,7 @@ class DiagnosticsReporter:
     def __init__(self, node: Node, collect: Callable[[], Health]) -> None:
         self._node = node
         self._collect = collect
+        self._level = Level.OK  # as published last
         self._publisher = node.create_publisher(DiagnosticArray, topics.DIAGNOSTICS, qos.DIAGNOSTIC)
         # Steady time: health must be reported while simulation time stands still.
         self._timer = node.create_timer(PERIOD_S, self.publish, clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -45,6 +46,7 @@ class DiagnosticsReporter:
     def publish(self) -> None:
         """Publish the node's health now."""
         health = self._collect()
+        self._level = health.level
         status = DiagnosticStatus(
             level=bytes([health.level]),
             name=self._node.get_fully_qualified_name(),
@@ -55,3 +57,9 @@ class DiagnosticsReporter:
         message = DiagnosticArray(status=[status])
         message.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(message)
+
+    def complain(self, level: Level) -> None:
+        """Publish now if what has just become known is worse than what was said: a fault may be over in a second."""
+        if level > self._level:
+            self.publish()
+            self._level = max(level, self._level)  # so that it is said once, whatever else there was to say

@@ -26,6 +26,7 @@ POLL_S = 0.05
 STOP_S = 2.8  # everything is gone this long after an interrupt [s]
 MISSED_S = 2.0  # [s] without a sign of life that make a node the one that the start waits for
 SIM_STOP_S = 0.8  # of which the simulator may take [s] to report the abort
+RECORDER = "recorder_node"  # ends last, and says itself how it ended
 BAD_INPUT = 2  # exit code of a node that refuses its parameters
 
 
@@ -116,7 +117,8 @@ class _GraphRun:
                 self._check_start()
                 self._report("running", time.monotonic() - self._begun)
                 time.sleep(POLL_S)
-            self._supervisor.faults += self._supervisor.still_silent(self._nodes)
+            if not self._sim.exit_code:
+                self._supervisor.end([child for child in self._nodes if child.name != RECORDER], stopped)
             self._stop(interrupted=False)
             if self._sim.exit_code:
                 _raise(self._sim)
@@ -189,7 +191,7 @@ class _GraphRun:
         if interrupted:
             stop([self._sim], time.monotonic() + SIM_STOP_S)
         # The recorder goes last: it takes in what the others still say.
-        recorder = [child for child in self._nodes if child.name == "recorder_node"]
+        recorder = [child for child in self._nodes if child.name == RECORDER]
         stop([child for child in self._nodes if child not in recorder], deadline - 1.2)
         stop(recorder, deadline if interrupted else time.monotonic() + 30.0)
 
@@ -199,7 +201,7 @@ class _GraphRun:
         return replace(found, recording_error=self._recording_error(), policy_error=self._policy_error())
 
     def _recording_error(self) -> str:
-        recorder = next((child for child in self._nodes if child.name == "recorder_node"), None)
+        recorder = next((child for child in self._nodes if child.name == RECORDER), None)
         if recorder is None or not recorder.exit_code:
             return ""
         return str(recorder.fault())

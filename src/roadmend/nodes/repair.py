@@ -47,6 +47,7 @@ from roadmend.repair.parameters import GuardParameters
 from roadmend.repair.registry import make_method
 
 _COMPLAINTS = frozenset({RepairStatus.STALE_COMMAND, RepairStatus.STALE_OBJECTS, RepairStatus.MODEL_FAULT})
+_DOUBTS = frozenset({RepairStatus.INVALID_COMMAND, RepairStatus.INVALID_OBJECTS})
 
 
 class RepairNode(SteadyLifecycleNode):
@@ -285,8 +286,12 @@ class RepairNode(SteadyLifecycleNode):
             self._repeat_stop(now)
 
     def _answer_late(self, now: float) -> None:
-        """Answer the oldest tick, and those that are as late, if it is late."""
-        if self._repairer is None:
+        """Answer the oldest tick, and those that are as late, if it is late.
+
+        A first tick after which none comes is held by the simulator until the policy has answered it: an answer in the
+        policy's place would let the vehicle go, and brake it from there on.
+        """
+        if self._repairer is None or (not self._started and self._parts.is_held):
             return
         late = self._parts.take_late(now, self._times.ages, is_silent=bool(self._silent_since))
         if late is None:
@@ -310,6 +315,7 @@ class RepairNode(SteadyLifecycleNode):
         repair = self._repairer.controlled_stop(RepairStatus.STALE_OBJECTS, f"nothing has arrived for {age:.2f} s")
         self._tally.add(self._answered_stamp * 1e-9, repair)
         self._publish(repair, self._answered_stamp)
+        self._diagnostics.complain(Level.ERROR)
 
     # -- output -------------------------------------------------------------------------------------------------------
 
@@ -326,6 +332,9 @@ class RepairNode(SteadyLifecycleNode):
         self._tally.add(stamp * 1e-9, repair)
         if repair.status in _COMPLAINTS:
             self.get_logger().warning(f"{repair.status.name}: {repair.reason}", throttle_duration_sec=1.0)
+            self._diagnostics.complain(Level.ERROR)
+        elif repair.status in _DOUBTS:
+            self._diagnostics.complain(Level.WARN)
 
     def _publish(self, repair: Repair, stamp: int, command: Any = None) -> None:
         self._last_answer = time.monotonic()
@@ -356,9 +365,9 @@ class RepairNode(SteadyLifecycleNode):
         if self._frames.warning:
             return Health(Level.WARN, self._frames.warning, values)
         last = self._last_repair
-        if last is not None and last.status is RepairStatus.MODEL_FAULT:
+        if last is not None and last.status in _COMPLAINTS:
             return Health(Level.ERROR, last.reason, values)
-        if last is not None and last.status in (RepairStatus.INVALID_COMMAND, RepairStatus.INVALID_OBJECTS):
+        if last is not None and last.status in _DOUBTS:
             return Health(Level.WARN, last.reason, values)
         if self._commands is not None and self._commands.warning:
             return Health(Level.WARN, self._commands.warning, values)

@@ -199,9 +199,7 @@ class SimNode(Node):
         if not self._lockstep:
             return
         if self._tick.number == 0 and not self._watchdog:
-            if now - self._tick_at > REPEAT_S:
-                self._publish_scene(self._tick)
-                self._tick_at = now
+            self._repeat(now)
             return
         if now - self._tick_at > (IMPATIENT_S if self._watchdog else self._timeout):
             self._bite(f"no repaired command within {now - self._tick_at:.2f} s of wall time")
@@ -211,7 +209,7 @@ class SimNode(Node):
         if self._tick is None or self._ended_at:
             return
         if self._tick.number == 0 and self._last_command is None:
-            self._publish_scene(self._tick)  # start-up is a state of its own: held until the first command
+            self._repeat(time.monotonic())  # start-up is a state of its own: held until the first command
             return
         stamp, command = self._last_command or (-1, WATCHDOG_COMMAND)
         age = age_of(stamp, self._tick.number * INTERVAL_NS)
@@ -243,6 +241,7 @@ class SimNode(Node):
         if not self._watchdog:
             self._watchdog = True
             self._announce(EventKind.WATCHDOG, f"{reason}: the simulator brakes")
+            self._diagnostics.complain(Level.ERROR)
         self._watchdog_ticks += 1
         self._watchdog_since += 1
         self._advance(WATCHDOG_COMMAND, obeyed=False)
@@ -274,6 +273,12 @@ class SimNode(Node):
         for event in tick.events:
             self._event_publisher.publish(encode(messages.event_message_of(event)))
         self._tick_at = time.monotonic()
+
+    def _repeat(self, now: float) -> None:
+        """Say the first tick again, now and then by the wall time [s]."""
+        if self._tick is not None and now - self._tick_at > REPEAT_S:
+            self._publish_scene(self._tick)
+            self._tick_at = now
 
     def _publish_scene(self, tick: Tick) -> None:
         scene = tick.scene

@@ -1,6 +1,7 @@
 """Silence is death: ends the nodes that hang, so that they are restarted as those are that died, and keeps account."""
 
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 
 from roadmend.core.errors import RoadmendError
 from roadmend.nodes.children import Child
@@ -8,6 +9,7 @@ from roadmend.nodes.children import Child
 START_S = 120.0  # [s] for a node to come up, and for all of them to begin the drive: they may have to compile
 FRESH_S = 30.0  # [s] the same of one node that has come up while the others drive
 LOCKSTEP_SILENCE_S, REALTIME_SILENCE_S = 20.0, 5.0  # [s] without a sign of life after which a node is ended
+_POLL_S = 0.02
 RESTARTS_MAX = 5  # of one node in one run
 
 
@@ -48,10 +50,28 @@ class Supervisor:
         child.start()
         return self.faults[-1]
 
-    def still_silent(self, children: Sequence[Child]) -> list[str]:
-        """Those that have given no sign of life for so long that a hang is likely, in one line each."""
-        return [
-            f"{child.name} hung: no sign of life for {child.pulse.silence:.0f} s, to the end"
+    def end(self, children: Sequence[Child], is_hurried: Callable[[], bool] = lambda: False) -> None:
+        """Tell processes to end when the drive is over, and keep who had ended by himself and who does not answer.
+
+        However soon before the end somebody falls silent: to this he must answer, in as much time as he had before.
+
+        Args:
+            children: the processes.
+            is_hurried: whether there is no more time for that; who is still there then is ended and not blamed.
+        """
+        self.faults += [
+            f"{child.name} {child.hung or f'ended ({child.exit_code})'}, at the end"
             for child in children
-            if child.exit_code is None and child.pulse.silence > 0.5 * self._silence
+            if child.exit_code is not None
         ]
+        there = [child for child in children if child.exit_code is None]
+        for child in there:
+            child.interrupt()
+        until = time.monotonic() + self._silence
+        while any(child.exit_code is None for child in there) and time.monotonic() < until and not is_hurried():
+            time.sleep(_POLL_S)
+        why = "" if is_hurried() else f"hung: no sign of life for {self._silence:g} s"
+        for child in there:
+            if child.exit_code is None:
+                child.kill(why)
+        self.faults += [f"{child.name} {child.hung}, at the end" for child in there if child.hung]

@@ -72,6 +72,14 @@ class TickParts:
         self._expected = PARTS if has_plans else LEAST_PARTS
         self.pairing.expect(*self._expected)
 
+    @property
+    def is_held(self) -> bool:
+        """Whether time stands still at the tick that waits: a simulator that holds the first one until it is answered."""
+        oldest, newest = self.pairing.oldest(), self.pairing.waiting()
+        if oldest is None or newest is None:
+            return False
+        return age_of(oldest[0], max(newest[0], self._newest_ego)) <= 0
+
     def take_late(self, now: float, ages: CommandAge, *, is_silent: bool) -> LateTick | None:
         """The tick to answer without what it lacks, if the oldest one is late; it and all before it are given up.
 
