@@ -2,6 +2,7 @@
 
 import gzip
 import tempfile
+import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -227,8 +228,18 @@ def _crash_seed(ending):
 
 
 def seeds_of(name: str) -> list[bytes]:
-    """Files that a reader reads, and those that once broke one."""
-    return READERS[name].seeds() + [path.read_bytes() for path in sorted(CORPUS.glob(f"{name}-*"))]
+    """Files that a reader reads, those that once broke one, and those that reach code that others do not."""
+    broke = [path.read_bytes() for path in sorted(CORPUS.glob(f"{name}-*"))]
+    return [*READERS[name].seeds(), *broke, *kept_of(name)]
+
+
+def kept_of(name: str) -> list[bytes]:
+    """Files that reach code that others do not, as ``fuzz/run.py --engine atheris --keep`` has left them."""
+    kept = CORPUS / f"{name}.zip"
+    if not kept.exists():
+        return []
+    with zipfile.ZipFile(kept) as archive:
+        return [archive.read(each) for each in archive.namelist()]
 
 
 def place_of(name: str, folder: Path) -> Path:

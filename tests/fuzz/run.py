@@ -1,98 +1,59 @@
 """Fuzz a reader: ``.venv/bin/python tests/fuzz/run.py READER SECONDS [SEED]``, or ``all`` of them one after the other.
 
-With ``--publish`` behind that, fuzz.json and fuzz.md are written into tests/benchmarks.
+With ``--publish`` fuzz.json and fuzz.md are written into tests/benchmarks.
 
-Small files that it reads, and those of ``corpus/`` that once broke one, are mutated with a seeded generator and read in
-a process of its own, which is ended where a file takes longer than the documentation allows. Told are the peak of the
-memory, the slowest file, files a second, and every exception that is not the documented one; the file of a fault is
-kept as ``fault-READER-DIGEST`` in the folder this was called in. Exit code 1 if there was one.
+Small files that it reads, and those of ``corpus/`` that once broke one or reach code that others do not, are changed and
+read in a process of its own, which is ended where a file takes longer than the documentation allows. ``--engine mutation``
+(the default) changes them with a seeded generator; ``--engine atheris`` follows the coverage of the code, and with
+``--keep`` leaves what it found in ``corpus/``. Told are the peak of the memory, the slowest file, files a second, and every
+exception that is not the documented one; the file of a fault is kept as ``fault-READER-DIGEST`` in the folder this was
+called in. Exit code 1 if there was one.
 """
 
-import hashlib
+import argparse
 import json
 import os
-import random
-import resource
 import signal
 import sys
 import tempfile
-import time
-import traceback
 from pathlib import Path
 
-from fuzz_mutation import mutated
-from fuzz_readers import DOCUMENTED, READERS, place_of, seeds_of
-from roadmend.reports.result_files import provenance, write_report
+from fuzz_engines import ENGINES
+from fuzz_readers import READERS
 
 PUBLISHED = Path(__file__).parents[1] / "benchmarks"
-TIME_MAX = 10.0  # [s] a file
-MEMORY_MAX = 512 << 10  # [KiB] by which the process may grow
-
-
-def work(name: str, seconds: float, seed: int, folder: Path) -> dict[str, object]:
-    """Fuzz for a while; what came of it, as plain values."""
-    reader = READERS[name]
-    seeds = seeds_of(name)
-    random_ = random.Random(f"{name}/{seed}")
-    path = place_of(name, folder)
-    path.write_bytes(seeds[0])
-    reader.read(path)  # what is imported and compiled by the first call is not a file's doing
-    before, begin = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.monotonic()
-    count = accepted = 0
-    slowest, faults = (0.0, ""), dict[str, str]()
-    while time.monotonic() - begin < seconds:
-        data = mutated(seeds, random_)
-        path.unlink()
-        path.write_bytes(data)
-        start, digest = time.monotonic(), hashlib.sha256(data).hexdigest()[:12]
-        signal.alarm(int(TIME_MAX))
-        try:
-            reader.read(path)
-            accepted += 1
-        except DOCUMENTED as error:
-            if "\n" in str(error):
-                faults.setdefault("a message of several lines", _keep(name, digest, data))
-        except BaseException as error:  # noqa: BLE001 - any other is what is looked for
-            place = traceback.extract_tb(error.__traceback__)[-1]
-            faults.setdefault(f"{type(error).__name__} at {place.name}:{place.lineno}", _keep(name, digest, data))
-        finally:
-            signal.alarm(0)
-        slowest = max(slowest, (time.monotonic() - start, digest))
-        count += 1
-    grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
-    if grown > MEMORY_MAX:
-        faults["memory"] = f"{grown >> 10} MB"
-    rate = count / (time.monotonic() - begin)
-    return {"files": count, "accepted": accepted, "per_second": round(rate), "slowest_s": round(slowest[0], 3)} | {
-        "grown_mb": grown >> 10,
-        "faults": faults,
-    }
-
-
-def _keep(name: str, digest: str, data: bytes) -> str:
-    kept = Path.cwd() / f"fault-{name}-{digest}"
-    kept.write_bytes(data)
-    return kept.name
 
 
 def main(arguments: list[str]) -> int:
     """Fuzz the reader of the arguments, or each in a process of its own."""
-    words = [word for word in arguments if word != "--publish"]
-    name, seconds, seed = words[0], float(words[1]), int(words[2]) if len(words) > 2 else 1
-    rows = {each: _in_a_process(each, seconds, seed) for each in (READERS if name == "all" else [name])}
-    if "--publish" in arguments:
-        _publish(rows, seconds, f".venv/bin/python tests/fuzz/run.py {' '.join(arguments)}")
+    parser = argparse.ArgumentParser(description="Fuzz a reader of files from outside.")
+    parser.add_argument("reader", choices=["all", *READERS])
+    parser.add_argument("seconds", type=float)
+    parser.add_argument("seed", type=int, nargs="?", default=1)
+    parser.add_argument("--engine", choices=ENGINES, default="mutation")
+    parser.add_argument("--keep", action="store_true", help="of atheris: what it found goes into corpus/")
+    parser.add_argument("--publish", action="store_true", help="write tests/benchmarks/fuzz.json and fuzz.md")
+    given = parser.parse_args(arguments)
+    if given.keep and given.engine != "atheris":
+        parser.error("--keep is of --engine atheris")
+    names = [*READERS] if given.reader == "all" else [given.reader]
+    rows = {name: fuzz(name, given.seconds, given.seed, given.engine, is_kept=given.keep) for name in names}
+    if given.publish:
+        _publish(rows, given.seconds, f".venv/bin/python tests/fuzz/run.py {' '.join(arguments)}")
     return int(any(found["faults"] for found in rows.values()))
 
 
-def _in_a_process(name: str, seconds: float, seed: int) -> dict[str, object]:
-    """Fuzz one reader in a process that may take all that it has with it."""
+def fuzz(name: str, seconds: float, seed: int, engine: str, *, is_kept: bool = False) -> dict[str, object]:
+    """Fuzz one reader in a process that may take all that it has with it; what came of it, as plain values."""
     with tempfile.TemporaryDirectory(prefix="roadmend-fuzz-") as folder:
         told = Path(folder) / "told.json"
         process = os.fork()
         if process == 0:
-            (Path(folder) / "files").mkdir()
-            told.write_text(json.dumps(work(name, seconds, seed, Path(folder) / "files")))
+            files = Path(folder) / "files"
+            files.mkdir()
+            ENGINES[engine](
+                name, seconds, seed, files, lambda found: told.write_text(json.dumps(found)), is_kept=is_kept
+            )
             os._exit(0)
         status = os.waitpid(process, 0)[1]
         if told.exists():
@@ -105,6 +66,8 @@ def _in_a_process(name: str, seconds: float, seed: int) -> dict[str, object]:
 
 
 def _publish(rows: dict[str, dict[str, object]], seconds: float, command: str) -> None:
+    from roadmend.reports.result_files import provenance, write_report  # late: what is there is not instrumented
+
     names = ("files", "accepted", "per_second", "slowest_s", "grown_mb")
     table = [["reader", "files", "read", "files a second", "slowest [s]", "memory more [MB]", "faults"]]
     table += [

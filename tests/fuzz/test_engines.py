@@ -1,0 +1,63 @@
+"""Both engines give files to a reader, tell of each fault, and keep what they found."""
+
+import json
+import zipfile
+
+import pytest
+import run as fuzz_run
+
+import fuzz_engines
+import fuzz_readers
+from fuzz_readers import READERS, Reader
+
+SECONDS = 2.0
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch):
+    """What is found goes into a folder of the test's."""
+    monkeypatch.chdir(tmp_path)
+    for module in (fuzz_engines, fuzz_readers):
+        monkeypatch.setattr(module, "CORPUS", tmp_path)
+
+
+@pytest.mark.parametrize("engine", fuzz_engines.ENGINES)
+@pytest.mark.parametrize("name", ["json", "crash-text"])
+def test_some_hundred_files_are_read_or_refused(engine, name):
+    found = fuzz_run.fuzz(name, SECONDS, 1, engine)
+    assert found["faults"] == {}
+    assert found["files"] > 300
+
+
+@pytest.mark.parametrize("engine", fuzz_engines.ENGINES)
+def test_a_reader_that_fails_is_told_of_and_its_file_is_kept(engine, monkeypatch, tmp_path, capsys):
+    def read(path):
+        if len(path.read_bytes()) > 9:
+            raise ZeroDivisionError
+
+    monkeypatch.setitem(READERS, "broken", Reader(".txt", read, lambda: [b"short"]))
+    assert fuzz_run.main(["broken", str(SECONDS), "--engine", engine]) == 1
+    (what,) = json.loads(capsys.readouterr().out.split(maxsplit=1)[1])["faults"]
+    assert what.startswith("ZeroDivisionError at read:")
+    (kept,) = tmp_path.glob("fault-broken-*")
+    assert len(kept.read_bytes()) > 9
+
+
+def test_what_reached_new_code_is_where_the_next_run_begins(tmp_path):
+    found = fuzz_run.fuzz("json", SECONDS, 1, "atheris", is_kept=True)
+    kept = fuzz_readers.kept_of("json")
+    assert found["found"] > 0
+    assert 0 < len(kept) <= found["found"]
+    assert sum(map(len, kept)) <= fuzz_engines.KEPT_BYTES
+    assert {*kept} <= {*fuzz_readers.seeds_of("json")}
+    (tmp_path / "found").mkdir()
+    (tmp_path / "found" / "0").write_bytes(b"[]")
+    fuzz_engines.keep("json", tmp_path / "found")  # what was there stays
+    with zipfile.ZipFile(tmp_path / "json.zip") as archive:
+        assert {*kept, b"[]"} == {archive.read(each) for each in archive.namelist()}
+
+
+def test_only_the_engine_that_knows_what_it_reached_can_keep_it(capsys):
+    with pytest.raises(SystemExit):
+        fuzz_run.main(["json", "1", "--keep"])
+    assert "--keep is of --engine atheris" in capsys.readouterr().err
