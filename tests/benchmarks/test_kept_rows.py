@@ -13,6 +13,7 @@ from tests.benchmarks.made_up import MADE, measured
 from tests.measures.results import run
 
 ORDER = ["none", "rule", "adreft", "hindsight"]
+DIGESTS = {"modular": [result.episode.digest for result in measured().results["none"]]}
 LATER = {**MADE, "commit": "fedcba9876543210", "command": "./roadmend bench adreft --methods adreft --keep"}
 
 
@@ -30,7 +31,7 @@ def test_what_is_kept_is_the_whole_table_again_where_nothing_has_changed():
     whole, cases = table_of(measured())
     adreft = measured().results["adreft"]
     fresh, fresh_cases = table_of(only(measured(), adreft=adreft), LATER)
-    keep_cases(fresh, fresh_cases, whole, cases, ORDER)
+    keep_cases(fresh, fresh_cases, whole, cases, DIGESTS, ORDER)
     assert fresh_cases == cases
     assert [*fresh["summary"]["modular"]] == ORDER
     for part in ("titles", "monitor", "contenders", "corpora"):
@@ -54,7 +55,7 @@ def test_what_is_kept_is_the_whole_table_again_where_nothing_has_changed():
 def test_who_leads_is_found_anew():
     whole, cases = table_of(measured())
     fresh, fresh_cases = table_of(only(measured(), adreft=run("GGGGGGGG", 10, 6.0)), LATER)
-    keep_cases(fresh, fresh_cases, whole, cases, ORDER)
+    keep_cases(fresh, fresh_cases, whole, cases, DIGESTS, ORDER)
     more = fresh["summary"]["modular"]["rule"]["adreft_minus_this"]
     own, rule = (fresh["summary"]["modular"][name]["delta_e"] for name in ("adreft", "rule"))
     assert more["delta_e"] == pytest.approx(own - rule)
@@ -64,9 +65,9 @@ def test_who_leads_is_found_anew():
 def test_rows_keep_the_commit_that_they_had():
     whole, cases = table_of(measured())
     second, second_cases = table_of(only(measured(), adreft=measured().results["adreft"]), LATER)
-    keep_cases(second, second_cases, whole, cases, ORDER)
+    keep_cases(second, second_cases, whole, cases, DIGESTS, ORDER)
     third, third_cases = table_of(only(measured(), rule=measured().results["rule"]), {**LATER, "commit": "3" * 16})
-    keep_cases(third, third_cases, second, second_cases, ORDER)
+    keep_cases(third, third_cases, second, second_cases, DIGESTS, ORDER)
     assert [(entry["commit"], entry["methods"]) for entry in third["provenance"]["kept"]] == [
         (MADE["commit"], ["none", "hindsight"]),
         (LATER["commit"], ["adreft"]),
@@ -76,10 +77,12 @@ def test_rows_keep_the_commit_that_they_had():
 def test_other_cases_are_refused():
     whole, cases = table_of(measured())
     fresh, fresh_cases = table_of(only(measured(), adreft=measured().results["adreft"]))
-    other = deepcopy(whole)
-    other["corpora"]["modular"]["digest"] = "e" * 64
+    for other in ({"modular": [*reversed(DIGESTS["modular"][:-1]), "e" * 64]}, {"modular": []}):
+        with pytest.raises(InputError, match="other cases of the policy modular"):
+            keep_cases(deepcopy(fresh), deepcopy(fresh_cases), whole, cases, other, ORDER)
+    cases["modular"]["names"].reverse()
     with pytest.raises(InputError, match="other cases of the policy modular"):
-        keep_cases(fresh, fresh_cases, other, cases, ORDER)
+        keep_cases(fresh, fresh_cases, whole, cases, DIGESTS, ORDER)
 
 
 def test_of_prices_that_are_kept_no_lead_is_told():

@@ -168,7 +168,8 @@ def _measure(plan: BenchmarkPlan, config: Path, choice: Choice, options: _Option
     cases = case_table(measured)
     if options.keeps:
         before, cases_before = (read_json(options.committed / name) for name in ("adreft.json", "adreft-cases.json"))
-        keep_cases(content, cases, before, cases_before, [*plan.methods])
+        digests = {each.benchmark.policy: [case.digest for case in each.benchmark.cases] for each in measured}
+        keep_cases(content, cases, before, cases_before, digests, [*plan.methods])
         content["cost"] = content["cost"] or before["cost"]
     if options.out is not None:
         stem = "adreft" if options.keeps else _stem(plan, choice)

@@ -15,7 +15,12 @@ Content = dict[str, Any]
 
 
 def keep_cases(
-    content: Content, cases: Content, before: Mapping[str, Any], cases_before: Mapping[str, Any], order: Sequence[str]
+    content: Content,
+    cases: Content,
+    before: Mapping[str, Any],
+    cases_before: Mapping[str, Any],
+    digests: Mapping[str, Sequence[str]],
+    order: Sequence[str],
 ) -> None:
     """Add to a table, and to its cases, what an earlier one has besides; who leads by how much is found anew.
 
@@ -24,6 +29,7 @@ def keep_cases(
         cases: as ``case_table`` makes it.
         before: the earlier table.
         cases_before: its cases.
+        digests: by policy, of each case's trajectory without repair: what the earlier table's row without repair must show.
         order: of the methods.
 
     Raises:
@@ -32,10 +38,10 @@ def keep_cases(
     kept: set[str] = set()
     for policy, table in cases.items():
         former = cases_before.get(policy, {"names": [], "methods": {}})
-        if (
-            former["names"] != table["names"]
-            or before["corpora"][policy]["digest"] != content["corpora"][policy]["digest"]
-        ):
+        alone = former["methods"].get("none", {"digests": []})["digests"]
+        if former["names"] != table["names"] or alone != [
+            digest[: len(known)] for digest, known in zip(digests[policy], alone, strict=False)
+        ]:
             mend = "measure all methods again, without --keep"
             raise InputError("--keep", f"the committed table has other cases of the policy {policy}", mend)
         missing = [name for name in former["methods"] if name not in table["methods"]]
