@@ -72,6 +72,25 @@ def test_a_repair_is_reported():
     assert repair.reason == "because"
 
 
+@pytest.mark.parametrize(("asked", "hold_back"), [*itertools.product([False, True], repeat=2)])
+def test_a_lane_change_that_is_held_back_is_reported_and_no_other(asked, hold_back):
+    method = Scripted(Proposal(0.0, 0.5, 0.8, reason="somebody is there", hold_back=hold_back))
+    repair = step(guarded(method), command=Command(0.4, 0.0, asked))
+    assert repair.held_back is (asked and hold_back)
+    assert repair.command.change_lane is (asked and not hold_back)
+    assert repair.intervened is repair.held_back
+    assert repair.status == (RepairStatus.REPAIRED if repair.held_back else RepairStatus.PASS)
+    assert repair.final_action == 0.4
+
+
+def test_no_lane_change_begins_that_no_method_judges():
+    repair = step(guarded(Scripted(fail)), command=Command(0.4, 0.0, True))
+    assert repair.status == RepairStatus.MODEL_FAULT
+    assert repair.held_back is True
+    assert not repair.command.change_lane
+    assert step(guarded(Scripted(fail)), command=Command(0.4, 0.0)).held_back is False
+
+
 def test_the_gravest_status_wins_whatever_the_order():
     assert set(GRAVITY) == set(RepairStatus)
     assert gravest() == RepairStatus.PASS
