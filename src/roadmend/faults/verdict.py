@@ -19,12 +19,12 @@ MEANINGS = {  # of the columns
     "safe": "of them: the exit code is a documented one, no process and no folder is left, nothing that was there before is "
     "changed, the bag reads, no traceback is shown, and no collision that the undisturbed run does not have",
     "reported": "of them: standard error names the fault, and the bag holds its state or event",
-    f"in {STATE_TICKS} ticks": "that state came so soon after the first tick that was disturbed; of those where one was",
+    f"in {STATE_TICKS} ticks": "that state came so soon after the first tick that was disturbed; of those where one was "
+    "(of a state that says what messages held: after the first whose messages were all there)",
     "state after [s]": "median of that time, simulated",
     "stands after [s]": "likewise until the vehicle stood",
     "nearest [m]": "least distance to anybody in any of the runs",
-    "diagnostics": "runs in which /diagnostics had a warning of the repair node or the simulator; it is written once a "
-    "second, and a drive in lockstep may be over before",
+    "diagnostics": "runs in which /diagnostics had a warning of the repair node or the simulator",
     "lost messages": "of the simulator's that the bags lack",
     "recovered": "bags that had to be",
     "collisions": "runs that ended in one",
