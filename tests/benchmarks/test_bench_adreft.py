@@ -164,7 +164,8 @@ def test_a_table_needs_every_rival_and_names_what_else_was_left_out():
         tuple(plan.policies), tuple(rivals), tuple(FAMILIES), None, "test", None, CONFIG, is_quick=False
     )
     assert bench_adreft._stem(plan, choice) == "adreft"
-    left = bench_adreft._not_asked_for(plan, choice)
+    content = {"summary": {policy: dict.fromkeys(rivals) for policy in plan.policies}, "not_run": []}
+    left = bench_adreft._not_asked_for(plan, content)
     assert {"policy": "neural", "method": "hindsight", "reason": "not asked for"} in left
     assert len(left) == len(plan.policies) * (len(plan.methods) - len(rivals))
     for fewer in (

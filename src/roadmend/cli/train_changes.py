@@ -16,6 +16,7 @@ from roadmend.cli.train import driver_of, setting
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
 from roadmend.core.settings import check_settings
+from roadmend.repair.adreft.model import AdreftModel
 from roadmend.training.adreft.change_settings import ChangeSettings
 from roadmend.training.adreft.change_training import LearnedChanges, train_changes
 from roadmend.world.corpus import corpus_of
@@ -67,6 +68,7 @@ def changes(
         raise InputError("--also", f"'{policy}' is the policy itself", "name another one")
     given = {name.removeprefix("changes."): value for name, value in (setting(f"changes.{each}") for each in settings)}
     read = check_settings(given, ChangeSettings, "--set", "see ./roadmend train changes --help")
+    AdreftModel.load(model)  # a file that is none is refused before anybody starts to drive
     drivers = [driver_of(corpus_of(policy, corpus_file)), *(driver_of(corpus_of(other)) for other in also)]
     command = f"./roadmend train changes {model.name} --policy {policy}"
     command += "".join(f" --also {other}" for other in also) + "".join(f" --set {each}" for each in settings)
