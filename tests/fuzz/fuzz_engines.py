@@ -2,15 +2,17 @@
 
 import os
 import random
+import sys
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
 from fuzz_account import Account
 from fuzz_mutation import SIZE_MAX, mutated
-from fuzz_readers import CORPUS, kept_of, seeds_of
+from fuzz_readers import CORPUS, DOCUMENTED, kept_of, seeds_of
 
 Tell = Callable[[dict[str, object]], object]
+_SHARED = {each.__module__ for each in DOCUMENTED}  # errors that the account must know again
 KEPT_BYTES = 32_000  # of a reader's corpus, at most
 _MOMENT = (2026, 1, 1, 0, 0, 0)  # of every file in it, so that the same files make the same archive
 
@@ -32,6 +34,8 @@ def coverage(name: str, seconds: float, seed: int, folder: Path, tell: Tell, *, 
     """
     import atheris
 
+    for module in [each for each in sys.modules if each.startswith("roadmend.") and each not in _SHARED]:
+        del sys.modules[module]  # loaded before this process began to follow what it loads
     with atheris.instrument_imports(include=["roadmend"]):
         seeds = seeds_of(name)
         account = Account(name, seconds, seeds[0], folder)

@@ -1,6 +1,7 @@
 """Both engines give files to a reader, tell of each fault, and keep what they found."""
 
 import json
+import zipfile
 
 import pytest
 import run as fuzz_run
@@ -40,6 +41,20 @@ def test_a_reader_that_fails_is_told_of_and_its_file_is_kept(engine, monkeypatch
     assert what.startswith("ZeroDivisionError at read:")
     (kept,) = tmp_path.glob("fault-broken-*")
     assert len(kept.read_bytes()) > 9
+
+
+def test_what_reached_new_code_is_where_the_next_run_begins(tmp_path):
+    found = fuzz_run.fuzz("json", 4 * SECONDS, 1, "atheris", is_kept=True)  # a busy machine needs more
+    kept = fuzz_readers.kept_of("json")
+    assert found["found"] > 0
+    assert 0 < len(kept) <= found["found"]
+    assert sum(map(len, kept)) <= fuzz_engines.KEPT_BYTES
+    assert {*kept} <= {*fuzz_readers.seeds_of("json")}
+    (tmp_path / "found").mkdir()
+    (tmp_path / "found" / "0").write_bytes(b"[]")
+    fuzz_engines.keep("json", tmp_path / "found")  # what was there stays
+    with zipfile.ZipFile(tmp_path / "json.zip") as archive:
+        assert {*kept, b"[]"} == {archive.read(each) for each in archive.namelist()}
 
 
 def test_only_the_engine_that_knows_what_it_reached_can_keep_it(capsys):

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from roadmend.measures.monitor import Confusion, summarise_monitor
+from roadmend.measures.monitor import Confusion, separation_of, summarise_monitor
 
 
 def test_frames_are_counted_and_pooled():
@@ -26,3 +26,11 @@ def test_a_monitor_that_never_speaks_has_no_precision():
     assert figures["precision"] is None
     assert (figures["recall"], figures["f1"]) == (0.0, 0.0)
     assert figures["intervals"]["precision"] is None
+
+
+def test_separation_counts_pairs_and_ties_half():
+    scores, critical = np.array([0.1, 0.2, 0.3, 0.4, 0.9, 0.3]), np.array([0, 0, 0, 0, 1, 1], dtype=bool)
+    assert separation_of(scores, critical) == pytest.approx((4 + 2.5) / 8)
+    assert separation_of(scores, ~critical) == pytest.approx(1.5 / 8)
+    assert separation_of(scores, np.zeros(6, bool)) is None
+    assert separation_of(scores, np.ones(6, bool)) is None

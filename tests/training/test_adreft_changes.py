@@ -5,18 +5,18 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
-import pytest
 
 from roadmend.cli.main import main
 from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.route import Route, Stage
 from roadmend.core.scene import EgoState, ObjectList, Scene
+from roadmend.measures.monitor import separation_of
 from roadmend.networks.checkpoint import find_model, load_checkpoint
 from roadmend.repair.adreft.change_monitor import ChangeConfiguration, ChangeMonitor
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.training.adreft import change_drives
 from roadmend.training.adreft.change_drives import CarelessPolicy, CaseChanges, ChangePlan, changes_of_case
-from roadmend.training.adreft.change_learning import learn_changes, risks_of, separation_of, threshold_of
+from roadmend.training.adreft.change_learning import learn_changes, risks_of, threshold_of
 from roadmend.training.adreft.change_settings import ChangeSettings
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.world.corpus import corpus_of, save_corpus
@@ -135,15 +135,13 @@ def test_it_learns_what_tells_bad_changes_from_good_ones():
     tensors = learn_changes(change, settings, changes, checkpoint.tensors, 0, lambda *each: told.append(each))
     assert [epoch for epoch, _ in told] == [1, 2, 3]
     risks = risks_of(ChangeMonitor(change, tensors), changes)
-    assert separation_of(risks, collided) > 0.9
+    assert separation_of(risks, collided > 0.5) > 0.9
     again = learn_changes(change, settings, changes, checkpoint.tensors, 0)
     assert all(np.array_equal(tensors[name], again[name]) for name in tensors)
 
 
-def test_threshold_and_separation():
+def test_a_share_of_the_harmless_changes_is_above_the_threshold():
     risks, collided = np.array([0.1, 0.2, 0.3, 0.4, 0.9, 0.35]), np.array([0, 0, 0, 0, 1, 1], dtype=np.float32)
-    assert separation_of(risks, collided) == pytest.approx(7 / 8)
-    assert separation_of(risks, np.zeros(6, np.float32)) is None
     assert np.mean(risks[:4] > threshold_of(risks, collided, 0.25)) == 0.25
 
 

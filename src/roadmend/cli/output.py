@@ -42,6 +42,7 @@ _SILENCE = 30.0  # [s] after which work that goes on says so where there is no t
 _SHARE, _PAUSE = 0.1, 5.0  # or sooner: after so much of it, but not before so many seconds; work as short says nothing
 
 Report = Callable[[str, int, int | None], None]  # what is being done, how much of it is done, how much there is
+ToldReport = Callable[[str, int, int | None, str], None]  # and how it goes
 
 
 def counting(*more: ProgressColumn, is_transient: bool = False) -> Progress:
@@ -164,12 +165,28 @@ def stages() -> Iterator[Report]:
 
 def stages_of(progress: Progress) -> Report:
     """Gives every stage that is reported a bar of its own among the bars of ``progress``."""
-    tasks = {}
+    told = _told_stages_of(progress)
+    return lambda what, done, total: told(what, done, total, "")
 
-    def report(what: str, done: int, total: int | None) -> None:
+
+@contextlib.contextmanager
+def told_stages() -> Iterator[ToldReport]:
+    """As ``stages``, and every bar says how it goes.
+
+    Yields:
+        What to call as a stage goes on.
+    """
+    with counting(TextColumn("{task.fields[how]}")) as progress:
+        yield _told_stages_of(progress)
+
+
+def _told_stages_of(progress: Progress) -> ToldReport:
+    tasks: dict[str, TaskID] = {}
+
+    def report(what: str, done: int, total: int | None, how: str) -> None:
         if what not in tasks:
-            tasks[what] = progress.add_task(what, total=total)
-        progress.update(tasks[what], completed=done, total=total)
+            tasks[what] = progress.add_task(what, total=total, how=how)
+        progress.update(tasks[what], completed=done, total=total, how=how)
 
     return report
 

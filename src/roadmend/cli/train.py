@@ -8,12 +8,11 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import click
-from rich.progress import TextColumn
 
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import POLICY, POLICY_CORPUS, POLICY_NAME
 from roadmend.cli.options import DEVICE, FILE, FOLDER, JSON, MODEL_OUT, SEED, WORKERS, Number, options_of, settings_file
-from roadmend.cli.output import counting, stages
+from roadmend.cli.output import stages, told_stages
 from roadmend.core.bounds import ARGUMENT
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
@@ -202,14 +201,7 @@ def adreft(given: AdreftOptions) -> None:
     validation = corpus.select(split="validation")
     subject = TrainingSubject(driver_of(corpus), validation, [driver_of(corpus_of(other)) for other in given.also])
     chosen = choose_torch_device(given.device, configuration.threads)
-    with counting(TextColumn("{task.fields[how]}")) as progress, fan_out(given.workers) as mapper:
-        tasks: dict[str, Any] = {}
-
-        def report(what: str, done: int, total: int, how: str) -> None:
-            if what not in tasks:
-                tasks[what] = progress.add_task(what, total=total, how=how)
-            progress.update(tasks[what], completed=done, total=total, how=how)
-
+    with told_stages() as report, fan_out(given.workers) as mapper:
         pipeline = Pipeline(
             configuration, subject, seed=given.seed, device=chosen, mapper=mapper, work=work, report=report
         )

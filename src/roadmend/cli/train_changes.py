@@ -3,15 +3,13 @@
 import json
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 import click
-from rich.progress import TextColumn
 
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import POLICY, POLICY_CORPUS, POLICY_NAME
 from roadmend.cli.options import FILE, FOLDER, JSON, MODEL_OUT, SEED, WORKERS
-from roadmend.cli.output import counting
+from roadmend.cli.output import told_stages
 from roadmend.cli.train import driver_of, setting
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
@@ -72,14 +70,7 @@ def changes(
     drivers = [driver_of(corpus_of(policy, corpus_file)), *(driver_of(corpus_of(other)) for other in also)]
     command = f"./roadmend train changes {model.name} --policy {policy}"
     command += "".join(f" --also {other}" for other in also) + "".join(f" --set {each}" for each in settings)
-    with counting(TextColumn("{task.fields[how]}")) as progress, fan_out(workers) as mapper:
-        tasks: dict[str, Any] = {}
-
-        def report(what: str, done: int, total: int, how: str) -> None:
-            if what not in tasks:
-                tasks[what] = progress.add_task(what, total=total, how=how)
-            progress.update(tasks[what], completed=done, total=total, how=how)
-
+    with told_stages() as report, fan_out(workers) as mapper:
         learned = train_changes(
             model,
             out,

@@ -66,7 +66,7 @@ class EpisodeResult:
 
     @property
     def held_back(self) -> int:
-        """Lane changes that the policy asked for and was not granted."""
+        """Lane changes that the policy asked for and the merger held back."""
         return sum(spell.held_back for spell in self.spells)
 
     @property

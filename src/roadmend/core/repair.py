@@ -59,7 +59,7 @@ class Repair:
     reason: str = ""
     worth: float | None = None  # by how much the proposed action is judged better than leaving the policy alone, in
     # prices of a collision; None where the method judges no worth, which is not the same as none
-    held_back: bool = False  # whether the policy asked for a lane change that it was not granted
+    held_back: bool = False  # whether the merger held back a lane change that the policy asked for
 
     @property
     def change(self) -> float:

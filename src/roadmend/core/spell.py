@@ -14,7 +14,7 @@ class Spell:
     ticks: int
     change: float  # sum of |policy's action - final action| over them, 0 .. 2 each
     need: float | None = None  # share of futures from its first tick, unrepaired, that violate; None: not looked at
-    held_back: int = 0  # lane changes that the policy asked for in it and was not granted
+    held_back: int = 0  # lane changes that the policy asked for in it and the merger held back
 
     @property
     def dose(self) -> float:

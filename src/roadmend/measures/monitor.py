@@ -67,6 +67,23 @@ def summarise_monitor(episodes: Sequence[Confusion]) -> dict[str, Any]:
     return figures | {"intervals": intervals}
 
 
+def separation_of(scores: Floats, critical: Flags) -> float | None:
+    """Probability that what is critical has the larger score, ties counted half: the area under the ROC curve.
+
+    Args:
+        scores: shape (N,).
+        critical: shape (N,).
+
+    Returns:
+        0 .. 1, or None where nothing or everything is critical.
+    """
+    bad, good = scores[critical], np.sort(scores[~critical])
+    if not len(bad) or not len(good):
+        return None
+    below, not_above = (np.searchsorted(good, bad, side) for side in ("left", "right"))
+    return float(np.mean(below + not_above) / (2 * len(good)))
+
+
 def _frames(episode: Confusion) -> int:
     return episode.hits + episode.false_alarms + episode.misses + episode.quiet
 

@@ -18,7 +18,7 @@ from harness.benchmark_files import read_json, write_benchmark
 from harness.benchmark_run import FORMAT, RESULTS, Measured, drive, find_jobs, read_results
 from harness.benchmark_tables import headline
 from harness.beside import beside
-from harness.contenders import BenchmarkPlan, read_plan
+from harness.contenders import BenchmarkPlan, read_plan, watched_method
 from harness.kept_rows import keep_cases
 from harness.options import CACHED_WORK, COLUMNS, COMMITTED, PLANS
 from harness.policy_benchmarks import Choice, find_benchmarks
@@ -126,7 +126,7 @@ def adreft(
         raise click.UsageError("--verify goes with the committed cases only")
     if keep:  # monitors of methods that are not measured now are kept as well
         asked = _list(methods, [*plan.methods], plan.methods, "--methods")
-        named = {name: plan.watched[name].method if name in plan.watched else name for name in plan.monitors}
+        named = {name: watched_method(plan, name) for name in plan.monitors}
         plan = plan.model_copy(update={"monitors": [name for name, method in named.items() if method in asked]})
     choice = Choice(
         _names(policies or plan.policies, plan.policies, "--policy"),

@@ -129,7 +129,7 @@ def read_plan(path: Path) -> BenchmarkPlan:
         InputError: the file is missing or holds no plan.
     """
     plan = read_settings(path, BenchmarkPlan, "mend the file")
-    monitors = [_watched(plan, name) for name in (*plan.monitors, *plan.quick.monitors)]
+    monitors = [watched_method(plan, name) for name in (*plan.monitors, *plan.quick.monitors)]
     curves = [curve.method for curve in plan.curves]
     for name in [*monitors, *plan.robustness.methods, *plan.ordinary, *curves, *plan.quick.methods]:
         if name not in plan.methods:
@@ -198,7 +198,7 @@ def resolve_monitors(plan: BenchmarkPlan, config: Path, policy: str, names: list
     Raises:
         InputError: a parameter is unusable.
     """
-    methods = {name: _watched(plan, name) for name in names}
+    methods = {name: watched_method(plan, name) for name in names}
     found, _ = resolve(plan, config, policy, [*dict.fromkeys(methods.values())])
     contenders = {contender.name: contender for contender in found}
     monitors = []
@@ -209,7 +209,7 @@ def resolve_monitors(plan: BenchmarkPlan, config: Path, policy: str, names: list
     return monitors
 
 
-def _watched(plan: BenchmarkPlan, name: str) -> str:
+def watched_method(plan: BenchmarkPlan, name: str) -> str:
     """The method that a monitor is."""
     return plan.watched[name].method if name in plan.watched else name
 

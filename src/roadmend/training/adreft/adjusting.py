@@ -6,9 +6,10 @@ from typing import Any
 
 from roadmend.core.errors import InputError
 from roadmend.core.settings import check_settings
-from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
+from roadmend.networks.checkpoint import load_checkpoint
 from roadmend.repair.adreft.configuration import Deciding, ModelConfiguration, read_configuration
-from roadmend.repair.adreft.model import KIND, AdreftModel
+from roadmend.repair.adreft.model import KIND
+from roadmend.training.adreft.successor import save_successor
 
 _FIXED = ("monitor", "adapter")  # shapes of networks
 
@@ -35,13 +36,11 @@ def adjust(model: Path, out: Path, threshold: float | None, changes: Mapping[str
     changed = check_settings({**before, **changes}, ModelConfiguration, "--set", "see config/training/adreft.yaml")
     if threshold is not None and not 0.0 <= threshold <= 1.0:
         raise InputError("--threshold", f"{threshold:g} is out of range", "give one from 0 to 1")
-    header = {
-        **checkpoint.header,
-        "threshold": checkpoint.header["threshold"] if threshold is None else threshold,
-        "configuration": {**checkpoint.header["configuration"], "model": changed.model_dump(mode="json")},
-        "ancestry": [checkpoint.digest, *checkpoint.header["ancestry"]],
-        "adjusted": {"command": command, "metrics_are_of": checkpoint.digest},
-    }
-    digest = save_checkpoint(out, checkpoint.tensors, header)
-    AdreftModel.load(out)
-    return digest
+    return save_successor(
+        out,
+        checkpoint,
+        checkpoint.tensors,
+        changed,
+        threshold=checkpoint.header["threshold"] if threshold is None else threshold,
+        adjusted={"command": command, "metrics_are_of": checkpoint.digest},
+    )

@@ -89,15 +89,6 @@ def threshold_of(risks: NDArray[np.float64], collided: NDArray[np.float32], held
     return float(np.quantile(risks[collided < 0.5], 1.0 - held))
 
 
-def separation_of(risks: NDArray[np.float64], collided: NDArray[np.float32]) -> float | None:
-    """Probability that a change that ends badly has the larger risk (area under the curve); None where all end alike."""
-    bad, good = risks[collided > 0.5], risks[collided < 0.5]
-    if not len(bad) or not len(good):
-        return None
-    larger = np.mean(bad[:, None] > good[None, :])
-    return float(larger + 0.5 * np.mean(bad[:, None] == good[None, :]))
-
-
 def _joined(changes: Sequence[CaseChanges]) -> TokenRows:
     counts = np.concatenate([entry.counts for entry in changes]).astype(np.int64)
     return TokenRows(np.concatenate([entry.tokens for entry in changes]), np.concatenate([[0], np.cumsum(counts)]))

@@ -9,16 +9,18 @@ import numpy as np
 
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
-from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
+from roadmend.measures.monitor import separation_of
+from roadmend.networks.checkpoint import load_checkpoint
 from roadmend.repair.adreft.change_monitor import PREFIX, ChangeConfiguration, ChangeMonitor
 from roadmend.repair.adreft.configuration import read_configuration
 from roadmend.repair.adreft.model import KIND, AdreftModel
 from roadmend.training.adreft.change_drives import CaseChanges, ChangePlan, gather_changes
-from roadmend.training.adreft.change_learning import learn_changes, risks_of, separation_of, threshold_of
+from roadmend.training.adreft.change_learning import learn_changes, risks_of, threshold_of
 from roadmend.training.adreft.change_settings import ChangeSettings
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.adreft.random_case import random_cases
 from roadmend.training.adreft.stage import RepairedPolicy, Report
+from roadmend.training.adreft.successor import save_successor
 from roadmend.training.closed_loop import EpisodeCase
 
 
@@ -31,7 +33,7 @@ class LearnedChanges:
     collided: int  # of them
     validation_changes: int
     validation_collided: int
-    separation: float | None  # see ``change_learning.separation_of``, on validation
+    separation: float | None  # see ``measures.monitor.separation_of``, on validation
     caught: float | None  # share of those that ended badly on validation that would be held back
 
 
@@ -110,7 +112,7 @@ def train_changes(
         int(collided.sum()),
         len(seen),
         int(seen.sum()),
-        separation_of(risks, seen),
+        separation_of(risks, seen > 0.5),
         float(np.mean(risks[seen > 0.5] > threshold)) if seen.any() else None,
     )
     made: dict[str, Any] = {
@@ -120,16 +122,7 @@ def train_changes(
         "drivers": {driver.policy: driver.as_header() for driver in drivers},
         **asdict(learned_changes),
     }
-    header = {
-        **checkpoint.header,
-        "configuration": {
-            **checkpoint.header["configuration"],
-            "model": before.model_copy(update={"change": configuration}).model_dump(mode="json"),
-        },
-        "ancestry": [checkpoint.digest, *checkpoint.header["ancestry"]],
-        "changes": made,
-    }
     kept = {name: value for name, value in checkpoint.tensors.items() if not name.startswith(PREFIX)}
-    save_checkpoint(out, {**kept, **tensors}, header)
-    AdreftModel.load(out)
+    changed = before.model_copy(update={"change": configuration})
+    save_successor(out, checkpoint, {**kept, **tensors}, changed, changes=made)
     return learned_changes
