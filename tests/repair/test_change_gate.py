@@ -8,18 +8,19 @@ from roadmend.core.errors import InputError
 from roadmend.core.repair import RepairStatus
 from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
 from roadmend.networks.compiled_encoder import CompiledEncoder, CompiledHead, sigmoid
+from roadmend.repair.adreft import risk_monitor
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.registry import make_repairer
 
 from .playground import Box, keep_on, scene_of, straight_route
-from .tiny_model import CHANGE, configuration_of, header_of, random_tensors, save_tiny_model
+from .tiny_model import RISK, configuration_of, header_of, random_tensors, save_tiny_model
 
 SCENE = scene_of([Box(1, 12.0, 3.5), Box(2, -9.0, 3.5)])
 
 
 @pytest.fixture
 def model(tmp_path):
-    return save_tiny_model(tmp_path / "tiny.safetensors", threshold=1.0, change=CHANGE)
+    return save_tiny_model(tmp_path / "tiny.safetensors", threshold=1.0, change=RISK)
 
 
 def asking(*, change_lane=True):
@@ -34,7 +35,7 @@ def answer(method, model, decision=None, **parameters):
 
 
 def risk_by_hand(model):
-    checkpoint, configuration = load_checkpoint(model), configuration_of(change=CHANGE).change
+    checkpoint, configuration = load_checkpoint(model), configuration_of(change=RISK).change
     encoder = CompiledEncoder(configuration.encoder, checkpoint.tensors, "change.encoder.")
     head = CompiledHead(configuration.head_shape, checkpoint.tensors, "change.head.")
     tokenizer = AdreftModel.load(model).tokenizer()
@@ -60,7 +61,7 @@ def test_a_change_waits_where_its_risk_is_above_the_threshold(model, method):
 
 
 def test_the_threshold_is_the_models_own_unless_one_is_given_and_1_is_never(model):
-    assert answer("adreft", model).held_back == (risk_by_hand(model) > CHANGE["threshold"])
+    assert answer("adreft", model).held_back == (risk_by_hand(model) > RISK["threshold"])
     assert answer("adreft", model, change_threshold=0.0).held_back
     assert not answer("adreft", model, change_threshold=1.0).held_back
 
@@ -77,16 +78,15 @@ def test_a_model_without_change_monitor_lets_every_change_through(tmp_path):
 
 
 def test_a_monitor_that_fails_is_a_fault_of_the_model(model, monkeypatch):
-    from roadmend.repair.adreft.change_monitor import ChangeMonitor
 
-    monkeypatch.setattr(ChangeMonitor, "risk", lambda _monitor, _tokens: np.nan)
+    monkeypatch.setattr(risk_monitor, "sigmoid", lambda _logit: np.nan)
     repair = answer("adreft", model)
     assert repair.status is RepairStatus.MODEL_FAULT
     assert repair.held_back  # no lane change begins that nobody judges
 
 
 def test_a_monitor_whose_tensors_are_missing_is_refused(tmp_path):
-    configuration = configuration_of(change=CHANGE)
+    configuration = configuration_of(change=RISK)
     tensors = {name: value for name, value in random_tensors(configuration).items() if "change.head" not in name}
     path = tmp_path / "short.safetensors"
     save_checkpoint(path, tensors, header_of(configuration, 1.0))

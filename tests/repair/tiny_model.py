@@ -4,20 +4,21 @@ import numpy as np
 
 from roadmend.networks.checkpoint import save_checkpoint
 from roadmend.networks.shape import EncoderShape
-from roadmend.repair.adreft.change_monitor import ChangeConfiguration
 from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.repair.adreft.registry import make_tokenizer
+from roadmend.repair.adreft.risk_monitor import RiskConfiguration
 
 HIDDEN = 8
-CHANGE = {"head": (6,), "threshold": 0.5, "horizon": 8.0}  # of a change monitor
+RISK = {"head": (6,), "threshold": 0.5, "horizon": 8.0}  # of a risk monitor
 
 
 def configuration_of(tokenizer="paper", **changes):
     made = make_tokenizer(tokenizer)
     encoder = EncoderShape(attributes=made.attributes, hidden=HIDDEN, layers=1, heads=2, feed_forward=8)
     values = {"tokenizer": tokenizer, "tokenizer_version": made.version, "encoder": encoder, "monitor": (6,)}
-    if isinstance(changes.get("change"), dict):
-        changes["change"] = ChangeConfiguration(encoder=encoder, **changes["change"])
+    for name in ("need", "change"):
+        if isinstance(changes.get(name), dict):
+            changes[name] = RiskConfiguration(encoder=encoder, **changes[name])
     return ModelConfiguration(**{**values, "adapter": (6,), **changes})
 
 
@@ -46,9 +47,9 @@ def random_tensors(configuration, seed=0):
 
     scene_encoder("encoder")
     heads = {"monitor": configuration.monitor_shape, "adapter": configuration.adapter_shape}
-    if configuration.change is not None:
-        scene_encoder("change.encoder")
-        heads["change.head"] = configuration.change.head_shape
+    for name, risk in configuration.risks.items():
+        scene_encoder(f"{name}.encoder")
+        heads[f"{name}.head"] = risk.head_shape
     for name, shape in heads.items():
         for place, (inputs, outputs) in enumerate(zip(shape.widths, shape.widths[1:], strict=False)):
             linear(f"{name}.layers.{place}", outputs, inputs)

@@ -10,14 +10,11 @@ from roadmend.cli.main import main
 from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.route import Route, Stage
 from roadmend.core.scene import EgoState, ObjectList, Scene
-from roadmend.measures.monitor import separation_of
 from roadmend.networks.checkpoint import find_model, load_checkpoint
-from roadmend.repair.adreft.change_monitor import ChangeConfiguration, ChangeMonitor
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.training.adreft import change_drives
-from roadmend.training.adreft.change_drives import CarelessPolicy, CaseChanges, ChangePlan, changes_of_case
-from roadmend.training.adreft.change_learning import learn_changes, risks_of, threshold_of
-from roadmend.training.adreft.change_settings import ChangeSettings
+from roadmend.training.adreft.case_risks import RiskPlan
+from roadmend.training.adreft.change_drives import CarelessPolicy, changes_of_case
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.world.corpus import corpus_of, save_corpus
 
@@ -52,7 +49,7 @@ def few(folder):
 
 def plan(**changes):
     values = {"model": "modular", "digest": "x", "drives": 1, "horizon": 8.0, "plain": True, "seed": 0}
-    return ChangePlan(**{**values, **changes})
+    return RiskPlan(**{**values, **changes})
 
 
 class Asks:
@@ -119,32 +116,6 @@ def test_a_change_ends_badly_only_by_the_egos_own_fault_and_within_the_horizon(m
     assert ended(at_fault=False, duration=8.0) == [0.0, 0.0]
 
 
-def test_it_learns_what_tells_bad_changes_from_good_ones():
-    checkpoint = load_checkpoint(SHIPPED)
-    encoder = AdreftModel.load(SHIPPED).configuration.encoder
-    numbers = np.random.default_rng(0)
-    collided = (numbers.random(300) < 0.3).astype(np.float32)
-    tokens = numbers.normal(0.0, 0.3, (300, 2, encoder.attributes))
-    tokens[:, 1, 0] += 2.0 * collided
-    changes = [
-        CaseChanges("all", np.full(300, 2, np.int32), tokens.reshape(600, -1).astype(np.float16), collided),
-    ]
-    settings = ChangeSettings(epochs=3, batch=16)
-    change = ChangeConfiguration(encoder=encoder, threshold=0.5, horizon=8.0)
-    told = []
-    tensors = learn_changes(change, settings, changes, checkpoint.tensors, 0, lambda *each: told.append(each))
-    assert [epoch for epoch, _ in told] == [1, 2, 3]
-    risks = risks_of(ChangeMonitor(change, tensors), changes)
-    assert separation_of(risks, collided > 0.5) > 0.9
-    again = learn_changes(change, settings, changes, checkpoint.tensors, 0)
-    assert all(np.array_equal(tensors[name], again[name]) for name in tensors)
-
-
-def test_a_share_of_the_harmless_changes_is_above_the_threshold():
-    risks, collided = np.array([0.1, 0.2, 0.3, 0.4, 0.9, 0.35]), np.array([0, 0, 0, 0, 1, 1], dtype=np.float32)
-    assert np.mean(risks[:4] > threshold_of(risks, collided, 0.25)) == 0.25
-
-
 def test_a_model_gets_a_monitor_and_keeps_its_other_networks(tmp_path, capsys):
     out = tmp_path / "careful.safetensors"
     words = ["train", "changes", str(SHIPPED), "--policy", "modular", "--out", str(out), "--json", "--workers", "2"]
@@ -156,8 +127,8 @@ def test_a_model_gets_a_monitor_and_keeps_its_other_networks(tmp_path, capsys):
     kept = [name for name in before.tensors if not name.startswith("change.")]
     assert all(np.array_equal(before.tensors[name], after.tensors[name]) for name in kept)
     assert AdreftModel.load(out).change is not None
-    assert after.header["changes"]["threshold"] == told["threshold"]
-    assert after.header["changes"]["drivers"].keys() == {"modular"}
+    assert after.header["change"]["threshold"] == told["threshold"]
+    assert after.header["change"]["drivers"].keys() == {"modular"}
     assert after.header["ancestry"][0] == before.digest
     first = out.read_bytes()
     assert main(words) == 0  # what was driven is read again

@@ -47,7 +47,8 @@ _TRAIN: Table = {
     "policy": ("roadmend.cli.train", "policy", "A neural driving policy, by imitation of the expert."),
     "adreft": ("roadmend.cli.train", "adreft", "ADReFT for one policy, from its corpus."),
     "adjust": ("roadmend.cli.train", "adjust", "A model of ADReFT with another threshold, its networks as they are."),
-    "changes": ("roadmend.cli.train_changes", "changes", "A monitor of lane changes for a model of ADReFT."),
+    "need": ("roadmend.cli.train_monitors", "need", "A monitor of need for a model of ADReFT."),
+    "changes": ("roadmend.cli.train_monitors", "changes", "A monitor of lane changes for a model of ADReFT."),
     "self-oracle": ("roadmend.cli.train_rivals", "self_oracle", "The autoencoder of the rival ModelRepair."),
     "rivals": ("roadmend.cli.train_rivals", "rivals", "The rivals' best settings on the validation split."),
 }

@@ -1,8 +1,8 @@
 """A rule that steps in only where a learned monitor foresees a collision as well.
 
 A rival for ADReFT that has its prediction but not its choice of when and how: RSS and PredictiveBrake know what to do
-about whoever is near, and are wrong mostly about whether anything will come of it. Lane changes it holds back by the
-model's own change monitor, as ADReFT does.
+about whoever is near, and are wrong mostly about whether anything will come of it. Whether an intervention is needed
+it asks the model's need monitor, and lane changes it holds back by the change monitor, as ADReFT does.
 """
 
 from collections.abc import Callable
@@ -14,6 +14,7 @@ from roadmend.core.scene import Scene
 from roadmend.networks.checkpoint import find_model
 from roadmend.repair.adreft.change_gate import ChangeGate
 from roadmend.repair.adreft.model import AdreftModel
+from roadmend.repair.adreft.need_gate import NeedGate
 from roadmend.repair.method import RepairMethod
 from roadmend.repair.parameters import GatedParameters, PredictiveParameters, RssParameters
 from roadmend.repair.predictive import PredictiveRepair
@@ -29,7 +30,8 @@ _RULES: dict[str, Callable[[GatedParameters], tuple[RepairMethod, ...]]] = {
 class GatedRepair:
     """Proposes what its rule proposes; of two rules that step in, the harder braking.
 
-    Score: y_safe of the model where a rule steps in, else 0; threshold: the model's, or what was given instead.
+    Score: y_safe of the model where a rule steps in, else 0; threshold: the model's, or what was given instead,
+    raised where nothing is needed.
     """
 
     name = "gated"
@@ -44,6 +46,7 @@ class GatedRepair:
         self._model = AdreftModel.load(find_model(parameters.model, "adreft-"))
         self.model_digest = self._model.digest  # results are kept by it
         self._threshold = parameters.threshold if parameters.threshold >= 0.0 else self._model.threshold
+        self._need = NeedGate(self._model, parameters.need_threshold)
         self._changes = ChangeGate(self._model, parameters.change_threshold)
         self._tokenizer = self._model.tokenizer()
         self._rules = _RULES[parameters.rule](parameters)
@@ -51,6 +54,7 @@ class GatedRepair:
     def reset(self, route: Route) -> None:
         """Begin an episode on ``route``."""
         self._tokenizer.reset(route)
+        self._need.reset()
         for rule in self._rules:
             rule.reset(route)
 
@@ -60,11 +64,14 @@ class GatedRepair:
         score = self._model.score(self._model.encode(tokens.values), decision.command.action)
         proposed = [rule.propose(scene, decision) for rule in self._rules]
         stepping = [each for each in proposed if each.score > each.threshold]
+        if not stepping:
+            score = 0.0
+        bar, needless = self._need.bar(score, self._threshold, self._threshold, tokens.values)
         if stepping:
             hardest = min(stepping, key=lambda each: each.action)
-            proposal = Proposal(score, self._threshold, hardest.action, hardest.triggers, hardest.reason)
+            proposal = Proposal(score, bar, hardest.action, hardest.triggers, needless or hardest.reason)
         else:
-            proposal = Proposal(0.0, self._threshold, decision.command.action)
+            proposal = Proposal(score, bar, decision.command.action)
         return self._changes.judge(proposal, tokens, scene) if decision.command.change_lane else proposal
 
 

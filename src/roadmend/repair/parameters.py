@@ -100,6 +100,12 @@ class AdreftParameters(Parameters):
     threshold: float = Field(
         -1.0, ge=-1.0, le=1.0, description="steps in where the score is above this; below 0: the model's own threshold"
     )
+    need_threshold: float = Field(
+        -1.0,
+        ge=-1.0,
+        le=1.0,
+        description="steps in only where the risk of not doing so is above this; below 0: the model's own, 0: always",
+    )
     change_threshold: float = Field(
         -1.0,
         ge=-1.0,

@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 
-import numpy as np
-
 from roadmend.core.repair import Proposal
 from roadmend.core.scene import Scene
 from roadmend.repair.adreft.attention import attended
@@ -21,10 +19,7 @@ class ChangeGate:
 
     def __init__(self, model: AdreftModel, threshold: float) -> None:
         self._monitor = model.change
-        if self._monitor is None:
-            self.threshold = 1.0
-        else:
-            self.threshold = threshold if threshold >= 0.0 else self._monitor.configuration.threshold
+        self.threshold = 1.0 if self._monitor is None else self._monitor.threshold(threshold)
 
     def judge(self, proposal: Proposal, tokens: TokenSet, scene: Scene) -> Proposal:
         """The proposal for a tick at which the policy asks for a lane change.
@@ -40,8 +35,6 @@ class ChangeGate:
         if self._monitor is None or self.threshold >= 1.0:
             return proposal
         risk = self._monitor.risk(tokens.values)
-        if not np.isfinite(risk):
-            raise FloatingPointError("the risk of the lane change is not finite")
         if risk <= self.threshold:
             return proposal
         reason = f"lane change held back: risk {risk:.3f} above {self.threshold:.3f}"

@@ -10,7 +10,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
 from roadmend.networks.shape import EncoderShape, HeadShape
 from roadmend.repair.actions import ACTIONS
-from roadmend.repair.adreft.change_monitor import ChangeConfiguration
+from roadmend.repair.adreft.risk_monitor import RiskConfiguration
 from roadmend.repair.adreft.weighing import OUTPUTS, Weighing
 
 Width = Annotated[int, Field(ge=1, le=4096)]
@@ -59,10 +59,19 @@ class ModelConfiguration(Deciding):
     tokenizer: str = Field(description="name of the tokenizer")
     tokenizer_version: int = Field(ge=1, description="version of the tokenizer that the model was trained with")
     encoder: EncoderShape = Field(description="shape of the state encoder")
-    change: ChangeConfiguration | None = Field(
+    need: RiskConfiguration | None = Field(
+        None,
+        description="of the monitor that an intervention must be needed for; none: the score decides, as the paper's",
+    )
+    change: RiskConfiguration | None = Field(
         None,
         description="of the monitor that holds back lane changes; none: they are the policy's affair, as the paper's",
     )
+
+    @property
+    def risks(self) -> dict[str, RiskConfiguration]:
+        """The risk monitors that there are, by the names of their tensors."""
+        return {name: each for name, each in (("need", self.need), ("change", self.change)) if each is not None}
 
     @property
     def monitor_shape(self) -> HeadShape:

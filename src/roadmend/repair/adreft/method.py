@@ -14,6 +14,7 @@ from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.attention import attended
 from roadmend.repair.adreft.change_gate import ChangeGate
 from roadmend.repair.adreft.model import AdreftModel
+from roadmend.repair.adreft.need_gate import NeedGate
 from roadmend.repair.adreft.patience import Patience
 from roadmend.repair.latch import Latch
 from roadmend.repair.parameters import AdreftParameters
@@ -22,9 +23,9 @@ from roadmend.repair.parameters import AdreftParameters
 class AdreftRepair:
     """Proposes the action of greatest value; steps in where the score is above the threshold.
 
-    Lane changes whose risk is above a threshold of their own it holds back, where its model has a monitor of them.
+    An intervention begins only where it is needed, where its model has a monitor of that. Lane changes whose risk is above a threshold of their own it holds back, where its model has a monitor of them.
     Score: y_safe, or how due an intervention is by its worth where that is more; threshold: lambda_safe of the model,
-    or what was given instead, raised where patience has ended. A trigger's weight is the share of attention that the
+    or what was given instead, raised where patience has ended or nothing is needed. A trigger's weight is the share of attention that the
     participant's tokens drew in the encoder's last layer.
     """
 
@@ -46,6 +47,7 @@ class AdreftRepair:
         parameters = parameters or AdreftParameters()
         self.model = model or AdreftModel.load(find_model(parameters.model, "adreft-"))
         self.threshold = parameters.threshold if parameters.threshold >= 0.0 else self.model.threshold
+        self._need = NeedGate(self.model, parameters.need_threshold)
         self._changes = ChangeGate(self.model, parameters.change_threshold)
         self._tokenizer = self.model.tokenizer()
         self._seed = seed
@@ -61,6 +63,7 @@ class AdreftRepair:
         self._tokenizer.reset(route)
         self._latch.reset()
         self._patience.reset()
+        self._need.reset()
         self._held, self._action = 0, ACTIONS[0]
         self._numbers.seed(f"{self._seed}:{route.scenario}")
 
@@ -78,13 +81,15 @@ class AdreftRepair:
             raise FloatingPointError("the decision adapter's values are not finite")
         alarmed = score > self.threshold
         score = max(score, self.model.due(values, asked, scene))
-        bar = self._patience.bar(score, self.threshold)
+        bar, needless = self._need.bar(score, self.threshold, self._patience.bar(score, self.threshold), tokens.values)
         configuration = self.model.configuration
         if self._held == 0 or (configuration.fresh and score > bar and not self._latch.is_on):
             self._action, self._held = ACTIONS[self._choose(values, asked)], 0
         self._held = (self._held + 1) % configuration.interval
         triggers: tuple[RepairTrigger, ...] = ()
-        reason = f"let go until the score falls to {self.threshold:.3f}" if self._patience.has_ended else ""
+        reason = needless
+        if self._patience.has_ended:
+            reason = f"let go until the score falls to {self.threshold:.3f}"
         if score > bar:
             triggers = attended(self.model.attention, tokens, scene)
             what = "criticality" if alarmed else "precaution: worth"

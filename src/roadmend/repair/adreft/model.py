@@ -12,10 +12,10 @@ from roadmend.core.errors import InputError
 from roadmend.core.scene import Scene
 from roadmend.networks.checkpoint import Checkpoint, load_checkpoint
 from roadmend.networks.compiled_encoder import CompiledEncoder, CompiledHead, sigmoid
-from roadmend.repair.adreft.change_monitor import ChangeMonitor
 from roadmend.repair.adreft.configuration import ModelConfiguration, read_configuration
 from roadmend.repair.adreft.rear import time_to_rear
 from roadmend.repair.adreft.registry import make_tokenizer
+from roadmend.repair.adreft.risk_monitor import RiskMonitor
 from roadmend.repair.adreft.tokenizer import Tokenizer
 from roadmend.repair.adreft.weighing import gain_of, weigh
 
@@ -26,11 +26,12 @@ KIND = "adreft"
 
 
 class AdreftModel:
-    """State encoder, state monitor and decision adapter; perhaps a monitor of lane changes.
+    """State encoder, state monitor and decision adapter; perhaps monitors of need and of lane changes.
 
     Args:
         configuration: what it is built from.
-        tensors: by the names that the networks have in training: "encoder.", "monitor.", "adapter." and "change.".
+        tensors: by the names that the networks have in training: "encoder.", "monitor.", "adapter.",
+            "need." and "change.".
         threshold: lambda_safe.
         digest: of the file it comes from.
 
@@ -45,8 +46,8 @@ class AdreftModel:
         self._encoder = CompiledEncoder(configuration.encoder, tensors, "encoder.")
         self._monitor = CompiledHead(configuration.monitor_shape, tensors, "monitor.")
         self._adapter = CompiledHead(configuration.adapter_shape, tensors, "adapter.")
-        change = configuration.change
-        self.change = None if change is None else ChangeMonitor(change, tensors)
+        risks = {name: RiskMonitor(each, tensors, f"{name}.") for name, each in configuration.risks.items()}
+        self.need, self.change = risks.get("need"), risks.get("change")
         self._seen = np.empty(configuration.encoder.hidden + 1, dtype=np.float32)
 
     @classmethod
@@ -73,9 +74,10 @@ class AdreftModel:
             raise InputError(where, f"{what}, this is version {tokenizer.version}", mend)
         if configuration.encoder.attributes != tokenizer.attributes:
             raise InputError(where, f"does not take the {tokenizer.attributes} attributes of '{tokenizer.name}'", mend)
-        if configuration.change is not None and configuration.change.encoder.attributes != tokenizer.attributes:
-            what = f"its change monitor does not take the {tokenizer.attributes} attributes of '{tokenizer.name}'"
-            raise InputError(where, what, mend)
+        for name, each in configuration.risks.items():
+            if each.encoder.attributes != tokenizer.attributes:
+                what = f"its {name} monitor does not take the {tokenizer.attributes} attributes of '{tokenizer.name}'"
+                raise InputError(where, what, mend)
         threshold = checkpoint.header.get("threshold")
         if not isinstance(threshold, float) or not math.isfinite(threshold):
             raise InputError(where, "has no threshold", mend)

@@ -7,19 +7,12 @@ not what blindness does.
 """
 
 import random
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
-from functools import partial
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from roadmend.core.array_file import ArrayRecord
 from roadmend.core.command import Decision
-from roadmend.core.fanout import Mapper
 from roadmend.core.interfaces import Policy, Repairer
-from roadmend.core.journal import entry_key, file_of
 from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
@@ -27,7 +20,8 @@ from roadmend.policies.registry import make_policy
 from roadmend.repair.adreft.registry import make_tokenizer
 from roadmend.repair.adreft.tokenizer import Tokenizer, TokenSet
 from roadmend.repair.registry import make_repairer
-from roadmend.training.adreft.gathering import Recipe, gather_files
+from roadmend.training.adreft.case_risks import CaseRisks, RiskPlan, ended_badly
+from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.closed_loop import EpisodeCase
 from roadmend.world.runner import drive
 from roadmend.world.simulation import Simulation
@@ -35,31 +29,6 @@ from roadmend.world.variation import Spread
 
 _BESIDE = 1.8  # [m] from the ego's axis on, others are beside its lane
 _SHARES = (0.0, 0.3, 0.6)  # of requests held back, and of those beside that are overlooked; one is drawn for each drive
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class CaseChanges(ArrayRecord):
-    """F lane changes that were begun in drives of one case, with M tokens of c attributes in all."""
-
-    name: str  # of the case
-    counts: NDArray[np.int32]  # tokens of each change, shape (F,)
-    tokens: NDArray[np.float16]  # of the ticks at which they were asked for, shape (M, c)
-    collided: NDArray[np.float32]  # 1 where the ego collided by its own fault within the horizon, else 0, shape (F,)
-
-    def __len__(self) -> int:
-        return len(self.counts)
-
-
-@dataclass(frozen=True, slots=True)
-class ChangePlan:
-    """How a case is driven."""
-
-    model: str  # name or file of the model of ADReFT that repairs the drives; its digest is part of their keys
-    digest: str  # of that model
-    drives: int  # of a case that a search has found: the first as it is, the others in worlds that differ
-    horizon: float  # [s]
-    plain: bool  # nobody is careless and nothing is held back: ordinary driving
-    seed: int
 
 
 class CarelessPolicy:
@@ -113,8 +82,10 @@ class _Watch:
         return repair
 
 
-def changes_of_case(case: EpisodeCase, recipe: Recipe, plan: ChangePlan) -> CaseChanges:
+def changes_of_case(case: EpisodeCase, recipe: Recipe, plan: RiskPlan) -> CaseRisks:
     """Drive one case in this process, under repair that holds nothing back by itself.
+
+    In a plain drive nobody is careless and nothing is held back.
 
     Raises:
         InputError: the scenario or the model is unusable.
@@ -122,7 +93,7 @@ def changes_of_case(case: EpisodeCase, recipe: Recipe, plan: ChangePlan) -> Case
     """
     policy = make_policy(recipe.policy)
     repairer = make_repairer("adreft", {"model": plan.model, "change_threshold": 1.0})
-    found: list[tuple[TokenSet, float]] = []
+    found: list[tuple[TokenSet, bool]] = []
     for number in range(plan.drives if case.digest else 1):
         numbers = random.Random(f"{plan.seed}:{case.name}:{number}")
         is_plain = plan.plain or (bool(case.digest) and number == 0)
@@ -133,39 +104,5 @@ def changes_of_case(case: EpisodeCase, recipe: Recipe, plan: ChangePlan) -> Case
                 simulation.vary(number, Spread())
             result = drive(simulation, CarelessPolicy(policy, overlooked, numbers.randrange(997)), watch)
         for time, tokens in watch.begun:
-            found.append((tokens, float(result.final.at_fault and result.duration - time <= plan.horizon)))
-    attributes = make_tokenizer(recipe.tokenizer).attributes
-    return CaseChanges(
-        case.name,
-        np.array([len(tokens) for tokens, _ in found], dtype=np.int32),
-        np.concatenate([np.empty((0, attributes)), *(tokens.values for tokens, _ in found)]).astype(np.float16),
-        np.array([collided for _, collided in found], dtype=np.float32),
-    )
-
-
-def gather_changes(
-    cases: Sequence[EpisodeCase],
-    recipe: Recipe,
-    plan: ChangePlan,
-    cache: Path,
-    mapper: Mapper,
-    report: Callable[[CaseChanges], None] = lambda _changes: None,
-) -> list[CaseChanges]:
-    """Lane changes of every case, in the order of the cases; what lies in the cache is not driven again.
-
-    Args:
-        cases: what to drive.
-        recipe: policy and tokenizer.
-        plan: how.
-        cache: folder with one file a case; an interruption costs the cases under way only.
-        mapper: runs cases side by side.
-        report: called for every case as soon as its changes are there.
-
-    Raises:
-        InputError: a case cannot be driven, or the cache cannot be written.
-        SimulationError: SUMO failed, or a worker process died.
-    """
-    keyed = asdict(replace(plan, model=""))  # its digest tells it
-    keys = [entry_key([__name__], key, keyed) for key in recipe.keys(cases)]
-    places = [(case, file_of(cache, key, ".npz")) for case, key in zip(cases, keys, strict=True)]
-    return gather_files(places, partial(changes_of_case, recipe=recipe, plan=plan), CaseChanges, mapper, report)
+            found.append((tokens, ended_badly(result, time, plan.horizon)))
+    return CaseRisks.of(case.name, found, make_tokenizer(recipe.tokenizer).attributes)

@@ -1,4 +1,4 @@
-"""What a change monitor learns of lane changes, and the threshold from which it holds them back."""
+"""What a risk monitor learns of ticks and what came of them, and how its threshold is set."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -11,18 +11,18 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from roadmend.networks.encoder import Head, SceneEncoder
-from roadmend.repair.adreft.change_monitor import PREFIX, ChangeConfiguration, ChangeMonitor
-from roadmend.training.adreft.change_drives import CaseChanges
-from roadmend.training.adreft.change_settings import ChangeSettings
+from roadmend.repair.adreft.risk_monitor import RiskConfiguration, RiskMonitor
+from roadmend.training.adreft.case_risks import CaseRisks
 from roadmend.training.adreft.network import load_tensors, tensors_of
+from roadmend.training.adreft.risk_settings import RiskSettings
 from roadmend.training.adreft.stage import Tensors
 from roadmend.training.adreft.token_rows import TokenRows
 
 
-class _ChangeNetwork(nn.Module):
-    """An encoder of its own and a head, as ``repair.adreft.change_monitor`` has them."""
+class _RiskNetwork(nn.Module):
+    """An encoder of its own and a head, as ``repair.adreft.risk_monitor`` has them."""
 
-    def __init__(self, configuration: ChangeConfiguration, dropout: float) -> None:
+    def __init__(self, configuration: RiskConfiguration, dropout: float) -> None:
         super().__init__()
         self.encoder = SceneEncoder(configuration.encoder)
         self.head = Head(configuration.head_shape)
@@ -34,27 +34,29 @@ class _ChangeNetwork(nn.Module):
         return logit
 
 
-def learn_changes(
-    configuration: ChangeConfiguration,
-    settings: ChangeSettings,
-    changes: Sequence[CaseChanges],
+def learn_risks(
+    configuration: RiskConfiguration,
+    settings: RiskSettings,
+    cases: Sequence[CaseRisks],
     start: Mapping[str, NDArray[Any]],
+    prefix: str,
     seed: int,
     report: Callable[[int, float], None] = lambda _epoch, _loss: None,
 ) -> Tensors:
-    """The tensors of a change monitor, by the names that a model's file has.
+    """The tensors of a risk monitor, by the names that a model's file has.
 
     Args:
         configuration: of the monitor.
         settings: how it learns.
-        changes: of cases, at least one change in all.
+        cases: what to learn of, at least one tick in all.
         start: tensors with the encoder of the state monitor, with which its own begins.
+        prefix: of the names, "need." or "change.".
         seed: of weights and order.
         report: called after every epoch with its number, from 1, and its mean loss.
     """
-    rows, collided = _joined(changes), np.concatenate([entry.collided for entry in changes])
+    rows, collided = _joined(cases), np.concatenate([entry.collided for entry in cases])
     torch.manual_seed(seed)
-    network = _ChangeNetwork(configuration, settings.dropout)
+    network = _RiskNetwork(configuration, settings.dropout)
     load_tensors(network.encoder, start, "encoder.")
     optimizer = torch.optim.AdamW(network.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay)
     network.train()
@@ -74,21 +76,30 @@ def learn_changes(
             optimizer.step()
             total += loss.item() * len(batch)
         report(epoch + 1, total / len(rows))
-    return tensors_of(network, PREFIX)
+    return tensors_of(network, prefix)
 
 
-def risks_of(monitor: ChangeMonitor, changes: Sequence[CaseChanges]) -> NDArray[np.float64]:
-    """The risk that a monitor sees in each change, 0 .. 1."""
-    rows = _joined(changes)
+def risks_of(monitor: RiskMonitor, cases: Sequence[CaseRisks]) -> NDArray[np.float64]:
+    """The risk that a monitor sees in each tick of all cases, 0 .. 1."""
+    rows = _joined(cases)
     ends = zip(rows.offsets[:-1], rows.offsets[1:], strict=True)
     return np.array([monitor.risk(rows.tokens[begin:end].astype(np.float32)) for begin, end in ends])
 
 
-def threshold_of(risks: NDArray[np.float64], collided: NDArray[np.float32], held: float) -> float:
-    """The risk that a share ``held`` of the harmless changes is above."""
-    return float(np.quantile(risks[collided < 0.5], 1.0 - held))
+def threshold_by_ticks(risks: NDArray[np.float64], cases: Sequence[CaseRisks], share: float) -> float:
+    """The risk that a share of the harmless ticks is above."""
+    collided = np.concatenate([entry.collided for entry in cases])
+    return float(np.quantile(risks[collided < 0.5], 1.0 - share))
 
 
-def _joined(changes: Sequence[CaseChanges]) -> TokenRows:
-    counts = np.concatenate([entry.counts for entry in changes]).astype(np.int64)
-    return TokenRows(np.concatenate([entry.tokens for entry in changes]), np.concatenate([[0], np.cumsum(counts)]))
+def threshold_by_drives(risks: NDArray[np.float64], cases: Sequence[CaseRisks], share: float) -> float:
+    """The risk that is exceeded in a share of the harmless drives, of cases of one drive each."""
+    ends = np.cumsum([len(entry) for entry in cases])
+    drives = np.split(risks, ends[:-1])
+    worst = [drive.max(initial=0.0) for drive, entry in zip(drives, cases, strict=True) if not entry.collided.any()]
+    return float(np.quantile(worst, 1.0 - share))
+
+
+def _joined(cases: Sequence[CaseRisks]) -> TokenRows:
+    counts = np.concatenate([entry.counts for entry in cases]).astype(np.int64)
+    return TokenRows(np.concatenate([entry.tokens for entry in cases]), np.concatenate([[0], np.cumsum(counts)]))

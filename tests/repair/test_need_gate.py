@@ -1,0 +1,81 @@
+"""An intervention begins where the need monitor foresees a collision; how long it lasts is the score's affair."""
+
+import numpy as np
+import pytest
+
+from roadmend.repair.adreft.model import AdreftModel
+from roadmend.repair.adreft.need_gate import NEVER, NeedGate
+from roadmend.repair.adreft.risk_monitor import RiskMonitor
+from roadmend.repair.registry import make_repairer
+
+from .playground import Box, keep_on, scene_of, straight_route
+from .tiny_model import RISK, save_tiny_model
+
+TOKENS = np.zeros((1, 6), dtype=np.float32)
+SCENE = scene_of([Box(1, 12.0, 0.0, speed=0.0)])
+
+
+@pytest.fixture
+def file(tmp_path):
+    return save_tiny_model(tmp_path / "tiny.safetensors", threshold=0.0, need=RISK)
+
+
+@pytest.fixture
+def gate(file, monkeypatch):
+    """A gate at 0.5 and the risks that its monitor gives from now on."""
+    risks = []
+    monkeypatch.setattr(RiskMonitor, "risk", lambda _monitor, _tokens: risks.pop(0))
+    made = NeedGate(AdreftModel.load(file), -1.0)
+    made.reset()
+    return made, risks
+
+
+def test_what_is_not_needed_does_not_begin(gate):
+    made, risks = gate
+    risks += [0.2, 0.5, 0.6]
+    assert made.bar(0.9, 0.4, 0.4, TOKENS)[0] == NEVER
+    bar, reason = made.bar(0.9, 0.4, 0.4, TOKENS)
+    assert bar == NEVER
+    assert reason == "criticality 0.900, but not needed: risk 0.500 not above 0.500"
+    assert made.bar(0.9, 0.4, 0.4, TOKENS) == (0.4, "")
+    assert not risks
+
+
+def test_what_has_begun_is_not_asked_again_until_it_has_ended(gate):
+    made, risks = gate
+    risks += [0.6, 0.1]
+    assert made.bar(0.9, 0.4, 0.4, TOKENS)[0] == 0.4
+    assert made.bar(0.5, 0.4, 0.7, TOKENS)[0] == 0.7  # patience has raised the bar: that is no end
+    assert made.bar(0.8, 0.4, 0.7, TOKENS)[0] == 0.7
+    assert made.bar(0.4, 0.4, 0.4, TOKENS)[0] == 0.4
+    assert made.bar(0.9, 0.4, 0.4, TOKENS)[0] == NEVER
+    made.reset()
+    risks.append(0.9)
+    assert made.bar(0.9, 0.4, 0.4, TOKENS)[0] == 0.4
+
+
+def test_who_is_not_critical_is_not_asked_about(gate):
+    made, risks = gate
+    assert made.bar(0.3, 0.4, 0.4, TOKENS) == (0.4, "")
+    assert not risks
+
+
+@pytest.mark.parametrize("method", ["adreft", "gated"])
+def test_a_repair_waits_until_it_is_needed(file, method, monkeypatch):
+    def proposal(**parameters):
+        repairer = make_repairer(method, {"model": str(file), **parameters})
+        repairer.reset(straight_route())
+        return repairer.step(SCENE, keep_on(SCENE, action=0.3))
+
+    monkeypatch.setattr(RiskMonitor, "risk", lambda _monitor, _tokens: 0.3)
+    waits = proposal()
+    assert waits.threshold == NEVER
+    assert not waits.intervened
+    assert "not needed: risk 0.300" in waits.reason
+    assert proposal(need_threshold=0.2).threshold == 0.0
+    assert proposal(need_threshold=0.0).threshold == 0.0
+
+
+def test_a_model_without_need_monitor_needs_every_intervention(tmp_path):
+    made = NeedGate(AdreftModel.load(save_tiny_model(tmp_path / "plain.safetensors")), 0.9)
+    assert made.bar(0.9, 0.4, 0.4, TOKENS) == (0.4, "")

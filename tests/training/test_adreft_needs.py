@@ -1,0 +1,70 @@
+"""Where an intervention would begin, and what comes of it if nobody steps in."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+
+from roadmend.cli.main import main
+from roadmend.networks.checkpoint import find_model, load_checkpoint
+from roadmend.repair.adreft.model import AdreftModel
+from roadmend.training.adreft.case_risks import RiskPlan
+from roadmend.training.adreft.gathering import Recipe
+from roadmend.training.adreft.need_drives import LOWEST, needs_of_case
+from roadmend.world.corpus import corpus_of, save_corpus
+
+from .cases import Drawn
+
+SHIPPED = find_model("modular", "adreft-")
+MODEL = AdreftModel.load(SHIPPED)
+
+
+def found_of(case, *, plain=False, drives=1):
+    plan = RiskPlan("modular", "x", drives, 8.0, plain=plain, seed=0)
+    return needs_of_case(case, Recipe("modular", MODEL.configuration.tokenizer, 1), plan)
+
+
+def violation():
+    return corpus_of("modular").select("S3", "training", violation=True)[0]
+
+
+def test_critical_ticks_of_a_drive_that_ends_badly_are_kept_and_said_to():
+    found = found_of(violation())
+    assert found.tokens.shape[0] == found.counts.sum()
+    assert len(found) > 3
+    assert found.collided[-1] == 1.0
+    first = found.tokens[: found.counts[0]].astype(np.float32)
+    action = 0.0  # half precision moves the score a little, and so does the action
+    assert MODEL.score(MODEL.encode(first), action) > 0.1 * LOWEST
+
+
+def test_of_a_plain_drive_every_critical_tick_is_kept_else_a_third():
+    case = violation()
+    assert len(found_of(case)) < 0.5 * len(found_of(case, plain=True))
+
+
+def test_worlds_that_differ_are_driven_of_what_a_search_has_found_alone():
+    case = violation()
+    assert len(found_of(case, drives=2)) > len(found_of(case))
+    drawn = Drawn("S3", 3)
+    assert len(found_of(drawn, drives=2)) == len(found_of(drawn))
+
+
+def test_a_model_gets_a_monitor_of_need(tmp_path, capsys):
+    whole = corpus_of("modular")
+    corpus, out = tmp_path / "modular.jsonl", tmp_path / "needed.safetensors"
+    save_corpus(replace(whole, cases=tuple(whole.select("S3", "training", violation=True)[:3])), corpus)
+    words = ["train", "need", str(SHIPPED), "--policy", "modular", "--out", str(out), "--json", "--workers", "2"]
+    words += [word for each in ("random_cases=2", "validation_cases=4", "epochs=1") for word in ("--set", each)]
+    words += ["--set", 'families=["S3"]', "--corpus", str(corpus)]
+    assert main(words) == 0
+    told = json.loads(capsys.readouterr().out)
+    before, after = load_checkpoint(SHIPPED), load_checkpoint(out)
+    assert after.header["need"]["threshold"] == told["threshold"]
+    assert after.header["ancestry"][0] == before.digest
+    kept = [name for name in before.tensors if not name.startswith("need.")]
+    assert all(np.array_equal(before.tensors[name], after.tensors[name]) for name in kept)
+    assert AdreftModel.load(out).need is not None
+    first = out.read_bytes()
+    assert main(words) == 0  # what was driven is read again
+    assert out.read_bytes() == first
