@@ -40,4 +40,5 @@ class NeedSettings(RiskSettings):
     false_alarms: float = Field(
         0.15, gt=0.0, lt=1.0, description="share of the harmless ordinary drives that are stepped into"
     )
+    epochs: int = Field(3, ge=1, le=1000, description="more know what they saw by heart")
     batch: int = Field(128, ge=1, le=65_536, description="ticks a step")
