@@ -37,9 +37,10 @@ def test_what_is_longer_than_the_time_before_is_cut():
 
 def test_a_method_is_played_back_to_the_bit_and_nothing_is_done_without_blocks():
     scenario = sample_scenario("S4", 3).model_copy(update={"time_limit": 6.0})
-    result, blocks = blocks_of(scenario, make_policy("modular"), make_repairer("random", seed=1))
+    result, blocks, waits = blocks_of(scenario, make_policy("modular"), make_repairer("random", seed=1))
     assert sum(len(block.actions) for block in blocks) == result.interventions > 0
     assert len(blocks) == len(result.spells)
+    assert not waits.lengths
     again = run_episode(scenario, make_policy("modular"), BlockPlayer(blocks))
     assert (again.digest, again.interventions, again.dose) == (result.digest, result.interventions, result.dose)
     alone = run_episode(scenario, make_policy("modular"), make_repairer("none"))

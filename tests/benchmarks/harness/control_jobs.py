@@ -97,12 +97,13 @@ def _shuffled(job: ControlJob, setting: Setting) -> ControlResult:
     def method() -> Repairer:
         return make_repairer(setting.method, setting.parameters, case_seed(case))
 
-    result, blocks = blocks_of(scenario, make_policy(job.policy), method())
+    result, blocks, waits = blocks_of(scenario, make_policy(job.policy), method())
     wanted = EventKind.GOAL if case.is_violation else EventKind.COLLISION
     until = round(case.duration / INTERVAL)
     found = []
     for number in range(SHUFFLES if case.is_violation else 1):
-        player = BlockPlayer(shuffled(blocks, until, f"{case.name}:{number}"))
+        seed = f"{case.name}:{number}"
+        player = BlockPlayer(shuffled(blocks, until, seed), waits.player(seed))
         found.append(run_episode(scenario, make_policy(job.policy), player).outcome is wanted)
     share = None
     if case.is_violation:

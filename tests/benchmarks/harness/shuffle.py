@@ -1,12 +1,15 @@
 """The dose-matched shuffle: a method's own braking, block by block, at random times before the impact.
 
-What it fixes is what the amount of braking does without its timing.
+Lane changes are held back as often and as long as the method did, whichever they are.
+
+What it fixes is what the amount of braking and of waiting does without its timing.
 """
 
 import random
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from harness.waits import WaitPlayer, Waits
 from roadmend.core.command import Decision
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.interfaces import Policy, Repairer
@@ -33,8 +36,8 @@ class Block:
         return self.begin + len(self.actions)
 
 
-def blocks_of(scenario: Scenario, policy: Policy, repairer: Repairer) -> tuple[EpisodeResult, list[Block]]:
-    """What a method makes of an episode, and with which blocks.
+def blocks_of(scenario: Scenario, policy: Policy, repairer: Repairer) -> tuple[EpisodeResult, list[Block], Waits]:
+    """What a method makes of an episode, with which blocks, and which lane changes it held back.
 
     Raises:
         InputError: the scenario cannot be run.
@@ -43,8 +46,11 @@ def blocks_of(scenario: Scenario, policy: Policy, repairer: Repairer) -> tuple[E
     begins: list[int] = []
     actions: list[list[float]] = []
 
-    def watch(tick: Tick, _decision: Decision, repair: Repair) -> None:
-        if not repair.intervened:
+    waits = Waits()
+
+    def watch(tick: Tick, decision: Decision, repair: Repair) -> None:
+        waits.watch(asks=decision.command.change_lane, held=repair.held_back)
+        if not repair.change:
             return
         if not begins or begins[-1] + len(actions[-1]) != tick.number:
             begins.append(tick.number)
@@ -52,7 +58,7 @@ def blocks_of(scenario: Scenario, policy: Policy, repairer: Repairer) -> tuple[E
         actions[-1].append(repair.final_action)
 
     result = run_episode(scenario, policy, repairer, watch)
-    return result, [Block(begin, tuple(done)) for begin, done in zip(begins, actions, strict=True)]
+    return result, [Block(begin, tuple(done)) for begin, done in zip(begins, actions, strict=True)], waits
 
 
 def shuffled(blocks: Sequence[Block], until: int, seed: str) -> list[Block]:
@@ -80,8 +86,9 @@ class BlockPlayer:
 
     name = "shuffle"
 
-    def __init__(self, blocks: Sequence[Block]) -> None:
+    def __init__(self, blocks: Sequence[Block], waits: WaitPlayer | None = None) -> None:
         """Where blocks overlap the harder braking counts."""
+        self._waits = waits or WaitPlayer.idle()
         self._planned: dict[int, float] = {}
         for block in blocks:
             for tick, action in enumerate(block.actions, block.begin):
@@ -98,4 +105,7 @@ class BlockPlayer:
         del scene
         planned = self._planned.get(self._tick, 1.0)
         self._tick += 1
-        return played(decision.command, planned)
+        repair = played(decision.command, planned)
+        if not self._waits.holds(asks=decision.command.change_lane):
+            return repair
+        return replace(repair, command=replace(repair.command, change_lane=False), intervened=True, held_back=True)
