@@ -74,6 +74,15 @@ def test_rows_keep_the_commit_that_they_had():
     ]
 
 
+def test_what_the_plan_has_no_more_is_dropped():
+    whole, cases = table_of(measured())
+    fresh, fresh_cases = table_of(only(measured(), adreft=measured().results["adreft"]))
+    keep_cases(fresh, fresh_cases, whole, cases, DIGESTS, [name for name in ORDER if name != "rule"])
+    assert "rule" not in fresh["summary"]["modular"]
+    assert "rule" not in fresh_cases["modular"]["methods"]
+    assert "none" in fresh["summary"]["modular"]
+
+
 def test_other_cases_are_refused():
     whole, cases = table_of(measured())
     fresh, fresh_cases = table_of(only(measured(), adreft=measured().results["adreft"]))

@@ -30,7 +30,7 @@ def keep_cases(
         before: the earlier table.
         cases_before: its cases.
         digests: by policy, of each case's trajectory without repair: what the earlier table's row without repair must show.
-        order: of the methods.
+        order: of the methods; what is not in it is dropped.
 
     Raises:
         InputError: the two are not of the same cases.
@@ -44,7 +44,7 @@ def keep_cases(
         ]:
             mend = "measure all methods again, without --keep"
             raise InputError("--keep", f"the committed table has other cases of the policy {policy}", mend)
-        missing = [name for name in former["methods"] if name not in table["methods"]]
+        missing = [name for name in former["methods"] if name not in table["methods"] and name in order]
         kept.update(missing)
         table["methods"] |= {name: former["methods"][name] for name in missing}
         table["methods"] = _ordered(table["methods"], order)
@@ -72,12 +72,13 @@ def keep_ordinary(content: Content, before: Mapping[str, Any], order: Sequence[s
     """Add to what ordinary drives and prices came to what an earlier measurement has besides.
 
     By how much ADReFT leads at a price is known only where both were driven together: of what is kept it is not told.
+    Methods that are not in ``order`` are dropped.
     """
     kept: set[str] = set()
 
     def take(fresh: Content, policy: str, old: Mapping[str, Any]) -> None:
         methods = fresh.setdefault(policy, {})
-        missing = [name for name in old if name not in methods]
+        missing = [name for name in old if name not in methods and name in order]
         _take(methods, old, missing)
         kept.update(missing)
         fresh[policy] = _ordered(methods, order)
