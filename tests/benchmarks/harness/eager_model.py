@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.repair.adreft.model import AdreftModel
-from roadmend.training.adreft.network import AdreftNetwork, load_tensors
+from roadmend.training.adreft.network import AdreftNetwork, load_tensors, networks_of
 
 
 class EagerAdreftModel(AdreftModel):
@@ -25,7 +25,7 @@ class EagerAdreftModel(AdreftModel):
         super().__init__(configuration, tensors, threshold, digest)
         torch.set_num_threads(1)
         self._network = AdreftNetwork(configuration).eval()
-        load_tensors(self._network, tensors)
+        load_tensors(self._network, networks_of(tensors))
         self._count = 0
 
     @torch.inference_mode()

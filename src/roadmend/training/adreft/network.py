@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,8 @@ from roadmend.networks.encoder import Head, SceneEncoder
 from roadmend.repair.adreft.configuration import ModelConfiguration, read_configuration
 from roadmend.repair.adreft.model import KIND, AdreftModel
 from roadmend.training.closed_loop import EpisodeCase
+
+_PARTS = ("encoder", "monitor", "adapter")  # of an AdreftNetwork
 
 
 class AdreftNetwork(nn.Module):
@@ -65,6 +68,11 @@ def load_tensors(module: nn.Module, tensors: Mapping[str, NDArray[Any]], prefix:
     )
 
 
+def networks_of(tensors: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """The tensors of a model's file that AdreftNetwork takes: all but those of risk monitors."""
+    return {name: value for name, value in tensors.items() if name.partition(".")[0] in _PARTS}
+
+
 def save_model(
     path: Path, model: ModelConfiguration, tensors: Mapping[str, NDArray[Any]], threshold: float, **header: Any
 ) -> str:
@@ -79,7 +87,7 @@ def save_model(
 
 
 def load_start(path: Path, wanted: ModelConfiguration) -> Checkpoint:
-    """A model of ADReFT to begin a training with.
+    """A model of ADReFT to begin a training with, without its risk monitors: they are of the model as it was.
 
     Raises:
         InputError: it cannot be read, or has other networks than are wanted.
@@ -95,7 +103,7 @@ def load_start(path: Path, wanted: ModelConfiguration) -> Checkpoint:
     ):
         mend = "give a model of the same configuration, or begin without one"
         raise InputError(str(path), "has other networks than the configuration asks for", mend)
-    return checkpoint
+    return replace(checkpoint, tensors=networks_of(checkpoint.tensors))
 
 
 def digest_of_cases(cases: Sequence[EpisodeCase]) -> str:
