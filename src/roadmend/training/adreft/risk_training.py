@@ -1,6 +1,7 @@
 """A model of ADReFT gets a risk monitor; its other networks stay as they are."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
 from roadmend.measures.monitor import separation_of
-from roadmend.networks.checkpoint import load_checkpoint
+from roadmend.networks.checkpoint import find_model, load_checkpoint
 from roadmend.repair.adreft.configuration import read_configuration
 from roadmend.repair.adreft.model import KIND, AdreftModel
 from roadmend.repair.adreft.risk_monitor import RiskConfiguration, RiskMonitor
@@ -36,11 +37,12 @@ class RiskKind:
     settings: type[RiskSettings]
     drive: RiskDrive
     threshold: Callable[[NDArray[np.float64], Sequence[CaseRisks], float], float]  # of risks, cases, false alarms
+    is_shared: bool  # what is gathered of a policy under its own model serves the models of others as well
 
 
 KINDS = {
-    "need": RiskKind("need", "moments", NeedSettings, needs_of_case, threshold_by_drives),
-    "changes": RiskKind("change", "lane changes", ChangeSettings, changes_of_case, threshold_by_ticks),
+    "need": RiskKind("need", "moments", NeedSettings, needs_of_case, threshold_by_drives, is_shared=True),
+    "changes": RiskKind("change", "lane changes", ChangeSettings, changes_of_case, threshold_by_ticks, is_shared=False),
 }
 
 
@@ -92,6 +94,14 @@ def train_risk_monitor(
     AdreftModel.of(checkpoint, str(model))  # whatever does not fit is said here
     before = read_configuration(str(model), checkpoint.header)
 
+    def model_of(driver: RepairedPolicy) -> tuple[str, str]:
+        """Whose ticks are looked at: the model's, but of another policy's drives those of its own, where it has one."""
+        if kind.is_shared and driver is not drivers[0]:
+            with suppress(InputError):
+                shipped = find_model(driver.policy, "adreft-")
+                return str(shipped), load_checkpoint(shipped, KIND).digest
+        return str(model), checkpoint.digest
+
     def gather(driver: RepairedPolicy, cases: Sequence[EpisodeCase], what: str, *, plain: bool) -> list[CaseRisks]:
         chosen = [case for case in cases if case.family in settings.families]
         done: list[CaseRisks] = []
@@ -101,9 +111,7 @@ def train_risk_monitor(
             judged, bad = sum(map(len, done)), sum(int(each.collided.sum()) for each in done)
             report(f"{what}: {driver.policy}", len(done), len(chosen), f"{judged} {kind.what}, {bad} end badly")
 
-        plan = RiskPlan(
-            str(model), checkpoint.digest, settings.searched_drives, settings.horizon, plain=plain, seed=seed
-        )
+        plan = RiskPlan(*model_of(driver), settings.searched_drives, settings.horizon, plain=plain, seed=seed)
         recipe = Recipe(driver.policy, before.tokenizer, 1)
         return gather_risks(kind.drive, chosen, recipe, plan, work, mapper, count)
 
