@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from roadmend.repair.adreft.model import AdreftModel
 from roadmend.training.adreft.case_risks import RiskPlan
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.adreft.need_drives import LOWEST, needs_of_case
+from roadmend.training.adreft.risk_training import KINDS, model_beside
 from roadmend.world.corpus import corpus_of, save_corpus
 
 from .cases import Drawn
@@ -48,6 +50,13 @@ def test_worlds_that_differ_are_driven_of_what_a_search_has_found_alone():
     assert len(found_of(case, drives=2)) > len(found_of(case))
     drawn = Drawn("S3", 3)
     assert len(found_of(drawn, drives=2)) == len(found_of(drawn))
+
+
+def test_further_policies_are_looked_at_by_their_own_models():
+    mine = Path("mine.safetensors")
+    assert model_beside(KINDS["need"], "neural", mine) == find_model("neural", "adreft-")
+    assert model_beside(KINDS["need"], "ego_mlp", mine) == mine  # for which none ships
+    assert model_beside(KINDS["changes"], "neural", mine) == mine  # it repairs those drives
 
 
 def test_a_model_gets_a_monitor_of_need(tmp_path, capsys):

@@ -59,6 +59,20 @@ class LearnedRisks:
     caught: float | None  # share of those that ended badly on validation that are above the threshold
 
 
+def model_beside(kind: RiskKind, policy: str, model: Path) -> Path:
+    """The model that finds the ticks of the drives of a further policy: ``model``, or where that serves all its own one.
+
+    Args:
+        kind: of the monitor.
+        policy: name of the further policy; one that has no model shipped is looked at by ``model``.
+        model: that gets the monitor.
+    """
+    if kind.is_shared:
+        with suppress(InputError):
+            return find_model(policy, "adreft-")
+    return model
+
+
 def train_risk_monitor(
     kind: RiskKind,
     model: Path,
@@ -94,14 +108,6 @@ def train_risk_monitor(
     AdreftModel.of(checkpoint, str(model))  # whatever does not fit is said here
     before = read_configuration(str(model), checkpoint.header)
 
-    def model_of(driver: RepairedPolicy) -> tuple[str, str]:
-        """Whose ticks are looked at: the model's, but of another policy's drives those of its own, where it has one."""
-        if kind.is_shared and driver is not drivers[0]:
-            with suppress(InputError):
-                shipped = find_model(driver.policy, "adreft-")
-                return str(shipped), load_checkpoint(shipped, KIND).digest
-        return str(model), checkpoint.digest
-
     def gather(driver: RepairedPolicy, cases: Sequence[EpisodeCase], what: str, *, plain: bool) -> list[CaseRisks]:
         chosen = [case for case in cases if case.family in settings.families]
         done: list[CaseRisks] = []
@@ -111,7 +117,9 @@ def train_risk_monitor(
             judged, bad = sum(map(len, done)), sum(int(each.collided.sum()) for each in done)
             report(f"{what}: {driver.policy}", len(done), len(chosen), f"{judged} {kind.what}, {bad} end badly")
 
-        plan = RiskPlan(*model_of(driver), settings.searched_drives, settings.horizon, plain=plain, seed=seed)
+        looks = model if driver is drivers[0] else model_beside(kind, driver.policy, model)
+        digest = load_checkpoint(looks, KIND).digest
+        plan = RiskPlan(str(looks), digest, settings.searched_drives, settings.horizon, plain=plain, seed=seed)
         recipe = Recipe(driver.policy, before.tokenizer, 1)
         return gather_risks(kind.drive, chosen, recipe, plan, work, mapper, count)
 
