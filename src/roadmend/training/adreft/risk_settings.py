@@ -37,6 +37,11 @@ class NeedSettings(RiskSettings):
     """Of a need monitor."""
 
     random_cases: int = Field(500, ge=1, le=100_000, description="scenarios drawn at random for each family and policy")
-    false_alarms: float = Field(0.2, gt=0.0, lt=1.0, description="share of the harmless ordinary drives with an alarm")
+    false_alarms: float = Field(
+        0.3,
+        gt=0.0,
+        lt=1.0,
+        description="share of the harmless ordinary drives with an alarm; a threshold of the score leaves fewer",
+    )
     epochs: int = Field(2, ge=1, le=1000, description="more know what they saw by heart")
     batch: int = Field(128, ge=1, le=65_536, description="ticks a step")
