@@ -34,7 +34,7 @@ def _repair(content: Mapping[str, Any], cases: Mapping[str, Any]) -> Iterator[li
     for policy, methods in content["summary"].items():
         own = methods["adreft"]
         where = f"{policy} policy, {own['violations']} persistent violations, {own['successes']} successes"
-        shown = [("adreft", "ΔE of"), ("eager", "ΔE of")]
+        shown = [("adreft", "ΔE of"), ("always_needed", "ΔE of")]
         shown.append((max(_RIVALS, key=lambda rival: methods[rival]["delta_e"]), "best rival,"))
         for name, title in shown:
             found = methods[name]
