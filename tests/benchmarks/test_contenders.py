@@ -75,7 +75,7 @@ def test_a_monitor_can_be_another_method_than_its_name_says(tmp_path):
         shutil.copyfile(CONFIG / "models" / f"{name}.safetensors", folder / "models" / f"{name}.safetensors")
     watched = resolve_monitors(plan, folder, "modular", plan.monitors)
     assert [each.name for each in watched] == ["adreft", "adreft_precaution", "rule", "model", "rss", "predictive"]
-    assert [each.title for each in watched[:3]] == ["ADReFT, state monitor", "ADReFT, precaution too", "RuleRepair"]
+    assert [each.title for each in watched[:3]] == ["ADReFT, where it steps in", "ADReFT, precaution too", "RuleRepair"]
     assert [each.model.stem for each in watched[:2]] == ["adreft-modular", "adreft-precaution-modular"]
     assert watched[1].key == resolve(plan, folder, "modular", ["precaution"])[0][0].key
 

@@ -35,7 +35,7 @@ def test_a_policy_without_a_model():
 
 @pytest.mark.parametrize(
     ("method", "file", "threshold"),
-    [("adreft", "adreft-neural", 0.4), ("gated", "adreft-neural", 0.4), ("model", "self_oracle-neural", None)],
+    [("adreft", "adreft-neural", 0.3), ("gated", "adreft-neural", 0.3), ("model", "self_oracle-neural", None)],
 )
 def test_a_model_by_name_has_the_digest_of_what_was_loaded(method, file, threshold):
     known = of_method(method, model="neural")
