@@ -3,7 +3,6 @@
 import hashlib
 import io
 import json
-import shutil
 from pathlib import Path
 
 import pytest
@@ -17,6 +16,7 @@ from roadmend.nodes.launcher import run_graph
 from roadmend.policies.registry import make_policy
 from roadmend.recording.reader import BagReader
 from roadmend.repair.registry import make_repairer
+from roadmend.training.adreft.adjusting import adjust
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario_file import load_scenario
 from tests.core.own_code import METHOD, POLICY
@@ -84,7 +84,7 @@ def test_a_parameter_file_decides_who_drives_and_repairs(driven, scenario, tmp_p
 
 def test_another_model_and_another_scenario_by_the_command_line(driven, scenario_file, tmp_path):
     model = tmp_path / "mine.safetensors"
-    shutil.copy(MODELS / "adreft-neural.safetensors", model)
+    adjust(MODELS / "adreft-neural.safetensors", model, 0.4, {}, "")
     other = scenario_file("S1", 4, time_limit=3.0)
     words = ["-p", f"adreft.model:={model}", "-p", "method:=adreft", "-p", f"sim_node:scenario:={other}"]
     result, record, states = driven(*words, "-p", "modular.headway:=2.5", tuned=True)
