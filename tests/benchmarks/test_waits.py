@@ -1,6 +1,8 @@
 """Waiting as often and as long as a method did, whatever the scene."""
 
+from harness.shuffle import BlockPlayer
 from harness.waits import WaitPlayer, Waits
+from roadmend.core.command import Command, Decision, Trajectory
 
 
 def watched(text):
@@ -43,3 +45,14 @@ def test_a_request_that_is_given_up_is_drawn_anew():
     assert player.holds(asks=True)
     assert not player.holds(asks=False)
     assert player.holds(asks=True)
+
+
+def test_the_shuffle_holds_back_what_is_drawn_and_moves_no_pedal():
+    player = BlockPlayer([], watched("h").player("x"))
+    player.reset(None)
+    asked = Decision(Command.from_action(0.3, change_lane=True), Trajectory.empty())
+    repair = player.step(None, asked)
+    assert repair.held_back
+    assert not repair.command.change_lane
+    assert (repair.change, repair.final_action) == (0.0, asked.command.action)
+    assert not BlockPlayer([]).step(None, asked).held_back

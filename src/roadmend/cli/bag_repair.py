@@ -11,7 +11,7 @@ from rich.table import Table
 from roadmend import __version__
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import DROVE, METHOD_NAME, REPAIR_SEED
-from roadmend.cli.options import JSON, PATH, Number, options_of
+from roadmend.cli.options import JSON, PATH, Number, options_of, setting_option
 from roadmend.cli.output import OUTCOME_STYLES, Waiting, wide_console
 from roadmend.core.bounds import ARGUMENT
 from roadmend.core.episode_result import EpisodeResult
@@ -69,13 +69,7 @@ class RepairOptions:
     method: Annotated[str, click.option("--repair", "method", required=True, type=METHOD_NAME)]
     settings: Annotated[
         tuple[str, ...],
-        click.option(
-            "--set",
-            "settings",
-            multiple=True,
-            metavar="NAME=VALUE",
-            help="Parameter of the method (see config/repair); may be repeated.",
-        ),
+        setting_option("Parameter of the method (see config/repair)"),
     ]
     model: Annotated[
         Path | None, click.option("--model", type=PATH, help="Model file of the method; short for --set model=FILE.")

@@ -108,6 +108,11 @@ def settings_file(help_text: str) -> Callable[[Callable[..., Any]], Callable[...
     return click.option("--config", "file", type=FILE, help=help_text)
 
 
+def setting_option(help_text: str, metavar: str = "NAME=VALUE") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """The option that sets one value by name; it may be repeated, and arrives as ``settings``."""
+    return click.option("--set", "settings", multiple=True, metavar=metavar, help=f"{help_text}; may be repeated.")
+
+
 def options_of(kind: type[Settings], name: str = "given") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Options of a command as one object; further options stay arguments of their own.
 

@@ -11,7 +11,19 @@ import click
 
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import POLICY, POLICY_CORPUS, POLICY_NAME
-from roadmend.cli.options import DEVICE, FILE, FOLDER, JSON, MODEL_OUT, SEED, WORKERS, Number, options_of, settings_file
+from roadmend.cli.options import (
+    DEVICE,
+    FILE,
+    FOLDER,
+    JSON,
+    MODEL_OUT,
+    SEED,
+    WORKERS,
+    Number,
+    options_of,
+    setting_option,
+    settings_file,
+)
 from roadmend.cli.output import stages, told_stages
 from roadmend.core.bounds import ARGUMENT
 from roadmend.core.errors import InputError
@@ -121,13 +133,7 @@ class AdreftOptions:
     ]
     settings: Annotated[
         tuple[str, ...],
-        click.option(
-            "--set",
-            "settings",
-            multiple=True,
-            metavar="SECTION.NAME=VALUE",
-            help="Hyper-parameter in the place of the file's; may be repeated.",
-        ),
+        setting_option("Hyper-parameter in the place of the file's", "SECTION.NAME=VALUE"),
     ]
     out: Annotated[Path, MODEL_OUT]
     seed: Annotated[int, SEED]
@@ -221,13 +227,7 @@ def adreft(given: AdreftOptions) -> None:
 )
 @click.argument("model", type=FILE)
 @click.option("--threshold", type=Number(0.0, 1.0), help="Above which it steps in.  [default: as it is]")
-@click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="Rule of deciding in the place of the model's: hold, clear, interval, longest, ...; may be repeated.",
-)
+@setting_option("Rule of deciding in the place of the model's: hold, clear, interval, longest, ...")
 @MODEL_OUT
 @JSON
 def adjust(model: Path, threshold: float | None, settings: tuple[str, ...], out: Path, *, as_json: bool) -> None:

@@ -9,7 +9,7 @@ import click
 
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import POLICY, POLICY_CORPUS, POLICY_NAME
-from roadmend.cli.options import FILE, FOLDER, JSON, MODEL_OUT, SEED, WORKERS, options_of
+from roadmend.cli.options import FILE, FOLDER, JSON, MODEL_OUT, SEED, WORKERS, options_of, setting_option
 from roadmend.cli.output import told_stages
 from roadmend.cli.train import driver_of, setting
 from roadmend.core.errors import InputError
@@ -33,13 +33,7 @@ class MonitorOptions:
     ]
     settings: Annotated[
         tuple[str, ...],
-        click.option(
-            "--set",
-            "settings",
-            multiple=True,
-            metavar="NAME=VALUE",
-            help="Hyper-parameter: epochs, false_alarms, ...; may be repeated.",
-        ),
+        setting_option("Hyper-parameter: epochs, false_alarms, ..."),
     ]
     out: Annotated[Path, MODEL_OUT]
     seed: Annotated[int, SEED]

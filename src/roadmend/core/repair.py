@@ -1,8 +1,9 @@
 """What a repair is: the command that goes to the vehicle and the account of how it came about."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
+from typing import Self
 
 from roadmend.core.command import Command
 from roadmend.core.tick import INTERVAL
@@ -60,6 +61,10 @@ class Repair:
     worth: float | None = None  # by how much the proposed action is judged better than leaving the policy alone, in
     # prices of a collision; None where the method judges no worth, which is not the same as none
     held_back: bool = False  # whether the merger held back a lane change that the policy asked for
+
+    def without_lane_change(self) -> Self:
+        """The same, with the lane change that the policy asked for held back."""
+        return replace(self, command=replace(self.command, change_lane=False), intervened=True, held_back=True)
 
     @property
     def change(self) -> float:

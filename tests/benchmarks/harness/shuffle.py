@@ -7,7 +7,7 @@ What it fixes is what the amount of braking and of waiting does without its timi
 
 import random
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from harness.waits import WaitPlayer, Waits
 from roadmend.core.command import Decision
@@ -108,4 +108,4 @@ class BlockPlayer:
         repair = played(decision.command, planned)
         if not self._waits.holds(asks=decision.command.change_lane):
             return repair
-        return replace(repair, command=replace(repair.command, change_lane=False), intervened=True, held_back=True)
+        return repair.without_lane_change()

@@ -23,10 +23,11 @@ from roadmend.repair.parameters import AdreftParameters
 class AdreftRepair:
     """Proposes the action of greatest value; steps in where the score is above the threshold.
 
-    An intervention begins only where it is needed, where its model has a monitor of that. Lane changes whose risk is above a threshold of their own it holds back, where its model has a monitor of them.
+    An intervention begins only where it is needed, where its model has a monitor of that. Lane changes whose risk is above
+    a threshold of their own it holds back, where its model has a monitor of them.
     Score: y_safe, or how due an intervention is by its worth where that is more; threshold: lambda_safe of the model,
-    or what was given instead, raised where patience has ended or nothing is needed. A trigger's weight is the share of attention that the
-    participant's tokens drew in the encoder's last layer.
+    or what was given instead, raised where patience has ended or nothing is needed. A trigger's weight is the share of
+    attention that the participant's tokens drew in the encoder's last layer.
     """
 
     name = "adreft"

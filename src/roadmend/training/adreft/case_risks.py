@@ -1,10 +1,10 @@
 """What risk monitors learn of: ticks of the drives of a case, and whether they ended badly. On disk as one .npz file."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,8 @@ from roadmend.core.journal import entry_key, file_of
 from roadmend.repair.adreft.tokenizer import TokenSet
 from roadmend.training.adreft.gathering import Recipe, gather_files
 from roadmend.training.closed_loop import EpisodeCase
+from roadmend.world.simulation import Simulation
+from roadmend.world.variation import Spread
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,7 +33,7 @@ class CaseRisks(ArrayRecord):
         return len(self.counts)
 
     @classmethod
-    def of(cls, name: str, found: Sequence[tuple[TokenSet, bool]], attributes: int) -> "CaseRisks":
+    def of(cls, name: str, found: Sequence[tuple[TokenSet, bool]], attributes: int) -> Self:
         """Ticks with what came of them.
 
         Args:
@@ -69,6 +71,20 @@ class RiskDrive(Protocol):
             InputError: the scenario or the model is unusable.
             SimulationError: SUMO failed.
         """
+
+
+def worlds_of(case: EpisodeCase, plan: RiskPlan) -> Iterator[tuple[int, Simulation]]:
+    """The worlds in which a case is driven, with their numbers: 0 as it is, the others varied; one of a case undriven yet.
+
+    Raises:
+        InputError: the scenario cannot be run.
+        SimulationError: SUMO failed.
+    """
+    for number in range(plan.drives if case.digest else 1):
+        with Simulation(case.scenario()) as simulation:
+            if number:
+                simulation.vary(number, Spread())
+            yield number, simulation
 
 
 def ended_badly(result: EpisodeResult, time: float, horizon: float) -> bool:

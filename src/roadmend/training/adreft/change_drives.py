@@ -20,12 +20,10 @@ from roadmend.policies.registry import make_policy
 from roadmend.repair.adreft.registry import make_tokenizer
 from roadmend.repair.adreft.tokenizer import Tokenizer, TokenSet
 from roadmend.repair.registry import make_repairer
-from roadmend.training.adreft.case_risks import CaseRisks, RiskPlan, ended_badly
+from roadmend.training.adreft.case_risks import CaseRisks, RiskPlan, ended_badly, worlds_of
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.closed_loop import EpisodeCase
 from roadmend.world.runner import drive
-from roadmend.world.simulation import Simulation
-from roadmend.world.variation import Spread
 
 _BESIDE = 1.8  # [m] from the ego's axis on, others are beside its lane
 _SHARES = (0.0, 0.3, 0.6)  # of requests held back, and of those beside that are overlooked; one is drawn for each drive
@@ -57,7 +55,7 @@ class CarelessPolicy:
         return decision
 
 
-class _Watch:
+class _BegunChanges:
     """A repairer that holds lane changes back at random and keeps the tokens of those that it lets through."""
 
     def __init__(self, repairer: Repairer, tokenizer: Tokenizer, share: float, numbers: random.Random) -> None:
@@ -77,7 +75,7 @@ class _Watch:
         if not repair.command.change_lane:
             return repair
         if self._numbers.random() < self._share:
-            return replace(repair, command=replace(repair.command, change_lane=False), intervened=True, held_back=True)
+            return repair.without_lane_change()
         self.begun.append((scene.time, tokens))
         return repair
 
@@ -94,15 +92,12 @@ def changes_of_case(case: EpisodeCase, recipe: Recipe, plan: RiskPlan) -> CaseRi
     policy = make_policy(recipe.policy)
     repairer = make_repairer("adreft", {"model": plan.model, "change_threshold": 1.0})
     found: list[tuple[TokenSet, bool]] = []
-    for number in range(plan.drives if case.digest else 1):
+    for number, simulation in worlds_of(case, plan):
         numbers = random.Random(f"{plan.seed}:{case.name}:{number}")
         is_plain = plan.plain or (bool(case.digest) and number == 0)
         held, overlooked = (0.0, 0.0) if is_plain else (numbers.choice(_SHARES), numbers.choice(_SHARES))
-        watch = _Watch(repairer, make_tokenizer(recipe.tokenizer), held, numbers)
-        with Simulation(case.scenario()) as simulation:
-            if number:
-                simulation.vary(number, Spread())
-            result = drive(simulation, CarelessPolicy(policy, overlooked, numbers.randrange(997)), watch)
+        watch = _BegunChanges(repairer, make_tokenizer(recipe.tokenizer), held, numbers)
+        result = drive(simulation, CarelessPolicy(policy, overlooked, numbers.randrange(997)), watch)
         for time, tokens in watch.begun:
             found.append((tokens, ended_badly(result, time, plan.horizon)))
     return CaseRisks.of(case.name, found, make_tokenizer(recipe.tokenizer).attributes)

@@ -10,18 +10,16 @@ from roadmend.policies.registry import make_policy
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.adreft.tokenizer import TokenSet
 from roadmend.repair.registry import make_repairer
-from roadmend.training.adreft.case_risks import CaseRisks, RiskPlan, ended_badly
+from roadmend.training.adreft.case_risks import CaseRisks, RiskPlan, ended_badly, worlds_of
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.closed_loop import EpisodeCase
 from roadmend.world.runner import drive
-from roadmend.world.simulation import Simulation
-from roadmend.world.variation import Spread
 
 LOWEST = 0.05  # score from which on an intervention may begin: far below any threshold that was ever of use
 _EVERY = 3  # at most every so many-th tick of a drive is learned from; neighbours tell the same
 
 
-class _Watch:
+class _CriticalTicks:
     """A repairer that repairs nothing and keeps ticks at which the model's state monitor finds the scene critical."""
 
     name = "none"
@@ -58,11 +56,8 @@ def needs_of_case(case: EpisodeCase, recipe: Recipe, plan: RiskPlan) -> CaseRisk
     policy = make_policy(recipe.policy)
     model = AdreftModel.load(find_model(plan.model, "adreft-"))
     found: list[tuple[TokenSet, bool]] = []
-    for number in range(plan.drives if case.digest else 1):
-        watch = _Watch(model, make_repairer("none"), 1 if plan.plain else _EVERY)
-        with Simulation(case.scenario()) as simulation:
-            if number:
-                simulation.vary(number, Spread())
-            result = drive(simulation, policy, watch)
+    for _, simulation in worlds_of(case, plan):
+        watch = _CriticalTicks(model, make_repairer("none"), 1 if plan.plain else _EVERY)
+        result = drive(simulation, policy, watch)
         found += [(tokens, ended_badly(result, time, plan.horizon)) for time, tokens in watch.kept]
     return CaseRisks.of(case.name, found, model.tokenizer().attributes)
