@@ -17,7 +17,7 @@ import os, sys, time
 from roadmend.core.fanout import fan_out
 
 def work(_number):
-    print(os.getpid(), flush=True)
+    os.write(1, f"{os.getpid()}\\n".encode())  # at once: a print's number and its newline may come apart
     time.sleep(600.0)
 
 if __name__ == "__main__":
