@@ -55,6 +55,11 @@ def test_a_pulse_begins_with_the_choice_of_its_own_tick(drive):
     assert stale[5].action == ACTIONS[IDLE]
 
 
+def test_an_opening_brakes_in_full_before_the_choice_is_asked(drive):
+    _, proposals = drive([0.1] * 2 + [0.9] * 6 + [0.1], [4] * 9, opening=0.2)
+    assert [each.action for each in proposals] == [ACTIONS[4]] * 2 + [-1.0] * 4 + [ACTIONS[4]] * 3
+
+
 def test_after_a_pulse_the_choice_is_made_anew(drive):
     choices = [FULL] * 6 + [4] * 12 + [5] * 40
     braking, proposals = drive([0.9] * 40, choices, **PULSE)

@@ -65,12 +65,14 @@ def test_a_model_gets_a_monitor_of_need(tmp_path, capsys):
     save_corpus(replace(whole, cases=tuple(whole.select("S3", "training", violation=True)[:3])), corpus)
     words = ["train", "need", str(SHIPPED), "--policy", "modular", "--out", str(out), "--json", "--workers", "2"]
     words += [word for each in ("random_cases=2", "validation_cases=4", "epochs=1") for word in ("--set", each)]
-    words += ["--set", 'families=["S3"]', "--corpus", str(corpus)]
+    words += ["--set", 'families=["S3"]', "--corpus", str(corpus), "--also", "ego_mlp"]
     assert main(words) == 0
     told = json.loads(capsys.readouterr().out)
     before, after = load_checkpoint(SHIPPED), load_checkpoint(out)
     assert after.header["need"]["threshold"] == told["threshold"]
     assert after.header["ancestry"][0] == before.digest
+    assert [*after.header["need"]["drivers"]] == ["modular", "ego_mlp"]
+    assert after.header["need"]["drivers"]["ego_mlp"]["corpus"] == ""  # none ships: its random drives alone
     kept = [name for name in before.tensors if not name.startswith("need.")]
     assert all(np.array_equal(before.tensors[name], after.tensors[name]) for name in kept)
     assert AdreftModel.load(out).need is not None

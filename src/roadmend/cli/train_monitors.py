@@ -16,8 +16,10 @@ from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
 from roadmend.core.settings import check_settings
 from roadmend.repair.adreft.model import AdreftModel
+from roadmend.search.policy_model import policy_model
 from roadmend.training.adreft.risk_training import KINDS, LearnedRisks, RiskKind, train_risk_monitor
-from roadmend.world.corpus import corpus_of
+from roadmend.training.adreft.stage import RepairedPolicy
+from roadmend.world.corpus import corpus_of, has_corpus
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,12 @@ class MonitorOptions:
     corpus_file: Annotated[Path | None, POLICY_CORPUS]
     also: Annotated[
         tuple[str, ...],
-        click.option("--also", type=POLICY_NAME, multiple=True, help="Learn of this policy's drives too; repeatable."),
+        click.option(
+            "--also",
+            type=POLICY_NAME,
+            multiple=True,
+            help="Learn of this policy's drives too, of random ones alone where no corpus ships; repeatable.",
+        ),
     ]
     settings: Annotated[
         tuple[str, ...],
@@ -88,7 +95,7 @@ def _train(name: str, given: MonitorOptions) -> None:
     }
     read = check_settings(named, kind.settings, "--set", f"see ./roadmend train {name} --help")
     AdreftModel.load(given.model)  # a file that is none is refused before anybody starts to drive
-    corpora = [corpus_of(given.policy, given.corpus_file), *map(corpus_of, given.also)]
+    drivers = [driver_of(corpus_of(given.policy, given.corpus_file)), *map(_driver_beside, given.also)]
     command = f"./roadmend train {name} {given.model.name} --policy {given.policy}"
     command += "".join(f" --also {other}" for other in given.also)
     command += "".join(f" --set {each}" for each in given.settings)
@@ -97,7 +104,7 @@ def _train(name: str, given: MonitorOptions) -> None:
             kind,
             given.model,
             given.out,
-            [*map(driver_of, corpora)],
+            drivers,
             read,
             seed=given.seed,
             mapper=mapper,
@@ -109,6 +116,13 @@ def _train(name: str, given: MonitorOptions) -> None:
         click.echo(json.dumps({"model": str(given.out), **asdict(learned)}, indent=2))
     else:
         _say(given.out, kind, learned)
+
+
+def _driver_beside(policy: str) -> RepairedPolicy:
+    """A further policy, with its training cases where a corpus of it ships."""
+    if has_corpus(policy):
+        return driver_of(corpus_of(policy))
+    return RepairedPolicy(policy, policy_model(policy) or "", "", ())
 
 
 def _say(out: Path, kind: RiskKind, learned: LearnedRisks) -> None:

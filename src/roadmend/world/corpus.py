@@ -232,17 +232,26 @@ def load_corpus(path: Path) -> Corpus:
 _HEADER = ("policy", "model", "roadmend", "command", "plan", "spaces", "dropped", "fleeting", "cases")
 
 
+def has_corpus(policy: str) -> bool:
+    """Whether a corpus of the policy ships."""
+    return _shipped(policy).is_file()
+
+
 def corpus_of(policy: str, file: Path | None = None) -> Corpus:
     """A policy's corpus: that of a file, or the one that ships.
 
     Raises:
         InputError: there is none, it is damaged, or it is of another policy.
     """
-    path = file or config_folder() / "corpora" / f"{policy}.jsonl"
+    path = file or _shipped(policy)
     corpus = load_corpus(path)
     if corpus.policy != policy:
         raise InputError(str(path), f"is a corpus of the policy '{corpus.policy}'", f"give one of '{policy}'")
     return corpus
+
+
+def _shipped(policy: str) -> Path:
+    return config_folder() / "corpora" / f"{policy}.jsonl"
 
 
 def _parse_header(path: Path, line: str) -> dict[str, Any]:

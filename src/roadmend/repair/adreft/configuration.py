@@ -37,6 +37,9 @@ class Deciding(Parameters):
     clear: float = Field(
         0.0, ge=0.0, le=2.0, description="how long the score must be low before release [s]; the paper's is 0"
     )
+    opening: float = Field(
+        0.0, ge=0.0, le=2.0, description="seconds of full braking with which an intervention begins; the paper's is 0"
+    )
     fresh: bool = Field(
         default=False,
         description="a choice is made when an intervention begins and every `interval` ticks from there, and ends it "

@@ -15,6 +15,7 @@ from roadmend.repair.adreft.attention import attended
 from roadmend.repair.adreft.change_gate import ChangeGate
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.adreft.need_gate import NeedGate
+from roadmend.repair.adreft.opening import Opening
 from roadmend.repair.adreft.patience import Patience
 from roadmend.repair.latch import Latch
 from roadmend.repair.parameters import AdreftParameters
@@ -55,6 +56,7 @@ class AdreftRepair:
         self._numbers = random.Random(f"{seed}:")
         configuration = self.model.configuration
         self._latch = Latch(configuration.hold, configuration.clear)
+        self._opening = Opening(configuration.opening)
         self._patience = Patience(configuration.longest, configuration.standstill)
         self._held = 0  # ticks for which the last choice has held, 0 where it is time for another
         self._action = ACTIONS[0]
@@ -63,6 +65,7 @@ class AdreftRepair:
         """Begin an episode on ``route``."""
         self._tokenizer.reset(route)
         self._latch.reset()
+        self._opening.reset()
         self._patience.reset()
         self._need.reset()
         self._held, self._action = 0, ACTIONS[0]
@@ -95,9 +98,10 @@ class AdreftRepair:
             triggers = attended(self.model.attention, tokens, scene)
             what = "criticality" if alarmed else "precaution: worth"
             reason = f"{what} {score:.3f} above {bar:.3f}"
-        worth = self.model.worth(values, asked, ACTIONS.index(self._action))
-        proposal = Proposal(score, bar, self._action, triggers, reason, worth)
-        if configuration.fresh and self._action >= asked:
+        action = self._opening.action(scene.time, self._action, is_due=score > bar)
+        worth = self.model.worth(values, asked, ACTIONS.index(action))
+        proposal = Proposal(score, bar, action, triggers, reason, worth)
+        if configuration.fresh and action >= asked:
             self._latch.reset()  # the adapter, or the policy by braking itself, has ended it
             self._held = 0
         else:
