@@ -71,7 +71,7 @@ def test_a_model_gets_a_monitor_of_need(tmp_path, capsys):
     before, after = load_checkpoint(SHIPPED), load_checkpoint(out)
     assert after.header["need"]["threshold"] == told["threshold"]
     assert after.header["ancestry"][0] == before.digest
-    assert [*after.header["need"]["drivers"]] == ["modular", "ego_mlp"]
+    assert {*after.header["need"]["drivers"]} == {"modular", "ego_mlp"}
     assert after.header["need"]["drivers"]["ego_mlp"]["corpus"] == ""  # none ships: its random drives alone
     kept = [name for name in before.tensors if not name.startswith("need.")]
     assert all(np.array_equal(before.tensors[name], after.tensors[name]) for name in kept)
