@@ -14,7 +14,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from roadmend_msgs.msg import Command
+from roadmend_msgs.msg import Command, RepairState
 
 from roadmend.core.tick import INTERVAL_NS
 from roadmend.nodes import qos
@@ -39,6 +39,9 @@ class Stay:
         time.sleep(0.005)  # so that there is time for a fault in lockstep too
         return Decision(Command(0.0, 0.2), Trajectory.empty())
 """
+
+
+ENOUGH = 10  # ticks after which something counts as going on
 
 
 def children_of(number):
@@ -72,25 +75,29 @@ class Run:
 
     def until_driving(self, *, settled=True):
         """Until the policy has decided for some ticks; ``settled``: and every node came round so often that it is up."""
+        self.until_seen("/policy/command", Command)
+        time.sleep((SETTLED_BEATS + 3) * PERIOD_S if settled else 0.0)
+        assert self.process.poll() is None, self.lines
+
+    def until_seen(self, topic, kind, wanted=lambda _: True):
+        """Until messages that are wanted were sent for some ticks from now on."""
         context, stamps = Context(), set()
         rclpy.init(context=context)
         node = Node("onlooker", context=context)
         executor = SingleThreadedExecutor(context=context)
         executor.add_node(node)
-        node.create_subscription(Command, "/policy/command", lambda message: stamps.add(stamp_of(message)), 10)
+        node.create_subscription(kind, topic, lambda message: wanted(message) and stamps.add(stamp_of(message)), 10)
         try:
             for _ in range(2400):
                 executor.spin_once(timeout_sec=0.05)
-                if len(stamps) > 10:
-                    time.sleep((SETTLED_BEATS + 3) * PERIOD_S if settled else 0.0)
-                    assert self.process.poll() is None, self.lines
+                if len(stamps) > ENOUGH:
                     return
                 assert self.process.poll() is None, self.lines
         finally:
             executor.shutdown()
             node.destroy_node()
             context.try_shutdown()
-        pytest.fail(f"the graph did not start: {self.lines}")
+        pytest.fail(f"too little on {topic}: {self.lines}")
 
     def end(self):
         """Exit code, result (None if it has none) and what was said."""
@@ -228,17 +235,36 @@ def test_in_real_time_a_policy_that_is_slow_to_begin_is_waited_for_and_then_driv
     assert not [state for state in states if state.state == state.STARTING]
 
 
-def test_what_a_killed_repair_node_has_counted_is_in_the_result(run):
-    there = run("--repair", "random", "--clock", "realtime", "--rate", "0.5", time_limit=9.0)
-    there.until_driving()
+# Slow until it is told that nobody waits for anything any more.
+PACED = POLICY.replace("import time\n", "import time\nfrom pathlib import Path\n").replace(
+    "time.sleep(0.005)", 'time.sleep(0.0 if Path(__file__).with_name("hurry").exists() else 0.05)'
+)
+ALWAYS = """
+from roadmend import Proposal
+
+
+class Always:
+    name = "always"
+
+    def reset(self, route):
+        pass
+
+    def propose(self, scene, decision):
+        return Proposal(1.0, 0.0, action=-0.5)
+"""
+
+
+def test_what_a_killed_repair_node_has_counted_is_in_the_result(run, own):
+    there = run("--policy", f"{own(PACED)}:Stay", "--repair", f"{own(ALWAYS)}:Always", time_limit=60.0)
     for _ in range(2):
-        time.sleep(1.5)
+        there.until_seen("/repair/state", RepairState, lambda state: state.state == state.REPAIRED)
         os.kill(there.node("repair_node"), signal.SIGKILL)
-        time.sleep(1.5)
+    there.until_seen("/repair/state", RepairState, lambda state: state.state == state.REPAIRED)
+    Path("hurry").touch()
     code, result, said = there.end()
     assert (code, result["restarts"]) == (1, 2), said
     replaced = {stamp_of(state) for state in records(there.bag, "/repair/state") if state.intervened}
-    assert result["interventions"] >= len(replaced) > 0
+    assert result["interventions"] >= len(replaced) > 3 * ENOUGH
     assert "repair_node ended (-9), restarted" in said
 
 
