@@ -7,13 +7,18 @@ from pathlib import Path
 import numpy as np
 
 from roadmend.cli.main import main
+from roadmend.core.repair import RepairStatus
 from roadmend.networks.checkpoint import find_model, load_checkpoint
+from roadmend.policies.registry import make_policy
+from roadmend.repair.adreft.history import ATTRIBUTES
 from roadmend.repair.adreft.model import AdreftModel
+from roadmend.repair.registry import make_repairer
 from roadmend.training.adreft.case_risks import RiskPlan
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.adreft.need_drives import LOWEST, needs_of_case
 from roadmend.training.adreft.risk_training import KINDS, model_beside
 from roadmend.world.corpus import corpus_of, save_corpus
+from roadmend.world.runner import run_episode
 
 from .cases import Drawn
 
@@ -21,8 +26,8 @@ SHIPPED = find_model("modular", "adreft-")
 MODEL = AdreftModel.load(SHIPPED)
 
 
-def found_of(case, *, plain=False, drives=1):
-    plan = RiskPlan("modular", "x", drives, 8.0, plain=plain, seed=0)
+def found_of(case, *, plain=False, drives=1, history=False):
+    plan = RiskPlan("modular", "x", drives, 8.0, plain=plain, history=history, seed=0)
     return needs_of_case(case, Recipe("modular", MODEL.configuration.tokenizer, 1), plan)
 
 
@@ -50,6 +55,33 @@ def test_worlds_that_differ_are_driven_of_what_a_search_has_found_alone():
     assert len(found_of(case, drives=2)) > len(found_of(case))
     drawn = Drawn("S3", 3)
     assert len(found_of(drawn, drives=2)) == len(found_of(drawn))
+
+
+def test_the_last_second_and_the_drive_so_far_are_kept_with_a_tick():
+    plain, told = (found_of(violation(), history=history) for history in (False, True))
+    assert plain.counts.tolist() == told.counts.tolist()
+    assert np.array_equal(plain.tokens, told.tokens[:, : plain.tokens.shape[1]])
+    assert told.tokens.shape[1] == plain.tokens.shape[1] + ATTRIBUTES
+    assert np.abs(told.tokens[:, plain.tokens.shape[1] :]).max(axis=0).min() > 0.0  # each column says something
+
+
+def test_a_monitor_with_history_repairs_and_one_without_does_too(tmp_path):
+    corpus = tmp_path / "modular.jsonl"
+    whole = corpus_of("modular")
+    save_corpus(replace(whole, cases=tuple(whole.select("S3", "training", violation=True)[:2])), corpus)
+    for history in ("true", "false"):
+        out = tmp_path / f"{history}.safetensors"
+        words = ["train", "need", str(SHIPPED), "--policy", "modular", "--out", str(out), "--corpus", str(corpus)]
+        settings = ("random_cases=1", "validation_cases=2", "epochs=1", "searched_drives=1", 'families=["S3"]')
+        words += [word for each in (*settings, f"history={history}") for word in ("--set", each)]
+        assert main(words) == 0
+        monitor = AdreftModel.load(out).need
+        assert monitor is not None
+        assert monitor.configuration.history == (history == "true")
+        repairer, states = make_repairer("adreft", {"model": str(out), "threshold": 0.0}), set()
+        scenario, policy = violation().scenario(), make_policy("modular")
+        run_episode(scenario, policy, repairer, lambda *told: states.add(told[2].status))
+        assert RepairStatus.MODEL_FAULT not in states
 
 
 def test_further_policies_are_looked_at_by_their_own_models():
