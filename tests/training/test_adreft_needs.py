@@ -72,7 +72,7 @@ def test_a_model_repairs_by_a_monitor_with_history_and_by_one_without(tmp_path, 
     whole = corpus_of("modular")
     save_corpus(replace(whole, cases=tuple(whole.select("S3", "training", violation=True)[:2])), corpus)
     words = ["train", "need", str(SHIPPED), "--policy", "modular", "--out", str(out), "--corpus", str(corpus)]
-    settings = ("random_cases=1", "validation_cases=2", "epochs=1", "searched_drives=1", 'families=["S3"]')
+    settings = ("random_cases=2", "validation_cases=4", "epochs=1", "searched_drives=1", 'families=["S3"]')
     words += [word for each in (*settings, f"history={str(history).lower()}") for word in ("--set", each)]
     assert main(words) == 0
     monitor = AdreftModel.load(out).need
