@@ -5,7 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from roadmend.cli.main import main
 from roadmend.core.repair import RepairStatus
@@ -66,24 +65,6 @@ def test_the_last_second_and_the_drive_so_far_are_kept_with_a_tick():
     assert np.abs(told.tokens[:, plain.tokens.shape[1] :]).max(axis=0).min() > 0.0  # each column says something
 
 
-@pytest.mark.parametrize("history", [True, False])
-def test_a_model_repairs_by_a_monitor_with_history_and_by_one_without(tmp_path, history):
-    corpus, out = tmp_path / "modular.jsonl", tmp_path / "needed.safetensors"
-    whole = corpus_of("modular")
-    save_corpus(replace(whole, cases=tuple(whole.select("S3", "training", violation=True)[:2])), corpus)
-    words = ["train", "need", str(SHIPPED), "--policy", "modular", "--out", str(out), "--corpus", str(corpus)]
-    settings = ("random_cases=2", "validation_cases=4", "epochs=1", "searched_drives=1", 'families=["S3"]')
-    words += [word for each in (*settings, f"history={str(history).lower()}") for word in ("--set", each)]
-    assert main(words) == 0
-    monitor = AdreftModel.load(out).need
-    assert monitor is not None
-    assert monitor.configuration.history == history
-    repairer, states = make_repairer("adreft", {"model": str(out), "threshold": 0.0}), set()
-    scenario, policy = violation().scenario(), make_policy("modular")
-    run_episode(scenario, policy, repairer, lambda _tick, _decision, repair: states.add(repair.status))
-    assert RepairStatus.MODEL_FAULT not in states
-
-
 def test_further_policies_are_looked_at_by_their_own_models():
     mine = Path("mine.safetensors")
     assert model_beside(KINDS["need"], "neural", mine) == find_model("neural", "adreft-")
@@ -107,7 +88,13 @@ def test_a_model_gets_a_monitor_of_need(tmp_path, capsys):
     assert after.header["need"]["drivers"]["ego_mlp"]["corpus"] == ""  # none ships: its random drives alone
     kept = [name for name in before.tensors if not name.startswith("need.")]
     assert all(np.array_equal(before.tensors[name], after.tensors[name]) for name in kept)
-    assert AdreftModel.load(out).need is not None
+    monitor = AdreftModel.load(out).need
+    assert monitor is not None
+    assert monitor.configuration.history
+    repairer, states = make_repairer("adreft", {"model": str(out), "threshold": 0.0}), set()
+    scenario, policy = violation().scenario(), make_policy("modular")
+    run_episode(scenario, policy, repairer, lambda _tick, _decision, repair: states.add(repair.status))
+    assert RepairStatus.MODEL_FAULT not in states
     first = out.read_bytes()
     assert main(words) == 0  # what was driven is read again
     assert out.read_bytes() == first
