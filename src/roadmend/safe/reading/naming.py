@@ -92,7 +92,7 @@ def _number(items: Words, place: int) -> int | None:
 def _numbered(items: Words, place: int) -> Mention | None:
     head = items[place]
     ordinal = items.at(place - 1).get("ordinal")
-    if head.low in {"vehicle", "unit"} and ordinal and items.at(place + 1).low == ",":
+    if head.low in {"vehicle", "unit"} and ordinal and items.at(place - 2).get("determiner") == "the":
         described = Description(number=ordinal, span=items.span(place - 1, place))
         return Mention(place, place, MentionKind.NAMED, description=described)
     if head.low in _PADDED or (

@@ -13,18 +13,23 @@ from roadmend.safe.reading.assembly import ReportReading, put_together
 from roadmend.safe.reading.cast import MentionedVehicle
 from roadmend.safe.reading.clauses import STRIKES
 from roadmend.safe.reading.contacts import read_contacts
+from roadmend.safe.reading.coupling import couple, let_speak
 from roadmend.safe.reading.facts import Text, claim, of_vehicle
+from roadmend.safe.reading.groups import groups_of
 from roadmend.safe.reading.impacts import read_impacts
 from roadmend.safe.reading.lanes import read_lanes
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.limits import PostedLimit, claim_limits, read_limits
 from roadmend.safe.reading.manoeuvres import read_manoeuvres
-from roadmend.safe.reading.mentions import find_mentions
+from roadmend.safe.reading.mentions import Spoken, find_vehicles
+from roadmend.safe.reading.naming import mentions_of
 from roadmend.safe.reading.parsing import read_clauses
 from roadmend.safe.reading.ramps import read_ramps
 from roadmend.safe.reading.relations import read_relations
 from roadmend.safe.reading.roads import read_roads
+from roadmend.safe.reading.structure import Structure
 from roadmend.safe.reading.surroundings import read_surroundings
+from roadmend.safe.reading.syntax import parse
 from roadmend.safe.reading.tokens import Sentence, read_sentences
 from roadmend.safe.reading.transcripts import join_answers
 from roadmend.safe.reading.ways import read_ways
@@ -72,10 +77,11 @@ def read_claims(summary: str) -> SummaryClaims | None:
     """What a summary says, before anything is decided; None where it speaks of no vehicle."""
     told = [sentence for sentence in read_sentences(summary) if not _is_code(sentence, summary)]
     sentences = tuple(replace(sentence, index=index) for index, sentence in enumerate(join_answers(told, summary)))
-    spoken = find_mentions(sentences)
+    structures, spoken = _taken_apart(sentences)
     if not spoken.roll.vehicles:
         return None
-    text = Text(summary, sentences, spoken, read_clauses(sentences, spoken))
+    clauses, _ = read_clauses(structures, spoken)
+    text = Text(summary, sentences, spoken, clauses)
     contacts, limits = read_contacts(text), read_limits(text)
     relations = tuple(read_relations(text))
     claims: list[AnyClaim] = [
@@ -95,6 +101,18 @@ def read_claims(summary: str) -> SummaryClaims | None:
     ]
     cast = tuple(_member(vehicle) for vehicle in spoken.roll.vehicles)
     return SummaryClaims(text, cast, tuple(claims), limits, _kept(text, contacts), _others(text))
+
+
+def _taken_apart(sentences: Sequence[Sentence]) -> tuple[list[Structure], Spoken]:
+    """The structure of each sentence, and the vehicles of the text."""
+    found = [list(mentions_of(sentence.items)) for sentence in sentences]
+    let_speak(sentences, found)
+    for sentence, row in zip(sentences, found, strict=True):
+        couple(sentence.items, row)
+    groups = [groups_of(sentence.items, row) for sentence, row in zip(sentences, found, strict=True)]
+    rows = zip(sentences, groups, parse(sentences, groups), strict=True)
+    structures = [Structure(*each) for each in rows]
+    return structures, find_vehicles(structures, found)
 
 
 def assemble(said: SummaryClaims, more: Sequence[AnyClaim] = (), *, solver: bool = True) -> ReportReading:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from roadmend.safe.claims import Span
+from roadmend.safe.reading.english import is_english
 from roadmend.safe.reading.lexicon import (
     LONGEST,
     Senses,
@@ -167,17 +168,22 @@ def _cut(text: str, start: int, end: int) -> Iterator[list[Token]]:
                 yield tokens
             tokens = []
         elif word != "." or not is_glued:
-            low = _in_full(word.lower())
+            low = _in_full(word, is_first=not tokens)
             tokens.append(Token(word, low, match.start(), match.end(), is_glued))
     if tokens:
         yield tokens
 
 
-def _in_full(word: str) -> str:
-    """A word that hasty writers cut short: "sittin" for "sitting"."""
-    full = shorthand().get(word, word)
+def _in_full(word: str, *, is_first: bool) -> str:
+    """A word in small letters, as it is written in full and without a slip of the pen: "sittin" for "sitting"."""
+    low = word.lower()
+    full = shorthand().get(low, low)
     is_cut = full.endswith("in") and len(full) > _CUT and f"{full}g" in senses() and full not in senses()
-    return f"{full}g" if is_cut else full
+    if is_cut or full in senses() or full in names() or not full.isalpha() or is_english(full):
+        return f"{full}g" if is_cut else full
+    mended = mend(full)
+    may_be_name = word.istitle() and not is_first and mended is not None and mended not in names()
+    return full if mended is None or (may_be_name and "thing" not in senses()[mended]) else mended
 
 
 def _ends(text: str, place: int, tokens: Sequence[Token]) -> bool:
@@ -262,20 +268,16 @@ def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
             kinds["compass"] = taken[0].text
         if key and kinds:
             return length, kinds
-    return 1, _single(tokens[place], is_first=place == 0)
+    return 1, _single(tokens[place])
 
 
-def _single(token: Token, *, is_first: bool) -> Senses:
-    """What a word means that no table has: a number, or a slip of the pen."""
+def _single(token: Token) -> Senses:
+    """What a word means that no table has: a number."""
     figures = token.low.replace(",", "")
     if figures.replace(".", "").isdigit():
         number = float(figures)
         return {"number": int(number) if number.is_integer() else number}
-    mended = mend(token.low) if is_first or token.low == token.text or token.text.isupper() else None
-    if mended is None:
-        return {}
-    named = {"name": names()[mended]} if mended in names() else {}
-    return {**senses().get(mended, {}), **named}
+    return {}
 
 
 def _loose_verb(taken: Sequence[Token]) -> Senses:
