@@ -86,10 +86,11 @@ class Description:
     def contradicts(self, other: "Description") -> bool:
         """Whether the two cannot be of one vehicle."""
         makes, others = {name.make for name in self.names}, {name.make for name in other.names}
-        if makes and others and not makes & others:
-            return True
         models = {name.model for name in self.names if name.model}
-        if models and (theirs := {name.model for name in other.names if name.model}) and not _alike(models, theirs):
+        theirs = {name.model for name in other.names if name.model}
+        if models and theirs:
+            return not _alike(models, theirs)
+        if makes and others and not makes & others:
             return True
         if bool(makes) and bool(others):
             return False

@@ -145,6 +145,6 @@ def _is_bare(clause: Clause, place: int) -> bool:
         return False
     return (
         not after.low
-        or after.is_a("preposition", "conjunction", "verb", "relative")
+        or after.is_a("preposition", "conjunction", "verb", "relative", "bound")
         or after.low in {"turn", ",", ".", "turns"}
     )

@@ -51,6 +51,7 @@ class _Casting:
     found: Sequence[Sequence[Mention]]
     vehicles: list[MentionedVehicle] = field(default_factory=list)
     partner: dict[int, Mention] = field(default_factory=dict)  # by a person's id: what that person sits in
+    named: dict[int, str] = field(default_factory=dict)  # by a vehicle's mention: the name of who sits in it
     people: dict[str, MentionedVehicle] = field(default_factory=dict)
     waiting: list[tuple[int, Mention]] = field(default_factory=list)  # people without a vehicle so far, by sentence
     own: MentionedVehicle | None = None
@@ -107,6 +108,9 @@ class _Casting:
                 mention.description = Description(words=mention.description.words, span=mention.description.span)
                 self.partner[id(mention)] = carrier
                 continue
+            name = self._name(structure, mention, group.top)
+            if name:
+                self.named[id(mention)] = name
             if lead.low == "'s" and mention.first > 1:
                 person = structure.group(mention.first - 2)
             at = structure.owner(group.top)
@@ -128,6 +132,20 @@ class _Casting:
                 if (who.kind in _PEOPLE and not is_me) or numbered:
                     self.partner[id(who)] = mention
                     self.partner.setdefault(id(mention), who)
+
+    def _name(self, structure: Structure, mention: Mention, top: int) -> str:
+        """The person whom a text calls by name and puts into a vehicle: "Ortiz, northbound in her Corolla", "Kopp's SUV"."""
+        items, lead, described = structure.items, structure.items.at(mention.first - 1), mention.description
+        place = mention.first - 2 if lead.low == "'s" else structure.doer(top)
+        seated = lead.low in _IN - {"with"} and not _is_elsewhere(structure, top)
+        at = structure.owner(top)
+        drives = at is not None and structure.tree[top].head == at and (verb := items[at].verb) is not None and verb.lemma in _OPERATES
+        theirs = described is not None and described.is_theirs
+        if place is None or not (lead.low == "'s" or seated or drives or theirs):
+            return ""
+        item = items.at(place)
+        road = items.at(place + 1).is_a("road", "lane", "junction")
+        return item.low if item.is_name and not item.kinds and item.low.isalpha() and not road else ""
 
     def _carrier(self, structure: Structure, mention: Mention, top: int) -> Mention | None:
         """The vehicle that has a load or a trailer: "a tractor with a flatbed"."""
@@ -230,7 +248,8 @@ class _Casting:
         """What speaks for a vehicle that was spoken of before, against a new one [nats]."""
         known = vehicle.description
         if known.is_own and not vehicle.is_known:
-            return _NOBODYS if not mention.is_new and not self.is_own_told and not described.is_other else -1.0
+            is_first = mention.is_new or self.structures[at].items[mention.first].low in {"this", "these"}
+            return _NOBODYS if not is_first and not self.is_own_told and not described.is_other else -1.0
         if known.contradicts(described) or (known.number is not None and not vehicle.is_known and not described.names):
             return -9.0
         colours = known.marks & described.marks
@@ -249,7 +268,8 @@ class _Casting:
         if (described.names and not known.names) or (described.bodies and not vehicle.is_known):
             told += _NAMED_NOW
         lead = vehicle.latest < at and not known.is_own and (vehicle.is_headline or self._is_lead(vehicle))
-        told += _TOLD_AGAIN * (lead and not known.names)
+        news = bool(described.names) or not vehicle.is_known or vehicle.is_headline
+        told += _TOLD_AGAIN * (lead and not known.names and news)
         numbered = [each for each in self.vehicles if each.description.number is not None]
         if known.number is not None and not vehicle.is_known and sum(not each.is_known for each in numbered) == 1:
             told += _TOLD_AGAIN
@@ -300,6 +320,9 @@ class _Casting:
             self.latest = vehicle
         vehicle.is_headline = is_title if vehicle.first is None else False
         vehicle.latest = max(vehicle.latest, at)
+        if id(mention) in self.named:
+            self.people.setdefault(self.named[id(mention)], vehicle)
+            vehicle.people.add(self.named[id(mention)])
         seat = self.partner.get(id(mention))
         if seat is not None and not seat.vehicles:
             self._note(at, seat, vehicle, is_title=is_title)

@@ -17,6 +17,7 @@ _OBJECTS = ("dobj", "obj", "dative", "oprd")
 _ADJOINED = frozenset({"advcl", "pcomp", "prep", "dep", "ccomp", "parataxis", "npadvmod", "csubj"})
 _OF_DRIVERS = frozenset({"intend", "see", "slow", "emerge", "overtake", "follow", "reverse", "uturn", "change_lane"})
 _ROADS_DO = frozenset({"join", "merge", "enter"})
+_NEAR = 3  # words
 _COMES = frozenset({"travel", "emerge", "stop", "follow", "approach"})
 _GOVERNING = frozenset({"intend", "begin", "avoid", "fail", "see", "say", "do", "stop", "slow", "park"})
 
@@ -34,7 +35,8 @@ def read_clauses(
     own = spoken.roll.own()
     firsts = (each.items[row.first] for each, rows in zip(structures, spoken.mentions, strict=True) for row in rows)
     speaks = any(item.get("pronoun") in {"self", "own"} for item in firsts)
-    referents = Referents(len(spoken.roll.vehicles), own, speaks, picks or {})
+    people = {name: each.place for each in spoken.roll.vehicles for name in each.people}
+    referents = Referents(len(spoken.roll.vehicles), own, speaks, people, picks or {})
     clauses: list[Clause] = []
     for structure in structures:
         clauses += _SentenceReader(structure, referents).read()
@@ -88,6 +90,25 @@ class _SentenceReader:
     def _is_predicate(self, at: int) -> bool:
         return self.structure.is_predicate(at)
 
+    def _is_trait(self, place: int, subject: Actor) -> bool:
+        """Whether "southbound" stands right behind another vehicle's name: "yielded to V2 (a Ford) southbound"."""
+        if not self.items[place].is_a("bound"):
+            return False
+        back = place - 1
+        while back > 0 and self.items[back].low in {")", "("}:
+            back -= 1
+        group = self._group(back)
+        actor = self.actors.get(group.first) if group is not None else None
+        return actor is not None and bool(actor.vehicles) and actor.vehicles != subject.vehicles and group.part is None
+
+    def _next(self, at: int, clause: Clause) -> Actor | None:
+        """Who is named right behind a verb of contact, where the parser gave it no object."""
+        group = next((each for each in self.groups if at < each.first <= at + _NEAR), None)
+        if group is None or group.first in self.actors or self._lead(group) is not None:
+            return None
+        apart = any(self.items[each].is_a("conjunction") or self.items[each].low in ",;" for each in range(at + 1, group.first))
+        return None if apart else self._joined(group, Role.OBJECT, clause)
+
     def _lead(self, group: Group) -> Item | None:
         return self.structure.lead(group)
 
@@ -111,10 +132,13 @@ class _SentenceReader:
                 self._bring(at, clause, group)
         if head is not None and clause.object is None and subject.span != self._actor(head, Role.OTHER).span:
             clause.object = self._actor(head, Role.OBJECT, subject, clause.kind)
+        if clause.object is None and not clause.is_passive and clause.kind in STRIKES | {"collide"}:
+            clause.object = self._next(at, clause)
         mine = [
             place
             for place in range(len(self.items))
             if place != at and self._group(place) is None and self._owner(place) == at
+            if not self._is_trait(place, subject)
         ]
         if verb is None:
             clause.head = Words(self.items[place] for place in sorted([*mine, at]))
@@ -145,7 +169,7 @@ class _SentenceReader:
                 return NOBODY, governed
             if self.items[child].low in {"it", "which"} and self.referents.is_road:
                 return NOBODY, governed  # what a road does
-            if kind in _OF_DRIVERS and self.items[at].verb.lemma not in _ROADS_DO and self._group(child) is None and not self.items[child].is_a("person", "relative", "pronoun", "walker"):
+            if kind in _OF_DRIVERS and self.items[child].low not in self.referents.people and self.items[at].verb.lemma not in _ROADS_DO and self._group(child) is None and not self.items[child].is_a("person", "relative", "pronoun", "walker"):
                 return self._before(at), governed
             self.referents.is_road = self._group(child) is None and self._is_road(child)
             return self._named(child, Role.SUBJECT, kind), governed
@@ -176,8 +200,9 @@ class _SentenceReader:
     def _described(self, place: int) -> Actor:
         """Who a relative clause speaks of: the vehicle that it hangs on, or that has what it hangs on: "with a trailer that"."""
         group = self._group(place) or self.structure.within(place)
-        if group is None and self.items[place].is_a("axlewords", "body"):
-            group = next((each for up in self.tree.chain(place) if (each := self._group(up)) is not None), None)
+        head = self.tree[place].head
+        if group is None and self.items[head].low == "with":  # "a lorry with a trailer that"
+            group = self._group(self.tree[head].head)
         return replace(self._actor(group, Role.OTHER), part=None) if group is not None else NOBODY
 
     def _is_road(self, place: int) -> bool:
@@ -261,6 +286,10 @@ class _SentenceReader:
     def _named(self, place: int, role: Role, kind: str) -> Actor:
         """The actor at a place, with those that "and" joins to it; nobody where no vehicle is named there."""
         group = self._group(place) or self.structure.within(place)
+        if group is None and self.items[place].low in self.referents.people:
+            vehicle = self.referents.people[self.items[place].low]
+            self.referents.recent.append(vehicle)
+            return Actor((vehicle,), None, is_person=True, span=self.items[place].span)
         if group is None:
             return replace(NOBODY, span=self.items[place].span)
         actor = self._actor(group, role, kind=kind)

@@ -5,7 +5,7 @@ that make claims (``ways``, ``manoeuvres``, ``contacts``, ``roads``, ``lanes``, 
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from roadmend.safe.claims import AnyClaim, CastMember, Claim, ContactClaim
@@ -22,17 +22,25 @@ from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.limits import PostedLimit, claim_limits, read_limits
 from roadmend.safe.reading.manoeuvres import read_manoeuvres
 from roadmend.safe.reading.mentions import Spoken, find_vehicles
-from roadmend.safe.reading.naming import mentions_of
+from roadmend.safe.reading.naming import mentions_of, names_in
 from roadmend.safe.reading.parsing import read_clauses
 from roadmend.safe.reading.ramps import read_ramps
+from roadmend.safe.reading.referents import Choice
 from roadmend.safe.reading.relations import read_relations
 from roadmend.safe.reading.roads import read_roads
+from roadmend.safe.reading.scene import fit
 from roadmend.safe.reading.structure import Structure
 from roadmend.safe.reading.surroundings import read_surroundings
 from roadmend.safe.reading.syntax import parse
 from roadmend.safe.reading.tokens import Sentence, read_sentences
 from roadmend.safe.reading.transcripts import join_answers
 from roadmend.safe.reading.ways import read_ways
+
+_NEAR_TIE = 2.0  # [nats] by which a second choice may be behind the first to be tried
+_MOST_TRIED = 8  # pronouns
+_CLEARLY = 0.7  # [nats] by which it has to make the better scene
+
+_Claims = tuple[tuple[AnyClaim, ...], tuple[ContactClaim, ...], tuple[PostedLimit, ...]]
 
 _ALONE = re.compile(
     r"\b(?:single|one|1)[- ](?:vehicle|veh|car|unit)\b[- ]?(?:traffic )?"
@@ -80,8 +88,36 @@ def read_claims(summary: str) -> SummaryClaims | None:
     structures, spoken = _taken_apart(sentences)
     if not spoken.roll.vehicles:
         return None
-    clauses, _ = read_clauses(structures, spoken)
-    text = Text(summary, sentences, spoken, clauses)
+    text, claims, contacts, limits = _best(summary, sentences, structures, spoken)
+    cast = tuple(_member(vehicle) for vehicle in spoken.roll.vehicles)
+    return SummaryClaims(text, cast, claims, limits, _kept(text, contacts), _others(text))
+
+
+def _best(
+    summary: str, sentences: Sequence[Sentence], structures: Sequence[Structure], spoken: Spoken
+) -> tuple[Text, tuple[AnyClaim, ...], tuple[ContactClaim, ...], tuple[PostedLimit, ...]]:
+    """The reading of all pronouns that makes the best scene: the likeliest of each, unless another fits clearly better."""
+
+    def read(picks: Mapping[int, int]) -> tuple[float, list[Choice], Text, _Claims]:
+        clauses, choices = read_clauses(structures, spoken, picks)
+        text = Text(summary, tuple(sentences), spoken, clauses)
+        found = _claims(text)
+        doubt = sum(choices[at].ranked[min(pick, len(choices[at].ranked) - 1)][1] for at, pick in picks.items() if at < len(choices))
+        return fit(found[0], text.count) - doubt, choices, text, found
+
+    picks: dict[int, int] = {}
+    best = read(picks)
+    open_ = [at for at, choice in enumerate(best[1]) if len(choice.ranked) > 1 and choice.ranked[1][1] < _NEAR_TIE]
+    for at in open_[:_MOST_TRIED]:
+        other = read(picks | {at: 1})
+        if other[0] > best[0] + _CLEARLY:
+            best, picks = other, picks | {at: 1}
+    _, _, text, (claims, contacts, limits) = best
+    return text, claims, contacts, limits
+
+
+def _claims(text: Text) -> _Claims:
+    """All claims of a text, its contacts, and the limits that it names."""
     contacts, limits = read_contacts(text), read_limits(text)
     relations = tuple(read_relations(text))
     claims: list[AnyClaim] = [
@@ -99,13 +135,13 @@ def read_claims(summary: str) -> SummaryClaims | None:
         *read_surroundings(text),
         *read_impacts(text),
     ]
-    cast = tuple(_member(vehicle) for vehicle in spoken.roll.vehicles)
-    return SummaryClaims(text, cast, tuple(claims), limits, _kept(text, contacts), _others(text))
+    return tuple(claims), contacts, limits
 
 
 def _taken_apart(sentences: Sequence[Sentence]) -> tuple[list[Structure], Spoken]:
     """The structure of each sentence, and the vehicles of the text."""
-    found = [list(mentions_of(sentence.items)) for sentence in sentences]
+    known = names_in(sentence.items for sentence in sentences)
+    found = [list(mentions_of(sentence.items, known)) for sentence in sentences]
     let_speak(sentences, found)
     for sentence, row in zip(sentences, found, strict=True):
         couple(sentence.items, row)

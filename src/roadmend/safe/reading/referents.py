@@ -13,6 +13,7 @@ from roadmend.safe.reading.clauses import NOBODY, STRIKES, Actor
 from roadmend.safe.reading.naming import Mention, MentionKind
 from roadmend.safe.reading.tokens import Words
 
+_PLURAL = frozenset({"were", "are", "both", "had both"})
 _DOUBT = 3.0  # [nats] how far behind the best a vehicle may be to be looked at by the solver
 _WEIGHTS = {  # [nats]
     "rank": -0.7,  # for each vehicle that was spoken of since
@@ -55,12 +56,14 @@ class Referents:
         count: of vehicles.
         own: the writer's, if there is one.
         speaks: whether the writer says "I".
+        people: vehicles by the names of who drives them.
         picks: by number of an open mention: which of its ranked vehicles to take, where it is not the first.
     """
 
     count: int
     own: tuple[int, ...]
     speaks: bool
+    people: Mapping[str, int]
     picks: Mapping[int, int] = field(default_factory=dict)
     choices: list[Choice] = field(default_factory=list)
     focus: Actor = NOBODY  # the last subject
@@ -98,7 +101,7 @@ class Referents:
         self, mention: Mention, items: Words, role: Role, subject: Actor, kind: str, gender: str
     ) -> tuple[int, ...]:
         first = items[mention.first]
-        if mention.kind is MentionKind.BOTH or (first.low == "they" and kind == "collide"):
+        if mention.kind is MentionKind.BOTH or (first.low == "they" and (kind == "collide" or items.at(mention.last + 1).low in _PLURAL)):
             return self._both()
         if mention.kind is MentionKind.OTHER:
             before = subject.vehicles or self.focus.vehicles or tuple(self.recent[-1:])

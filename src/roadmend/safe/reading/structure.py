@@ -55,8 +55,8 @@ class Structure:
 
     def lead(self, group: Group) -> Item | None:
         """The preposition that brings a noun group in."""
-        before, head = self.items.at(group.first - 1), self.items[self.tree[group.top].head]
-        for item in (before, head):
+        before, at = self.items.at(group.first - 1), self.tree[group.top].head
+        for item in (before, self.items[at] if at < group.first else before):
             if item.is_a(*_LEADS) and item.low != "before":
                 return item
         return before if before.low in {"than", "as"} else None
@@ -71,9 +71,24 @@ class Structure:
 
     def within(self, place: int) -> Group | None:
         """The vehicle that a person, a part or a load is of, or in: "some kid in a Civic", "a trailer that"."""
-        if self.items[place].is_a("person", "part", "body", "axlewords") or self.tree[place].tag == "PROPN":
+        named = self.items[place].is_name and not self.items[place].kinds and not self.items.at(place + 1).is_a("road", "lane")
+        if self.items[place].is_a("person", "part", "body", "axlewords") or named:
             inner = [each for each in self.groups if place in {*self.tree.chain(each.top)} and self.owner(each.top) == self.owner(place)]
             return inner[0] if inner else None
+        return None
+
+    def doer(self, at: int) -> int | None:
+        """The word for who does what the predicate over a word says, in or out of a noun group."""
+        owner = self.owner(at)
+        for _ in range(_CLIMB):
+            if owner is None:
+                return None
+            named = [each for each in self.tree.children(owner, *SUBJECTS) if not self.items[each].is_a("relative")]
+            if named:
+                return named[0]
+            if self.tree[owner].relation in {"relcl", "acl"}:
+                return self.tree[owner].head
+            owner = next((each for each in self.tree.chain(owner) if self.is_predicate(each)), None)
         return None
 
     def subject(self, at: int) -> Group | None:

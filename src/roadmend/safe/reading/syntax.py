@@ -18,6 +18,9 @@ _WAYS = {"N": "northbound", "S": "southbound", "E": "eastbound", "W": "westbound
 _PRONOUNS = {MentionKind.SELF, MentionKind.ONE, MentionKind.IT, MentionKind.POSSESSIVE, MentionKind.BOTH}
 _OWNER = {"my": "me", "our": "us", "its": "it", "his": "him", "her": "her", "their": "them", "whose": "which"}
 _SPLICES = frozenset({"into", "vs", "to", "behind", "="})  # that make a statement of two names
+_HITS = {"ing": "hitting", "s": "hits"}
+_BENDS = {"bend": "curve", "bends": "curves"}
+_STUCK = ("rear", "side", "tbone", "broads")
 _ASIDE = 9  # words of a bracket at most
 _SHORT = 4  # letters of a word that may be one cut short
 _PLAIN = {"thing": "vehicle", "junction": "intersection", "lane": "lane", "mph": "mph", "preposition": "", "road": "road"}
@@ -155,11 +158,14 @@ def _is_aside(items: Words, mention: Mention) -> bool:
     if mention.twin is None or mention.twin.last >= mention.first:
         return False
     opened, closed = items.at(mention.first - 1).low, items.at(mention.last + 1).low
-    return mention.first == mention.twin.last + 1 or (opened, closed) in {(",", ","), ("(", ")"), (",", "")}
+    return mention.first == mention.twin.last + 1 or opened == "(" or (opened, closed) in {(",", ","), (",", "")}
 
 
 def _after_twin(items: Words, mention: Mention) -> int:
     """The place after a second name of the same vehicle and the comma or bracket that closes it."""
+    if items.at(mention.first - 1).low == "(":
+        closes = range(mention.last + 1, min(mention.last + _ASIDE, len(items)))
+        return next((at + 1 for at in closes if items[at].low == ")"), mention.last + 1)
     closed = items.at(mention.last + 1).low in {",", ")"} and items.at(mention.first - 1).low in {",", "("}
     return mention.last + 1 + closed
 
@@ -196,17 +202,26 @@ def _called(items: Words, mention: Mention, top: int, *, shouts: bool) -> Iterat
 
 def _written(item: Item, *, shouts: bool) -> Iterator[str]:
     """The words of an item as edited prose has them."""
-    if item.is_a("bound") and len(item.low) <= _SHORT:
+    if item.is_a("bound") and " to " not in item.low:
         yield _WAYS[item.get("bound")]
         return
-    if item.verb is not None and item.verb.kind == "strike" and item.low.endswith("ed") and " " not in item.low:
-        yield "hit"  # "contacted" and "impacted" are rare in edited prose
+    if item.verb is not None and item.verb.kind.startswith("strike") and _is_rare(item.low):
+        yield _HITS.get(item.verb.form, "hit")  # which edited prose has more often than "contacted" and "T-boned"
+        return
+    if item.is_a("curve") and item.low in _BENDS:
+        yield _BENDS[item.low]
         return
     words, texts = item.low.split(), item.text.split()
     if item.is_a("name") and words and words[-1].isdigit():  # "F 150"
         texts, words = ["".join(texts)], ["".join(words)]
     for word, text in zip(words, texts, strict=True):
         yield _in_full(item, word, text if not shouts else text.lower() if not item.is_a("name") else text.title())
+
+
+def _is_rare(word: str) -> bool:
+    """Whether a verb of contact is seldom seen outside of reports."""
+    first, _, rest = word.partition(" ")
+    return (not rest and word.endswith("ed")) or first in {"rear", "side", "t", "tail", "broad"} or word.startswith(_STUCK)
 
 
 def _in_full(item: Item, word: str, text: str) -> str:

@@ -264,6 +264,7 @@ def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
             kinds["number"] = int(key)  # an Audi 100, and a hundred
         following = tokens[place + 1] if place + 1 < len(tokens) else None
         is_glued = following is not None and following.is_glued and following.text.isdigit()  # the road "N2"
+        is_glued |= place > 0 and tokens[place - 1].text == "/"  # "F/E"
         if length == 1 and taken[0].text in _LETTERS and not is_glued:
             kinds["compass"] = taken[0].text
         if key and kinds:
