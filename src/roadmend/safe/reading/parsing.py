@@ -18,6 +18,7 @@ _ADJOINED = frozenset({"advcl", "pcomp", "prep", "dep", "ccomp", "parataxis", "n
 _OF_DRIVERS = frozenset({"intend", "see", "slow", "emerge", "overtake", "follow", "reverse", "uturn", "change_lane"})
 _ROADS_DO = frozenset({"join", "merge", "enter"})
 _NEAR = 3  # words
+_ADVERBS = ("ward", "wards")
 _COMES = frozenset({"travel", "emerge", "stop", "follow", "approach"})
 _GOVERNING = frozenset({"intend", "begin", "avoid", "fail", "see", "say", "do", "stop", "slow", "park"})
 
@@ -92,7 +93,7 @@ class _SentenceReader:
 
     def _is_trait(self, place: int, subject: Actor) -> bool:
         """Whether "southbound" stands right behind another vehicle's name: "yielded to V2 (a Ford) southbound"."""
-        if not self.items[place].is_a("bound"):
+        if not self.items[place].is_a("bound") or self.items[place].low.endswith(_ADVERBS):
             return False
         back = place - 1
         while back > 0 and self.items[back].low in {")", "("}:
@@ -169,7 +170,7 @@ class _SentenceReader:
                 return NOBODY, governed
             if self.items[child].low in {"it", "which"} and self.referents.is_road:
                 return NOBODY, governed  # what a road does
-            if kind in _OF_DRIVERS and self.items[child].low not in self.referents.people and self.items[at].verb.lemma not in _ROADS_DO and self._group(child) is None and not self.items[child].is_a("person", "relative", "pronoun", "walker"):
+            if self._is_drivers(at, child):
                 return self._before(at), governed
             self.referents.is_road = self._group(child) is None and self._is_road(child)
             return self._named(child, Role.SUBJECT, kind), governed
@@ -190,6 +191,16 @@ class _SentenceReader:
             return self._named(behind, Role.SUBJECT, kind), governed  # "Out of the lane rolls a van"
         return self._before(at), governed
 
+    def _is_drivers(self, at: int, child: int) -> bool:
+        """Whether only who drives can do what a verb says, and its subject is nobody who could: the parser erred."""
+        verb, item = self.items[at].verb, self.items[child]
+        if verb is None or self._group(child) is not None or item.low in self.referents.people:
+            return False
+        if item.is_a("person", "relative", "pronoun", "walker"):
+            return False
+        turns = verb.kind == "turn" and not self._is_road(child) and not item.is_a("signal", "part")
+        return turns or (verb.kind in _OF_DRIVERS and verb.lemma not in _ROADS_DO)
+
     def _before(self, at: int) -> Actor:
         """Who is named before a verb whose subject the parser did not find; else who was spoken of before."""
         group = next((each for each in reversed(self.groups) if each.last < at and self._lead(each) is None), None)
@@ -200,9 +211,6 @@ class _SentenceReader:
     def _described(self, place: int) -> Actor:
         """Who a relative clause speaks of: the vehicle that it hangs on, or that has what it hangs on: "with a trailer that"."""
         group = self._group(place) or self.structure.within(place)
-        head = self.tree[place].head
-        if group is None and self.items[head].low == "with":  # "a lorry with a trailer that"
-            group = self._group(self.tree[head].head)
         return replace(self._actor(group, Role.OTHER), part=None) if group is not None else NOBODY
 
     def _is_road(self, place: int) -> bool:
@@ -325,16 +333,18 @@ class _SentenceReader:
             return
         lead = self._lead(group)
         if lead is not None:
-            clause.others.append((lead, self._joined(group, Role.OTHER, clause)))
+            role = Role.TOOL if lead.low == "with" else Role.OTHER
+            clause.others.append((lead, self._joined(group, role, clause)))
         elif arc.relation not in {"conj", "appos"}:
             self._actor(group, Role.OTHER, clause.subject, clause.kind)
 
     def _joined(self, group: Group, role: Role, clause: Clause) -> Actor:
-        actor = self._actor(group, role, clause.subject, clause.kind)
+        kind = "" if clause.is_passive else clause.kind
+        actor = self._actor(group, role, clause.subject, kind)
         for other in self.tree.children(group.top, "conj"):
             joined = self._group(other)
             if joined is not None and joined.first not in self.actors:
-                more = self._actor(joined, role, clause.subject, clause.kind)
+                more = self._actor(joined, role, clause.subject, kind)
                 both = tuple(dict.fromkeys([*actor.vehicles, *more.vehicles]))
                 actor = Actor(both, None, actor.is_person, Span(actor.span.start, more.span.end))
         return actor

@@ -35,6 +35,7 @@ class Role(StrEnum):
     SUBJECT = "subject"
     OBJECT = "object"
     OTHER = "other"
+    TOOL = "tool"  # what "with" brings in
 
 
 @dataclass(slots=True)
@@ -146,7 +147,7 @@ class Referents:
         is_owner = mention.kind is MentionKind.POSSESSIVE
         if role is Role.SUBJECT or not subject.vehicles:
             told += [_WEIGHTS["focus"]] * (vehicle in self.focus.vehicles)
-        elif is_owner and kind not in STRIKES:
+        elif is_owner and (kind not in STRIKES or role is Role.TOOL):
             told += [_WEIGHTS["self_owner"]] * (vehicle in subject.vehicles)
         elif not is_owner or kind in STRIKES:
             told += [_WEIGHTS["self"]] * (vehicle in subject.vehicles)

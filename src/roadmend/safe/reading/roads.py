@@ -170,7 +170,7 @@ def _on_stem(text: Text) -> Iterator[Claim]:
             ends = item.is_a("ends") and item.low.startswith(("ends", "ended", "dead", "terminates"))
             crosses = item.is_a("axis") and clause.kind == "approach" and clause.lemma in {"cross", "travel", "go"}
             sure = (
-                0.85 if item.is_a("road") and item.low in word_set("minor_roads") and clause.kind == "emerge" else 0.0
+                0.85 if item.low in word_set("minor_roads") and clause.kind in {"emerge", "turn"} and led else 0.0
             )
             if item.low in ending and led:
                 sure = 0.9

@@ -95,8 +95,8 @@ def _starts(row: Sequence[tuple[str, int]], items: Words, groups: Sequence[Group
         led = any(items[at].is_a("verb", "auxiliary", "bound") or items[at].low in _SPLICES for at in range(one.last + 1, group.first))
         goes_on = any(items[at].is_a("verb", "auxiliary", "bound") or items[at].low in _SPLICES for at in range(group.last + 1, min(group.last + 5, len(items))))
         if mark in {",", ";", ":", "."} and named and mention is not None and mention.twin is None and led and goes_on:
-            begins.add(group.top)
-    return [True if at == 0 or place in begins and word != row[at - 1][0] else None for at, (word, place) in enumerate(row)]
+            begins.add(next((place for _, place in row if group.first <= place <= group.top), group.top))
+    return [True if at == 0 or (place in begins and place != row[at - 1][1]) else None for at, (_, place) in enumerate(row)]
 
 
 def _tree(doc: Any, places: Sequence[int], count: int) -> Tree:
@@ -221,7 +221,7 @@ def _written(item: Item, *, shouts: bool) -> Iterator[str]:
 def _is_rare(word: str) -> bool:
     """Whether a verb of contact is seldom seen outside of reports."""
     first, _, rest = word.partition(" ")
-    return (not rest and word.endswith("ed")) or first in {"rear", "side", "t", "tail", "broad"} or word.startswith(_STUCK)
+    return (not rest and word.endswith(("ed", "ing"))) or first in {"rear", "side", "t", "tail", "broad"} or word.startswith(_STUCK)
 
 
 def _in_full(item: Item, word: str, text: str) -> str:

@@ -143,7 +143,7 @@ def _beside_mentions(text: Text) -> Iterator[Claim]:
             while items.at(at).low in word_set("beside_fillers"):
                 at += 1
             item, after = items.at(at), items.at(at + 1)
-            way = direction(item) if item.is_a("bound") else None
+            way = direction(item) if item.is_a("bound") and not item.low.endswith(("ward", "wards")) else None
             if len(mention.vehicles) == 1 and way is not None and not after.is_a("lane", "road", "lanekind"):
                 path = of_vehicle(mention.vehicles[0], "initial_position")
                 yield claim(path, way, 0.85, "it is said to travel that way", item)
