@@ -108,6 +108,18 @@ def senses() -> Mapping[str, Senses]:
 
 
 @functools.cache
+def table_words() -> frozenset[str]:
+    """All words of which the phrases of the tables are made."""
+    words = read_table("words").values()
+    surroundings = read_table("surroundings")
+    phrases = [str(phrase) for values in words for each in values.values() for phrase in each]
+    phrases += [str(phrase) for _, _, phrase, _ in _surroundings(surroundings)]
+    verbs = read_table("verbs")
+    phrases += [way for kind, entries in verbs.items() for entry in entries for way, _ in _conjugate(kind, entry)]
+    return frozenset(word for phrase in phrases for word in re.split(r"[ /-]", phrase.lower()))
+
+
+@functools.cache
 def verb_heads() -> frozenset[str]:
     """First words of the verbs of more than one word, in all forms: "smashed" of "smashed into"."""
     entries = [(kind, entry) for kind, entries in read_table("verbs").items() for entry in entries if " " in entry]

@@ -172,6 +172,9 @@ class _SentenceReader:
                 return NOBODY, governed  # what a road does
             if self._is_drivers(at, child):
                 return self._before(at), governed
+            behind = next((each for each in self.tree.children(at, "attr") if self._group(each) is not None), None)
+            if self._group(child) is None and behind is not None and self.tree[at].tag == "AUX" and not self.items[child].is_a("pronoun"):
+                return self._named(behind, Role.SUBJECT, kind), governed  # "Oncoming was a van"
             self.referents.is_road = self._group(child) is None and self._is_road(child)
             return self._named(child, Role.SUBJECT, kind), governed
         if arc.relation in {"relcl", "acl"}:
@@ -199,6 +202,8 @@ class _SentenceReader:
         if item.is_a("person", "relative", "pronoun", "walker"):
             return False
         turns = verb.kind == "turn" and not self._is_road(child) and not item.is_a("signal", "part")
+        place = item.is_a("signal", "road", "lane", "junction", "curve", "time")
+        turns |= verb.kind in STRIKES and place  # "heading through the light hit its side"
         return turns or (verb.kind in _OF_DRIVERS and verb.lemma not in _ROADS_DO)
 
     def _before(self, at: int) -> Actor:
@@ -268,7 +273,8 @@ class _SentenceReader:
 
     def _is_denied(self, at: int) -> bool:
         verb, near = self.items[at].verb, self.items.cut(at - 3, at)
-        if any(self.tree.children(at, "neg")) and (verb is None or verb.kind != "fail"):
+        denies = any(self.items[each].is_a("negation") for each in self.tree.children(at))
+        if (denies or any(self.tree.children(at, "neg"))) and (verb is None or verb.kind != "fail"):
             return True
         missed = near.at(len(near) - 1).low in word_set("near_misses") or (
             near.cut(len(near) - 2).says({"would", "could", "might"}) and near.at(len(near) - 1).low == "have"

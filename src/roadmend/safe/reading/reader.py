@@ -38,6 +38,7 @@ from roadmend.safe.reading.ways import read_ways
 
 _NEAR_TIE = 2.0  # [nats] by which a second choice may be behind the first to be tried
 _MOST_TRIED = 8  # pronouns
+_CONTACT = 2.0  # [nats] that two vehicles touched, for a crash is told
 _CLEARLY = 0.7  # [nats] by which it has to make the better scene
 
 _Claims = tuple[tuple[AnyClaim, ...], tuple[ContactClaim, ...], tuple[PostedLimit, ...]]
@@ -103,7 +104,7 @@ def _best(
         text = Text(summary, tuple(sentences), spoken, clauses)
         found = _claims(text)
         doubt = sum(choices[at].ranked[min(pick, len(choices[at].ranked) - 1)][1] for at, pick in picks.items() if at < len(choices))
-        return fit(found[0], text.count) - doubt, choices, text, found
+        return fit(found[0], text.count) + _CONTACT * bool(found[1]) - doubt, choices, text, found
 
     picks: dict[int, int] = {}
     best = read(picks)

@@ -20,7 +20,6 @@ _OWNER = {"my": "me", "our": "us", "its": "it", "his": "him", "her": "her", "the
 _SPLICES = frozenset({"into", "vs", "to", "behind", "="})  # that make a statement of two names
 _HITS = {"ing": "hitting", "s": "hits"}
 _BENDS = {"bend": "curve", "bends": "curves"}
-_STUCK = ("rear", "side", "tbone", "broads")
 _ASIDE = 9  # words of a bracket at most
 _SHORT = 4  # letters of a word that may be one cut short
 _PLAIN = {"thing": "vehicle", "junction": "intersection", "lane": "lane", "mph": "mph", "preposition": "", "road": "road"}
@@ -205,7 +204,10 @@ def _written(item: Item, *, shouts: bool) -> Iterator[str]:
     if item.is_a("bound") and " to " not in item.low:
         yield _WAYS[item.get("bound")]
         return
-    if item.verb is not None and item.verb.kind.startswith("strike") and _is_rare(item.low):
+    if item.is_a("head_on", "broadside") and item.verb is None:
+        yield "hard"  # the parser takes "head" of "head on" for a noun
+        return
+    if item.verb is not None and item.verb.kind.startswith("strike") and (item.verb.form != "base" or " " in item.low):
         yield _HITS.get(item.verb.form, "hit")  # which edited prose has more often than "contacted" and "T-boned"
         return
     if item.is_a("curve") and item.low in _BENDS:
@@ -216,12 +218,6 @@ def _written(item: Item, *, shouts: bool) -> Iterator[str]:
         texts, words = ["".join(texts)], ["".join(words)]
     for word, text in zip(words, texts, strict=True):
         yield _in_full(item, word, text if not shouts else text.lower() if not item.is_a("name") else text.title())
-
-
-def _is_rare(word: str) -> bool:
-    """Whether a verb of contact is seldom seen outside of reports."""
-    first, _, rest = word.partition(" ")
-    return (not rest and word.endswith(("ed", "ing"))) or first in {"rear", "side", "t", "tail", "broad"} or word.startswith(_STUCK)
 
 
 def _in_full(item: Item, word: str, text: str) -> str:

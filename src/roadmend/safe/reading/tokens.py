@@ -17,6 +17,7 @@ from roadmend.safe.reading.lexicon import (
     senses,
     shorthand,
     squeeze,
+    table_words,
     verb_heads,
     word_set,
 )
@@ -179,8 +180,10 @@ def _in_full(word: str, *, is_first: bool) -> str:
     low = word.lower()
     full = shorthand().get(low, low)
     is_cut = full.endswith("in") and len(full) > _CUT and f"{full}g" in senses() and full not in senses()
-    if is_cut or full in senses() or full in names() or not full.isalpha() or is_english(full):
+    if is_cut or full in senses() or full in names() or full in table_words():
         return f"{full}g" if is_cut else full
+    if not full.isalpha() or is_english(full):
+        return full
     mended = mend(full)
     may_be_name = word.istitle() and not is_first and mended is not None and mended not in names()
     return full if mended is None or (may_be_name and "thing" not in senses()[mended]) else mended
