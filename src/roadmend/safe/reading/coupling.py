@@ -60,8 +60,12 @@ def _is_apposition(between: Words, other: Mention) -> bool:
     is_copula = all(item.get("auxiliary") == "be" or item.low == ")" for item in between)
     has_mark = between.says(word_set("apposition_marks"))
     plain = all(item.low in word_set("apposition") or item.is_a("thing", "descriptor") for item in between)
-    unknown = other.is_new and len(between) <= 2 and all(not item.kinds and item.low.isalpha() for item in between)  # "veh 1 unk pickup"
+    unknown = (
+        other.is_new and len(between) <= 2 and all(not item.kinds and item.low.isalpha() for item in between)
+    )  # "veh 1 unk pickup"
     return (is_copula and other.is_new) or (plain and has_mark) or unknown
+
+
 def let_speak(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]]) -> dict[int, Mention]:
     """Who speaks as "I", by the mention's id, where drivers tell one after the other: "Driver A: I was in my Polo"."""
     speaker: Mention | None = None

@@ -54,7 +54,9 @@ def _owner(items: Words, mention: Mention) -> Group:
         return Group(first, part[1], part[1], mention, part[0])
     if mention.kind is MentionKind.POSSESSIVE and items.at(last + 1).get("person") == "driver":
         return Group(first, last + 1, last + 1, mention, None)
-    return Group(first, last + owned, last, mention, None, owned or (mention.kind is MentionKind.POSSESSIVE and first == last))
+    return Group(
+        first, last + owned, last, mention, None, owned or (mention.kind is MentionKind.POSSESSIVE and first == last)
+    )
 
 
 def _part(items: Words, place: int, starts: Mapping[int, Mention]) -> Group | None:

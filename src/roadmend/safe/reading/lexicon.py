@@ -211,11 +211,7 @@ def names() -> Mapping[str, tuple[NameSense, ...]]:
 def _long_words() -> Mapping[str, tuple[str, ...]]:
     """Single words of the tables that are long enough to be told when mistyped, by each way to leave a letter out."""
     ways: dict[str, list[str]] = {}
-    words = {
-        key
-        for key, kinds in senses().items()
-        if key.isalpha() and len(key) >= _FUZZY_FROM
-    }
+    words = {key for key, kinds in senses().items() if key.isalpha() and len(key) >= _FUZZY_FROM}
     words |= {
         key
         for key, each in names().items()

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 from roadmend.safe.reading.cast import Description, MentionedVehicle, VehicleRoll, shares_name
 from roadmend.safe.reading.clauses import STRIKES
+from roadmend.safe.reading.groups import Group
 from roadmend.safe.reading.naming import Mention, MentionKind
 from roadmend.safe.reading.structure import SUBJECTS, Structure
 
@@ -63,7 +64,9 @@ class _Casting:
         for structure, row in zip(self.structures, self.found, strict=True):
             self._seat(structure, row)
         titles = [self._is_headline(place) for place in range(len(self.structures))]
-        is_drawn = any(each.description for row, title in zip(self.found, titles, strict=True) if not title for each in row)
+        is_drawn = any(
+            each.description for row, title in zip(self.found, titles, strict=True) if not title for each in row
+        )
         titles = [title and is_drawn for title in titles]
         self._find_writer()
         for is_title in (False, True):
@@ -126,7 +129,7 @@ class _Casting:
                 person = self._sitter(structure, group.top, at)
             if person is not None and person.mention is not None and person.mention is not mention:
                 who = person.mention
-                is_me = who.kind is MentionKind.SELF and self.structures and mention.description.is_theirs
+                is_me = who.kind is MentionKind.SELF and mention.description.is_theirs
                 is_me &= not structure.items[who.first].is_a("insured")
                 numbered = who.number is not None and lead.low != "with" and not mention.number
                 if (who.kind in _PEOPLE and not is_me) or numbered:
@@ -139,7 +142,12 @@ class _Casting:
         place = mention.first - 2 if lead.low == "'s" else structure.doer(top)
         seated = lead.low in _IN - {"with"} and not _is_elsewhere(structure, top)
         at = structure.owner(top)
-        drives = at is not None and structure.tree[top].head == at and (verb := items[at].verb) is not None and verb.lemma in _OPERATES
+        drives = (
+            at is not None
+            and structure.tree[top].head == at
+            and (verb := items[at].verb) is not None
+            and verb.lemma in _OPERATES
+        )
         theirs = described is not None and described.is_theirs
         if place is None or not (lead.low == "'s" or seated or drives or theirs):
             return ""
@@ -153,9 +161,13 @@ class _Casting:
             return None
         above = structure.group(structure.tree[structure.tree[top].head].head)
         is_one = above is not None and above.mention is not None and above.mention.description is not None
-        return above.mention if is_one and above is not None and above.mention is not None and not above.mention.is_person else None
+        return (
+            above.mention
+            if is_one and above is not None and above.mention is not None and not above.mention.is_person
+            else None
+        )
 
-    def _sitter(self, structure: Structure, top: int, at: int | None) -> "object | None":
+    def _sitter(self, structure: Structure, top: int, at: int | None) -> Group | None:
         """Who is in a vehicle: the person on whom "in" hangs, else who does what the clause says."""
         up = structure.tree[structure.tree[top].head].head
         direct = structure.group(up)
@@ -176,7 +188,11 @@ class _Casting:
         if mine:
             drives = True
         else:
-            drives = any(self._drives(structure, mention) for structure, row in zip(self.structures, self.found, strict=True) for mention in row)
+            drives = any(
+                self._drives(structure, mention)
+                for structure, row in zip(self.structures, self.found, strict=True)
+                for mention in row
+            )
         speaks = [each for row in self.found for each in row if each.kind is MentionKind.SELF and not each.vehicles]
         if drives and (speaks or mine):
             self.own = MentionedVehicle(len(self.vehicles), Description(is_own=True, words=""))
@@ -198,7 +214,9 @@ class _Casting:
         if verb is None:
             return does and around.has("bound", "lane")
         is_struck = arc.head == at and arc.relation in {"dobj", "nsubjpass", "pobj"} and verb.kind in STRIKES
-        on_road = around.has("bound", "lane", "road", "junction", "signal", "stop_sign", "hand", "compass", "behind", "ahead")
+        on_road = around.has(
+            "bound", "lane", "road", "junction", "signal", "stop_sign", "hand", "compass", "behind", "ahead"
+        )
         return is_struck or (does and verb.kind in _DRIVES | STRIKES and (on_road or verb.kind in STRIKES))
 
     # ------------------------------------------------------------------------------------- one mention at a time
@@ -231,7 +249,9 @@ class _Casting:
             self.waiting.append((at, mention))
         return None
 
-    def _described(self, at: int, mention: Mention, described: Description, *, is_title: bool) -> MentionedVehicle | None:
+    def _described(
+        self, at: int, mention: Mention, described: Description, *, is_title: bool
+    ) -> MentionedVehicle | None:
         weights = {id(each): self._weight(each, at, mention, described, is_title=is_title) for each in self.vehicles}
         best = max(self.vehicles, key=lambda each: weights[id(each)], default=None)
         if best is not None and weights[id(best)] > 0:
@@ -244,7 +264,9 @@ class _Casting:
             self._settle(at, vehicle)
         return vehicle
 
-    def _weight(self, vehicle: MentionedVehicle, at: int, mention: Mention, described: Description, *, is_title: bool) -> float:
+    def _weight(
+        self, vehicle: MentionedVehicle, at: int, mention: Mention, described: Description, *, is_title: bool
+    ) -> float:
         """What speaks for a vehicle that was spoken of before, against a new one [nats]."""
         known = vehicle.description
         if known.is_own and not vehicle.is_known:
@@ -263,7 +285,9 @@ class _Casting:
         body = described.body()[0]
         if body is not None and known.body()[0] is body:
             told += _SAME_BODY
-        alike = described.words and any(described.words in words or words in described.words for words in vehicle.words if words)
+        alike = described.words and any(
+            described.words in words or words in described.words for words in vehicle.words if words
+        )
         told += _SAME_WORDS * bool(alike)
         if (described.names and not known.names) or (described.bodies and not vehicle.is_known):
             told += _NAMED_NOW
@@ -363,7 +387,9 @@ class _Casting:
         for structure in self.structures:
             for group in structure.groups:
                 mention = group.mention
-                mine = mention is not None and (mention.kind is MentionKind.SELF or bool(mention.description and mention.description.is_own))
+                mine = mention is not None and (
+                    mention.kind is MentionKind.SELF or bool(mention.description and mention.description.is_own)
+                )
                 at = structure.owner(group.top) if mine else None
                 verb = structure.items[at].verb if at is not None else None
                 if mine and (group.part is not None or (verb is not None and verb.kind in STRIKES | {"collide"})):
@@ -383,7 +409,9 @@ class _Casting:
                 verb = structure.items[at].verb if at is not None else None
                 struck = [each for each in row if each.vehicles and each.first > group.last]
                 if verb is not None and verb.kind in STRIKES and struck and structure.subject(at or 0) is group:
-                    self._note(structure.sentence.index, person, self.vehicles[1 - struck[0].vehicles[0]], is_title=False)
+                    self._note(
+                        structure.sentence.index, person, self.vehicles[1 - struck[0].vehicles[0]], is_title=False
+                    )
 
     def _describe_alike(self) -> None:
         """Give vehicles of which nothing is known what "two pickups" says of all."""
@@ -406,17 +434,28 @@ class _Casting:
             vehicle.place = at
         self.vehicles = old
 
-
     def _begin_with_writer(self) -> None:
         """Who leaves himself out comes up where his first verb stands: "Left the yard at nine"."""
-        for structure in self.structures if self.own is not None else ():
-            for at, item in enumerate(structure.items.cut(0, _OPENING)):
-                verb, arc = item.verb, structure.tree[at]
-                told = verb is not None and verb.form in {"past", "both", "ing"} and verb.kind in _DRIVES | STRIKES | {"depart"}
-                bare = structure.is_predicate(at) and arc.relation == "ROOT" and not any(structure.tree.children(at, *SUBJECTS))
-                if told and bare and not any(each.first < at for each in structure.groups):
-                    start = item.span.start
-                    self.own.first = start if self.own.first is None else min(self.own.first, start)
+        own = self.own
+        for structure in self.structures if own is not None else ():
+            start = next(
+                (
+                    item.span.start
+                    for at, item in enumerate(structure.items.cut(0, _OPENING))
+                    if _is_told(structure, at)
+                ),
+                None,
+            )
+            if own is not None and start is not None:
+                own.first = start if own.first is None else min(own.first, start)
+
+
+def _is_told(structure: Structure, at: int) -> bool:
+    """Whether a verb opens a sentence that has no subject."""
+    verb = structure.items[at].verb
+    drives = verb is not None and verb.form in {"past", "both", "ing"} and verb.kind in _DRIVES | STRIKES | {"depart"}
+    bare = structure.tree[at].relation == "ROOT" and not any(structure.tree.children(at, *SUBJECTS))
+    return drives and bare and structure.is_predicate(at) and not any(each.first < at for each in structure.groups)
 
 
 _LOADED = frozenset({"with", "pulling", "hauling", "towing", "carrying"})
@@ -433,7 +472,9 @@ def _is_elsewhere(structure: Structure, top: int) -> bool:
 
 def _is_somebody(structure: Structure, mention: Mention) -> bool:
     """Whether a mention is of a person who may drive, not of "anybody"."""
-    return any(item.get("person") in {"driver", "someone"} for item in structure.items.cut(mention.first, mention.last + 1))
+    return any(
+        item.get("person") in {"driver", "someone"} for item in structure.items.cut(mention.first, mention.last + 1)
+    )
 
 
 def _called(structure: Structure, mention: Mention) -> str:

@@ -90,7 +90,12 @@ def mentions_of(items: Words, known: Collection[str] = ()) -> Iterator[Mention]:
         _take_driver(items, mention)
         after = items.at(mention.last + 1)
         ends = items.at(mention.last + 2).low in word_set("trait_ends") or items.at(mention.last + 2).is_a("negation")
-        if after.is_a("bound") and not after.low.endswith(("ward", "wards")) and ends and mention.description is not None:
+        if (
+            after.is_a("bound")
+            and not after.low.endswith(("ward", "wards"))
+            and ends
+            and mention.description is not None
+        ):
             mention.traits = (*mention.traits, after)  # "struck U2 EB"
         while mention is not None:
             mention.span = items.span(mention.first, mention.last)

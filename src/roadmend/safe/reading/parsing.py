@@ -99,15 +99,17 @@ class _SentenceReader:
         while back > 0 and self.items[back].low in {")", "("}:
             back -= 1
         group = self._group(back)
-        actor = self.actors.get(group.first) if group is not None else None
-        return actor is not None and bool(actor.vehicles) and actor.vehicles != subject.vehicles and group.part is None
+        actor = self.actors.get(group.first) if group is not None and group.part is None else None
+        return actor is not None and bool(actor.vehicles) and actor.vehicles != subject.vehicles
 
     def _next(self, at: int, clause: Clause) -> Actor | None:
         """Who is named right behind a verb of contact, where the parser gave it no object."""
         group = next((each for each in self.groups if at < each.first <= at + _NEAR), None)
         if group is None or group.first in self.actors or self._lead(group) is not None:
             return None
-        apart = any(self.items[each].is_a("conjunction") or self.items[each].low in ",;" for each in range(at + 1, group.first))
+        apart = any(
+            self.items[each].is_a("conjunction") or self.items[each].low in ",;" for each in range(at + 1, group.first)
+        )
         return None if apart else self._joined(group, Role.OBJECT, clause)
 
     def _lead(self, group: Group) -> Item | None:
@@ -155,13 +157,13 @@ class _SentenceReader:
     def _verb(self, at: int) -> VerbSense | None:
         """The verb at a place; "went to" is a way to go where no other verb follows."""
         verb = self.items[at].verb
-        if verb is not None and verb.kind == "intend" and verb.lemma == "go" and not any(self.tree.children(at, "xcomp")):
-            return replace(verb, kind="travel")
-        return verb
+        goes = verb is not None and verb.kind == "intend" and verb.lemma == "go"
+        return replace(verb, kind="travel") if verb and goes and not any(self.tree.children(at, "xcomp")) else verb
 
     def _subject(self, at: int) -> tuple[Actor, frozenset[str]]:
         """Who does what a predicate says, and the kinds of the verbs that it depends on."""
-        arc, kind = self.tree[at], self.items[at].verb.kind if self.items[at].verb is not None else ""
+        arc, verb = self.tree[at], self.items[at].verb
+        kind = verb.kind if verb is not None else ""
         governed = self._governed(at)
         for child in self.tree.children(at, *SUBJECTS):
             if self.items[child].is_a("relative") and arc.relation in {"relcl", "acl"}:
@@ -173,7 +175,8 @@ class _SentenceReader:
             if self._is_drivers(at, child):
                 return self._before(at), governed
             behind = next((each for each in self.tree.children(at, "attr") if self._group(each) is not None), None)
-            if self._group(child) is None and behind is not None and self.tree[at].tag == "AUX" and not self.items[child].is_a("pronoun"):
+            is_thing = self._group(child) is None and not self.items[child].is_a("pronoun")
+            if is_thing and behind is not None and self.tree[at].tag == "AUX":
                 return self._named(behind, Role.SUBJECT, kind), governed  # "Oncoming was a van"
             self.referents.is_road = self._group(child) is None and self._is_road(child)
             return self._named(child, Role.SUBJECT, kind), governed
@@ -188,10 +191,9 @@ class _SentenceReader:
                 return above.object, governed
             return above.subject, governed
         behind = next(iter(self.tree.children(at, "attr", "dobj")), None)
-        if behind is not None and self.tree[at].tag == "AUX" and self._group(behind) is not None:
-            return self._named(behind, Role.SUBJECT, kind), governed  # "To my right was a van"
-        if behind is not None and kind in _COMES and self._group(behind) is not None and self.items[at].verb.lemma not in {"drive", "operate"}:
-            return self._named(behind, Role.SUBJECT, kind), governed  # "Out of the lane rolls a van"
+        comes = kind in _COMES and verb is not None and verb.lemma not in {"drive", "operate"}
+        if behind is not None and self._group(behind) is not None and (self.tree[at].tag == "AUX" or comes):
+            return self._named(behind, Role.SUBJECT, kind), governed  # "To my right was a van", "Out rolls a van"
         return self._before(at), governed
 
     def _is_drivers(self, at: int, child: int) -> bool:
@@ -250,10 +252,9 @@ class _SentenceReader:
                     found.add("avoid")
                 if verb.kind == "avoid" and (self._is_denied(up) or "fail" in self._governed(up)):
                     found.discard("avoid")
-            if arc.relation == "conj" and self.items[at].verb is not None:
-                same = self.items[up].verb is not None and self.items[up].verb.form == self.items[at].verb.form
-                if not same:
-                    break
+            mine = self.items[at].verb
+            if arc.relation == "conj" and mine is not None and (verb is None or verb.form != mine.form):
+                break
             place = up
         return frozenset(found)
 
@@ -268,7 +269,9 @@ class _SentenceReader:
         by = verb is not None and verb.kind in STRIKES and after.low == "by"
         conj = self.tree[at].relation == "conj" and verb is not None and verb.form in {"both", "participle"}
         up = self.tree[at].head
-        shared = conj and up in self.made and self.made[up].is_passive and not any(self.tree.children(at, *SUBJECTS, "aux"))
+        shared = (
+            conj and up in self.made and self.made[up].is_passive and not any(self.tree.children(at, *SUBJECTS, "aux"))
+        )
         return by or shared
 
     def _is_denied(self, at: int) -> bool:
@@ -333,7 +336,9 @@ class _SentenceReader:
     def _bring(self, at: int, clause: Clause, group: Group) -> None:
         """Give a noun group its part in a clause."""
         arc = self.tree[group.top]
-        is_object = arc.head == at and (arc.relation in _OBJECTS or (arc.relation == "pobj" and clause.verb is not None))
+        is_object = arc.head == at and (
+            arc.relation in _OBJECTS or (arc.relation == "pobj" and clause.verb is not None)
+        )
         if is_object and clause.object is None and not clause.is_passive:
             clause.object = self._joined(group, Role.OBJECT, clause)
             return

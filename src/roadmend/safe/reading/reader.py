@@ -103,7 +103,11 @@ def _best(
         clauses, choices = read_clauses(structures, spoken, picks)
         text = Text(summary, tuple(sentences), spoken, clauses)
         found = _claims(text)
-        doubt = sum(choices[at].ranked[min(pick, len(choices[at].ranked) - 1)][1] for at, pick in picks.items() if at < len(choices))
+        doubt = sum(
+            choices[at].ranked[min(pick, len(choices[at].ranked) - 1)][1]
+            for at, pick in picks.items()
+            if at < len(choices)
+        )
         return fit(found[0], text.count) + _CONTACT * bool(found[1]) - doubt, choices, text, found
 
     picks: dict[int, int] = {}

@@ -95,14 +95,16 @@ class Referents:
         actor = Actor(vehicles, None, mention.is_person, mention.span, gender)
         if vehicles:
             self.thing = self.thing if mention.is_person else vehicles[:1]
-            self.recent += [each for each in vehicles]
+            self.recent += vehicles
         return actor
 
     def _meant(
         self, mention: Mention, items: Words, role: Role, subject: Actor, kind: str, gender: str
     ) -> tuple[int, ...]:
         first = items[mention.first]
-        if mention.kind is MentionKind.BOTH or (first.low == "they" and (kind == "collide" or items.at(mention.last + 1).low in _PLURAL)):
+        if mention.kind is MentionKind.BOTH or (
+            first.low == "they" and (kind == "collide" or items.at(mention.last + 1).low in _PLURAL)
+        ):
             return self._both()
         if mention.kind is MentionKind.OTHER:
             before = subject.vehicles or self.focus.vehicles or tuple(self.recent[-1:])
@@ -124,9 +126,7 @@ class Referents:
         last = sorted(ranked, key=lambda each: each in mine)
         return tuple(sorted(last[:2]))
 
-    def _likeliest(
-        self, mention: Mention, role: Role, subject: Actor, kind: str, gender: str
-    ) -> tuple[int, ...]:
+    def _likeliest(self, mention: Mention, role: Role, subject: Actor, kind: str, gender: str) -> tuple[int, ...]:
         if not self.count:
             return ()
         last = list(dict.fromkeys(reversed(self.recent)))

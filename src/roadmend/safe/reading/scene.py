@@ -79,7 +79,9 @@ class _Scene:
 
     def judged(self) -> dict[str, JudgedField]:
         """The fields that hang together: type of road, stem, directions and actions."""
-        return {path: with_claims(shares(values), self.claims.get(path, [])) for path, values in self.weigh()[1].items()}
+        return {
+            path: with_claims(shares(values), self.claims.get(path, [])) for path, values in self.weigh()[1].items()
+        }
 
     def weigh(self) -> tuple[float, dict[str, dict[Any, float]]]:
         """Log of the sum over all scenes, and of the part of it that has each value of each field."""
@@ -182,7 +184,10 @@ class _Scene:
             WayRelation.SAME, first.heading, second.heading
         )
         astray = Manoeuvre.ENTER_THE_WRONG_WAY in done
-        out = sum(each.value is Manoeuvre.LEAVE_DRIVEWAY for at in (one, other) for each in self._of(at, "manoeuvre")) == 1
+        out = (
+            sum(each.value is Manoeuvre.LEAVE_DRIVEWAY for at in (one, other) for each in self._of(at, "manoeuvre"))
+            == 1
+        )
         crosses = out and holds(WayRelation.CROSSING, first.heading, second.heading)
         return _OUT * crosses + _HINT * (same + (astray and holds(WayRelation.OPPOSITE, first.heading, second.heading)))
 

@@ -74,9 +74,17 @@ class Structure:
         head = self.tree[place].head
         if self.items[head].low == "with" and (carrier := self.group(self.tree[head].head)) is not None:
             return carrier  # "a lorry with a trailer that"
-        named = self.items[place].is_name and not self.items[place].kinds and not self.items.at(place + 1).is_a("road", "lane")
+        named = (
+            self.items[place].is_name
+            and not self.items[place].kinds
+            and not self.items.at(place + 1).is_a("road", "lane")
+        )
         if self.items[place].is_a("person", "part", "body", "axlewords") or named:
-            inner = [each for each in self.groups if place in {*self.tree.chain(each.top)} and self.owner(each.top) == self.owner(place)]
+            inner = [
+                each
+                for each in self.groups
+                if place in {*self.tree.chain(each.top)} and self.owner(each.top) == self.owner(place)
+            ]
             return inner[0] if inner else None
         return None
 

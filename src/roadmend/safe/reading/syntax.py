@@ -22,7 +22,14 @@ _HITS = {"ing": "hitting", "s": "hits"}
 _BENDS = {"bend": "curve", "bends": "curves"}
 _ASIDE = 9  # words of a bracket at most
 _SHORT = 4  # letters of a word that may be one cut short
-_PLAIN = {"thing": "vehicle", "junction": "intersection", "lane": "lane", "mph": "mph", "preposition": "", "road": "road"}
+_PLAIN = {
+    "thing": "vehicle",
+    "junction": "intersection",
+    "lane": "lane",
+    "mph": "mph",
+    "preposition": "",
+    "road": "road",
+}
 _SPELLED = {"w": "with", "&": "and", "@": "at", "v": "versus", "=": "is", "+": "and", "im": "i'm"}
 
 
@@ -85,17 +92,25 @@ def parse(sentences: Sequence[Sentence], groups: Sequence[Sequence[Group]]) -> l
     ]
 
 
-def _starts(row: Sequence[tuple[str, int]], items: Words, groups: Sequence[Group]) -> list[bool | None]:
+def _starts(row: Sequence[tuple[str, int]], items: Words, groups: Sequence[Group]) -> list[bool | int | None]:
     """Where a statement begins that only a comma parts from the one before: "V1 turned, V2 hit it"."""
     begins = set()
     for one, group in itertools.pairwise(groups):
         mark, mention = items.at(group.first - 1).low, group.mention
         named = mention is not None and (mention.number is not None or mention.description is not None)
-        led = any(items[at].is_a("verb", "auxiliary", "bound") or items[at].low in _SPLICES for at in range(one.last + 1, group.first))
-        goes_on = any(items[at].is_a("verb", "auxiliary", "bound") or items[at].low in _SPLICES for at in range(group.last + 1, min(group.last + 5, len(items))))
+        led = any(
+            items[at].is_a("verb", "auxiliary", "bound") or items[at].low in _SPLICES
+            for at in range(one.last + 1, group.first)
+        )
+        goes_on = any(
+            items[at].is_a("verb", "auxiliary", "bound") or items[at].low in _SPLICES
+            for at in range(group.last + 1, min(group.last + 5, len(items)))
+        )
         if mark in {",", ";", ":", "."} and named and mention is not None and mention.twin is None and led and goes_on:
             begins.add(next((place for _, place in row if group.first <= place <= group.top), group.top))
-    return [True if at == 0 or (place in begins and place != row[at - 1][1]) else None for at, (_, place) in enumerate(row)]
+    return [
+        True if at == 0 or (place in begins and place != row[at - 1][1]) else None for at, (_, place) in enumerate(row)
+    ]
 
 
 def _tree(doc: Any, places: Sequence[int], count: int) -> Tree:

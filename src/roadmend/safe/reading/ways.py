@@ -199,7 +199,9 @@ def _is_no_way(clause: Clause, items: Words, place: int, *, is_head: bool) -> bo
         return True
     if _is_of_name(items, place) or items.at(place - 1).low in word_set("titles"):
         return True
-    if (after.low in word_set("not_a_way") and not (after.low == "side" and item.is_a("bound"))) or (after.is_a("shoulder") and not item.is_a("bound")):
+    if (after.low in word_set("not_a_way") and not (after.low == "side" and item.is_a("bound"))) or (
+        after.is_a("shoulder") and not item.is_a("bound")
+    ):
         return True
     belt = item.low in {"sb", "s b"} and after.low in {"used", "worn", "in use"}
     before = items.cut(place - 6, place)
