@@ -30,7 +30,7 @@ from roadmend.safe.reading.scene import solve
 from roadmend.safe.reading.tokens import Sentence
 from roadmend.safe.reading.weighing import NO_VALUE, JudgedField, judge
 
-_LEAST_WAY = 0.42  # probability below which a direction is left open; four of them are a quarter each
+_LEAST_WAY = 0.3  # probability below which a direction is left open; four of them are a quarter each
 _LEAST = 0.5  # probability of a manoeuvre that is more than driving on
 _NAMED = 0.6  # confidence of weather that is told rather than hinted at
 _BRIGHT = {Weather.CLEAR, Weather.SUNNY}

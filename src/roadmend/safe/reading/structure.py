@@ -72,7 +72,7 @@ class Structure:
     def within(self, place: int) -> Group | None:
         """The vehicle that a person, a part or a load is of, or in: "some kid in a Civic", "a trailer that"."""
         head = self.tree[place].head
-        if self.items[head].low == "with" and (carrier := self.group(self.tree[head].head)) is not None:
+        if self.items[head].low == "with" and (carrier := self.group(max(0, head - 1))) is not None:
             return carrier  # "a lorry with a trailer that"
         named = (
             self.items[place].is_name
