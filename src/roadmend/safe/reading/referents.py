@@ -102,6 +102,11 @@ class Referents:
         self, mention: Mention, items: Words, role: Role, subject: Actor, kind: str, gender: str
     ) -> tuple[int, ...]:
         first = items[mention.first]
+        after = items.at(mention.last + 1)
+        if mention.kind is MentionKind.IT and mention.last > mention.first and after.is_a("ahead", "behind"):
+            return ()  # "the vehicle in front of him"
+        if mention.kind is MentionKind.BOTH and first.is_a("number") and self.recent:
+            return ()  # "waited for two vehicles to pass"
         if mention.kind is MentionKind.BOTH or (
             first.low == "they" and (kind == "collide" or items.at(mention.last + 1).low in _PLURAL)
         ):
