@@ -189,6 +189,10 @@ class _SentenceReader:
                 return self.referents.focus, governed
             if arc.relation == "xcomp" and above.object is not None and above.kind not in _GOVERNING - {"see"}:
                 return above.object, governed
+            if not above.subject.vehicles and kind in _OF_DRIVERS | STRIKES | {"turn"}:
+                higher = (self._clause(each) for each in self.tree.chain(up) if self._is_predicate(each))
+                found = next((each.subject for each in higher if each is not None and each.subject.vehicles), None)
+                return found or above.subject, governed  # "on a street that ends there and turned left"
             return above.subject, governed
         behind = next(iter(self.tree.children(at, "attr", "dobj")), None)
         comes = kind in _COMES and verb is not None and verb.lemma not in {"drive", "operate"}
