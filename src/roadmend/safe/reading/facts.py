@@ -55,7 +55,9 @@ def direction(item: Item) -> Position | None:
 
 def crash_places(clauses: Sequence[Clause]) -> dict[int, bool]:
     """By place of a clause: whether vehicles have touched before it; what a text begins with is told again afterwards."""
-    begins = (each.sentence.index for each in clauses if each.subject.vehicles and (each.kind in _GOES or _touches(each)))
+    begins = (
+        each.sentence.index for each in clauses if each.subject.vehicles and (each.kind in _GOES or _touches(each))
+    )
     first = next(begins, 0)
     touched, found = False, {}
     for place, clause in enumerate(clauses):

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
+from roadmend.safe.dsl import DslModel
 from roadmend.safe.reading.cast import Description, MentionedVehicle, VehicleRoll, shares_name
 from roadmend.safe.reading.clauses import STRIKES
 from roadmend.safe.reading.groups import Group
@@ -254,7 +255,8 @@ class _Casting:
     ) -> MentionedVehicle | None:
         weights = {id(each): self._weight(each, at, mention, described, is_title=is_title) for each in self.vehicles}
         best = max(self.vehicles, key=lambda each: weights[id(each)], default=None)
-        if best is not None and weights[id(best)] > 0:
+        is_towed = best is not None and best.description.body()[0] in {DslModel.SEMI_TRUCK, DslModel.PICKUP, None}
+        if best is not None and weights[id(best)] > 0 and (is_towed or described.words != "trailer"):
             return best
         if described.words == "trailer" or (is_title and best is not None):
             return None

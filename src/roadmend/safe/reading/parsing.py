@@ -282,7 +282,9 @@ class _SentenceReader:
 
     def _is_denied(self, at: int) -> bool:
         verb, near = self.items[at].verb, self.items.cut(at - 3, at)
-        denies = any(self.items[each].is_a("negation") for each in self.tree.children(at, "aux", "advmod", "auxpass", "neg"))
+        denies = any(
+            self.items[each].is_a("negation") for each in self.tree.children(at, "aux", "advmod", "auxpass", "neg")
+        )
         if (denies or any(self.tree.children(at, "neg"))) and (verb is None or verb.kind != "fail"):
             return True
         missed = near.at(len(near) - 1).low in word_set("near_misses") or (
