@@ -119,7 +119,9 @@ class Referents:
             last = list(dict.fromkeys(reversed(self.recent)))
             at = 0 if first.get("pronoun") == "latter" else 1
             return (last[at],) if at < len(last) else ()
-        if mention.kind is MentionKind.SELF or (mention.kind is MentionKind.PERSON and mention.is_new):
+        if mention.kind in {MentionKind.SELF, MentionKind.NAMED} or (
+            mention.kind is MentionKind.PERSON and mention.is_new
+        ):
             return ()
         return self._likeliest(mention, role, subject, kind, gender)
 
