@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from harness.benchmark_content import build_content, case_table
-from harness.kept_rows import keep_cases, keep_ordinary
+from harness.kept_rows import keep_cases, keep_controls, keep_ordinary, keep_robustness
 from roadmend.core.errors import InputError
 from roadmend.reports.result_files import origin
 from tests.benchmarks.made_up import MADE, measured
@@ -117,3 +117,39 @@ def test_of_prices_that_are_kept_no_lead_is_told():
     assert content["at_time_lost"]["modular"]["rule"] == {"1": None, "2": {**point, "lead": None}}
     assert content["at_time_lost"]["modular"]["adreft"]["2"]["lead"] == point["lead"]
     assert content["provenance"]["kept"][0]["methods"] == ["rule", "adreft"]
+
+
+def controls_of(made=MADE, cases=4, bound=True, **delta_e):
+    shuffled = {name: {"violations": cases, "successes": cases, "delta_e": value} for name, value in delta_e.items()}
+    bounds = {"modular": {"informed": {"dose": 1.0}}} if bound else {}
+    return {"provenance": dict(made), "controls": {"modular": {"shuffled": shuffled}}, "bound": bounds}
+
+
+def test_controls_that_were_not_run_are_kept_and_so_is_the_bound():
+    fresh = controls_of(LATER, bound=False, adreft=70.0)
+    keep_controls(fresh, controls_of(rule=40.0, adreft=60.0), ORDER)
+    figures = fresh["controls"]["modular"]["shuffled"]
+    assert {name: each["delta_e"] for name, each in figures.items()} == {"rule": 40.0, "adreft": 70.0}
+    assert [*figures] == ["rule", "adreft"]
+    assert fresh["bound"]["modular"]["informed"]["dose"] == 1.0
+    assert fresh["provenance"]["kept"][0]["methods"] == ["rule", "informed bound"]
+
+
+def test_controls_of_other_cases_are_no_company():
+    with pytest.raises(InputError, match="of other cases"):
+        keep_controls(controls_of(LATER, cases=3, adreft=70.0), controls_of(rule=40.0), ORDER)
+
+
+def study_of(made=MADE, budget=100, **found):
+    curves = {name: {"found": [[0, value]]} for name, value in found.items()}
+    alike = {"techniques": ["random"], "families": ["S1"], "runs": 1, "budget": budget}
+    return {"provenance": dict(made), "policies": {"modular": {"random": curves}}, **alike}
+
+
+def test_searches_that_were_not_run_are_kept_if_they_were_as_long():
+    fresh = study_of(LATER, adreft=3)
+    keep_robustness(fresh, study_of(none=9, adreft=5), ORDER)
+    assert fresh["policies"]["modular"]["random"] == {"none": {"found": [[0, 9]]}, "adreft": {"found": [[0, 3]]}}
+    assert fresh["provenance"]["kept"][0]["methods"] == ["none"]
+    with pytest.raises(InputError, match="did not search alike"):
+        keep_robustness(study_of(LATER, budget=50, adreft=3), study_of(none=9), ORDER)

@@ -80,12 +80,8 @@ def example(domain):
 
     yield start
     for one in started:
-        one.terminate()  # it leaves the domain, which the next test may get
-        try:
-            one.wait(timeout=30)
-        except subprocess.TimeoutExpired:  # how it ends is not what is tested
-            one.kill()
-            one.wait()
+        one.kill()  # how it ends is not what is tested, and rclpy's own handler sometimes misses SIGTERM in this build
+        one.wait()
 
 
 def test_the_example_is_of_at_most_forty_lines():
@@ -148,7 +144,7 @@ def test_whatever_is_wrong_with_its_publisher_is_named_until_it_is_right(run, no
 
 def test_a_second_publisher_beside_our_own_policy_is_named(node, scenario_file, tmp_path):
     node("intruder").create_publisher(msg.Command, topics.POLICY_COMMAND, qos.COMMAND)
-    scenario = scenario_file("S3", 3, time_limit=6.0)  # three seconds by the wall: discovery takes a while
+    scenario = scenario_file("S3", 3, time_limit=10.0)  # five seconds by the wall: a discovery that misses takes three
     result = run_graph(GraphOptions(scenario, clock="realtime", rate=2.0, bags=tmp_path, name="bag", viz=False))
     assert result.warnings == ("policy/command: has 2 publishers, /intruder and /policy_node; end all but one",)
     assert result.episode.policy == "external:/intruder + modular"

@@ -68,6 +68,18 @@ class Client:
             found |= {name: heard for name, test in wanted.items() if name not in found and test(heard)}
         return found
 
+    def wait_while(self, publish):
+        """The first message that comes while something publishes again and again; whatever else is said fails at once."""
+        end = time.monotonic() + PATIENCE_S
+        while time.monotonic() < end:
+            publish()
+            with contextlib.suppress(queue.Empty):
+                heard = self.heard.get(timeout=0.1)
+                if heard["event"] == "message":
+                    return heard
+                assert heard["event"] in {"channel", "time"}
+        pytest.fail("no message came")
+
     def close(self):
         self.process.kill()
         self.process.communicate()
@@ -257,14 +269,34 @@ def test_viewers_are_served_by_either_name_of_the_protocol(server, connect, prot
         publisher = node.create_publisher(Float64, "/gap", 10)
         client.wait("channel", lambda heard: heard["topic"] == "/gap")
         client.ask(subscribe="/gap")
-        heard = []
-        while not heard:
-            publisher.publish(Float64(data=0.25))
-            with contextlib.suppress(queue.Empty):
-                heard += [one for one in (client.heard.get(timeout=0.2),) if one["event"] == "message"]
-        assert heard[0]["value"] == {"data": 0.25}
+        assert client.wait_while(lambda: publisher.publish(Float64(data=0.25)))["value"] == {"data": 0.25}
         client.ask(get=[])
         assert client.wait("parameters")["parameters"] == []
+    finally:
+        rclpy.try_shutdown()
+
+
+def test_a_topic_whose_publisher_comes_back_is_shown_to_who_asked_for_it_meanwhile(server, connect):
+    client = connect(server)
+    client.wait("serverInfo")
+    rclpy.init()
+    try:
+        node = rclpy.create_node("talker")
+        first = node.create_publisher(Float64, "/gap", 10)
+        client.wait("channel", lambda heard: heard["topic"] == "/gap")
+        client.ask(subscribe="/gap")
+        client.wait_while(lambda: first.publish(Float64(data=0.25)))
+        client.ask(unsubscribe="/gap")
+        while node.count_subscribers("/gap"):
+            time.sleep(0.05)
+        node.destroy_publisher(first)
+        late = connect(server)
+        late.wait("channel", lambda heard: heard["topic"] == "/gap")
+        late.ask(subscribe="/gap")
+        while not node.count_subscribers("/gap"):
+            time.sleep(0.05)
+        again = node.create_publisher(Float64, "/gap", 10)
+        assert late.wait_while(lambda: again.publish(Float64(data=0.5)))["value"] == {"data": 0.5}
     finally:
         rclpy.try_shutdown()
 

@@ -1,19 +1,17 @@
 """The real graph: node processes over DDS, real bags."""
 
 import itertools
-import json
 import os
 import signal
-import subprocess
-import sys
 import time
 from collections import Counter
 from pathlib import Path
 
 import pytest
+from roadmend_msgs.msg import RepairState, ScenarioEvent
 
 from roadmend.core.errors import InputError
-from roadmend.nodes import launcher
+from roadmend.nodes import launcher, qos
 from roadmend.nodes.graph_options import GraphOptions
 from roadmend.nodes.launcher import run_graph
 from roadmend.policies.registry import make_policy
@@ -22,6 +20,8 @@ from roadmend.recording.reader import BagReader
 from roadmend.repair.registry import make_repairer
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario_file import load_scenario
+
+from .graph_run import Run, records, stamp_of
 
 pytestmark = pytest.mark.graph
 
@@ -107,117 +107,74 @@ def test_a_taken_bag_is_not_overwritten(scenario_file, tmp_path):
 # -- faults, in real time so that there is time for them ---------------------------------------------------------------
 
 
-def start_run(path, bags, *more):
-    command = [
-        sys.executable,
-        "-m",
-        "roadmend.cli",
-        "run",
-        "--scenario",
-        str(path),
-        "--out",
-        str(bags),
-        "--name",
-        "bag",
-    ]
-    command += ["--no-viz", "--clock", "realtime", "--rate", "0.5", "--json", *more]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+@pytest.fixture
+def run(domain, scenario_file, tmp_path):
+    """Starts a run that lasts two minutes if nobody ends it."""
+    started = []
 
+    def start():
+        path = scenario_file("S3", 3, time_limit=60.0)
+        started.append(Run(path, tmp_path, "--clock", "realtime", "--rate", "0.5"))
+        started[-1].until_driving(settled=False)
+        return started[-1]
 
-def parent_of(pid):
-    return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1])
-
-
-def node_process(run, node):
-    """The process of one node of a run: the grandchild of the launcher that writes the node's log."""
-    for _ in range(200):
-        for folder in Path("/proc").glob("[0-9]*"):
-            try:
-                log = (folder / "fd" / "1").readlink().name
-                if log == f"{node}.log" and parent_of(parent_of(folder.name)) == run.pid:
-                    return int(folder.name)
-            except (OSError, ValueError, IndexError):
-                continue
-        time.sleep(0.05)
-    pytest.fail(f"no process of {node}")
-
-
-def wait_until_driving(bags):
-    """Until the bag grows as it does only while the vehicle moves."""
-    for _ in range(600):
-        file = next(iter((bags / "bag").glob("*.mcap")), None)
-        if file is not None and file.stat().st_size > 40_000:
-            return
-        time.sleep(0.05)
-    pytest.fail("the graph did not start")
-
-
-def standing_in(scenario_file):
-    """Long enough to break things in."""
-    return scenario_file("S3", 3, time_limit=5.0)
+    yield start
+    for one in started:
+        one.close()
 
 
 @pytest.mark.slow
-def test_a_killed_policy_means_a_controlled_stop_until_it_is_back(scenario_file, tmp_path):
-    run = start_run(standing_in(scenario_file), tmp_path)
-    wait_until_driving(tmp_path)
-    os.kill(node_process(run, "policy"), signal.SIGKILL)
-    printed, complained = run.communicate(timeout=60)
-    result = json.loads(printed)[0]
-    assert result["restarts"] == 1, complained
-    states = [message for _, message in messages(tmp_path / "bag", "/repair/state")]
+def test_a_killed_policy_means_a_controlled_stop_until_it_is_back(run):
+    there = run()
+    os.kill(there.node("policy_node"), signal.SIGKILL)
+    there.until_said("policy_node ended (-9), restarted")
+    there.until_seen("/repair/state", RepairState, lambda state: state.state != state.STALE_COMMAND)
+    code, said = there.interrupt()
+    assert code == 130, said
+    states = records(there.bag, "/repair/state")
     stale = [state for state in states if state.state == state.STALE_COMMAND]
-    assert len(stale) >= 5
+    assert stale
     assert all(state.final_action <= -0.4 for state in stale)
-    assert states[-1].state != states[-1].STALE_COMMAND  # it was left again
-    assert len(states) >= 0.8 * result["ticks"]  # the repair node never went silent
+    assert {state.state for state in states[states.index(stale[0]) :]} - {stale[0].state}  # it was left again
+    ticks = {stamp_of(ego) for ego in records(there.bag, "/ego")}
+    assert len(states) >= 0.8 * len(ticks)  # the repair node never went silent
 
 
 @pytest.mark.slow
-def test_a_killed_repair_node_means_the_watchdog_brakes_until_it_is_back(scenario_file, tmp_path):
-    run = start_run(standing_in(scenario_file), tmp_path)
-    wait_until_driving(tmp_path)
-    os.kill(node_process(run, "repair"), signal.SIGKILL)
-    printed, complained = run.communicate(timeout=60)
-    result = json.loads(printed)[0]
-    assert result["restarts"] == 1, complained
-    assert result["watchdog_ticks"] > 0
-    events = [message for _, message in messages(tmp_path / "bag", "/events")]
+def test_a_killed_repair_node_means_the_watchdog_brakes_until_it_is_back(run):
+    there = run()
+    os.kill(there.node("repair_node"), signal.SIGKILL)
+    there.until_said("repair_node ended (-9), restarted")
+    there.until_seen("/events", ScenarioEvent, lambda event: event.kind == event.RECOVERED, ticks=0, profile=qos.EVENT)
+    code, said = there.interrupt()
+    assert code == 130, said
+    events = records(there.bag, "/events")
     kinds = [event.kind for event in events]
     assert kinds.index(events[0].WATCHDOG) < kinds.index(events[0].RECOVERED)
-    bitten = next(event for event in events if event.kind == event.WATCHDOG)
-    speeds = [
-        message.twist.twist.linear.x
-        for _, message in messages(tmp_path / "bag", "/ego")
-        if 0.3
-        < (message.header.stamp.sec + message.header.stamp.nanosec * 1e-9)
-        - (bitten.header.stamp.sec + bitten.header.stamp.nanosec * 1e-9)
-        < 1.0
-    ]
+    bitten = stamp_of(events[kinds.index(events[0].WATCHDOG)])
+    egos = records(there.bag, "/ego")
+    speeds = [ego.twist.twist.linear.x for ego in egos if 3 * 10**8 < stamp_of(ego) - bitten < 10**9]
     assert all(after <= before for before, after in itertools.pairwise(speeds))
 
 
-def test_interrupted_in_the_middle_everything_is_gone_within_3_s_and_the_bag_reads(scenario_file, tmp_path):
-    run = start_run(scenario_file("S3", 3, time_limit=60.0), tmp_path)
-    wait_until_driving(tmp_path)
-    nodes = [node_process(run, node) for node in ("sim", "policy", "repair", "recorder")]
-    run.send_signal(signal.SIGINT)
-    _, complained = run.communicate(timeout=30)
-    assert run.returncode == 130
-    assert "interrupted" in complained
+def test_interrupted_in_the_middle_everything_is_gone_within_3_s_and_the_bag_reads(run):
+    there = run()
+    nodes = [there.node(f"{name}_node") for name in ("sim", "policy", "repair", "recorder")]
+    code, said = there.interrupt()
+    assert code == 130
+    assert "interrupted" in said
     assert not [pid for pid in nodes if Path(f"/proc/{pid}").exists()]
     assert launcher.STOP_S < 3.0  # what has not gone by then is killed
-    events = [message for _, message in messages(tmp_path / "bag", "/events")]
+    events = records(there.bag, "/events")
     assert events[-1].kind == events[-1].ABORTED
 
 
-def test_nothing_is_left_when_the_launcher_is_killed(scenario_file, tmp_path):
-    run = start_run(scenario_file("S3", 3, time_limit=60.0), tmp_path)
-    wait_until_driving(tmp_path)
-    nodes = [node_process(run, node) for node in ("sim", "policy", "repair", "recorder")]
-    run.kill()
-    run.communicate(timeout=30)
-    for _ in range(100):
+def test_nothing_is_left_when_the_launcher_is_killed(run):
+    there = run()
+    nodes = [there.node(f"{name}_node") for name in ("sim", "policy", "repair", "recorder")]
+    there.process.kill()
+    there.process.wait()
+    for _ in range(600):
         left = [pid for pid in nodes if Path(f"/proc/{pid}").exists()]
         if not left:
             return
@@ -225,13 +182,12 @@ def test_nothing_is_left_when_the_launcher_is_killed(scenario_file, tmp_path):
     pytest.fail(f"still there: {left}")
 
 
-def test_interrupted_after_a_node_died_the_bag_still_reads(scenario_file, tmp_path):
+def test_interrupted_after_a_node_died_the_bag_still_reads(run):
     """A killed node says no goodbye; the recorder must not wait for it until it is killed itself."""
-    run = start_run(scenario_file("S3", 3, time_limit=60.0), tmp_path)
-    wait_until_driving(tmp_path)
-    os.kill(node_process(run, "policy"), signal.SIGKILL)
-    time.sleep(0.5)
-    run.send_signal(signal.SIGINT)
-    run.communicate(timeout=30)
-    assert run.returncode == 130
-    assert messages(tmp_path / "bag", "/events")[-1][1].kind == 5  # ABORTED
+    there = run()
+    os.kill(there.node("policy_node"), signal.SIGKILL)
+    there.until_said("policy_node ended (-9)")
+    code, _ = there.interrupt()
+    assert code == 130
+    events = records(there.bag, "/events")
+    assert events[-1].kind == events[-1].ABORTED

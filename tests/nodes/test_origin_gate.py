@@ -2,8 +2,10 @@
 
 import contextlib
 import ipaddress
+import select
 import socket
 import threading
+import time
 
 import pytest
 
@@ -108,6 +110,18 @@ def test_what_enters_is_passed_both_ways_unchanged(gate, behind):
         everything(connection)
     assert b"".join(behind[1]) == handshake() + b"more\x00abc"
     assert gate.refused == 0
+
+
+def test_what_the_server_says_while_it_is_held_back_comes_afterwards(gate, behind):
+    with connect(gate) as connection:
+        connection.sendall(handshake())
+        assert connection.recv(4096).startswith(b"GET / HTTP/1.1")
+        with gate.held_back():
+            connection.sendall(b"said")
+            while not b"".join(behind[1]).endswith(b"said"):  # which the server answers at once
+                time.sleep(0.01)
+            assert select.select([connection], [], [], 0.3)[0] == []
+        assert connection.recv(4096).endswith(b"SAID")
 
 
 def test_a_page_is_turned_away_and_the_server_hears_nothing_of_it(gate, behind):

@@ -74,7 +74,9 @@ def main():
     print("published", flush=True)
     if sys.argv[3:] == ["late"]:  # a publisher that offers less than the first one did
         late = node.create_publisher(String, "text", QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT))
-        time.sleep(1.0)
+        while not late.get_subscription_count():  # until the recorder has subscribed to what it offers
+            time.sleep(0.01)
+        time.sleep(0.5)
         late.publish(String(data="late"))
         time.sleep(0.3)
         print("late", flush=True)

@@ -1,9 +1,7 @@
 import contextlib
-import itertools
 import resource
 import subprocess
 import sys
-import time
 
 import pytest
 from mcap.exceptions import EndOfFile
@@ -24,7 +22,9 @@ writer = BagWriter(Path(sys.argv[1]))
 writer.add_topic("/text", "std_msgs/msg/String")
 print("ready", flush=True)
 while True:
-    writer.write("/text", time.time_ns(), bytes(2000))
+    now = time.time_ns()
+    writer.write("/text", now, bytes(2000))
+    print(now, flush=True)
     time.sleep(0.002)
 """
 
@@ -184,16 +184,14 @@ def test_a_quiet_bag_is_flushed_when_due(tmp_path, make):
 def test_sigkill_loses_less_than_a_second(tmp_path):
     child = subprocess.Popen([sys.executable, "-c", KILLED, str(tmp_path / "bag")], stdout=subprocess.PIPE, text=True)
     assert child.stdout.readline() == "ready\n"
-    started = time.time_ns()
-    time.sleep(2.5)
-    killed = time.time_ns()
+    written = [int(child.stdout.readline()) for _ in range(500)]
     child.kill()
+    written += map(int, child.stdout.read().split())
     child.wait()
     child.stdout.close()
     times = list(times_in_cut(tmp_path / "bag" / "bag_0.mcap"))
-    assert killed - times[-1] < 1e9
-    assert times[0] - started < 1e9
-    assert max(after - before for before, after in itertools.pairwise(times)) < 0.5e9
+    assert times[: len(written)] == written[: len(times)]  # the last one may have been written and not said
+    assert written[-1] - times[-1] < 1e9
 
 
 def test_a_claimed_folder_must_be_there_and_empty(tmp_path):

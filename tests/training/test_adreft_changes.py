@@ -48,7 +48,15 @@ def few(folder):
 
 
 def plan(**changes):
-    values = {"model": "modular", "digest": "x", "drives": 1, "horizon": 8.0, "plain": True, "seed": 0}
+    values = {
+        "model": "modular",
+        "digest": "x",
+        "drives": 1,
+        "horizon": 8.0,
+        "plain": True,
+        "history": False,
+        "seed": 0,
+    }
     return RiskPlan(**{**values, **changes})
 
 

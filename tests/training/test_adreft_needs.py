@@ -7,13 +7,18 @@ from pathlib import Path
 import numpy as np
 
 from roadmend.cli.main import main
+from roadmend.core.repair import RepairStatus
 from roadmend.networks.checkpoint import find_model, load_checkpoint
+from roadmend.policies.registry import make_policy
+from roadmend.repair.adreft.history import ATTRIBUTES
 from roadmend.repair.adreft.model import AdreftModel
+from roadmend.repair.registry import make_repairer
 from roadmend.training.adreft.case_risks import RiskPlan
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.adreft.need_drives import LOWEST, needs_of_case
 from roadmend.training.adreft.risk_training import KINDS, model_beside
 from roadmend.world.corpus import corpus_of, save_corpus
+from roadmend.world.runner import run_episode
 
 from .cases import Drawn
 
@@ -21,8 +26,8 @@ SHIPPED = find_model("modular", "adreft-")
 MODEL = AdreftModel.load(SHIPPED)
 
 
-def found_of(case, *, plain=False, drives=1):
-    plan = RiskPlan("modular", "x", drives, 8.0, plain=plain, seed=0)
+def found_of(case, *, plain=False, drives=1, history=False):
+    plan = RiskPlan("modular", "x", drives, 8.0, plain=plain, history=history, seed=0)
     return needs_of_case(case, Recipe("modular", MODEL.configuration.tokenizer, 1), plan)
 
 
@@ -52,6 +57,14 @@ def test_worlds_that_differ_are_driven_of_what_a_search_has_found_alone():
     assert len(found_of(drawn, drives=2)) == len(found_of(drawn))
 
 
+def test_the_last_second_and_the_drive_so_far_are_kept_with_a_tick():
+    plain, told = (found_of(violation(), history=history) for history in (False, True))
+    assert plain.counts.tolist() == told.counts.tolist()
+    assert np.array_equal(plain.tokens, told.tokens[:, : plain.tokens.shape[1]])
+    assert told.tokens.shape[1] == plain.tokens.shape[1] + ATTRIBUTES
+    assert np.abs(told.tokens[:, plain.tokens.shape[1] :]).max(axis=0).min() > 0.0  # each column says something
+
+
 def test_further_policies_are_looked_at_by_their_own_models():
     mine = Path("mine.safetensors")
     assert model_beside(KINDS["need"], "neural", mine) == find_model("neural", "adreft-")
@@ -75,7 +88,13 @@ def test_a_model_gets_a_monitor_of_need(tmp_path, capsys):
     assert after.header["need"]["drivers"]["ego_mlp"]["corpus"] == ""  # none ships: its random drives alone
     kept = [name for name in before.tensors if not name.startswith("need.")]
     assert all(np.array_equal(before.tensors[name], after.tensors[name]) for name in kept)
-    assert AdreftModel.load(out).need is not None
+    monitor = AdreftModel.load(out).need
+    assert monitor is not None
+    assert monitor.configuration.history
+    repairer, states = make_repairer("adreft", {"model": str(out), "threshold": 0.0}), set()
+    scenario, policy = violation().scenario(), make_policy("modular")
+    run_episode(scenario, policy, repairer, lambda _tick, _decision, repair: states.add(repair.status))
+    assert RepairStatus.MODEL_FAULT not in states
     first = out.read_bytes()
     assert main(words) == 0  # what was driven is read again
     assert out.read_bytes() == first

@@ -55,7 +55,7 @@ class _Bridged:
     message_type: Any
     callback: Callable[[bytes], None]
     clients: int = 0
-    publishers: int = 0  # the most that were seen at once
+    publishers: int = 0  # when they were last counted
     request: QoSProfile | None = None
     subscription: Any = None
 
@@ -109,7 +109,9 @@ class FoxgloveNode(Node):
         for name, types in self.get_topic_names_and_types():
             bridged = self._bridged.get(name)
             if bridged is not None:
-                if bridged.subscription is not None and self.count_publishers(name) > bridged.publishers:
+                before, bridged.publishers = bridged.publishers, self.count_publishers(name)
+                # One that comes, or comes back, may offer less than what is asked for, and nothing of it would arrive.
+                if bridged.subscription is not None and bridged.publishers > before:
                     self._subscribe(name, bridged)
             elif name not in self._skipped and "/_" not in name and self.count_publishers(name):
                 self._begin(name, types)
@@ -122,7 +124,10 @@ class FoxgloveNode(Node):
             self.get_logger().error(f"not shown: {error}")
             return
         schema = foxglove.Schema(name=definition.type_name, encoding="ros2msg", data=definition.text.encode())
-        channel = foxglove.Channel(name, message_encoding="cdr", schema=schema, context=self._sdk_context)
+        # The SDK tells its clients of a channel and only then takes note that they may subscribe to it: who is quick is
+        # refused, and no viewer asks twice.
+        with self._gate.held_back():
+            channel = foxglove.Channel(name, message_encoding="cdr", schema=schema, context=self._sdk_context)
         time_of = self._timekeeper.rule_for(definition)
         is_clock = name == topics.CLOCK
 
@@ -140,7 +145,7 @@ class FoxgloveNode(Node):
 
     def _subscribe(self, name: str, bridged: _Bridged, *, anew: bool = False) -> None:
         offers = [info.qos_profile for info in self.get_publishers_info_by_topic(name)]
-        bridged.publishers = max(bridged.publishers, len(offers))
+        bridged.publishers = len(offers)
         request = request_for(offers, DEPTH)
         if bridged.subscription is not None:
             if bridged.request == request and not anew:

@@ -14,7 +14,7 @@ import errno
 import re
 import secrets
 import threading
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 
 from roadmend.core.errors import InputError
 
@@ -79,6 +79,7 @@ class OriginGate:
         self.refused = 0  # requests that were turned away
         self._target = target
         self._allowed = allowed
+        self._answering = threading.Lock()  # what the server says is passed on only by who holds it
         self._loop = asyncio.new_event_loop()
         try:
             self._server = self._loop.run_until_complete(
@@ -91,6 +92,12 @@ class OriginGate:
         self.port: int = self._server.sockets[0].getsockname()[1]
         self._thread = threading.Thread(target=self._loop.run_forever, name="origin-gate", daemon=True)
         self._thread.start()
+
+    @contextlib.contextmanager
+    def held_back(self) -> Iterator[None]:
+        """What the server says meanwhile reaches the viewers afterwards: for moments, since all of them wait."""
+        with self._answering:
+            yield
 
     def close(self) -> None:
         """Stop listening and drop who is there. Does nothing the second time."""
@@ -130,8 +137,8 @@ class OriginGate:
                 answer = await inner_reader.readuntil(b"\r\n\r\n")
                 writer.write(renamed(answer, _NEWER, _OLDER))
             ways = [
-                asyncio.ensure_future(_pump(reader, inner_writer)),
-                asyncio.ensure_future(_pump(inner_reader, writer)),
+                asyncio.ensure_future(_pump(reader, inner_writer, contextlib.nullcontext())),
+                asyncio.ensure_future(_pump(inner_reader, writer, self._answering)),
             ]
             try:
                 await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
@@ -143,7 +150,10 @@ class OriginGate:
             inner_writer.close()
 
 
-async def _pump(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+async def _pump(
+    reader: asyncio.StreamReader, writer: asyncio.StreamWriter, turn: contextlib.AbstractContextManager[object]
+) -> None:
     while data := await reader.read(_CHUNK):
-        writer.write(data)
+        with turn:
+            writer.write(data)
         await writer.drain()

@@ -66,7 +66,8 @@ class GatedRepair:
         stepping = [each for each in proposed if each.score > each.threshold]
         if not stepping:
             score = 0.0
-        bar, needless = self._need.bar(score, self._threshold, self._threshold, tokens.values)
+        self._need.see(scene, decision, tokens)
+        bar, needless = self._need.bar(score, self._threshold, self._threshold)
         if stepping:
             hardest = min(stepping, key=lambda each: each.action)
             proposal = Proposal(score, bar, hardest.action, hardest.triggers, needless or hardest.reason)

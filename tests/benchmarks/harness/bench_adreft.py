@@ -120,11 +120,11 @@ def adreft(
         raise click.UsageError("--fresh-seed needs --cases")
     if fresh_seed is not None and split != "test":
         raise click.UsageError("fresh cases have no other split than test")
-    if keep and (verify or quick or robustness or fresh_seed is not None or split != "test" or cases is not None):
+    if keep and (verify or quick or fresh_seed is not None or split != "test" or cases is not None):
         raise click.UsageError("--keep goes with the whole of the committed cases only")
     if verify and (fresh_seed is not None or robustness or split != "test"):
         raise click.UsageError("--verify goes with the committed cases only")
-    if keep:  # monitors of methods that are not measured now are kept as well
+    if keep and not robustness:  # monitors of methods that are not measured now are kept as well
         asked = _list(methods, [*plan.methods], plan.methods, "--methods")
         named = {name: watched_method(plan, name) for name in plan.monitors}
         plan = plan.model_copy(update={"monitors": [name for name, method in named.items() if method in asked]})
@@ -150,7 +150,16 @@ def adreft(
     if robustness:
         command = options.command + f" --robustness --budget {budget}"
         return run_robustness(
-            plan, config, choice, budget, options.work / "robustness", workers, out, command, as_json=as_json
+            plan,
+            config,
+            choice,
+            budget,
+            options.work / "robustness",
+            workers,
+            out,
+            command,
+            committed if keep else None,
+            as_json=as_json,
         )
     if verify:
         return _verify(plan, config, choice, options)

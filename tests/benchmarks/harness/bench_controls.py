@@ -12,11 +12,13 @@ from rich.console import Console
 from rich.progress import Progress
 
 from harness.benchmark_content import dump_json
+from harness.benchmark_files import read_json
 from harness.beside import renew
 from harness.contenders import read_plan, resolve
 from harness.control_jobs import FORMAT, ControlJob, ControlResult, run_controls
 from harness.grid import Setting
-from harness.options import CACHED_WORK, COLUMNS, PLANS
+from harness.kept_rows import keep_controls
+from harness.options import CACHED_WORK, COLUMNS, COMMITTED, PLANS
 from harness.policy_benchmarks import select
 from harness.table import Table, number, span
 from roadmend.cli.options import JSON, WORKERS, options_of
@@ -56,6 +58,10 @@ class ControlOptions:
         ),
     ]
     bound: Annotated[bool, click.option("--bound/--no-bound", default=True, show_default=True, help="Informed bound.")]
+    keep: Annotated[
+        bool, click.option("--keep", is_flag=True, help="Take whatever is not measured now from the committed figures.")
+    ]
+    committed: Annotated[Path, COMMITTED]
     work: Annotated[Path | None, CACHED_WORK]
     out: Annotated[
         Path | None, click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Folder of results.")
@@ -102,7 +108,9 @@ def controls(given: ControlOptions, *, as_json: bool) -> None:
             if given.bound:
                 jobs = [ControlJob(case, policy, None) for case in cases if case.is_violation]
                 content["bound"][policy] = {"informed": bound_figures(run(f"{policy}: informed bound", jobs))}
-    tables = [_controls_table(content), *([_bound_table(content)] if given.bound else [])]
+    if given.keep:
+        keep_controls(content, read_json(given.committed / f"{STEM}.json"), [*plan.methods])
+    tables = [_controls_table(content), *([_bound_table(content)] if content["bound"] else [])]
     if given.out is not None:
         text = "\n\n".join(table.markdown(3) for table in tables)
         made = origin(content["provenance"])
@@ -228,4 +236,4 @@ def _command(given: ControlOptions) -> str:
     parts = ["./roadmend bench controls", *(f"--policy {policy}" for policy in given.policies)]
     parts += [f"--methods {given.methods}"] if given.methods != "rule,rss,predictive,adreft,precaution" else []
     parts += [f"--cases {given.cases}"] if given.cases else []
-    return " ".join(parts + ["--no-bound"] * (not given.bound))
+    return " ".join(parts + ["--no-bound"] * (not given.bound) + ["--keep"] * given.keep)

@@ -11,9 +11,11 @@ from rich.console import Console
 from rich.progress import Progress, TaskID
 
 from harness.benchmark_content import dump_json
+from harness.benchmark_files import read_json
 from harness.benchmark_tables import robustness_table
 from harness.beside import renew
 from harness.contenders import BenchmarkPlan, Contender, resolve
+from harness.kept_rows import keep_robustness
 from harness.options import COLUMNS
 from harness.policy_benchmarks import Choice
 from roadmend.core.errors import RoadmendError
@@ -44,10 +46,14 @@ def run_robustness(
     workers: int,
     out: Path | None,
     command: str,
+    kept: Path | None,
     *,
     as_json: bool,
 ) -> int:
-    """Search with every technique against every policy, with and without repair; write and show the curves."""
+    """Search with every technique against every policy, with and without repair; write and show the curves.
+
+    What is not run now is taken from the figures in the folder ``kept``, where there is one.
+    """
     methods = [name for name in plan.robustness.methods if name in choice.methods]
     content: dict[str, Any] = {
         "format": "roadmend-robustness/1",
@@ -69,6 +75,8 @@ def run_robustness(
                     technique: {contender.name: searcher.curves(contender, technique) for contender in contenders}
                     for technique in plan.robustness.techniques
                 }
+    if kept is not None:
+        keep_robustness(content, read_json(kept / "adreft-robustness.json"), plan.robustness.methods)
     if out is not None:
         titles = {name: {"title": method.title, "group": method.group} for name, method in plan.methods.items()}
         write_robustness(out, content, titles)

@@ -93,6 +93,49 @@ def keep_ordinary(content: Content, before: Mapping[str, Any], order: Sequence[s
     _note(content, before, _ordered(dict.fromkeys(kept), order))
 
 
+def keep_controls(content: Content, before: Mapping[str, Any], order: Sequence[str]) -> None:
+    """Add to controls what earlier ones have besides: methods by their shuffles, and bounds, which hang on no method.
+
+    Raises:
+        InputError: the two are not of as many cases.
+    """
+    kept: set[str] = set()
+    for policy, found in content["controls"].items():
+        fresh, old = found["shuffled"], before["controls"].get(policy, {"shuffled": {}})["shuffled"]
+        sizes = {(each["violations"], each["successes"]) for each in [*fresh.values(), *old.values()]}
+        if len(sizes) > 1:
+            mend = "give the same --cases, or measure all methods again, without --keep"
+            raise InputError("--keep", f"the committed controls of the policy {policy} are of other cases", mend)
+        missing = [name for name in old if name not in fresh and name in order]
+        _take(fresh, old, missing)
+        kept.update(missing)
+        found["shuffled"] = _ordered(fresh, order)
+    bounds = [policy for policy in before["bound"] if policy not in content["bound"]]
+    _take(content["bound"], before["bound"], bounds)
+    _note(content, before, [*_ordered(dict.fromkeys(kept), order), *(["informed bound"] if bounds else [])])
+
+
+def keep_robustness(content: Content, before: Mapping[str, Any], order: Sequence[str]) -> None:
+    """Add to a robustness study the methods that an earlier one has besides.
+
+    Raises:
+        InputError: the two did not search alike.
+    """
+    alike = ("techniques", "families", "runs", "budget")
+    if any(content[name] != before[name] for name in alike):
+        mend = "give the same --budget and families, or run all methods again, without --keep"
+        raise InputError("--keep", "the committed study did not search alike", mend)
+    kept: set[str] = set()
+    for policy, techniques in content["policies"].items():
+        for technique, curves in techniques.items():
+            old = before["policies"].get(policy, {}).get(technique, {})
+            missing = [name for name in old if name not in curves and name in order]
+            _take(curves, old, missing)
+            kept.update(missing)
+            techniques[technique] = _ordered(curves, order)
+    _note(content, before, _ordered(dict.fromkeys(kept), order))
+
+
 def _take(fresh: Content, old: Mapping[str, Any], names: Sequence[str]) -> None:
     for name in names:
         found = old[name]

@@ -40,6 +40,13 @@ class Deciding(Parameters):
     opening: float = Field(
         0.0, ge=0.0, le=2.0, description="seconds of full braking with which an intervention begins; the paper's is 0"
     )
+    pressing: float = Field(
+        0.0,
+        ge=0.0,
+        le=1.0,
+        description="risk by the need monitor above which an intervention brakes in full as long as it stays there, "
+        "whatever the adapter chooses; 0: never, as the paper's",
+    )
     fresh: bool = Field(
         default=False,
         description="a choice is made when an intervention begins and every `interval` ticks from there, and ends it "

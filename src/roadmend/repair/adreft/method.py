@@ -85,7 +85,8 @@ class AdreftRepair:
             raise FloatingPointError("the decision adapter's values are not finite")
         alarmed = score > self.threshold
         score = max(score, self.model.due(values, asked, scene))
-        bar, needless = self._need.bar(score, self.threshold, self._patience.bar(score, self.threshold), tokens.values)
+        self._need.see(scene, decision, tokens)
+        bar, needless = self._need.bar(score, self.threshold, self._patience.bar(score, self.threshold))
         configuration = self.model.configuration
         if self._held == 0 or (configuration.fresh and score > bar and not self._latch.is_on):
             self._action, self._held = ACTIONS[self._choose(values, asked)], 0
@@ -94,11 +95,16 @@ class AdreftRepair:
         reason = needless
         if self._patience.has_ended:
             reason = f"let go until the score falls to {self.threshold:.3f}"
+        action = self._opening.action(scene.time, self._action, is_due=score > bar)
         if score > bar:
             triggers = attended(self.model.attention, tokens, scene)
             what = "criticality" if alarmed else "precaution: worth"
             reason = f"{what} {score:.3f} above {bar:.3f}"
-        action = self._opening.action(scene.time, self._action, is_due=score > bar)
+            risk = self._need.pressing_risk()
+            if risk is not None:
+                action, reason = ACTIONS[-1], f"{reason}; braking in full: risk {risk:.3f}"
+            elif action < self._action:
+                reason += "; braking in full at first"
         worth = self.model.worth(values, asked, ACTIONS.index(action))
         proposal = Proposal(score, bar, action, triggers, reason, worth)
         if configuration.fresh and action >= asked:

@@ -75,8 +75,9 @@ class AdreftModel:
         if configuration.encoder.attributes != tokenizer.attributes:
             raise InputError(where, f"does not take the {tokenizer.attributes} attributes of '{tokenizer.name}'", mend)
         for name, each in configuration.risks.items():
-            if each.encoder.attributes != tokenizer.attributes:
-                what = f"its {name} monitor does not take the {tokenizer.attributes} attributes of '{tokenizer.name}'"
+            wanted = each.attributes(tokenizer.attributes)
+            if each.encoder.attributes != wanted:
+                what = f"its {name} monitor does not take the {wanted} attributes that '{tokenizer.name}' leads to"
                 raise InputError(where, what, mend)
         threshold = checkpoint.header.get("threshold")
         if not isinstance(threshold, float) or not math.isfinite(threshold):

@@ -20,6 +20,7 @@ from pydantic import Field
 from roadmend.core.parameters import Parameters
 from roadmend.networks.compiled_encoder import CompiledEncoder, CompiledHead, sigmoid
 from roadmend.networks.shape import EncoderShape, HeadShape, Width
+from roadmend.repair.adreft.history import ATTRIBUTES
 
 
 class RiskConfiguration(Parameters):
@@ -29,6 +30,11 @@ class RiskConfiguration(Parameters):
     head: tuple[Width, ...] = Field((64,), description="hidden widths of what judges the scene's state")
     threshold: float = Field(ge=0.0, le=1.0, description="risk above which it speaks up")
     horizon: float = Field(gt=0.0, le=60.0, description="seconds within which a collision counts")
+    history: bool = Field(default=False, description="its tokens tell of the last second and of the drive so far, too")
+
+    def attributes(self, of_tick: int) -> int:
+        """Attributes that its tokens must have where those of a tick have so many."""
+        return of_tick + (ATTRIBUTES if self.history else 0)
 
     @property
     def head_shape(self) -> HeadShape:
@@ -57,7 +63,7 @@ class RiskMonitor:
         """Probability that the ego collides by its own fault within the horizon, 0 .. 1.
 
         Args:
-            tokens: of the tick, shape (N, c).
+            tokens: of the tick, shape (N, c), with the columns of its history where it takes them.
 
         Raises:
             FloatingPointError: it is not finite.

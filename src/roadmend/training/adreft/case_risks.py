@@ -58,6 +58,7 @@ class RiskPlan:
     drives: int  # of a case that a search has found: the first as it is, the others in worlds that differ
     horizon: float  # [s]
     plain: bool  # ordinary driving, by which a monitor is judged
+    history: bool  # whether tokens tell of the last second and the drive so far, too
     seed: int
 
 

@@ -18,6 +18,8 @@ from roadmend.training.adreft.risk_settings import RiskSettings
 from roadmend.training.adreft.stage import Tensors
 from roadmend.training.adreft.token_rows import TokenRows
 
+_EMBED = "encoder.embed.weight"  # of the state monitor's encoder, shape (H, c)
+
 
 class _RiskNetwork(nn.Module):
     """An encoder of its own and a head, as ``repair.adreft.risk_monitor`` has them."""
@@ -57,7 +59,7 @@ def learn_risks(
     rows, collided = _joined(cases), np.concatenate([entry.collided for entry in cases])
     torch.manual_seed(seed)
     network = _RiskNetwork(configuration, settings.dropout)
-    load_tensors(network.encoder, start, "encoder.")
+    load_tensors(network.encoder, _widened(start, configuration.encoder.attributes), "encoder.")
     optimizer = torch.optim.AdamW(network.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay)
     network.train()
     for epoch in range(settings.epochs):
@@ -77,6 +79,13 @@ def learn_risks(
             total += loss.item() * len(batch)
         report(epoch + 1, total / len(rows))
     return tensors_of(network, prefix)
+
+
+def _widened(start: Mapping[str, NDArray[Any]], attributes: int) -> dict[str, NDArray[Any]]:
+    """The tensors of an encoder that takes more attributes, and makes nothing of the further ones yet."""
+    embed = start[_EMBED]
+    further = np.zeros((len(embed), attributes - embed.shape[1]), dtype=embed.dtype)
+    return {**start, _EMBED: np.concatenate([embed, further], axis=1)}
 
 
 def risks_of(monitor: RiskMonitor, cases: Sequence[CaseRisks]) -> NDArray[np.float64]:

@@ -119,7 +119,15 @@ def train_risk_monitor(
 
         looks = model if driver is drivers[0] else model_beside(kind, driver.policy, model)
         digest = load_checkpoint(looks, KIND).digest
-        plan = RiskPlan(str(looks), digest, settings.searched_drives, settings.horizon, plain=plain, seed=seed)
+        plan = RiskPlan(
+            str(looks),
+            digest,
+            settings.searched_drives,
+            settings.horizon,
+            plain=plain,
+            history=settings.history,
+            seed=seed,
+        )
         recipe = Recipe(driver.policy, before.tokenizer, 1)
         return gather_risks(kind.drive, chosen, recipe, plan, work, mapper, count)
 
@@ -133,8 +141,14 @@ def train_risk_monitor(
     if not collided.any() or not (seen < 0.5).any():
         raise InputError(str(model), f"the {kind.what} of its drives tell nothing", "set more random_cases")
     configuration = RiskConfiguration(
-        encoder=before.encoder, head=settings.head, threshold=0.0, horizon=settings.horizon
+        encoder=before.encoder,
+        head=settings.head,
+        threshold=0.0,
+        horizon=settings.horizon,
+        history=settings.history,
     )
+    shape = before.encoder.model_copy(update={"attributes": configuration.attributes(before.encoder.attributes)})
+    configuration = configuration.model_copy(update={"encoder": shape})
 
     def learning(epoch: int, loss: float) -> None:
         report("learning", epoch, settings.epochs, f"loss {loss:.4f}")
