@@ -116,7 +116,7 @@ def test_it_is_waited_for_with_all_that_it_needs_and_drives_without_a_trajectory
 
 
 def test_whatever_is_wrong_with_its_publisher_is_named_until_it_is_right(run, node, example):
-    there = run()
+    there = run(time_limit=20.0)
     there.until("nobody publishes it yet")
     one, two, three = node("one"), node("two"), node("three")
     for wrong, kind, profile, words in (

@@ -27,6 +27,7 @@ class PolicyWatch:
     missing: list[str] = field(default_factory=list)  # what must be mended before an episode can begin, for people
     warnings: list[str] = field(default_factory=list)  # all that were ever seen, for people
     has_trajectory: bool = False
+    _publishers: list[str] = field(default_factory=list)  # of the policy's commands, when looked at last
     _since: dict[str, float] = field(default_factory=dict)  # wall time [s] at which a thing that lasts was seen first
 
     def __post_init__(self) -> None:
@@ -49,6 +50,9 @@ class PolicyWatch:
         if not self.is_external:
             return []
         publishers, faults = COMMAND.publishers(self.node), COMMAND.faults(self.node)
+        if publishers != self._publishers:  # who takes the place of another has to settle anew
+            self._publishers = publishers
+            self._since.pop(COMMAND.topic, None)
         if not publishers:
             self._since.pop(COMMAND.topic, None)
             return [_NOBODY]
