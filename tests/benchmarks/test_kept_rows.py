@@ -135,6 +135,17 @@ def test_controls_that_were_not_run_are_kept_and_so_is_the_bound():
     assert fresh["provenance"]["kept"][0]["methods"] == ["rule", "informed bound"]
 
 
+def test_a_policy_that_was_left_out_is_kept_whole():
+    before = controls_of(adreft=60.0)
+    before["controls"]["neural"] = {"shuffled": {"adreft": {"violations": 4, "successes": 4, "delta_e": 50.0}}}
+    fresh = controls_of(LATER, adreft=70.0)
+    keep_controls(fresh, before, ORDER)
+    assert {name: each["shuffled"]["adreft"]["delta_e"] for name, each in fresh["controls"].items()} == {
+        "modular": 70.0,
+        "neural": 50.0,
+    }
+
+
 def test_controls_of_other_cases_are_no_company():
     with pytest.raises(InputError, match="of other cases"):
         keep_controls(controls_of(LATER, cases=3, adreft=70.0), controls_of(rule=40.0), ORDER)

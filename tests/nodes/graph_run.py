@@ -92,14 +92,15 @@ class Run:
             context.try_shutdown()
         pytest.fail(f"too little on {topic}: {self.lines}")
 
-    def until_said(self, text):
-        """Until the launcher has said it."""
+    def until_said(self, *words):
+        """Until a line with all of the words was said; the last such line."""
         for _ in range(2400):
-            if any(text in line for line in [*self.lines]):
-                return
+            found = [line for line in [*self.lines] if all(word in line for word in words)]
+            if found:
+                return found[-1]
             assert self.process.poll() is None, self.lines
             time.sleep(0.05)
-        pytest.fail(f"not said: {text} {self.lines}")
+        pytest.fail(f"no line with {words}: {self.lines}")
 
     def interrupt(self):
         """As Ctrl-C does; exit code and what was said."""

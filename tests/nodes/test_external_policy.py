@@ -1,11 +1,9 @@
 """A policy in a node of its own, over real DDS: it is waited for, what is wrong with it is named, and then it drives."""
 
-import json
 import os
 import subprocess
 import sys
 import threading
-import time
 from pathlib import Path
 
 import pytest
@@ -21,37 +19,12 @@ from roadmend.nodes.policy_watch import NO_TRAJECTORY
 from roadmend.recording import topics
 from roadmend.recording.reader import BagReader
 
+from .graph_run import Run
+
 pytestmark = [pytest.mark.graph, pytest.mark.slow]
 
 EXAMPLE = Path(__file__).parents[2] / "src" / "examples" / "external_policy.py"
 BEST_EFFORT = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-
-
-class Run:
-    """``roadmend run --policy external`` in a process, and the lines that it says."""
-
-    def __init__(self, scenario, bags, *more):
-        command = [sys.executable, "-m", "roadmend.cli", "run", "--scenario", str(scenario), "--policy", "external"]
-        command += ["--out", str(bags), "--name", "bag", "--no-viz", "--json", *more]
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        self.lines = []
-        threading.Thread(target=lambda: self.lines.extend(iter(self.process.stderr.readline, "")), daemon=True).start()
-
-    def until(self, *words):
-        """Wait for a line with all of the words, and return it."""
-        for _ in range(1200):
-            found = [line for line in [*self.lines] if all(word in line for word in words)]
-            if found:
-                return found[-1]
-            assert self.process.poll() is None, self.lines
-            time.sleep(0.1)
-        pytest.fail(f"no line with {words} in {self.lines}")
-
-    def result(self):
-        printed = self.process.stdout.read()
-        assert self.process.wait(timeout=100) == 0, self.lines
-        (told,) = json.loads(printed)
-        return told
 
 
 @pytest.fixture
@@ -59,13 +32,12 @@ def run(domain, scenario_file, tmp_path):
     started = []
 
     def start(*more, time_limit=3.0):
-        started.append(Run(scenario_file("S3", 3, time_limit=time_limit), tmp_path, *more))
+        started.append(Run(scenario_file("S3", 3, time_limit=time_limit), tmp_path, "--policy", "external", *more))
         return started[-1]
 
     yield start
     for one in started:
-        one.process.terminate()
-        one.process.communicate(timeout=60)
+        one.close()
 
 
 @pytest.fixture
@@ -90,7 +62,7 @@ def test_the_example_is_of_at_most_forty_lines():
 
 def test_it_is_waited_for_with_all_that_it_needs_and_drives_without_a_trajectory(run, example, domain, tmp_path):
     there = run("--repair", "adreft")
-    line = there.until("waiting for a policy", "nobody publishes it yet")
+    line = there.until_said("waiting for a policy", "nobody publishes it yet")
     for word in (
         "roadmend_msgs/msg/Command on /policy/command",
         "reliable",
@@ -99,9 +71,10 @@ def test_it_is_waited_for_with_all_that_it_needs_and_drives_without_a_trajectory
     ):
         assert word in line
     example()
-    there.until(NO_TRAJECTORY)
-    there.until("adreft behind external: model modular", "since none was made for it")
-    told = there.result()
+    there.until_said(NO_TRAJECTORY)
+    there.until_said("adreft behind external: model modular", "since none was made for it")
+    code, told, said = there.end()
+    assert code == 0, said
     assert told["ticks"] > 50
     assert told["watchdog_ticks"] == 0
     reader = BagReader(tmp_path / "bag")
@@ -117,7 +90,7 @@ def test_it_is_waited_for_with_all_that_it_needs_and_drives_without_a_trajectory
 
 def test_whatever_is_wrong_with_its_publisher_is_named_until_it_is_right(run, node, example):
     there = run(time_limit=20.0)
-    there.until("nobody publishes it yet")
+    there.until_said("nobody publishes it yet")
     one, two, three = node("one"), node("two"), node("three")
     for wrong, kind, profile, words in (
         (one, msg.Command, BEST_EFFORT, ("/one offers an incompatible QoS", "reliab")),
@@ -125,21 +98,22 @@ def test_whatever_is_wrong_with_its_publisher_is_named_until_it_is_right(run, no
         (three, String, qos.COMMAND, ("/three publishes std_msgs/msg/String", "publish roadmend_msgs/msg/Command")),
     ):
         publisher = wrong.create_publisher(kind, topics.POLICY_COMMAND, profile)
-        there.until("waiting for a policy", *words)
+        there.until_said("waiting for a policy", *words)
         wrong.destroy_publisher(publisher)
     good = [each.create_publisher(msg.Command, topics.POLICY_COMMAND, qos.COMMAND) for each in (one, two)]
-    there.until("waiting for a policy", "2 publishers, /one and /two; end all but one")
+    there.until_said("waiting for a policy", "2 publishers, /one and /two; end all but one")
     two.destroy_publisher(good.pop())
-    there.until("waiting for an answer to the first tick", "for want of command")
+    there.until_said("waiting for an answer to the first tick", "for want of command")
     stray = msg.Command()
     stray.header.stamp.sec = 1_700_000_000
     sending = threading.Event()
     threading.Thread(target=lambda: [good[0].publish(stray) for _ in iter(lambda: sending.wait(0.05), True)]).start()
-    there.until("waiting for an answer to the first tick", "belong to no tick", "copy header.stamp")
+    there.until_said("waiting for an answer to the first tick", "belong to no tick", "copy header.stamp")
     sending.set()
     one.destroy_publisher(good.pop())
     example()
-    assert there.result()["policy"] == "external:/even_pace"  # nobody else has driven
+    _, told, said = there.end()
+    assert told["policy"] == "external:/even_pace", said  # nobody else has driven
 
 
 def test_a_second_publisher_beside_our_own_policy_is_named(node, scenario_file, tmp_path):

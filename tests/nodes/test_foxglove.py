@@ -258,47 +258,47 @@ def test_topics_appear_as_they_are_published_and_time_that_runs_backwards_begins
         rclpy.try_shutdown()
 
 
+@pytest.fixture
+def gap():
+    """A node, and its first publisher of a number that changes nothing else."""
+    rclpy.init()
+    node = rclpy.create_node("talker")
+    yield node, node.create_publisher(Float64, "/gap", 10)
+    rclpy.try_shutdown()
+
+
+def subscribed(client):
+    """The same client, once it was told of /gap and has asked for it."""
+    client.wait("channel", lambda heard: heard["topic"] == "/gap")
+    client.ask(subscribe="/gap")
+    return client
+
+
 # The older name is what Lichtblick and the client library of the protocol's own authors offer.
 @pytest.mark.parametrize("protocol", ["foxglove.websocket.v1", "foxglove.sdk.v1"])
-def test_viewers_are_served_by_either_name_of_the_protocol(server, connect, protocol):
+def test_viewers_are_served_by_either_name_of_the_protocol(server, connect, gap, protocol):
+    _, publisher = gap
     client = connect(server, protocol=protocol)
     assert client.wait("serverInfo")["name"] == "roadmend"
-    rclpy.init()
-    try:
-        node = rclpy.create_node("talker")
-        publisher = node.create_publisher(Float64, "/gap", 10)
-        client.wait("channel", lambda heard: heard["topic"] == "/gap")
-        client.ask(subscribe="/gap")
-        assert client.wait_while(lambda: publisher.publish(Float64(data=0.25)))["value"] == {"data": 0.25}
-        client.ask(get=[])
-        assert client.wait("parameters")["parameters"] == []
-    finally:
-        rclpy.try_shutdown()
+    subscribed(client)
+    assert client.wait_while(lambda: publisher.publish(Float64(data=0.25)))["value"] == {"data": 0.25}
+    client.ask(get=[])
+    assert client.wait("parameters")["parameters"] == []
 
 
-def test_a_topic_whose_publisher_comes_back_is_shown_to_who_asked_for_it_meanwhile(server, connect):
-    client = connect(server)
-    client.wait("serverInfo")
-    rclpy.init()
-    try:
-        node = rclpy.create_node("talker")
-        first = node.create_publisher(Float64, "/gap", 10)
-        client.wait("channel", lambda heard: heard["topic"] == "/gap")
-        client.ask(subscribe="/gap")
-        client.wait_while(lambda: first.publish(Float64(data=0.25)))
-        client.ask(unsubscribe="/gap")
-        while node.count_subscribers("/gap"):
-            time.sleep(0.05)
-        node.destroy_publisher(first)
-        late = connect(server)
-        late.wait("channel", lambda heard: heard["topic"] == "/gap")
-        late.ask(subscribe="/gap")
-        while not node.count_subscribers("/gap"):
-            time.sleep(0.05)
-        again = node.create_publisher(Float64, "/gap", 10)
-        assert late.wait_while(lambda: again.publish(Float64(data=0.5)))["value"] == {"data": 0.5}
-    finally:
-        rclpy.try_shutdown()
+def test_a_topic_whose_publisher_comes_back_is_shown_to_who_asked_for_it_meanwhile(server, connect, gap):
+    node, first = gap
+    client = subscribed(connect(server))
+    client.wait_while(lambda: first.publish(Float64(data=0.25)))
+    client.ask(unsubscribe="/gap")
+    while node.count_subscribers("/gap"):
+        time.sleep(0.05)
+    node.destroy_publisher(first)
+    late = subscribed(connect(server))
+    while not node.count_subscribers("/gap"):
+        time.sleep(0.05)
+    again = node.create_publisher(Float64, "/gap", 10)
+    assert late.wait_while(lambda: again.publish(Float64(data=0.5)))["value"] == {"data": 0.5}
 
 
 def test_an_address_that_is_not_this_machines_is_one_line(domain):

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import roadmend.repair.adreft.history as history_module
 from roadmend.repair.adreft.history import (
     ASKED,
     ATTRIBUTES,
@@ -111,6 +112,15 @@ def test_a_new_episode_forgets_the_one_before():
     extended(scenes, history=history)
     history.reset()
     assert extended([replace(scenes[0], time=0.0)], history=history)[0].tolist() == [0.0] * ATTRIBUTES
+
+
+def test_in_a_drive_of_hours_those_out_of_sight_are_forgotten(monkeypatch):
+    monkeypatch.setattr(history_module, "_MOST", 3)
+    scenes = [scene_of([Box(1, 20.0, 0.0), Box(2 + number, 50.0, 0.0)], number * 1.0) for number in range(9)]
+    history = History()
+    added = extended(scenes, history=history)
+    assert len(history._first_seen) <= 3
+    assert added[:2, SEEN].tolist() == [1.0, 0.0]  # who is still there is not
 
 
 def test_nothing_swamps_the_model():

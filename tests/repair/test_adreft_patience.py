@@ -58,6 +58,7 @@ def test_a_pulse_begins_with_the_choice_of_its_own_tick(drive):
 def test_an_opening_brakes_in_full_before_the_choice_is_asked(drive):
     _, proposals = drive([0.1] * 2 + [0.9] * 6 + [0.1], [4] * 9, opening=0.2)
     assert [each.action for each in proposals] == [ACTIONS[4]] * 2 + [-1.0] * 4 + [ACTIONS[4]] * 3
+    assert ["in full at first" in each.reason for each in proposals] == [False] * 2 + [True] * 4 + [False] * 3
 
 
 def test_after_a_pulse_the_choice_is_made_anew(drive):

@@ -88,7 +88,7 @@ def test_without_a_pressing_risk_or_a_need_monitor_the_adapter_chooses(tmp_path,
     made = pressed(tmp_path, monkeypatch, 0.0, [0.9])
     asked(made, 0.9, 0.4, 0.4)
     assert made.pressing_risk() is None
-    plain = NeedGate(AdreftModel.load(save_tiny_model(tmp_path / "plain.safetensors", pressing=0.1)), -1.0)
+    plain = NeedGate(AdreftModel.load(save_tiny_model(tmp_path / "plain.safetensors")), -1.0)
     asked(plain, 0.9, 0.4, 0.4)
     assert plain.pressing_risk() is None
 

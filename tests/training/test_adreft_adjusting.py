@@ -43,3 +43,10 @@ def test_what_makes_no_model_is_refused_and_nothing_is_written(tmp_path, thresho
     with pytest.raises(InputError, match=said):
         adjust(SHIPPED, tmp_path / "x.safetensors", threshold, changes, "")
     assert not [*tmp_path.iterdir()]
+
+
+def test_nobody_presses_without_a_need_monitor(tmp_path):
+    out = tmp_path / "x.safetensors"
+    with pytest.raises(InputError, match="needs a model with a need monitor"):
+        adjust(find_model("precaution-modular", "adreft-"), out, None, {"pressing": 0.2}, "")
+    assert not out.exists()

@@ -98,3 +98,11 @@ def test_a_model_gets_a_monitor_of_need(tmp_path, capsys):
     first = out.read_bytes()
     assert main(words) == 0  # what was driven is read again
     assert out.read_bytes() == first
+
+
+def test_a_history_needs_a_token_of_the_egos_own(tmp_path, capsys):
+    paper = SHIPPED.parent / "ablations" / "adreft_paper-modular.safetensors"
+    out = tmp_path / "needed.safetensors"
+    assert main(["train", "need", str(paper), "--policy", "modular", "--out", str(out)]) == 2
+    assert "has no token of the ego's own among 'paper'" in capsys.readouterr().err
+    assert not [*tmp_path.iterdir()]

@@ -50,14 +50,12 @@ class PolicyWatch:
         if not self.is_external:
             return []
         publishers, faults = COMMAND.publishers(self.node), COMMAND.faults(self.node)
-        if publishers != self._publishers:  # who takes the place of another has to settle anew
+        if publishers != self._publishers or faults:  # who takes the place of another has to settle anew
             self._publishers = publishers
             self._since.pop(COMMAND.topic, None)
         if not publishers:
-            self._since.pop(COMMAND.topic, None)
             return [_NOBODY]
         if faults:
-            self._since.pop(COMMAND.topic, None)
             return faults
         if len(publishers) > 1:
             return [_crowd(publishers)]

@@ -100,8 +100,9 @@ def keep_controls(content: Content, before: Mapping[str, Any], order: Sequence[s
         InputError: the two are not of as many cases.
     """
     kept: set[str] = set()
-    for policy, found in content["controls"].items():
-        fresh, old = found["shuffled"], before["controls"].get(policy, {"shuffled": {}})["shuffled"]
+    for policy, kept_before in before["controls"].items():
+        found = content["controls"].setdefault(policy, {"shuffled": {}})
+        fresh, old = found["shuffled"], kept_before["shuffled"]
         sizes = {(each["violations"], each["successes"]) for each in [*fresh.values(), *old.values()]}
         if len(sizes) > 1:
             mend = "give the same --cases, or measure all methods again, without --keep"
@@ -126,9 +127,10 @@ def keep_robustness(content: Content, before: Mapping[str, Any], order: Sequence
         mend = "give the same --budget and families, or run all methods again, without --keep"
         raise InputError("--keep", "the committed study did not search alike", mend)
     kept: set[str] = set()
-    for policy, techniques in content["policies"].items():
-        for technique, curves in techniques.items():
-            old = before["policies"].get(policy, {}).get(technique, {})
+    for policy, techniques_before in before["policies"].items():
+        techniques = content["policies"].setdefault(policy, {})
+        for technique, old in techniques_before.items():
+            curves = techniques.setdefault(technique, {})
             missing = [name for name in old if name not in curves and name in order]
             _take(curves, old, missing)
             kept.update(missing)

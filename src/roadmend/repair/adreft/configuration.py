@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, model_validator
 
 from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
@@ -77,6 +77,12 @@ class ModelConfiguration(Deciding):
         None,
         description="of the monitor that holds back lane changes; none: they are the policy's affair, as the paper's",
     )
+
+    @model_validator(mode="after")
+    def _who_presses_knows_the_risk(self) -> "ModelConfiguration":
+        if self.pressing > 0.0 and self.need is None:
+            raise ValueError("pressing: needs a model with a need monitor, whose risk it is compared with")
+        return self
 
     @property
     def risks(self) -> dict[str, RiskConfiguration]:

@@ -27,6 +27,7 @@ OWN, ASKED, FARTHEST, HARDEST = range(ATTRIBUTES)
 
 _ACCELERATION, _DRIFT, _SEEN, _FAR = 4.0, 2.0, 5.0, 150.0  # what a value of 1 stands for [m/s2], [m/s], [s], [m]
 _SLACK = 1e-6  # [s] against rounding in sums of ticks
+_MOST = 10_000  # participants remembered; beyond that, in a drive of hours, those out of sight are forgotten
 
 
 class _Past(NamedTuple):
@@ -36,6 +37,14 @@ class _Past(NamedTuple):
     ego: EgoState
     objects: Objects
     asked: float  # throttle - brake
+
+
+class _Change(NamedTuple):
+    """What has changed of P participants; each of shape (P,)."""
+
+    faster: NDArray[np.float64]  # [m/s] than before
+    drifted: NDArray[np.float64]  # [m] to the left of its heading
+    passed: NDArray[np.float64]  # [s] since then
 
 
 class History:
@@ -61,8 +70,11 @@ class History:
         self._past.append(_Past(time, ego, table, decision.command.action))
         while time - self._past[0].time > LONG + _SLACK:
             self._past.popleft()
-        for number in table["id"].tolist():
+        numbers = table["id"].tolist()
+        for number in numbers:
             self._first_seen.setdefault(number, time)
+        if len(self._first_seen) > max(_MOST, len(numbers)):
+            self._first_seen = {number: self._first_seen[number] for number in numbers}
         if len(table):
             far = float(np.sqrt(np.max((table["x"] - ego.x) ** 2 + (table["y"] - ego.y) ** 2)))
             self._farthest = max(self._farthest, min(far, _FAR))
@@ -74,18 +86,17 @@ class History:
         """The tokens of the tick seen last with ATTRIBUTES columns more, shape (N, c + ATTRIBUTES).
 
         Args:
-            tokens: rich tokens, the ego's last.
+            tokens: of a tokenizer whose last one is the ego's.
         """
         values, now = tokens.values, self._past[-1]
         added = np.zeros((len(values), ATTRIBUTES), dtype=np.float64)
         rows = np.flatnonzero(tokens.object_rows >= 0)
         if len(rows):
             seen = now.objects[tokens.object_rows[rows]]
-            for column, seconds in ((BRIEFLY, SHORT), (LATELY, LONG)):
-                speed, _, passed = self._earlier(seen, seconds)
-                added[rows, column] = (seen["speed"] - speed) / passed / _ACCELERATION
-            _, drifted, passed = self._earlier(seen, SHORT)
-            added[rows, DRIFT] = drifted / passed / _DRIFT
+            briefly, lately = self._since(seen, SHORT), self._since(seen, LONG)
+            added[rows, BRIEFLY] = briefly.faster / briefly.passed / _ACCELERATION
+            added[rows, LATELY] = lately.faster / lately.passed / _ACCELERATION
+            added[rows, DRIFT] = briefly.drifted / briefly.passed / _DRIFT
             added[rows, SEEN] = [min(1.0, (now.time - self._first_seen[one]) / _SEEN) for one in seen["id"].tolist()]
         before = self._before(LONG)
         if before is not None:
@@ -103,25 +114,20 @@ class History:
                 return each if each.time < now else None
         return None
 
-    def _earlier(
-        self, seen: Objects, seconds: float
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Earlier speed [m/s], sideways drift since [m] and time since [s] of participants, each of shape (P,).
-
-        Of who was not there yet: its speed now, no drift.
-        """
-        speed, drifted, passed = seen["speed"].copy(), np.zeros(len(seen)), np.full(len(seen), seconds)
+    def _since(self, seen: Objects, seconds: float) -> _Change:
+        """What has changed of participants within that time; nothing of who was not there yet."""
+        change = _Change(np.zeros(len(seen)), np.zeros(len(seen)), np.full(len(seen), seconds))
         before = self._before(seconds)
         if before is None or not len(before.objects):
-            return speed, drifted, passed
+            return change
         order = np.argsort(before.objects["id"], kind="stable")
         known = before.objects["id"][order]
         places = np.minimum(np.searchsorted(known, seen["id"]), len(known) - 1)
         there = known[places] == seen["id"]
         then, now = before.objects[order[places[there]]], seen[there]
-        speed[there] = then["speed"]
-        passed[there] = self._past[-1].time - before.time
+        change.faster[there] = now["speed"] - then["speed"]
+        change.passed[there] = self._past[-1].time - before.time
         # Across its own heading now: to the left is positive.
         dx, dy = now["x"] - then["x"], now["y"] - then["y"]
-        drifted[there] = dy * portable_math.cos(now["yaw"]) - dx * portable_math.sin(now["yaw"])
-        return speed, drifted, passed
+        change.drifted[there] = dy * portable_math.cos(now["yaw"]) - dx * portable_math.sin(now["yaw"])
+        return change

@@ -75,6 +75,9 @@ class AdreftModel:
         if configuration.encoder.attributes != tokenizer.attributes:
             raise InputError(where, f"does not take the {tokenizer.attributes} attributes of '{tokenizer.name}'", mend)
         for name, each in configuration.risks.items():
+            if each.history and not tokenizer.has_ego:
+                what = f"its {name} monitor is told of the ego's history, for which '{tokenizer.name}' has no token"
+                raise InputError(where, what, mend)
             wanted = each.attributes(tokenizer.attributes)
             if each.encoder.attributes != wanted:
                 what = f"its {name} monitor does not take the {wanted} attributes that '{tokenizer.name}' leads to"

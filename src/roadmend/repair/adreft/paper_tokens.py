@@ -66,6 +66,7 @@ class PaperTokenizer:
     name = "paper"
     version = 1
     attributes = 6
+    has_ego = False
 
     def reset(self, route: Route) -> None:
         """Nothing is remembered."""

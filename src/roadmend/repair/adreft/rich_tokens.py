@@ -39,6 +39,7 @@ class RichTokenizer:
     name = "rich"
     version = 1  # to be raised whenever the same scene gives other values
     attributes = ATTRIBUTES
+    has_ego = True
 
     def __init__(self, reach: float = 100.0) -> None:
         self._reach = reach

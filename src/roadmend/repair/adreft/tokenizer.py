@@ -31,6 +31,7 @@ class Tokenizer(Protocol):
     name: str  # in the registry and in a model's configuration
     version: int  # grows with every change of what comes out, so that no model is fed with what it does not know
     attributes: int  # c
+    has_ego: bool  # whether the last token is the ego's own
 
     def reset(self, route: Route) -> None:
         """Begin an episode on ``route``; all memory is dropped."""

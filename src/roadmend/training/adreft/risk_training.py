@@ -15,6 +15,7 @@ from roadmend.measures.monitor import separation_of
 from roadmend.networks.checkpoint import find_model, load_checkpoint
 from roadmend.repair.adreft.configuration import read_configuration
 from roadmend.repair.adreft.model import KIND, AdreftModel
+from roadmend.repair.adreft.registry import make_tokenizer
 from roadmend.repair.adreft.risk_monitor import RiskConfiguration, RiskMonitor
 from roadmend.training.adreft.case_risks import CaseRisks, RiskDrive, RiskPlan, gather_risks
 from roadmend.training.adreft.change_drives import changes_of_case
@@ -107,6 +108,9 @@ def train_risk_monitor(
     checkpoint = load_checkpoint(model, KIND)
     AdreftModel.of(checkpoint, str(model))  # whatever does not fit is said here
     before = read_configuration(str(model), checkpoint.header)
+    if settings.history and not make_tokenizer(before.tokenizer).has_ego:
+        what = f"has no token of the ego's own among '{before.tokenizer}', which its history would belong to"
+        raise InputError(str(model), what, "give --set history=false")
 
     def gather(driver: RepairedPolicy, cases: Sequence[EpisodeCase], what: str, *, plain: bool) -> list[CaseRisks]:
         chosen = [case for case in cases if case.family in settings.families]
