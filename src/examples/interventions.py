@@ -8,7 +8,8 @@ import sys
 from roadmend import read_bag
 
 bag = read_bag(sys.argv[1])
-print(bag.interventions[["begin", "duration", "dose", "strongest", "because_of", "why"]])
+spells = bag.interventions[["begin", "duration", "dose", "strongest", "because_of", "why"]]
+print(spells.to_string())
 if len(bag.interventions):
     begin = bag.interventions.begin[0]
     print(bag.ticks.loc[begin - 2.0 : begin, ["speed", "policy_action", "final_action", "status"]])
