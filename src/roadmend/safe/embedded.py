@@ -1,4 +1,4 @@
-"""The embedded backend: rules for English, no language model, no network, the same answer every time."""
+"""The embedded backend: a parser of English and rules, no language model, no network, the same answer every time."""
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -10,6 +10,7 @@ from roadmend.safe.claims import AnyClaim, Box, Cast, Claim, Span
 from roadmend.safe.dsl import StruckObject
 from roadmend.safe.extraction import Extraction, ExtractionError, FieldEvidence, Step, Watch, unwatched
 from roadmend.safe.reading.assembly import ReportReading
+from roadmend.safe.reading.english import engine
 from roadmend.safe.reading.lexicon import is_known
 from roadmend.safe.reading.reader import SummaryClaims, assemble, read_claims
 from roadmend.safe.reading.weighing import JudgedField
@@ -72,6 +73,7 @@ class EmbeddedExtractor:
 
         Raises:
             ExtractionError: the summary is not in English, or speaks of no vehicle.
+            InputError: the parser of English is not installed.
         """
         watch(Step("read"))
         words = [word.lower() for word in _WORDS.findall(report.summary)]
@@ -91,7 +93,7 @@ class EmbeddedExtractor:
         evidence = {name: _evidence(finding, report.summary) for name, finding in reading.findings.items()}
         notes = [*report.notes, *_limits(said, reading), *_doubts(reading.findings)]
         notes += [f"vehicle {said.cast[place].number} touched nothing and was left out" for place in reading.left_out]
-        return Extraction(reading.scenario, evidence, sketch, tuple(notes))
+        return Extraction(reading.scenario, evidence, sketch, tuple(notes), reader=engine())
 
 
 def _limits(said: SummaryClaims, reading: ReportReading) -> Iterator[str]:

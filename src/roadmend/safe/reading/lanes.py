@@ -200,6 +200,8 @@ def _of_sentence(sentence: Sentence) -> Iterator[LaneCount]:
             near = items.cut(place + 1, place + 4)
             is_center = any(each.get("lanekind") == "center" for each in near.cut(0, 2)) and near.has("lane")
             number = 1 if is_each or is_center else None
+        if items.at(place - 1).low in {"#", "number"}:
+            number = None  # "in #2 lane"
         if isinstance(number, int) and 1 <= number <= _MOST_COUNTED and not item.is_a("time"):
             lane = _lane_after(items, place)
             if lane is not None:

@@ -18,7 +18,8 @@ from roadmend.safe.dsl import DslModel
 Senses = Mapping[str, Any]  # kind of word -> what it means; a word may be of several kinds
 
 LONGEST = 7  # words in a phrase
-_FUZZY_FROM = 6  # letters
+_FUZZY_FROM = 4  # letters
+_NO_SLIP = 9
 _VOWELS = "aeiou"
 _PREFIXES = frozenset({"rear", "t", "side", "u", "broad", "tail", "lane", "double", "re"})
 _SHORT = 4  # letters of a verb that doubles its last one: "stop", "skid"
@@ -104,6 +105,18 @@ def senses() -> Mapping[str, Senses]:
             for phrase in phrases:
                 found.setdefault(squeeze(phrase), {}).setdefault("body", BodySense(model, confidence))
     return MappingProxyType(found)
+
+
+@functools.cache
+def table_words() -> frozenset[str]:
+    """All words of which the phrases of the tables are made."""
+    words = read_table("words").values()
+    surroundings = read_table("surroundings")
+    phrases = [str(phrase) for values in words for each in values.values() for phrase in each]
+    phrases += [str(phrase) for _, _, phrase, _ in _surroundings(surroundings)]
+    verbs = read_table("verbs")
+    phrases += [way for kind, entries in verbs.items() for entry in entries for way, _ in _conjugate(kind, entry)]
+    return frozenset(word for phrase in phrases for word in re.split(r"[ /-]", phrase.lower()))
 
 
 @functools.cache
@@ -198,11 +211,7 @@ def names() -> Mapping[str, tuple[NameSense, ...]]:
 def _long_words() -> Mapping[str, tuple[str, ...]]:
     """Single words of the tables that are long enough to be told when mistyped, by each way to leave a letter out."""
     ways: dict[str, list[str]] = {}
-    words = {
-        key
-        for key, kinds in senses().items()
-        if key.isalpha() and len(key) >= _FUZZY_FROM + bool({"time", "weather"} & kinds.keys())
-    }
+    words = {key for key, kinds in senses().items() if key.isalpha() and len(key) >= _FUZZY_FROM}
     words |= {
         key
         for key, each in names().items()
@@ -220,33 +229,29 @@ def _shortened(word: str) -> set[str]:
 
 @functools.lru_cache(maxsize=4096)
 def mend(word: str) -> str | None:
-    """The word of the tables that a mistyped one stands for; None where there is none, or more than one."""
-    if len(word) < _FUZZY_FROM - 1 or not word.isalpha() or word in _innocent():
+    """The word of the tables that one stands for that is no word; None where there is none, or more than one."""
+    if len(word) < _FUZZY_FROM or not word.isalpha():
         return None
-    found = {each for way in _shortened(word) for each in _long_words().get(way, ()) if _is_slip(word, each)}
+    slips: dict[int, set[str]] = {}
+    for way in _shortened(word):
+        for meant in _long_words().get(way, ()):
+            slips.setdefault(_slip(word, meant), set()).add(meant)
+    slips.pop(_NO_SLIP, None)
+    found = slips[min(slips)] if slips else set()
     return found.pop() if len(found) == 1 else None
 
 
-@functools.cache
-def _innocent() -> frozenset[str]:
-    return frozenset(read_table("plain"))
-
-
-def _is_slip(word: str, meant: str) -> bool:
-    """Whether one letter is missing, too many, wrong, or two have changed places."""
+def _slip(word: str, meant: str) -> int:
+    """How a word was mistyped, the likeliest way first: letters swapped, one left out or doubled, one wrong."""
     if abs(len(word) - len(meant)) > 1 or word[0] != meant[0] or f"{word}s" == meant or f"{meant}s" == word:
-        return False
+        return _NO_SLIP
     if len(word) != len(meant):
         longer, shorter = sorted((word, meant), key=len, reverse=True)
-        return any(longer[:place] + longer[place + 1 :] == shorter for place in range(len(longer)))
+        return 1 if any(longer[:place] + longer[place + 1 :] == shorter for place in range(len(longer))) else _NO_SLIP
     wrong = [place for place, (one, other) in enumerate(zip(word, meant, strict=True)) if one != other]
-    swapped = (
-        len(wrong) == 2
-        and wrong[1] == wrong[0] + 1
-        and word[wrong[0]] == meant[wrong[1]]
-        and word[wrong[1]] == meant[wrong[0]]
-    )
-    return len(wrong) == 1 or swapped
+    if len(wrong) == 2 and wrong[1] == wrong[0] + 1 and word[wrong[0]] == meant[wrong[1]]:
+        return 0 if word[wrong[1]] == meant[wrong[0]] else _NO_SLIP
+    return 2 if len(wrong) == 1 else _NO_SLIP
 
 
 @functools.cache

@@ -101,6 +101,8 @@ def _is_worded(told: Wording, place: int) -> bool:
 
 def _is_no_limit(told: Wording, place: int) -> bool:
     """Whether a number is a speed that was driven, or none."""
+    if told.items.at(place + 1).is_a("mph") and told.items.at(place - 1).is_a("lane"):
+        return False  # "SR 44, two lanes 55 mph"
     at = told.places[place]
     before, after = told.text[:at], f"#{told.text[at:].partition(' ')[2]}"
     after = after.replace("#", "# ", 1) if len(after) > 1 else after

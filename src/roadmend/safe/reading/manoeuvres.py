@@ -95,6 +95,8 @@ def turn_of(clause: Clause) -> tuple[Side, float, Span] | None:
     for place, item in enumerate(
         clause.tail.cut(0, _REACH) if clause.kind in _TURNING or clause.lemma == "pull" else ()
     ):
+        if clause.tail.cut(0, place).says({"change", "lane change"}):
+            break  # "made an unsafe lane change to the right"
         if _is_no_turn(clause.tail, place) or clause.tail.at(place + 1).is_a("lane"):
             break
         if item.is_a("hand") and (clause.kind == "turn" or (_is_bare(clause, place))):
@@ -145,6 +147,6 @@ def _is_bare(clause: Clause, place: int) -> bool:
         return False
     return (
         not after.low
-        or after.is_a("preposition", "conjunction", "verb", "relative")
+        or after.is_a("preposition", "conjunction", "verb", "relative", "bound")
         or after.low in {"turn", ",", ".", "turns"}
     )

@@ -1,6 +1,6 @@
 """Names of vehicles and of those who drive them, one by one: "V1", "a 2004 Honda Civic", "the pickup", "my car", "she"."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -64,18 +64,38 @@ class Mention:
         return self.description.number if self.description is not None else None
 
 
-def mentions_of(items: Words) -> Iterator[Mention]:
-    """All mentions of a sentence, in their order."""
+def names_in(sentences: Iterable[Words]) -> frozenset[str]:
+    """The makes and models by which a text calls its vehicles somewhere."""
+    return frozenset(
+        items[place].low
+        for items in sentences
+        for place in range(len(items))
+        if items[place].is_a("name") and items[place].low.isalpha() and is_head(items, place)
+    )
+
+
+def mentions_of(items: Words, known: Collection[str] = ()) -> Iterator[Mention]:
+    """All mentions of a sentence, in their order.
+
+    Args:
+        items: its words.
+        known: names of vehicles from elsewhere in the text.
+    """
     place = 0
     while place < len(items):
-        mention = _numbered(items, place) or _described(items, place) or _pronoun(items, place)
+        mention = _numbered(items, place) or _described(items, place, known) or _pronoun(items, place)
         if mention is None:
             place += 1
             continue
         _take_driver(items, mention)
         after = items.at(mention.last + 1)
         ends = items.at(mention.last + 2).low in word_set("trait_ends") or items.at(mention.last + 2).is_a("negation")
-        if after.is_a("bound") and ends and mention.description is not None:
+        if (
+            after.is_a("bound")
+            and not after.low.endswith(("ward", "wards"))
+            and ends
+            and mention.description is not None
+        ):
             mention.traits = (*mention.traits, after)  # "struck U2 EB"
         while mention is not None:
             mention.span = items.span(mention.first, mention.last)
@@ -91,8 +111,8 @@ def _number(items: Words, place: int) -> int | None:
 
 def _numbered(items: Words, place: int) -> Mention | None:
     head = items[place]
-    ordinal = items.at(place - 1).get("ordinal")
-    if head.low in {"vehicle", "unit"} and ordinal and items.at(place + 1).low == ",":
+    ordinal = items.at(place - 1).get("ordinal") or (2 if items.at(place - 1).low == "the second" else None)
+    if head.low in {"vehicle", "unit"} and ordinal and "the" in {items.at(place - 2).low, items.at(place - 1).low[:3]}:
         described = Description(number=ordinal, span=items.span(place - 1, place))
         return Mention(place, place, MentionKind.NAMED, description=described)
     if head.low in _PADDED or (
@@ -142,8 +162,8 @@ def _more_numbers(items: Words, place: int) -> Mention | None:
     return Mention(at, at, MentionKind.NAMED, description=Description(number=number, span=items[at].span))
 
 
-def _described(items: Words, place: int) -> Mention | None:
-    if not is_head(items, place):
+def _described(items: Words, place: int, known: Collection[str]) -> Mention | None:
+    if not is_head(items, place, known):
         return None
     if items.at(place - 1).low == "a" and items.at(place - 2).low in word_set("tows") and not items[place].is_a("name"):
         return None  # "a Mack pulling a reefer"
@@ -183,7 +203,7 @@ def _pronoun(items: Words, place: int) -> Mention | None:
     if item.is_a("insured"):
         is_self = item.get("insured") == "Self" and before.low != "your"
         return Mention(place, place, MentionKind.SELF if is_self else MentionKind.OTHER, is_person=not is_self)
-    if kind == "self" and not (item.low == "i" and after.is_a("number")):
+    if kind == "self" and not (item.low in {"i", "us"} and after.is_a("number")):
         return Mention(place, place, MentionKind.SELF, is_person=True)
     if kind == "own":
         owns = after.is_a("thing", "part", "flank", "hand")

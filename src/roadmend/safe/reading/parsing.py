@@ -1,289 +1,398 @@
-"""Sentences taken apart into clauses.
+"""Clauses read from the trees of sentences: each verb with its subject, its object, and what prepositions bring in."""
 
-A shallow parser: noun groups are the mentions of vehicles and of their parts, verb groups come from the table of verbs,
-and a clause is a subject, a verb, an object, what prepositions bring in, and the words around the verb.
-"""
-
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from roadmend.safe.claims import Span
 from roadmend.safe.reading.clauses import NOBODY, STRIKES, Actor, Clause
-from roadmend.safe.reading.lexicon import word_set
+from roadmend.safe.reading.groups import Group
+from roadmend.safe.reading.lexicon import VerbSense, word_set
 from roadmend.safe.reading.mentions import Spoken
-from roadmend.safe.reading.naming import Mention, MentionKind
-from roadmend.safe.reading.referents import is_apart
-from roadmend.safe.reading.subjects import Subjects
+from roadmend.safe.reading.referents import Choice, Referents, Role
+from roadmend.safe.reading.structure import SUBJECTS, Structure
+from roadmend.safe.reading.syntax import Tree
 from roadmend.safe.reading.tokens import Item, Sentence, Words
 
-_TRANSITIVE = STRIKES | {"follow", "overtake", "avoid", "see", "after", "approach", "collide", "do", "own"}
-_OBJECT_REACH = 4  # words between a verb and its object
-_PASSIVE_REACH = 4  # words between "was" and "struck"
+_OBJECTS = ("dobj", "obj", "dative", "oprd")
+_ADJOINED = frozenset({"advcl", "pcomp", "prep", "dep", "ccomp", "parataxis", "npadvmod", "csubj"})
+_OF_DRIVERS = frozenset({"intend", "see", "slow", "emerge", "overtake", "follow", "reverse", "uturn", "change_lane"})
+_ROADS_DO = frozenset({"join", "merge", "enter"})
+_NEAR = 3  # words
+_ADVERBS = ("ward", "wards")
+_COMES = frozenset({"travel", "emerge", "stop", "follow", "approach"})
+_GOVERNING = frozenset({"intend", "begin", "avoid", "fail", "see", "say", "do", "stop", "slow", "park"})
 
 
-def read_clauses(sentences: Sequence[Sentence], spoken: Spoken) -> tuple[Clause, ...]:
-    """The clauses of a text, in its order."""
-    walker = _Walker(len(spoken.roll.vehicles), spoken.roll.own())
-    rows = zip(sentences, spoken.mentions, strict=True)
-    if not any(sentence.items[each.first].get("pronoun") in {"self", "own"} for sentence, row in rows for each in row):
-        walker.writer = ()  # whom an insurer calls its insured is "he"
-    for sentence, mentions in zip(sentences, spoken.mentions, strict=True):
-        walker.walk(sentence, mentions)
-    return tuple(walker.clauses)
+def read_clauses(
+    structures: Sequence[Structure], spoken: Spoken, picks: Mapping[int, int] | None = None
+) -> tuple[tuple[Clause, ...], list[Choice]]:
+    """The clauses of a text in its order, and the mentions that may be of several vehicles.
+
+    Args:
+        structures: of its sentences.
+        spoken: its vehicles and where it speaks of them.
+        picks: which vehicles open mentions are taken for, where not for the likeliest.
+    """
+    own = spoken.roll.own()
+    firsts = (each.items[row.first] for each, rows in zip(structures, spoken.mentions, strict=True) for row in rows)
+    speaks = any(item.get("pronoun") in {"self", "own"} for item in firsts)
+    people = {name: each.place for each in spoken.roll.vehicles for name in each.people}
+    referents = Referents(len(spoken.roll.vehicles), own, speaks, people, picks or {})
+    clauses: list[Clause] = []
+    for structure in structures:
+        clauses += _SentenceReader(structure, referents).read()
+    return tuple(clauses), referents.choices
 
 
-class _Walker(Subjects):
-    """Goes through the words of a text, and makes clauses of them."""
+@dataclass(slots=True)
+class _SentenceReader:
+    """Makes the clauses of one sentence."""
 
-    def walk(self, sentence: Sentence, mentions: Sequence[Mention]) -> None:
-        self._begin(sentence, mentions)
-        self.before: list[tuple[Item, Actor]] = []
-        self.clause, self.acted, place = None, 0, 0
-        self._wait(None)
-        while place < len(self.items):
-            if self._is_aside(place):
-                place += 2
-                continue
-            group = self._group(place)
-            if group is not None:
-                self._place(place, *group)
-                place = group[1] + 1
-                continue
-            if self._is_relative(place):
-                is_road = self._is_of_road(place)
-                self._flush()
-                self.road = replace(NOBODY, span=self.items[place].span) if is_road else self.road
-                self._wait(self.road if is_road else self.last)
-            elif self._is_of_place(place):
-                self._keep(self.items[place])
-            elif _is_verb(self.items, place, after_actor=self._follows(place) or self._goes_on(place)):
-                self._act(place)
-            else:
-                self._keep(self.items[place])
-            place += 1
-        self._flush()
+    structure: Structure
+    referents: Referents
+    actors: dict[int, Actor] = field(default_factory=dict)  # by a group's first word
+    made: dict[int, Clause] = field(default_factory=dict)  # by predicate
+    busy: set[int] = field(default_factory=set)
 
-    def _is_aside(self, place: int) -> bool:
-        """Whether "I think" stands between commas and says nothing more."""
-        mention, verb = self.starts.get(place), self.items.at(place + 1).verb
-        is_mine = mention is not None and mention.kind is MentionKind.SELF and mention.last == place
-        return (
-            is_mine and verb is not None and verb.kind == "say" and self.items.at(place + 2).low in {",", "", ")", "-"}
-        )
+    def read(self) -> list[Clause]:
+        """The clauses in the order of their verbs; what has none comes where it stands."""
+        verbs = [at for at in range(len(self.items)) if self._is_predicate(at)]
+        found = []
+        for at in verbs:
+            clause = self._clause(at)
+            if clause is not None:
+                found.append(clause)
+                if clause.subject.vehicles:
+                    self.referents.focus = clause.subject
+        return sorted([*found, *self._verbless()], key=lambda each: each.span.end)
 
-    def _keep(self, item: Item) -> None:
-        """Put a word where it belongs: behind the verb, or before it."""
-        if self.clause is not None:
-            self.clause.tail = Words((*self.clause.tail, item))
-        else:
-            self.head.append(item)
+    @property
+    def sentence(self) -> Sentence:
+        return self.structure.sentence
 
-    def _wait(self, subject: Actor | None) -> None:
-        """Begin anew, with a subject that has no verb yet."""
-        self.pending, self.clause = subject, None
-        self.head, self.of_head = list[Item](), list[tuple[Item, Actor]]()
+    @property
+    def items(self) -> Words:
+        return self.structure.items
 
-    def _goes_on(self, place: int) -> bool:
-        """Whether a place is after an "and" that goes on with a bare verb: "saw it come out and turn"."""
-        verb = self.clause.verb if self.clause is not None else None
-        return self.items.at(place - 1).low in {"and", "then"} and verb is not None and verb.form == "base"
+    @property
+    def tree(self) -> Tree:
+        return self.structure.tree
 
-    def _is_relative(self, place: int) -> bool:
-        """Whether a "which" or "that" takes up the noun group before it."""
-        item, after = self.items[place], self.items.at(place + 1)
-        if not item.is_a("relative") or not self.last.span.end or place + 1 >= len(self.items):
+    @property
+    def groups(self) -> Sequence[Group]:
+        return self.structure.groups
+
+    def _group(self, at: int) -> Group | None:
+        return self.structure.group(at)
+
+    def _owner(self, at: int) -> int | None:
+        return self.structure.owner(at)
+
+    def _is_predicate(self, at: int) -> bool:
+        return self.structure.is_predicate(at)
+
+    def _is_trait(self, place: int, subject: Actor) -> bool:
+        """Whether "southbound" stands right behind another vehicle's name: "yielded to V2 (a Ford) southbound"."""
+        if not self.items[place].is_a("bound") or self.items[place].low.endswith(_ADVERBS):
             return False
-        return item.low not in {"that", "thats"} or (after.is_a("auxiliary", "verb", "adverb") and self._follows(place))
+        back = place - 1
+        while back > 0 and self.items[back].low in {")", "("}:
+            back -= 1
+        group = self._group(back)
+        actor = self.actors.get(group.first) if group is not None and group.part is None else None
+        return actor is not None and bool(actor.vehicles) and actor.vehicles != subject.vehicles
 
-    def _flush(self) -> None:
-        """End what has a subject and no verb: "V1 northbound on Main Street"."""
-        if self.pending is not None and self.head:
-            end = self.head[-1].span
-            span = Span(self.pending.span.start if self.pending.span.start < end.end else end.start, end.end)
-            self.clauses.append(
-                Clause(self.sentence, self.pending, None, others=self.of_head, head=Words(self.head), span=span)
-            )
-            self.focus = self.pending
-        self.pending, self.of_head = None, []
-
-    def _place(self, first: int, actor: Actor, last: int) -> None:
-        """Give a noun group its part in the clause."""
-        before, clause = self.items.at(first - 1), self.clause
-        related = before.is_a("behind", "beside") or (
-            before.is_a("ahead", "path", "ends") and before.low.endswith("of")
+    def _next(self, at: int, clause: Clause) -> Actor | None:
+        """Who is named right behind a verb of contact, where the parser gave it no object."""
+        group = next((each for each in self.groups if at < each.first <= at + _NEAR), None)
+        if group is None or self._lead(group) is not None:
+            return None
+        if any(actor.span.start == self.items[group.first].span.start for _, actor in clause.others):
+            return None
+        apart = any(
+            self.items[each].is_a("conjunction") or self.items[each].low in ",;" for each in range(at + 1, group.first)
         )
-        leads = before.is_a("preposition", "oncoming") and not before.is_a("number") and before.low != "before"
-        compared = before.low == "than" or (
-            before.low == "as" and self.items.cut(first - 5, first - 1).says({"same", "as"})
-        )
-        if self._is_seat(first):
-            leads = False  # "some clown in a Kia pulls out"
-        if related or leads or compared:
-            self._bring(before, actor)
-        elif before.low in {"and", "&", "/", "or"} and self._joins(first, last, actor):
-            return
-        elif (
-            clause is not None
-            and clause.object is None
-            and _takes_object(clause)
-            and not self._begins(last)
-            and self.items[first].low not in word_set("subject_pronouns")
-        ):
-            clause.object = actor
-            if clause.lemma in {"drive", "operate"} and not clause.subject.vehicles:
-                clause.subject = self.focus = replace(clause.subject, vehicles=actor.vehicles)
-                for vehicle in actor.vehicles if clause.subject.gender else ():
-                    self.genders[vehicle] = clause.subject.gender
-        else:
-            if self._leads_in(first):
-                clause = self.clauses[-1]
-                clause.subject = self.focus = actor  # "Entering the freeway from the ramp, the van"
-            early = Words(self.head if clause is None and self.pending is None else ())
-            self._flush()
-            self._wait(actor)
-            self.of_head, self.before = self.before, []
-            self.head = (
-                list(early) if early.has("bound", "ramp", "oncoming") else []
-            )  # "While southbound on Main Street, my car"
-        if actor.vehicles:
-            self.last = actor
-            self.thing = self.thing if actor.is_person else actor
-            self.recent.extend(actor.vehicles)
+        return None if apart else self._joined(group, Role.OBJECT, clause)
 
-    def _is_seat(self, first: int) -> bool:
-        """Whether somebody whom no table knows sits in a vehicle: "this joker in a Kia"."""
-        mention, noun, lead = self.starts.get(first), self.items.at(first - 2), self.items.at(first - 3)
-        plain = not noun.kinds and noun.low.isalpha() and noun.low.islower() and not noun.is_name
-        return (
-            mention is not None
-            and mention.is_new
-            and self.items.at(first - 1).low == "in"
-            and plain
-            and lead.is_a("determiner")
-        )
+    def _lead(self, group: Group) -> Item | None:
+        return self.structure.lead(group)
 
-    def _begins(self, last: int) -> bool:
-        """Whether a noun group after a verb of seeing begins a clause: "did not hear how a van came"."""
-        after, kind = self.items.at(last + 1).verb, self.clause.kind if self.clause is not None else ""
-        return kind in {"see", "say"} and after is not None and after.form in {"past", "s"}
+    # ------------------------------------------------------------------------------------------------ clauses
 
-    def _leads_in(self, first: int) -> bool:
-        """Whether the sentence begins with a participle whose subject comes now."""
-        opens = self.items.at(0).verb or (self.items.at(1).verb if self.items.at(0).is_a("conjunction") else None)
-        alone = len([each for each in self.clauses if each.sentence is self.sentence]) == 1
-        leads = opens is not None and opens.form == "ing" and alone and self.clauses[-1].verb is opens
-        lead = self.items.at(first - 1)  # "Coming the other way was a van"
-        return leads and self.clause is self.clauses[-1] and (lead.low == "," or lead.get("auxiliary") == "be")
-
-    def _bring(self, preposition: Item, actor: Actor) -> None:
-        if self.clause is not None:
-            self.clause.others.append((preposition, actor))
-        elif self.pending is not None:
-            self.head.append(preposition)
-            self.of_head.append((preposition, actor))
-        elif preposition.is_a("ahead", "behind", "beside"):
-            self.before = [(preposition, actor)]  # "Behind him a van wanted to turn"
-
-    def _joins(self, first: int, last: int, actor: Actor) -> bool:
-        """Join "and V2" to what stands before it, unless it begins a clause of its own."""
-        mine, clause = self.last, self.clause
-        if not mine.span.end or mine.span.end != self.items.at(first - 2).span.end:
-            return False
-        both = tuple(dict.fromkeys([*mine.vehicles, *actor.vehicles]))
-        joined = Actor(both, None, mine.is_person, Span(mine.span.start, actor.span.end))
-        if self.pending is not None and self.pending.span == mine.span:
-            self.pending = joined
-        elif clause is None or _has_verb_next(self.items, last + 1):
-            return False
-        elif clause.object is not None and clause.object.span == mine.span:
-            clause.object = joined
-        elif clause.others and clause.others[-1][1].span == mine.span:
-            clause.others[-1] = (clause.others[-1][0], joined)
-        else:
-            return False
-        self.last = joined
-        return True
-
-    def _act(self, place: int) -> None:
-        """Begin the clause of a verb."""
-        item, old = self.items[place], self.clause
-        verb = item.verb
+    def _clause(self, at: int) -> Clause | None:
+        if at in self.made:
+            return self.made[at]
+        if at in self.busy:
+            return None
+        self.busy.add(at)
+        verb = self._verb(at)
+        subject, governed = self._subject(at)
+        clause = Clause(self.sentence, subject, verb, governed=governed)
+        self.made[at] = clause
+        clause.is_passive = self._is_passive(at)
+        clause.is_denied = self._is_denied(at)
+        head = self._head_group(at)
+        for group in self.groups:
+            if self._owner(group.top) == at and group.first not in self.actors:
+                self._bring(at, clause, group)
+        if head is not None and clause.object is None and subject.span != self._actor(head, Role.OTHER).span:
+            clause.object = self._actor(head, Role.OBJECT, subject, clause.kind)
+        if clause.object is None and not clause.is_passive and clause.kind in STRIKES | {"collide"}:
+            clause.object = self._next(at, clause)
+        mine = [
+            place
+            for place in range(len(self.items))
+            if place != at and self._group(place) is None and self._owner(place) == at
+            if not self._is_trait(place, subject)
+        ]
         if verb is None:
-            return
-        nearby = self.items.cut(max(self.acted, place - _PASSIVE_REACH), place)
-        subject, governed = self._after(place, verb) or self._subject(place, verb)
-        be = max((at for at, each in enumerate(nearby) if each.get("auxiliary") == "be"), default=None)
-        after_be = nearby.cut(be + 1) if be is not None else Words()
-        is_be = be is not None and not after_be.says({",", ";"})
-        is_be &= verb.form != "past" or not after_be.has(
-            "conjunction", "preposition", "pronoun"
-        )  # "was damaged and came"
-        by = verb.kind in STRIKES and self.items.cut(place + 1, place + 3).says({"by"})
-        near = nearby.cut(max((at + 1 for at, each in enumerate(nearby) if each.low == ";"), default=0))
-        is_denied = near.cut(len(near) - 3).has("negation") and verb.kind != "fail"
+            clause.head = Words(self.items[place] for place in sorted([*mine, at]))
+        else:
+            clause.head = Words(self.items[place] for place in mine if place < at)
+            clause.tail = Words(self.items[place] for place in mine if place > at)
+        starts = [self.items[at].span.start]
+        if subject.span.end and subject.span.start >= self.sentence.span.start:
+            starts.append(subject.span.start)
+        clause.span = Span(min(starts), max(self.items[at].span.end, subject.span.end if len(starts) > 1 else 0))
+        return clause
+
+    def _verb(self, at: int) -> VerbSense | None:
+        """The verb at a place; "went to" is a way to go where no other verb follows."""
+        verb = self.items[at].verb
+        goes = verb is not None and verb.kind == "intend" and verb.lemma == "go"
+        return replace(verb, kind="travel") if verb and goes and not any(self.tree.children(at, "xcomp")) else verb
+
+    def _subject(self, at: int) -> tuple[Actor, frozenset[str]]:
+        """Who does what a predicate says, and the kinds of the verbs that it depends on."""
+        arc, verb = self.tree[at], self.items[at].verb
+        kind = verb.kind if verb is not None else ""
+        governed = self._governed(at)
+        for child in self.tree.children(at, *SUBJECTS):
+            if self.items[child].is_a("relative") and arc.relation in {"relcl", "acl"}:
+                return self._described(arc.head), governed
+            if self._is_weather(child, at):
+                return NOBODY, governed
+            if self.items[child].low in {"it", "which"} and self.referents.is_road:
+                return NOBODY, governed  # what a road does
+            if self._is_drivers(at, child):
+                return self._before(at), governed
+            behind = next((each for each in self.tree.children(at, "attr") if self._group(each) is not None), None)
+            is_thing = self._group(child) is None and not self.items[child].is_a("pronoun")
+            if is_thing and behind is not None and self.tree[at].tag == "AUX":
+                return self._named(behind, Role.SUBJECT, kind), governed  # "Oncoming was a van"
+            self.referents.is_road = self._group(child) is None and self._is_road(child)
+            return self._named(child, Role.SUBJECT, kind), governed
+        if arc.relation in {"relcl", "acl"}:
+            return self._described(arc.head), governed
+        up = next((each for each in self.tree.chain(at) if self._is_predicate(each)), None)
+        if up is not None:
+            above = self._clause(up)
+            if above is None:
+                return self.referents.focus, governed
+            if arc.relation == "xcomp" and above.object is not None and above.kind not in _GOVERNING - {"see"}:
+                return above.object, governed
+            if not above.subject.vehicles and kind in _OF_DRIVERS | STRIKES | {"turn"}:
+                higher = (self._clause(each) for each in self.tree.chain(up) if self._is_predicate(each))
+                found = next((each.subject for each in higher if each is not None and each.subject.vehicles), None)
+                return found or above.subject, governed  # "on a street that ends there and turned left"
+            return above.subject, governed
+        behind = next(iter(self.tree.children(at, "attr", "dobj")), None)
+        comes = kind in _COMES and verb is not None and verb.lemma not in {"drive", "operate"}
+        if behind is not None and self._group(behind) is not None and (self.tree[at].tag == "AUX" or comes):
+            return self._named(behind, Role.SUBJECT, kind), governed  # "To my right was a van", "Out rolls a van"
+        return self._before(at), governed
+
+    def _is_drivers(self, at: int, child: int) -> bool:
+        """Whether only who drives can do what a verb says, and its subject is nobody who could: the parser erred."""
+        verb, item = self.items[at].verb, self.items[child]
+        if verb is None or self._group(child) is not None or item.low in self.referents.people:
+            return False
+        if item.is_a("person", "relative", "pronoun", "walker"):
+            return False
+        turns = verb.kind == "turn" and not self._is_road(child) and not item.is_a("signal", "part")
+        place = item.is_a("signal", "road", "lane", "junction", "curve", "time")
+        turns |= verb.kind in STRIKES and place  # "heading through the light hit its side"
+        return turns or (verb.kind in _OF_DRIVERS and verb.lemma not in _ROADS_DO)
+
+    def _before(self, at: int) -> Actor:
+        """Who is named before a verb whose subject the parser did not find; else who was spoken of before."""
+        group = next((each for each in reversed(self.groups) if each.last < at and self._lead(each) is None), None)
+        if group is None or group.is_place or any(self._is_predicate(each) for each in range(group.last + 1, at)):
+            return self.referents.focus
+        return self._actor(group, Role.SUBJECT)
+
+    def _described(self, place: int) -> Actor:
+        """Who a relative clause speaks of: the vehicle that it hangs on, or that has what it hangs on: "with a trailer that"."""
+        group = self._group(place) or self.structure.within(place)
+        return replace(self._actor(group, Role.OTHER), part=None) if group is not None else NOBODY
+
+    def _is_road(self, place: int) -> bool:
+        """Whether a word is a road's, or a name that no table knows and no vehicle has."""
+        item = self.items[place]
+        return item.is_a("road", "lane", "junction", "ramp", "curve", "driveway") or (item.is_name and not item.kinds)
+
+    def _is_weather(self, subject: int, at: int) -> bool:
+        """Whether "it" stands for nothing: "it was dark", "it was raining"."""
+        if self.items[subject].low != "it" or self.items.at(at).is_a("verb"):
+            return False
+        told = self.items.cut(at, at + 6)
+        return told.has("time", "weather") and not told.has("bound", "lane")
+
+    def _governed(self, at: int) -> frozenset[str]:
+        found: set[str] = set()
+        place = at
+        for up in self.tree.chain(at):
+            arc = self.tree[place]
+            if not self._is_predicate(up):
+                place = up
+                continue
+            verb = self.items[up].verb
+            linked = arc.relation in {"xcomp", "pcomp", "ccomp", "conj"} or (
+                arc.relation == "advcl" and not any(self.tree.children(at, *SUBJECTS, "mark"))
+            )
+            if not linked or (arc.relation == "ccomp" and (verb is None or verb.kind != "begin")):
+                break
+            if verb is not None and verb.kind in _GOVERNING and arc.relation != "conj":
+                found.add(verb.kind)
+                if self._is_denied(up) and verb.kind in {"intend", "begin", "do"}:
+                    found.add("avoid")
+                if verb.kind == "avoid" and (self._is_denied(up) or "fail" in self._governed(up)):
+                    found.discard("avoid")
+            mine = self.items[at].verb
+            if arc.relation == "conj" and mine is not None and (verb is None or verb.form != mine.form):
+                break
+            place = up
+        return frozenset(found)
+
+    def _is_passive(self, at: int) -> bool:
+        verb = self.items[at].verb
+        if any(self.tree.children(at, "auxpass", "nsubjpass", "agent")):
+            return True
+        reduced = self.tree[at].relation == "acl" and verb is not None and verb.form in {"both", "participle"}
+        if reduced:
+            return True
+        after = self.items.at(at + 1)
+        by = verb is not None and verb.kind in STRIKES and after.low == "by"
+        conj = self.tree[at].relation == "conj" and verb is not None and verb.form in {"both", "participle"}
+        up = self.tree[at].head
+        shared = (
+            conj and up in self.made and self.made[up].is_passive and not any(self.tree.children(at, *SUBJECTS, "aux"))
+        )
+        return by or shared
+
+    def _is_denied(self, at: int) -> bool:
+        verb, near = self.items[at].verb, self.items.cut(at - 3, at)
+        denies = any(
+            self.items[each].is_a("negation") for each in self.tree.children(at, "aux", "advmod", "auxpass", "neg")
+        )
+        if (denies or any(self.tree.children(at, "neg"))) and (verb is None or verb.kind != "fail"):
+            return True
         missed = near.at(len(near) - 1).low in word_set("near_misses") or (
             near.cut(len(near) - 2).says({"would", "could", "might"}) and near.at(len(near) - 1).low == "have"
         )
-        is_denied |= missed and verb.kind in STRIKES | {"collide"}
-        is_denied |= near.cut(len(near) - 3).says({"if"}) and near.says({"as"})  # "slowed as if to turn"
-        is_denied |= verb.kind == "avoid" and old is not None and self.pending is None and old.kind == "fail"
-        start = subject.span.start if subject.span.end and subject.span.start >= self.sentence.span.start else None
-        self.clauses.append(
-            Clause(
-                self.sentence,
-                subject,
-                verb,
-                is_passive=verb.form in {"both", "participle", "past"} and (is_be or by),
-                is_denied=is_denied,
-                governed=governed,
-                others=self.of_head,
-                head=Words(self.head),
-                span=Span(item.span.start if start is None else min(start, item.span.start), item.span.end),
-            )
-        )
-        self._wait(None)
-        self.clause, self.acted = self.clauses[-1], place + 1
-        self.focus = subject if subject.vehicles else self.focus
-
-
-def _takes_object(clause: Clause) -> bool:
-    takes = clause.kind in _TRANSITIVE or clause.lemma in {"drive", "operate", "ride"}
-    return takes and not clause.is_passive and len(clause.tail) <= _OBJECT_REACH and not is_apart(clause.tail, ",;(")
-
-
-def _has_verb_next(items: Words, place: int) -> bool:
-    for item in items.cut(place, place + 4):
-        if item.low in ",;" or item.is_a("preposition", "conjunction"):
-            return False
-        if item.is_a("auxiliary", "verb"):
+        if missed and verb is not None and verb.kind in STRIKES | {"collide"}:
             return True
-    return False
+        marks = {self.items[each].low for each in self.tree.children(at, "mark")}
+        if "if" in marks and near.says({"as"}):
+            return True
+        return self.tree[at].relation == "pcomp" and self.items[self.tree[at].head].low in {"without", "instead of"}
 
+    def _head_group(self, at: int) -> Group | None:
+        """The noun that a relative clause says something of, where it is not its subject: "the car that V1 struck"."""
+        arc = self.tree[at]
+        if arc.relation != "relcl":
+            return None
+        relative = [child for child in self.tree.children(at, *SUBJECTS) if self.items[child].is_a("relative")]
+        has_subject = any(self.tree.children(at, *SUBJECTS)) and not relative
+        return self._group(arc.head) if has_subject else None
 
-def _is_verb(items: Words, place: int, *, after_actor: bool) -> bool:
-    """Whether a word is the verb that it may be, and not a noun."""
-    item, before, after = items[place], items.at(place - 1), items.at(place + 1)
-    verb = item.verb
-    if verb is None or (item.is_a("lanekind") and after.is_a("lane", "lanekind")):
-        return False
-    if item.low == "left":  # the hand, or the past of "leave"
-        led = after_actor or before.is_a("auxiliary", "conjunction") or before.low == ","
-        goes = after.is_a("determiner", "road", "shoulder") or after.get("pronoun") == "its"
-        return led and goes and not after.is_a("hand", "lane")
-    counted = before.is_a("determiner") and not before.is_a("number")  # not the "two" of "unit two struck"
-    owned = counted or before.get("pronoun") in {"its", "own"}
-    if owned and verb.form == "ing" and after.is_a("part", "flank"):
-        return False  # "his sliding door"
-    if owned and verb.form != "ing" and before.low not in word_set("loose_determiners"):
-        return False
-    if verb.form in {"base", "s"}:
-        led = (
-            before.is_a("auxiliary", "relative", "negation", "pronoun")
-            or before.low in word_set("base_verb_leads")
-            or before.low.endswith(" to")
-            or (before.verb is not None and before.verb.kind == "intend")
+    # ----------------------------------------------------------------------------------------- noun groups
+
+    def _named(self, place: int, role: Role, kind: str) -> Actor:
+        """The actor at a place, with those that "and" joins to it; nobody where no vehicle is named there."""
+        group = self._group(place) or self.structure.within(place)
+        if group is None and self.items[place].low in self.referents.people:
+            vehicle = self.referents.people[self.items[place].low]
+            self.referents.recent.append(vehicle)
+            return Actor((vehicle,), None, is_person=True, span=self.items[place].span)
+        if group is None:
+            return replace(NOBODY, span=self.items[place].span)
+        actor = self._actor(group, role, kind=kind)
+        for other in self.tree.children(group.top, "conj"):
+            joined = self._group(other)
+            if joined is not None:
+                more = self._actor(joined, role, kind=kind)
+                both = tuple(dict.fromkeys([*actor.vehicles, *more.vehicles]))
+                actor = Actor(both, None, actor.is_person, Span(actor.span.start, more.span.end))
+        return actor
+
+    def _actor(self, group: Group, role: Role, subject: Actor = NOBODY, kind: str = "") -> Actor:
+        if group.first in self.actors:
+            return self.actors[group.first]
+        if group.mention is None:
+            actor = Actor((), group.part, is_person=False, span=self.items.span(group.first, group.last))
+        else:
+            actor = self.referents.resolve(group.mention, self.items, role, subject, kind)
+            if group.part is not None:
+                span = self.items.span(group.first, group.last)
+                actor = replace(actor, part=group.part, is_person=False, span=span)
+            elif group.is_place:
+                actor = replace(actor, vehicles=())
+        self.actors[group.first] = actor
+        return actor
+
+    def _bring(self, at: int, clause: Clause, group: Group) -> None:
+        """Give a noun group its part in a clause."""
+        arc = self.tree[group.top]
+        is_object = arc.head == at and (
+            arc.relation in _OBJECTS or (arc.relation == "pobj" and clause.verb is not None)
         )
-        return after_actor or led or (before.low in {"and", "then", ","} and verb.form == "s")
-    if verb.form == "ing" and before.is_a("determiner"):
-        return not after.low or after.is_a("determiner", "preposition", "hand")
-    return not (item.is_a("parked", "stationary") and after.is_a("thing", "body", "name"))
+        if is_object and clause.object is None and not clause.is_passive:
+            clause.object = self._joined(group, Role.OBJECT, clause)
+            return
+        lead = self._lead(group)
+        if lead is not None:
+            role = Role.TOOL if lead.low == "with" else Role.OTHER
+            clause.others.append((lead, self._joined(group, role, clause)))
+        elif arc.relation not in {"conj", "appos"}:
+            self._actor(group, Role.OTHER, clause.subject, clause.kind)
+
+    def _joined(self, group: Group, role: Role, clause: Clause) -> Actor:
+        kind = "" if clause.is_passive else clause.kind
+        actor = self._actor(group, role, clause.subject, kind)
+        for other in self.tree.children(group.top, "conj"):
+            joined = self._group(other)
+            if joined is not None and joined.first not in self.actors:
+                more = self._actor(joined, role, clause.subject, kind)
+                both = tuple(dict.fromkeys([*actor.vehicles, *more.vehicles]))
+                actor = Actor(both, None, actor.is_person, Span(actor.span.start, more.span.end))
+        return actor
+
+    def _verbless(self) -> Iterator[Clause]:
+        """What has no verb: "V1 northbound on Main Street, V2 southbound"."""
+        free = [at for at in range(len(self.items)) if self._owner(at) is None]
+        runs: list[list[int]] = []
+        for at in free:
+            group = self._group(at)
+            begins = group is not None and group.first == at and self._lead(group) is None
+            if not runs or begins or runs[-1][-1] < at - 1 or self.items[at].low == ";":
+                runs.append([])
+            runs[-1].append(at)
+        for places in runs:
+            yield from self._of_run(places)
+
+    def _of_run(self, places: Sequence[int]) -> Iterator[Clause]:
+        inside = [each for each in self.groups if each.first in places and each.first not in self.actors]
+        if inside and self._lead(inside[0]) is None:
+            subject, inside = self._actor(inside[0], Role.SUBJECT), inside[1:]
+        else:
+            subject = self.referents.focus
+        clause = Clause(self.sentence, subject, None)
+        for group in inside:
+            self._bring(-1, clause, group)
+        clause.head = Words(self.items[at] for at in places if self._group(at) is None)
+        end = self.items[places[-1]].span.end
+        clause.span = Span(min(self.items[places[0]].span.start, end), end)
+        if clause.head or clause.others:
+            yield clause
+            self.referents.focus = subject if subject.vehicles else self.referents.focus

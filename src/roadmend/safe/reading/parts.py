@@ -50,7 +50,7 @@ def read_part(items: Words, place: int, *, is_led: bool) -> tuple[NamedPart, int
         last = at
     if last < place or not (hands or ends or is_flank) or _is_none(items, place, last, is_led=is_led):
         return None
-    if is_flank and not hands and items.cut(place - 2, place).has("compass"):
+    if is_flank and not hands and items.cut(place - 2, place).has("compass", "bound"):
         return None  # "the north side"
     hand, end = Side(hands[-1]) if hands else None, Side(ends[-1]) if ends else None
     if is_flank and (hand or not end):

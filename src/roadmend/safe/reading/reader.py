@@ -5,7 +5,7 @@ that make claims (``ways``, ``manoeuvres``, ``contacts``, ``roads``, ``lanes``, 
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from roadmend.safe.claims import AnyClaim, CastMember, Claim, ContactClaim
@@ -13,21 +13,35 @@ from roadmend.safe.reading.assembly import ReportReading, put_together
 from roadmend.safe.reading.cast import MentionedVehicle
 from roadmend.safe.reading.clauses import STRIKES
 from roadmend.safe.reading.contacts import read_contacts
+from roadmend.safe.reading.coupling import couple, let_speak
 from roadmend.safe.reading.facts import Text, claim, of_vehicle
+from roadmend.safe.reading.groups import groups_of
 from roadmend.safe.reading.impacts import read_impacts
 from roadmend.safe.reading.lanes import read_lanes
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.limits import PostedLimit, claim_limits, read_limits
 from roadmend.safe.reading.manoeuvres import read_manoeuvres
-from roadmend.safe.reading.mentions import find_mentions
+from roadmend.safe.reading.mentions import Spoken, find_vehicles
+from roadmend.safe.reading.naming import mentions_of, names_in
 from roadmend.safe.reading.parsing import read_clauses
 from roadmend.safe.reading.ramps import read_ramps
+from roadmend.safe.reading.referents import Choice
 from roadmend.safe.reading.relations import read_relations
 from roadmend.safe.reading.roads import read_roads
+from roadmend.safe.reading.scene import fit
+from roadmend.safe.reading.structure import Structure
 from roadmend.safe.reading.surroundings import read_surroundings
+from roadmend.safe.reading.syntax import parse
 from roadmend.safe.reading.tokens import Sentence, read_sentences
 from roadmend.safe.reading.transcripts import join_answers
 from roadmend.safe.reading.ways import read_ways
+
+_NEAR_TIE = 2.0  # [nats] by which a second choice may be behind the first to be tried
+_MOST_TRIED = 8  # pronouns
+_CONTACT = 2.0  # [nats] that two vehicles touched, for a crash is told
+_CLEARLY = 0.7  # [nats] by which it has to make the better scene
+
+_Claims = tuple[tuple[AnyClaim, ...], tuple[ContactClaim, ...], tuple[PostedLimit, ...]]
 
 _ALONE = re.compile(
     r"\b(?:single|one|1)[- ](?:vehicle|veh|car|unit)\b[- ]?(?:traffic )?"
@@ -72,10 +86,43 @@ def read_claims(summary: str) -> SummaryClaims | None:
     """What a summary says, before anything is decided; None where it speaks of no vehicle."""
     told = [sentence for sentence in read_sentences(summary) if not _is_code(sentence, summary)]
     sentences = tuple(replace(sentence, index=index) for index, sentence in enumerate(join_answers(told, summary)))
-    spoken = find_mentions(sentences)
+    structures, spoken = _taken_apart(sentences)
     if not spoken.roll.vehicles:
         return None
-    text = Text(summary, sentences, spoken, read_clauses(sentences, spoken))
+    text, claims, contacts, limits = _best(summary, sentences, structures, spoken)
+    cast = tuple(_member(vehicle) for vehicle in spoken.roll.vehicles)
+    return SummaryClaims(text, cast, claims, limits, _kept(text, contacts), _others(text))
+
+
+def _best(
+    summary: str, sentences: Sequence[Sentence], structures: Sequence[Structure], spoken: Spoken
+) -> tuple[Text, tuple[AnyClaim, ...], tuple[ContactClaim, ...], tuple[PostedLimit, ...]]:
+    """The reading of all pronouns that makes the best scene: the likeliest of each, unless another fits clearly better."""
+
+    def read(picks: Mapping[int, int]) -> tuple[float, list[Choice], Text, _Claims]:
+        clauses, choices = read_clauses(structures, spoken, picks)
+        text = Text(summary, tuple(sentences), spoken, clauses)
+        found = _claims(text)
+        doubt = sum(
+            choices[at].ranked[min(pick, len(choices[at].ranked) - 1)][1]
+            for at, pick in picks.items()
+            if at < len(choices)
+        )
+        return fit(found[0], text.count) + _CONTACT * bool(found[1]) - doubt, choices, text, found
+
+    picks: dict[int, int] = {}
+    best = read(picks)
+    open_ = [at for at, choice in enumerate(best[1]) if len(choice.ranked) > 1 and choice.ranked[1][1] < _NEAR_TIE]
+    for at in open_[:_MOST_TRIED]:
+        other = read(picks | {at: 1})
+        if other[0] > best[0] + _CLEARLY:
+            best, picks = other, picks | {at: 1}
+    _, _, text, (claims, contacts, limits) = best
+    return text, claims, contacts, limits
+
+
+def _claims(text: Text) -> _Claims:
+    """All claims of a text, its contacts, and the limits that it names."""
     contacts, limits = read_contacts(text), read_limits(text)
     relations = tuple(read_relations(text))
     claims: list[AnyClaim] = [
@@ -93,8 +140,20 @@ def read_claims(summary: str) -> SummaryClaims | None:
         *read_surroundings(text),
         *read_impacts(text),
     ]
-    cast = tuple(_member(vehicle) for vehicle in spoken.roll.vehicles)
-    return SummaryClaims(text, cast, tuple(claims), limits, _kept(text, contacts), _others(text))
+    return tuple(claims), contacts, limits
+
+
+def _taken_apart(sentences: Sequence[Sentence]) -> tuple[list[Structure], Spoken]:
+    """The structure of each sentence, and the vehicles of the text."""
+    known = names_in(sentence.items for sentence in sentences)
+    found = [list(mentions_of(sentence.items, known)) for sentence in sentences]
+    let_speak(sentences, found)
+    for sentence, row in zip(sentences, found, strict=True):
+        couple(sentence.items, row)
+    groups = [groups_of(sentence.items, row) for sentence, row in zip(sentences, found, strict=True)]
+    rows = zip(sentences, groups, parse(sentences, groups), strict=True)
+    structures = [Structure(*each) for each in rows]
+    return structures, find_vehicles(structures, found)
 
 
 def assemble(said: SummaryClaims, more: Sequence[AnyClaim] = (), *, solver: bool = True) -> ReportReading:

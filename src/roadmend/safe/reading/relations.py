@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Iterator
+from dataclasses import replace
 
 from roadmend.safe.claims import DirectionClaim, WayRelation
 from roadmend.safe.dsl import Side
@@ -18,7 +19,18 @@ _LONG = 9  # letters of "opposing": shorter words for it are too common
 
 
 def read_relations(text: Text) -> Iterator[DirectionClaim]:
-    """The claims of a text about how two ways lie to each other."""
+    """The claims of a text about how two ways lie to each other; left and right may be those of a bystander."""
+    told = list(_told(text))
+    hands = {each.relation: each for each in told if each.relation in _FROM.values()}
+    if not text.spoken.roll.own() and len(hands) == len(_FROM):
+        one, other = (hands[kind] for kind in _FROM.values())
+        if one.second != other.second:
+            yield replace(one, relation=WayRelation.OPPOSITE)
+            told = [each for each in told if each.relation not in _FROM.values()]
+    yield from told
+
+
+def _told(text: Text) -> Iterator[DirectionClaim]:
     for clause in text.clauses:
         yield from _of_pairs(clause)
         yield from _of_words(clause, text.count)

@@ -169,9 +169,7 @@ def _on_stem(text: Text) -> Iterator[Claim]:
             led = words.cut(place - 2, place).says(word_set("along"))
             ends = item.is_a("ends") and item.low.startswith(("ends", "ended", "dead", "terminates"))
             crosses = item.is_a("axis") and clause.kind == "approach" and clause.lemma in {"cross", "travel", "go"}
-            sure = (
-                0.85 if item.is_a("road") and item.low in word_set("minor_roads") and clause.kind == "emerge" else 0.0
-            )
+            sure = 0.85 if item.low in word_set("minor_roads") and clause.kind in {"emerge", "turn"} and led else 0.0
             if item.low in ending and led:
                 sure = 0.9
             elif ends and words.cut(0, place).has("road", "relative"):

@@ -21,6 +21,7 @@ _MOST_TOGETHER = 4  # vehicles whose scenes are enumerated together
 _STRAIGHT_ON = 1.0  # [nats] vehicles go straight on unless something says otherwise
 _SAID_STRAIGHT = 0.8  # of the weight of "meant to go on north" speaks for going straight
 _HINT = 0.6  # [nats] of a manoeuvre for how two ways lie to each other
+_OUT = 1.5  # [nats] that who comes out of a driveway comes across the road
 _TOLD = 0.6  # confidence from which a manoeuvre hints at that
 _JOINS = 3.0  # [nats] from which it is sure enough that a vehicle joins from a ramp
 _PLAIN_ROAD = 0.9  # [nats] by which a straight road is likelier than the others before anything is said
@@ -38,6 +39,11 @@ def solve(claims: Sequence[AnyClaim], count: int, *, together: bool = True) -> M
     """
     scene = _Scene(claims, count, together=together)
     return {path: judge(about) for path, about in scene.claims.items()} | scene.judged()
+
+
+def fit(claims: Sequence[AnyClaim], count: int) -> float:
+    """How well one scene can satisfy all claims about ways and roads [nats]: the log of the sum over all scenes."""
+    return _Scene(claims, count, together=True).weigh()[0]
 
 
 class _Scene:
@@ -73,6 +79,13 @@ class _Scene:
 
     def judged(self) -> dict[str, JudgedField]:
         """The fields that hang together: type of road, stem, directions and actions."""
+        return {
+            path: with_claims(shares(values), self.claims.get(path, [])) for path, values in self.weigh()[1].items()
+        }
+
+    def weigh(self) -> tuple[float, dict[str, dict[Any, float]]]:
+        """Log of the sum over all scenes, and of the part of it that has each value of each field."""
+        whole: dict[str, float] = {}
         sums: dict[str, dict[Any, float]] = {}
         roads, stems, groups = self._roads(), evidence(self.claims.get("stem_direction", [])), list(self._groups())
         places: list[_Place] = [(road, None) for road in RoadType if road is not RoadType.T_INTERSECTION]
@@ -84,12 +97,13 @@ class _Scene:
                 total, fields = self._enumerate(group, (road, stem))
                 score += total
                 marginals += [(path, value, weight - total) for path, value, weight in fields]
+            add(whole, "", score)
             add(sums.setdefault("road_type", {}), road, score)
             if stem is not None:
                 add(sums.setdefault("stem_direction", {}), stem, score)
             for path, value, share in marginals:
                 add(sums.setdefault(path, {}), value, score + share)
-        return {path: with_claims(shares(values), self.claims.get(path, [])) for path, values in sums.items()}
+        return whole[""], sums
 
     def _roads(self) -> dict[RoadType, float]:
         """What weighs for each type of road before the vehicles are looked at."""
@@ -170,7 +184,12 @@ class _Scene:
             WayRelation.SAME, first.heading, second.heading
         )
         astray = Manoeuvre.ENTER_THE_WRONG_WAY in done
-        return _HINT * (same + (astray and holds(WayRelation.OPPOSITE, first.heading, second.heading)))
+        out = (
+            sum(each.value is Manoeuvre.LEAVE_DRIVEWAY for at in (one, other) for each in self._of(at, "manoeuvre"))
+            == 1
+        )
+        crosses = out and holds(WayRelation.CROSSING, first.heading, second.heading)
+        return _OUT * crosses + _HINT * (same + (astray and holds(WayRelation.OPPOSITE, first.heading, second.heading)))
 
     def _together(self, one: int, other: int, first: StatedWay, second: StatedWay, *, road: RoadType) -> float:
         """What the relations and the first contact of two vehicles weigh for their ways."""

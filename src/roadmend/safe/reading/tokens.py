@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from roadmend.safe.claims import Span
+from roadmend.safe.reading.english import is_english
 from roadmend.safe.reading.lexicon import (
     LONGEST,
     Senses,
@@ -16,6 +17,7 @@ from roadmend.safe.reading.lexicon import (
     senses,
     shorthand,
     squeeze,
+    table_words,
     verb_heads,
     word_set,
 )
@@ -167,17 +169,24 @@ def _cut(text: str, start: int, end: int) -> Iterator[list[Token]]:
                 yield tokens
             tokens = []
         elif word != "." or not is_glued:
-            low = _in_full(word.lower())
+            low = _in_full(word, is_first=not tokens)
             tokens.append(Token(word, low, match.start(), match.end(), is_glued))
     if tokens:
         yield tokens
 
 
-def _in_full(word: str) -> str:
-    """A word that hasty writers cut short: "sittin" for "sitting"."""
-    full = shorthand().get(word, word)
+def _in_full(word: str, *, is_first: bool) -> str:
+    """A word in small letters, as it is written in full and without a slip of the pen: "sittin" for "sitting"."""
+    low = word.lower()
+    full = shorthand().get(low, low)
     is_cut = full.endswith("in") and len(full) > _CUT and f"{full}g" in senses() and full not in senses()
-    return f"{full}g" if is_cut else full
+    if is_cut or full in senses() or full in names() or full in table_words():
+        return f"{full}g" if is_cut else full
+    if not full.isalpha() or is_english(full):
+        return full
+    mended = mend(full)
+    may_be_name = word.istitle() and not is_first and mended is not None and mended not in names()
+    return full if mended is None or (may_be_name and "thing" not in senses()[mended]) else mended
 
 
 def _ends(text: str, place: int, tokens: Sequence[Token]) -> bool:
@@ -258,24 +267,21 @@ def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
             kinds["number"] = int(key)  # an Audi 100, and a hundred
         following = tokens[place + 1] if place + 1 < len(tokens) else None
         is_glued = following is not None and following.is_glued and following.text.isdigit()  # the road "N2"
+        is_glued |= place > 0 and tokens[place - 1].text == "/"  # "F/E"
         if length == 1 and taken[0].text in _LETTERS and not is_glued:
             kinds["compass"] = taken[0].text
         if key and kinds:
             return length, kinds
-    return 1, _single(tokens[place], is_first=place == 0)
+    return 1, _single(tokens[place])
 
 
-def _single(token: Token, *, is_first: bool) -> Senses:
-    """What a word means that no table has: a number, or a slip of the pen."""
+def _single(token: Token) -> Senses:
+    """What a word means that no table has: a number."""
     figures = token.low.replace(",", "")
     if figures.replace(".", "").isdigit():
         number = float(figures)
         return {"number": int(number) if number.is_integer() else number}
-    mended = mend(token.low) if is_first or token.low == token.text or token.text.isupper() else None
-    if mended is None:
-        return {}
-    named = {"name": names()[mended]} if mended in names() else {}
-    return {**senses().get(mended, {}), **named}
+    return {}
 
 
 def _loose_verb(taken: Sequence[Token]) -> Senses:

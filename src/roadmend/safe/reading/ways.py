@@ -143,7 +143,7 @@ def _beside_mentions(text: Text) -> Iterator[Claim]:
             while items.at(at).low in word_set("beside_fillers"):
                 at += 1
             item, after = items.at(at), items.at(at + 1)
-            way = direction(item) if item.is_a("bound") else None
+            way = direction(item) if item.is_a("bound") and not item.low.endswith(("ward", "wards")) else None
             if len(mention.vehicles) == 1 and way is not None and not after.is_a("lane", "road", "lanekind"):
                 path = of_vehicle(mention.vehicles[0], "initial_position")
                 yield claim(path, way, 0.85, "it is said to travel that way", item)
@@ -199,7 +199,9 @@ def _is_no_way(clause: Clause, items: Words, place: int, *, is_head: bool) -> bo
         return True
     if _is_of_name(items, place) or items.at(place - 1).low in word_set("titles"):
         return True
-    if after.low in word_set("not_a_way") or (after.is_a("shoulder") and not item.is_a("bound")):
+    if (after.low in word_set("not_a_way") and not (after.low == "side" and item.is_a("bound"))) or (
+        after.is_a("shoulder") and not item.is_a("bound")
+    ):
         return True
     belt = item.low in {"sb", "s b"} and after.low in {"used", "worn", "in use"}
     before = items.cut(place - 6, place)
