@@ -66,18 +66,16 @@ def _is_apposition(between: Words, other: Mention) -> bool:
     return (is_copula and other.is_new) or (plain and has_mark) or unknown
 
 
-def let_speak(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]]) -> dict[int, Mention]:
-    """Who speaks as "I", by the mention's id, where drivers tell one after the other: "Driver A: I was in my Polo"."""
+def let_speak(sentences: Sequence[Sentence], found: Sequence[Sequence[Mention]]) -> None:
+    """Tell each "I" whose it is where drivers speak one after the other: "Driver A: I was in my Polo"."""
     speaker: Mention | None = None
-    told: dict[int, Mention] = {}
     for sentence, row in zip(sentences, found, strict=True):
         first = row[0] if row else None
         is_label = first is not None and first.number is not None and first.is_person and first.first == 0
         if first is not None and is_label and sentence.items.at(first.last + 1).low == ":":
             speaker = first
         for mention in row if speaker is not None else ():
-            if mention.kind is MentionKind.SELF and speaker is not None:
-                told[id(mention)] = speaker
+            if mention.kind is MentionKind.SELF:
+                mention.speaker = speaker
             elif mention.description is not None and mention.description.is_own and speaker is not None:
                 mention.description = replace(mention.description, is_own=False, number=speaker.number)
-    return told

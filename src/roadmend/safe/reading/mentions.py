@@ -194,14 +194,18 @@ class _Casting:
                 for structure, row in zip(self.structures, self.found, strict=True)
                 for mention in row
             )
-        speaks = [each for row in self.found for each in row if each.kind is MentionKind.SELF and not each.vehicles]
+        speaks = any(
+            each.kind is MentionKind.SELF and each.speaker is None and not each.vehicles
+            for row in self.found
+            for each in row
+        )
         if drives and (speaks or mine):
             self.own = MentionedVehicle(len(self.vehicles), Description(is_own=True, words=""))
             self.vehicles.append(self.own)
 
     def _drives(self, structure: Structure, mention: Mention) -> bool:
         """Whether "I" drive, or am struck."""
-        if mention.kind is not MentionKind.SELF:
+        if mention.kind is not MentionKind.SELF or mention.speaker is not None:
             return False
         if id(mention) in self.partner:
             return True
@@ -230,6 +234,9 @@ class _Casting:
             return self.vehicles[mention.twin.vehicles[0]]
         if mention.number is not None:
             return next(each for each in self.vehicles if each.description.number == mention.number)
+        if mention.speaker is not None:
+            number = mention.speaker.number
+            return next((each for each in self.vehicles if each.description.number == number), None)
         described = mention.description
         if self.own is not None and (mention.kind is MentionKind.SELF or (described is not None and described.is_own)):
             return self.own

@@ -43,6 +43,7 @@ class Mention:
         description: of a described one.
         is_person: whether it is the driver that is spoken of.
         twin: the mention beside it that is of the same vehicle.
+        speaker: of an "I", the numbered driver whose words it stands in, where the text tells that.
         bodies: of several: what they all are.
     """
 
@@ -56,6 +57,7 @@ class Mention:
     description: Description | None = None
     is_person: bool = False
     twin: "Mention | None" = None
+    speaker: "Mention | None" = None
     bodies: tuple[tuple[BodySense, Span], ...] = ()
 
     @property
