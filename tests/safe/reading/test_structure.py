@@ -54,3 +54,17 @@ def test_every_word_hangs_on_a_root():
 def test_the_same_sentence_has_the_same_tree():
     text = "V2 was going straight when V1 turned left in front of it."
     assert taken_apart(text).tree == taken_apart(text).tree
+
+
+def test_a_word_at_the_very_beginning_counts_as_governed():
+    structure = taken_apart("He braked.")
+    assert list(structure.tree.children(at(structure, "braked"), "nsubj")) == [0]
+    assert structure.tree.has(at(structure, "braked"), "nsubj")
+    assert not structure.tree.has(at(structure, "braked"), "dobj")
+
+
+def test_a_noun_group_is_not_joined_to_itself():
+    structure = taken_apart("V1's front and left side struck V2.")
+    joined = list(structure.joined(structure.groups[0]))
+    assert joined[0] is structure.groups[0]
+    assert all(each is not joined[0] for each in joined[1:])

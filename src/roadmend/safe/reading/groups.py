@@ -9,7 +9,7 @@ from roadmend.safe.reading.tokens import Words
 
 
 @dataclass(frozen=True, slots=True)
-class Group:
+class NounGroup:
     """A noun group that names a vehicle, or a part of one.
 
     Attributes:
@@ -29,10 +29,10 @@ class Group:
     is_place: bool = False
 
 
-def groups_of(items: Words, mentions: Sequence[Mention]) -> list[Group]:
+def groups_of(items: Words, mentions: Sequence[Mention]) -> list[NounGroup]:
     """The noun groups of a sentence that name vehicles and their parts, in their order."""
     starts = {mention.first: mention for mention in mentions}
-    found: list[Group] = []
+    found: list[NounGroup] = []
     place = 0
     while place < len(items):
         group = _owner(items, starts[place]) if place in starts else _part(items, place, starts)
@@ -42,7 +42,7 @@ def groups_of(items: Words, mentions: Sequence[Mention]) -> list[Group]:
     return found
 
 
-def _owner(items: Words, mention: Mention) -> Group:
+def _owner(items: Words, mention: Mention) -> NounGroup:
     """A mention with the part of it that is named after it: "V1's left side", "its front"."""
     first, last = mention.first, mention.last
     is_short = mention.kind in {MentionKind.ONE, MentionKind.IT, MentionKind.SELF} and first == last
@@ -51,15 +51,15 @@ def _owner(items: Words, mention: Mention) -> Group:
     may_own = owned or is_own or mention.kind is MentionKind.POSSESSIVE or mention.description is not None
     part = read_part(items, last + 1 + owned, is_led=True) if may_own else None
     if part is not None:
-        return Group(first, part[1], part[1], mention, part[0])
+        return NounGroup(first, part[1], part[1], mention, part[0])
     if mention.kind is MentionKind.POSSESSIVE and items.at(last + 1).get("person") == "driver":
-        return Group(first, last + 1, last + 1, mention, None)
-    return Group(
+        return NounGroup(first, last + 1, last + 1, mention, None)
+    return NounGroup(
         first, last + owned, last, mention, None, owned or (mention.kind is MentionKind.POSSESSIVE and first == last)
     )
 
 
-def _part(items: Words, place: int, starts: Mapping[int, Mention]) -> Group | None:
+def _part(items: Words, place: int, starts: Mapping[int, Mention]) -> NounGroup | None:
     led = items[place].is_a("determiner") and (place + 1) not in starts
     found = read_part(items, place + led, is_led=led)
     if found is None:
@@ -67,5 +67,5 @@ def _part(items: Words, place: int, starts: Mapping[int, Mention]) -> Group | No
     part, last = found
     owner = starts.get(last + 2)
     if owner is not None and items.at(last + 1).low == "of":
-        return Group(place, owner.last, owner.last, owner, part)
-    return Group(place, last, last, None, part)
+        return NounGroup(place, owner.last, owner.last, owner, part)
+    return NounGroup(place, last, last, None, part)

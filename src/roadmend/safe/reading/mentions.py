@@ -6,23 +6,21 @@ from dataclasses import dataclass, field, replace
 from roadmend.safe.dsl import DslModel
 from roadmend.safe.reading.cast import Description, MentionedVehicle, VehicleRoll, shares_name
 from roadmend.safe.reading.clauses import STRIKES
-from roadmend.safe.reading.groups import Group
 from roadmend.safe.reading.naming import Mention, MentionKind
+from roadmend.safe.reading.seats import PEOPLE, Seats, seats_of
 from roadmend.safe.reading.structure import SUBJECTS, Structure
 
 _DRIVES = frozenset(
     {"travel", "turn", "stop", "slow", "emerge", "approach", "continue", "overtake", "follow", "change_lane", "reverse"}
 )
-_OPERATES = frozenset({"drive", "operate", "ride", "own"})
-_HEADLINE = 16  # words
+_HEADLINE, _OPENING = 16, 3  # words
 _MEMORY = 3  # sentences after which somebody without a vehicle is forgotten
 _SAME_NAME, _SAME_BODY, _SAME_WORDS, _SAME_MARK = 6.0, 1.5, 1.0, 2.0  # [nats] for a vehicle that was spoken of before
 _NAMED_NOW = 1.0  # one that had no name gets it
 _TOLD_AGAIN = 3.0  # a headline or a lead told of it without a name
 _DEFINITE, _INDEFINITE, _LATEST = 1.0, -3.0, 0.5
 _NOBODYS = 0.4  # "the Civic" of which nothing was said may be the writer's
-_OTHER, _AGAIN = -5.0, -1.0  # "the other one" is not the last; "her car" when hers is known
-_PEOPLE = frozenset({MentionKind.PERSON, MentionKind.ONE, MentionKind.SELF})
+_OTHER = -5.0  # "the other one" is not the last
 
 
 @dataclass(slots=True)
@@ -51,9 +49,8 @@ class _Casting:
 
     structures: Sequence[Structure]
     found: Sequence[Sequence[Mention]]
+    seats: Seats = field(default_factory=Seats)
     vehicles: list[MentionedVehicle] = field(default_factory=list)
-    partner: dict[int, Mention] = field(default_factory=dict)  # by a person's id: what that person sits in
-    named: dict[int, str] = field(default_factory=dict)  # by a vehicle's mention: the name of who sits in it
     people: dict[str, MentionedVehicle] = field(default_factory=dict)
     waiting: list[tuple[int, Mention]] = field(default_factory=list)  # people without a vehicle so far, by sentence
     own: MentionedVehicle | None = None
@@ -61,9 +58,8 @@ class _Casting:
     latest: MentionedVehicle | None = None
 
     def cast(self) -> None:
-        self._enrol()
-        for structure, row in zip(self.structures, self.found, strict=True):
-            self._seat(structure, row)
+        self._enrol()  # first, for it tells which numbers are the report's
+        self.seats = seats_of(self.structures, self.found)
         titles = [self._is_headline(place) for place in range(len(self.structures))]
         is_drawn = any(
             each.description for row, title in zip(self.found, titles, strict=True) if not title for each in row
@@ -97,89 +93,6 @@ class _Casting:
                     vehicle.description = vehicle.description.merged(described)
             self.vehicles.append(vehicle)
 
-    # ------------------------------------------------------------------------------------------ who sits where
-
-    def _seat(self, structure: Structure, row: Sequence[Mention]) -> None:
-        """Put people into vehicles: "she was driving a Kia", "a man in a Ram", "I was in the Civic", "Ortiz's Ford"."""
-        groups = {id(group.mention): group for group in structure.groups if group.mention is not None}
-        for mention in row:
-            group = groups.get(id(mention))
-            if group is None or mention.description is None or mention.is_person:
-                continue
-            items, lead = structure.items, structure.items.at(mention.first - 1)
-            person = None
-            if lead.low in _LOADED and (carrier := self._carrier(structure, mention, group.top)) is not None:
-                mention.description = Description(words=mention.description.words, span=mention.description.span)
-                self.partner[id(mention)] = carrier
-                continue
-            name = self._name(structure, mention, group.top)
-            if name:
-                self.named[id(mention)] = name
-            if lead.low == "'s" and mention.first > 1:
-                person = structure.group(mention.first - 2)
-            at = structure.owner(group.top)
-            arc = structure.tree[group.top]
-            if person is None and at is not None and arc.head == at and arc.relation in {"dobj", "attr"}:
-                verb = items[at].verb
-                drives = verb is not None and verb.lemma in _OPERATES
-                is_named = arc.relation == "attr" and mention.is_new
-                person = structure.subject(at) if drives or is_named else None
-                if is_named and person is not None and person.mention is not None and not person.mention.number:
-                    person = person if person.mention.kind is not MentionKind.SELF or mention.is_new else None
-            elif person is None and lead.low in _IN and not _is_elsewhere(structure, group.top):
-                person = self._sitter(structure, group.top, at)
-            if person is not None and person.mention is not None and person.mention is not mention:
-                who = person.mention
-                is_me = who.kind is MentionKind.SELF and mention.description.is_theirs
-                is_me &= not structure.items[who.first].is_a("insured")
-                numbered = who.number is not None and lead.low != "with" and not mention.number
-                if (who.kind in _PEOPLE and not is_me) or numbered:
-                    self.partner[id(who)] = mention
-                    self.partner.setdefault(id(mention), who)
-
-    def _name(self, structure: Structure, mention: Mention, top: int) -> str:
-        """The person whom a text calls by name and puts into a vehicle: "Ortiz, northbound in her Corolla", "Kopp's SUV"."""
-        items, lead, described = structure.items, structure.items.at(mention.first - 1), mention.description
-        place = mention.first - 2 if lead.low == "'s" else structure.doer(top)
-        seated = lead.low in _IN - {"with"} and not _is_elsewhere(structure, top)
-        at = structure.owner(top)
-        drives = (
-            at is not None
-            and structure.tree[top].head == at
-            and (verb := items[at].verb) is not None
-            and verb.lemma in _OPERATES
-        )
-        theirs = described is not None and described.is_theirs
-        if place is None or not (lead.low == "'s" or seated or drives or theirs):
-            return ""
-        item = items.at(place)
-        road = items.at(place + 1).is_a("road", "lane", "junction")
-        return item.low if item.is_name and not item.kinds and item.low.isalpha() and not road else ""
-
-    def _carrier(self, structure: Structure, mention: Mention, top: int) -> Mention | None:
-        """The vehicle that has a load or a trailer: "a tractor with a flatbed"."""
-        if mention.first > top or structure.items[mention.first].get("determiner") == "the":
-            return None
-        above = structure.group(structure.tree[structure.tree[top].head].head)
-        is_one = above is not None and above.mention is not None and above.mention.description is not None
-        return (
-            above.mention
-            if is_one and above is not None and above.mention is not None and not above.mention.is_person
-            else None
-        )
-
-    def _sitter(self, structure: Structure, top: int, at: int | None) -> Group | None:
-        """Who is in a vehicle: the person on whom "in" hangs, else who does what the clause says."""
-        up = structure.tree[structure.tree[top].head].head
-        direct = structure.group(up)
-        if direct is not None and direct.mention is not None and direct.mention.kind in _PEOPLE:
-            return direct
-        subject = structure.subject(at) if at is not None else None
-        if subject is None and at is None:
-            before = [each for each in structure.groups if each.last < top and each.mention is not None]
-            subject = before[-1] if before else None
-        return subject
-
     # --------------------------------------------------------------------------------------------- the writer
 
     def _find_writer(self) -> None:
@@ -207,7 +120,7 @@ class _Casting:
         """Whether "I" drive, or am struck."""
         if mention.kind is not MentionKind.SELF or mention.speaker is not None:
             return False
-        if id(mention) in self.partner:
+        if id(mention) in self.seats.partner:
             return True
         group = next((each for each in structure.groups if each.mention is mention), None)
         at = structure.owner(group.top) if group is not None else None
@@ -240,7 +153,7 @@ class _Casting:
         described = mention.description
         if self.own is not None and (mention.kind is MentionKind.SELF or (described is not None and described.is_own)):
             return self.own
-        seat = self.partner.get(id(mention))
+        seat = self.seats.partner.get(id(mention))
         if seat is not None and seat.vehicles:
             return self.vehicles[seat.vehicles[0]]
         if seat is not None and seat.kind is MentionKind.SELF and self.own is not None:
@@ -253,7 +166,7 @@ class _Casting:
             known = self.people.get(_called(self.structures[at], mention))
             if known is not None and not mention.is_new:
                 return known
-        if mention.kind in _PEOPLE:
+        if mention.kind in PEOPLE:
             self.waiting.append((at, mention))
         return None
 
@@ -353,10 +266,10 @@ class _Casting:
             self.latest = vehicle
         vehicle.is_headline = is_title if vehicle.first is None else False
         vehicle.latest = max(vehicle.latest, at)
-        if id(mention) in self.named:
-            self.people.setdefault(self.named[id(mention)], vehicle)
-            vehicle.people.add(self.named[id(mention)])
-        seat = self.partner.get(id(mention))
+        if id(mention) in self.seats.named:
+            self.people.setdefault(self.seats.named[id(mention)], vehicle)
+            vehicle.people.add(self.seats.named[id(mention)])
+        seat = self.seats.partner.get(id(mention))
         if seat is not None and not seat.vehicles:
             self._note(at, seat, vehicle, is_title=is_title)
 
@@ -463,20 +376,8 @@ def _is_told(structure: Structure, at: int) -> bool:
     """Whether a verb opens a sentence that has no subject."""
     verb = structure.items[at].verb
     drives = verb is not None and verb.form in {"past", "both", "ing"} and verb.kind in _DRIVES | STRIKES | {"depart"}
-    bare = structure.tree[at].relation == "ROOT" and not any(structure.tree.children(at, *SUBJECTS))
+    bare = structure.tree[at].relation == "ROOT" and not structure.tree.has(at, *SUBJECTS)
     return drives and bare and structure.is_predicate(at) and not any(each.first < at for each in structure.groups)
-
-
-_LOADED = frozenset({"with", "pulling", "hauling", "towing", "carrying"})
-_OPENING = 3  # words
-_IN = frozenset({"in", "driving", "operating", "aboard", "riding", "with", "inside", "wheel of", "behind the wheel of"})
-
-
-def _is_elsewhere(structure: Structure, top: int) -> bool:
-    """Whether "with" or "in" a vehicle says that one met it, not that one sits in it."""
-    at = structure.owner(top)
-    verb = structure.items[at].verb if at is not None else None
-    return verb is not None and verb.kind in STRIKES | {"collide", "see", "say"}
 
 
 def _is_somebody(structure: Structure, mention: Mention) -> bool:

@@ -1,20 +1,19 @@
 """Clauses read from the trees of sentences: each verb with its subject, its object, and what prepositions bring in."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from roadmend.safe.claims import Span
 from roadmend.safe.reading.clauses import NOBODY, STRIKES, Actor, Clause
-from roadmend.safe.reading.groups import Group
+from roadmend.safe.reading.groups import NounGroup
 from roadmend.safe.reading.lexicon import VerbSense, word_set
 from roadmend.safe.reading.mentions import Spoken
-from roadmend.safe.reading.referents import Choice, Referents, Role
+from roadmend.safe.reading.referents import Ranking, Referents, Role
 from roadmend.safe.reading.structure import SUBJECTS, Structure
 from roadmend.safe.reading.syntax import Tree
 from roadmend.safe.reading.tokens import Item, Sentence, Words
 
 _OBJECTS = ("dobj", "obj", "dative", "oprd")
-_ADJOINED = frozenset({"advcl", "pcomp", "prep", "dep", "ccomp", "parataxis", "npadvmod", "csubj"})
 _OF_DRIVERS = frozenset({"intend", "see", "slow", "emerge", "overtake", "follow", "reverse", "uturn", "change_lane"})
 _ROADS_DO = frozenset({"join", "merge", "enter"})
 _NEAR = 3  # words
@@ -25,7 +24,7 @@ _GOVERNING = frozenset({"intend", "begin", "avoid", "fail", "see", "say", "do", 
 
 def read_clauses(
     structures: Sequence[Structure], spoken: Spoken, picks: Mapping[int, int] | None = None
-) -> tuple[tuple[Clause, ...], list[Choice]]:
+) -> tuple[tuple[Clause, ...], list[Ranking]]:
     """The clauses of a text in its order, and the mentions that may be of several vehicles.
 
     Args:
@@ -41,7 +40,7 @@ def read_clauses(
     clauses: list[Clause] = []
     for structure in structures:
         clauses += _SentenceReader(structure, referents).read()
-    return tuple(clauses), referents.choices
+    return tuple(clauses), referents.rankings
 
 
 @dataclass(slots=True)
@@ -79,10 +78,10 @@ class _SentenceReader:
         return self.structure.tree
 
     @property
-    def groups(self) -> Sequence[Group]:
+    def groups(self) -> Sequence[NounGroup]:
         return self.structure.groups
 
-    def _group(self, at: int) -> Group | None:
+    def _group(self, at: int) -> NounGroup | None:
         return self.structure.group(at)
 
     def _owner(self, at: int) -> int | None:
@@ -114,7 +113,7 @@ class _SentenceReader:
         )
         return None if apart else self._joined(group, Role.OBJECT, clause)
 
-    def _lead(self, group: Group) -> Item | None:
+    def _lead(self, group: NounGroup) -> Item | None:
         return self.structure.lead(group)
 
     # ------------------------------------------------------------------------------------------------ clauses
@@ -160,7 +159,7 @@ class _SentenceReader:
         """The verb at a place; "went to" is a way to go where no other verb follows."""
         verb = self.items[at].verb
         goes = verb is not None and verb.kind == "intend" and verb.lemma == "go"
-        return replace(verb, kind="travel") if verb and goes and not any(self.tree.children(at, "xcomp")) else verb
+        return replace(verb, kind="travel") if verb and goes and not self.tree.has(at, "xcomp") else verb
 
     def _subject(self, at: int) -> tuple[Actor, frozenset[str]]:
         """Who does what a predicate says, and the kinds of the verbs that it depends on."""
@@ -248,7 +247,7 @@ class _SentenceReader:
                 continue
             verb = self.items[up].verb
             linked = arc.relation in {"xcomp", "pcomp", "ccomp", "conj"} or (
-                arc.relation == "advcl" and not any(self.tree.children(at, *SUBJECTS, "mark"))
+                arc.relation == "advcl" and not self.tree.has(at, *SUBJECTS, "mark")
             )
             if not linked or (arc.relation == "ccomp" and (verb is None or verb.kind != "begin")):
                 break
@@ -266,7 +265,7 @@ class _SentenceReader:
 
     def _is_passive(self, at: int) -> bool:
         verb = self.items[at].verb
-        if any(self.tree.children(at, "auxpass", "nsubjpass", "agent")):
+        if self.tree.has(at, "auxpass", "nsubjpass", "agent"):
             return True
         reduced = self.tree[at].relation == "acl" and verb is not None and verb.form in {"both", "participle"}
         if reduced:
@@ -275,17 +274,16 @@ class _SentenceReader:
         by = verb is not None and verb.kind in STRIKES and after.low == "by"
         conj = self.tree[at].relation == "conj" and verb is not None and verb.form in {"both", "participle"}
         up = self.tree[at].head
-        shared = (
-            conj and up in self.made and self.made[up].is_passive and not any(self.tree.children(at, *SUBJECTS, "aux"))
-        )
+        shared = conj and up in self.made and self.made[up].is_passive and not self.tree.has(at, *SUBJECTS, "aux")
         return by or shared
 
     def _is_denied(self, at: int) -> bool:
         verb, near = self.items[at].verb, self.items.cut(at - 3, at)
         denies = any(
-            self.items[each].is_a("negation") for each in self.tree.children(at, "aux", "advmod", "auxpass", "neg")
+            (self.tree[each].relation == "neg" and self._group(each) is None) or self.items[each].is_a("negation")
+            for each in self.tree.children(at, "aux", "advmod", "auxpass", "neg")
         )
-        if (denies or any(self.tree.children(at, "neg"))) and (verb is None or verb.kind != "fail"):
+        if denies and (verb is None or verb.kind != "fail"):
             return True
         missed = near.at(len(near) - 1).low in word_set("near_misses") or (
             near.cut(len(near) - 2).says({"would", "could", "might"}) and near.at(len(near) - 1).low == "have"
@@ -297,13 +295,13 @@ class _SentenceReader:
             return True
         return self.tree[at].relation == "pcomp" and self.items[self.tree[at].head].low in {"without", "instead of"}
 
-    def _head_group(self, at: int) -> Group | None:
+    def _head_group(self, at: int) -> NounGroup | None:
         """The noun that a relative clause says something of, where it is not its subject: "the car that V1 struck"."""
         arc = self.tree[at]
         if arc.relation != "relcl":
             return None
         relative = [child for child in self.tree.children(at, *SUBJECTS) if self.items[child].is_a("relative")]
-        has_subject = any(self.tree.children(at, *SUBJECTS)) and not relative
+        has_subject = self.tree.has(at, *SUBJECTS) and not relative
         return self._group(arc.head) if has_subject else None
 
     # ----------------------------------------------------------------------------------------- noun groups
@@ -317,16 +315,17 @@ class _SentenceReader:
             return Actor((vehicle,), None, is_person=True, span=self.items[place].span)
         if group is None:
             return replace(NOBODY, span=self.items[place].span)
-        actor = self._actor(group, role, kind=kind)
-        for other in self.tree.children(group.top, "conj"):
-            joined = self._group(other)
-            if joined is not None:
-                more = self._actor(joined, role, kind=kind)
-                both = tuple(dict.fromkeys([*actor.vehicles, *more.vehicles]))
-                actor = Actor(both, None, actor.is_person, Span(actor.span.start, more.span.end))
-        return actor
+        return self._together(self.structure.joined(group), role, NOBODY, kind)
 
-    def _actor(self, group: Group, role: Role, subject: Actor = NOBODY, kind: str = "") -> Actor:
+    def _together(self, groups: Iterable[NounGroup], role: Role, subject: Actor, kind: str) -> Actor:
+        """One actor of all that some noun groups, at least one, name."""
+        first, *rest = (self._actor(group, role, subject, kind) for group in groups)
+        if not rest:
+            return first
+        vehicles = tuple(dict.fromkeys(vehicle for each in (first, *rest) for vehicle in each.vehicles))
+        return Actor(vehicles, None, first.is_person, Span(first.span.start, rest[-1].span.end))
+
+    def _actor(self, group: NounGroup, role: Role, subject: Actor = NOBODY, kind: str = "") -> Actor:
         if group.first in self.actors:
             return self.actors[group.first]
         if group.mention is None:
@@ -341,7 +340,7 @@ class _SentenceReader:
         self.actors[group.first] = actor
         return actor
 
-    def _bring(self, at: int, clause: Clause, group: Group) -> None:
+    def _bring(self, at: int, clause: Clause, group: NounGroup) -> None:
         """Give a noun group its part in a clause."""
         arc = self.tree[group.top]
         is_object = arc.head == at and (
@@ -357,16 +356,10 @@ class _SentenceReader:
         elif arc.relation not in {"conj", "appos"}:
             self._actor(group, Role.OTHER, clause.subject, clause.kind)
 
-    def _joined(self, group: Group, role: Role, clause: Clause) -> Actor:
+    def _joined(self, group: NounGroup, role: Role, clause: Clause) -> Actor:
         kind = "" if clause.is_passive else clause.kind
-        actor = self._actor(group, role, clause.subject, kind)
-        for other in self.tree.children(group.top, "conj"):
-            joined = self._group(other)
-            if joined is not None and joined.first not in self.actors:
-                more = self._actor(joined, role, clause.subject, kind)
-                both = tuple(dict.fromkeys([*actor.vehicles, *more.vehicles]))
-                actor = Actor(both, None, actor.is_person, Span(actor.span.start, more.span.end))
-        return actor
+        groups = (each for each in self.structure.joined(group) if each is group or each.first not in self.actors)
+        return self._together(groups, role, clause.subject, kind)
 
     def _verbless(self) -> Iterator[Clause]:
         """What has no verb: "V1 northbound on Main Street, V2 southbound"."""

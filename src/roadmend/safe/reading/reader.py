@@ -25,7 +25,7 @@ from roadmend.safe.reading.mentions import Spoken, find_vehicles
 from roadmend.safe.reading.naming import mentions_of, names_in
 from roadmend.safe.reading.parsing import read_clauses
 from roadmend.safe.reading.ramps import read_ramps
-from roadmend.safe.reading.referents import Choice
+from roadmend.safe.reading.referents import Ranking
 from roadmend.safe.reading.relations import read_relations
 from roadmend.safe.reading.roads import read_roads
 from roadmend.safe.reading.scene import fit
@@ -99,20 +99,18 @@ def _best(
 ) -> tuple[Text, tuple[AnyClaim, ...], tuple[ContactClaim, ...], tuple[PostedLimit, ...]]:
     """The reading of all pronouns that makes the best scene: the likeliest of each, unless another fits clearly better."""
 
-    def read(picks: Mapping[int, int]) -> tuple[float, list[Choice], Text, _Claims]:
-        clauses, choices = read_clauses(structures, spoken, picks)
+    def read(picks: Mapping[int, int]) -> tuple[float, list[Ranking], Text, _Claims]:
+        clauses, rankings = read_clauses(structures, spoken, picks)
         text = Text(summary, tuple(sentences), spoken, clauses)
         found = _claims(text)
         doubt = sum(
-            choices[at].ranked[min(pick, len(choices[at].ranked) - 1)][1]
-            for at, pick in picks.items()
-            if at < len(choices)
+            rankings[at][min(pick, len(rankings[at]) - 1)][1] for at, pick in picks.items() if at < len(rankings)
         )
-        return fit(found[0], text.count) + _CONTACT * bool(found[1]) - doubt, choices, text, found
+        return fit(found[0], text.count) + _CONTACT * bool(found[1]) - doubt, rankings, text, found
 
     picks: dict[int, int] = {}
     best = read(picks)
-    open_ = [at for at, choice in enumerate(best[1]) if len(choice.ranked) > 1 and choice.ranked[1][1] < _NEAR_TIE]
+    open_ = [at for at, ranking in enumerate(best[1]) if len(ranking) > 1 and ranking[1][1] < _NEAR_TIE]
     for at in open_[:_MOST_TRIED]:
         other = read(picks | {at: 1})
         if other[0] > best[0] + _CLEARLY:

@@ -13,6 +13,9 @@ from roadmend.safe.reading.clauses import NOBODY, STRIKES, Actor
 from roadmend.safe.reading.naming import Mention, MentionKind
 from roadmend.safe.reading.tokens import Words
 
+# The vehicles that a mention may mean, the likeliest first, with how far each is behind it [nats].
+Ranking = tuple[tuple[int, float], ...]
+
 _PLURAL = frozenset({"were", "are", "both", "had both"})
 _DOUBT = 3.0  # [nats] how far behind the best a vehicle may be to be looked at by the solver
 _WEIGHTS = {  # [nats]
@@ -39,17 +42,6 @@ class Role(StrEnum):
 
 
 @dataclass(slots=True)
-class Choice:
-    """A mention that may be of several vehicles.
-
-    Attributes:
-        ranked: the vehicles, the likeliest first, with how far each is behind it [nats].
-    """
-
-    ranked: tuple[tuple[int, float], ...]
-
-
-@dataclass(slots=True)
 class Referents:
     """Remembers who was spoken of, and tells who is meant next.
 
@@ -59,6 +51,7 @@ class Referents:
         speaks: whether the writer says "I".
         people: vehicles by the names of who drives them.
         picks: by number of an open mention: which of its ranked vehicles to take, where it is not the first.
+        rankings: of each open mention so far.
     """
 
     count: int
@@ -66,7 +59,7 @@ class Referents:
     speaks: bool
     people: Mapping[str, int]
     picks: Mapping[int, int] = field(default_factory=dict)
-    choices: list[Choice] = field(default_factory=list)
+    rankings: list[Ranking] = field(default_factory=list)
     focus: Actor = NOBODY  # the last subject
     thing: tuple[int, ...] = ()  # the last one spoken of that is no person
     recent: list[int] = field(default_factory=list)
@@ -143,8 +136,8 @@ class Referents:
         ranked = sorted(weights, key=lambda each: -weights[each])
         close = tuple((each, weights[ranked[0]] - weights[each]) for each in ranked)
         close = tuple(each for each in close if each[1] < _DOUBT)
-        self.choices.append(Choice(close))
-        pick = self.picks.get(len(self.choices) - 1, 0)
+        self.rankings.append(close)
+        pick = self.picks.get(len(self.rankings) - 1, 0)
         return (close[min(pick, len(close) - 1)][0],)
 
     def _weight(

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from roadmend.safe.reading.groups import Group
+from roadmend.safe.reading.groups import NounGroup
 from roadmend.safe.reading.syntax import Tree
 from roadmend.safe.reading.tokens import Item, Sentence, Words
 
@@ -25,7 +25,7 @@ class Structure:
     """
 
     sentence: Sentence
-    groups: Sequence[Group]
+    groups: Sequence[NounGroup]
     tree: Tree
 
     @property
@@ -45,7 +45,7 @@ class Structure:
         is_bent = item.verb is not None and item.verb.form != "base" and arc.tag in {"NOUN", "ADJ", "PROPN", "X"}
         return is_bent and arc.relation in _BENT
 
-    def group(self, at: int) -> Group | None:
+    def group(self, at: int) -> NounGroup | None:
         """The noun group that a word is of."""
         return next((each for each in self.groups if each.first <= at <= each.last), None)
 
@@ -53,7 +53,7 @@ class Structure:
         """The predicate that a word belongs to; None where there is none."""
         return next((up for up in (at, *self.tree.chain(at)) if self.is_predicate(up)), None)
 
-    def lead(self, group: Group) -> Item | None:
+    def lead(self, group: NounGroup) -> Item | None:
         """The preposition that brings a noun group in."""
         before, at = self.items.at(group.first - 1), self.tree[group.top].head
         for item in (before, self.items[at] if at < group.first else before):
@@ -61,15 +61,15 @@ class Structure:
                 return item
         return before if before.low in {"than", "as"} else None
 
-    def joined(self, group: Group) -> Iterator[Group]:
+    def joined(self, group: NounGroup) -> Iterator[NounGroup]:
         """A noun group and those that "and" joins to it."""
         yield group
         for other in self.tree.children(group.top, "conj"):
             more = self.group(other)
-            if more is not None:
+            if more is not None and more is not group:
                 yield more
 
-    def within(self, place: int) -> Group | None:
+    def within(self, place: int) -> NounGroup | None:
         """The vehicle that a person, a part or a load is of, or in: "some kid in a Civic", "a trailer that"."""
         head = self.tree[place].head
         if self.items[head].low == "with" and (carrier := self.group(max(0, head - 1))) is not None:
@@ -102,7 +102,7 @@ class Structure:
             owner = next((each for each in self.tree.chain(owner) if self.is_predicate(each)), None)
         return None
 
-    def subject(self, at: int) -> Group | None:
+    def subject(self, at: int) -> NounGroup | None:
         """The noun group that does what a predicate says, where the sentence names it."""
         for _ in range(_CLIMB):
             arc = self.tree[at]

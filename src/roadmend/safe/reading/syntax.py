@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from roadmend.safe.reading.english import pipeline
-from roadmend.safe.reading.groups import Group
+from roadmend.safe.reading.groups import NounGroup
 from roadmend.safe.reading.naming import Mention, MentionKind
 from roadmend.safe.reading.tokens import Item, Sentence, Words
 
@@ -61,6 +61,10 @@ class Tree(tuple[Arc, ...]):
             if arc.head == place and at != place and (not relations or arc.relation in relations):
                 yield at
 
+    def has(self, place: int, *relations: str) -> bool:
+        """Whether a word governs another one, by one of some relations."""
+        return next(self.children(place, *relations), None) is not None
+
     def chain(self, place: int) -> Iterator[int]:
         """The words above a word, from its own head up to the root."""
         seen = {place}
@@ -70,7 +74,7 @@ class Tree(tuple[Arc, ...]):
             place = head
 
 
-def parse(sentences: Sequence[Sentence], groups: Sequence[Sequence[Group]]) -> list[Tree]:
+def parse(sentences: Sequence[Sentence], groups: Sequence[Sequence[NounGroup]]) -> list[Tree]:
     """The trees of some sentences.
 
     Args:
@@ -92,7 +96,7 @@ def parse(sentences: Sequence[Sentence], groups: Sequence[Sequence[Group]]) -> l
     ]
 
 
-def _starts(row: Sequence[tuple[str, int]], items: Words, groups: Sequence[Group]) -> list[bool | int | None]:
+def _starts(row: Sequence[tuple[str, int]], items: Words, groups: Sequence[NounGroup]) -> list[bool | int | None]:
     """Where a statement begins that only a comma parts from the one before: "V1 turned, V2 hit it"."""
     begins = set()
     for one, group in itertools.pairwise(groups):
@@ -131,7 +135,7 @@ def _tree(doc: Any, places: Sequence[int], count: int) -> Tree:
     return Tree(arcs)
 
 
-def _words(items: Words, groups: Sequence[Group]) -> list[tuple[str, int]]:
+def _words(items: Words, groups: Sequence[NounGroup]) -> list[tuple[str, int]]:
     """The words for the parser, each with the place of the item that it is of: every vehicle in as few as will do."""
     shouts = sum(item.text.isupper() for item in items if len(item.text) > 1) * 2 > len(items)
     starts = {group.first: group for group in groups}
@@ -159,7 +163,7 @@ def _words(items: Words, groups: Sequence[Group]) -> list[tuple[str, int]]:
     return found or [(".", 0)]
 
 
-def _bracket(items: Words, place: int, groups: Sequence[Group]) -> int:
+def _bracket(items: Words, place: int, groups: Sequence[NounGroup]) -> int:
     """Where a bracket ends that says nothing of vehicles; 0 where there is none."""
     end = next((at for at in range(place + 1, min(place + _ASIDE, len(items))) if items[at].low == ")"), 0)
     inside = range(place, end + 1)
