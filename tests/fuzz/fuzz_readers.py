@@ -84,8 +84,10 @@ def _report(path):
 
 def _sketch(path):
     from roadmend.safe.report import load_report
+    from roadmend.safe.sketch.picture import open_picture
 
-    return load_report(path.parent)
+    sketch = load_report(path.parent).sketch
+    return sketch and open_picture(sketch)
 
 
 def _export(path):
@@ -188,7 +190,7 @@ def _sample_sketch():
     found = []
     for form in ("PNG", "JPEG", "GIF", "WEBP", "BMP", "TIFF"):
         data = io.BytesIO()
-        PIL.Image.new("RGB", (8, 8), (9, 99, 199)).save(data, form)
+        PIL.Image.new("RGB", (20, 20), (9, 99, 199)).save(data, form)
         found.append(data.getvalue())
     return found
 

@@ -1,6 +1,7 @@
-"""Fuzz a reader: ``.venv/bin/python tests/fuzz/run.py READER SECONDS [SEED]``, or ``all`` of them one after the other.
+"""Fuzz a reader: ``.venv/bin/python tests/fuzz/run.py READER SECONDS [SEED]``, or ``all`` of them, ``--parallel`` at once.
 
-With ``--publish`` fuzz.json and fuzz.md are written into tests/benchmarks.
+The seconds are the processor's, so that a busy machine does not make for less. With ``--publish`` fuzz.json and fuzz.md are
+written into tests/benchmarks.
 
 Small files that it reads, and those of ``corpus/`` that once broke one or reach code that others do not, are changed and
 read in a process of its own, which is ended where a file takes longer than the documentation allows. ``--engine mutation``
@@ -16,6 +17,7 @@ import os
 import signal
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 from fuzz_engines import ENGINES
@@ -31,38 +33,58 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("seconds", type=float)
     parser.add_argument("seed", type=int, nargs="?", default=1)
     parser.add_argument("--engine", choices=ENGINES, default="mutation")
+    parser.add_argument("--parallel", type=int, default=1, help="readers at once")
     parser.add_argument("--keep", action="store_true", help="of atheris: what it found goes into corpus/")
     parser.add_argument("--publish", action="store_true", help="write tests/benchmarks/fuzz.json and fuzz.md")
     given = parser.parse_args(arguments)
     if given.keep and given.engine != "atheris":
         parser.error("--keep is of --engine atheris")
     names = [*READERS] if given.reader == "all" else [given.reader]
-    rows = {name: fuzz(name, given.seconds, given.seed, given.engine, is_kept=given.keep) for name in names}
+    rows = fuzz(names, given.seconds, given.seed, given.engine, parallel=given.parallel, is_kept=given.keep)
     if given.publish:
         _publish(rows, given.seconds, f".venv/bin/python tests/fuzz/run.py {' '.join(arguments)}")
     return int(any(found["faults"] for found in rows.values()))
 
 
-def fuzz(name: str, seconds: float, seed: int, engine: str, *, is_kept: bool = False) -> dict[str, object]:
-    """Fuzz one reader in a process that may take all that it has with it; what came of it, as plain values."""
+def fuzz(
+    names: list[str], seconds: float, seed: int, engine: str, *, parallel: int = 1, is_kept: bool = False
+) -> dict[str, dict[str, object]]:
+    """Fuzz readers, each in a process that may take all that it has with it; what came of each, as plain values."""
+    waiting, running, rows = [*reversed(names)], dict[int, tuple[str, Path]](), dict[str, dict[str, object]]()
     with tempfile.TemporaryDirectory(prefix="roadmend-fuzz-") as folder:
-        told = Path(folder) / "told.json"
-        process = os.fork()
-        if process == 0:
-            files = Path(folder) / "files"
-            files.mkdir()
-            ENGINES[engine](
-                name, seconds, seed, files, lambda found: told.write_text(json.dumps(found)), is_kept=is_kept
-            )
-            os._exit(0)
-        status = os.waitpid(process, 0)[1]
-        if told.exists():
-            found = json.loads(told.read_text())
-        else:
-            what = "took too long" if os.WTERMSIG(status) == signal.SIGALRM else "crashed"
-            found = {"files": 0, "faults": {f"{what} (status {status})": ""}}
-    print(f"{name:14}", json.dumps(found), flush=True)
-    return found
+        while waiting or running:
+            while waiting and len(running) < max(1, parallel):
+                name = waiting.pop()
+                own = Path(folder) / name
+                own.mkdir()
+                running[_started(name, seconds, seed, engine, own, is_kept=is_kept)] = name, own
+            process, status = os.wait()
+            name, own = running.pop(process)
+            rows[name] = _found(own, status)
+            print(f"{name:14}", json.dumps(rows[name]), flush=True)
+    return {name: rows[name] for name in names}
+
+
+def _started(name: str, seconds: float, seed: int, engine: str, folder: Path, *, is_kept: bool) -> int:
+    process = os.fork()
+    if process == 0:
+        files = folder / "files"
+        files.mkdir()
+        ENGINES[engine](name, seconds, seed, files, _teller(folder), is_kept=is_kept)
+        os._exit(0)
+    return process
+
+
+def _teller(folder: Path) -> Callable[[dict[str, object]], object]:
+    return lambda found: (folder / "told.json").write_text(json.dumps(found))
+
+
+def _found(folder: Path, status: int) -> dict[str, object]:
+    told = folder / "told.json"
+    if told.exists():
+        return json.loads(told.read_text())
+    what = "took too long" if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGALRM else "crashed"
+    return {"files": 0, "faults": {f"{what} (status {status})": ""}}
 
 
 def _publish(rows: dict[str, dict[str, object]], seconds: float, command: str) -> None:
@@ -74,7 +96,7 @@ def _publish(rows: dict[str, dict[str, object]], seconds: float, command: str) -
         [name, *(str(found.get(key, "")) for key in names), "; ".join(found["faults"])] for name, found in rows.items()
     ]
     content = {"format": "roadmend-fuzz/1", "provenance": provenance(command), "seconds": seconds, "readers": rows}
-    write_report(PUBLISHED, "fuzz", f"Readers given changed files, {seconds:g} s each", content, table)
+    write_report(PUBLISHED, "fuzz", f"Readers given changed files, {seconds:g} s of the processor each", content, table)
 
 
 if __name__ == "__main__":

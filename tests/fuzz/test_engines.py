@@ -24,7 +24,7 @@ def elsewhere(tmp_path, monkeypatch):
 @pytest.mark.parametrize("engine", fuzz_engines.ENGINES)
 @pytest.mark.parametrize("name", ["json", "crash-text"])
 def test_some_hundred_files_are_read_or_refused(engine, name):
-    found = fuzz_run.fuzz(name, SECONDS, 1, engine)
+    found = fuzz_run.fuzz([name], SECONDS, 1, engine)[name]
     assert found["faults"] == {}
     assert found["files"] > 300
 
@@ -43,8 +43,14 @@ def test_a_reader_that_fails_is_told_of_and_its_file_is_kept(engine, monkeypatch
     assert len(kept.read_bytes()) > 9
 
 
+def test_several_are_read_at_once_and_told_of_in_their_order(capsys):
+    found = fuzz_run.fuzz(["yaml", "json", "report"], SECONDS / 2, 1, "mutation", parallel=2)
+    assert [*found] == ["yaml", "json", "report"]
+    assert all(each["files"] > 30 for each in found.values())
+
+
 def test_what_reached_new_code_is_where_the_next_run_begins(tmp_path):
-    found = fuzz_run.fuzz("json", 4 * SECONDS, 1, "atheris", is_kept=True)  # a busy machine needs more
+    found = fuzz_run.fuzz(["json"], 4 * SECONDS, 1, "atheris", is_kept=True)["json"]
     kept = fuzz_readers.kept_of("json")
     assert found["found"] > 0
     assert 0 < len(kept) <= found["found"]

@@ -1,12 +1,7 @@
 """Crash reports on disk: a folder with a summary and perhaps a sketch, or a text file alone."""
 
 import hashlib
-import io
-import logging
 import re
-import struct
-import warnings
-import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,27 +11,11 @@ from roadmend.core.bounded_file import opened, read_bytes
 from roadmend.core.bounds import SKETCH
 from roadmend.core.errors import InputError
 from roadmend.language.chat import Image
+from roadmend.safe.picture_file import UNREADABLE, open_picture_file
 
 MAX_SUMMARY = 60_000  # [characters] the longest report of NHTSA that we know has 6000
 _SKETCHES = (".jpg", ".jpeg", ".png", ".gif", ".webp", ".bmp", ".tif", ".tiff")
-_FORMATS = ("JPEG", "PNG", "GIF", "WEBP", "BMP", "TIFF")  # what these endings stand for; other parsers stay asleep
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.\-]{0,99}")
-logging.getLogger("PIL").setLevel(logging.CRITICAL)  # it tells of damages line by line, which the one note is for
-UNREADABLE = (  # what Pillow raises on a damaged image
-    PIL.UnidentifiedImageError,
-    OSError,
-    SyntaxError,
-    ValueError,
-    LookupError,
-    TypeError,
-    ArithmeticError,
-    RuntimeError,
-    struct.error,
-    zlib.error,
-    MemoryError,
-    PIL.Image.DecompressionBombError,
-    Warning,
-)
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
 
 
@@ -168,12 +147,10 @@ def _read_sketch(folder: Path) -> tuple[Image | None, tuple[str, ...]]:
     except InputError as error:
         return None, (f"{file.name} {error.what} and was left out",)
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", PIL.Image.DecompressionBombWarning)
-            with PIL.Image.open(io.BytesIO(data), formats=_FORMATS) as image:
-                media_type = PIL.Image.MIME[image.format or ""]
-                is_large = image.width * image.height > SKETCH.values
-                image.verify()
+        with open_picture_file(data) as image:
+            media_type = PIL.Image.MIME[image.format or ""]
+            is_large = image.width * image.height > SKETCH.values
+            image.verify()
     except UNREADABLE:
         return None, (f"{file.name} is no image that can be opened and was left out",)
     if is_large:

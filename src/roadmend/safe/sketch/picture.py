@@ -1,7 +1,5 @@
 """The picture of a sketch as arrays, within bounds whatever the file holds."""
 
-import io
-import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -14,7 +12,7 @@ from numpy.typing import NDArray
 from roadmend.core.bounds import SKETCH
 from roadmend.core.errors import InputError
 from roadmend.language.chat import Image
-from roadmend.safe.report import UNREADABLE
+from roadmend.safe.picture_file import UNREADABLE, open_picture_file
 
 Pixels = NDArray[np.uint8]
 Mask = NDArray[np.uint8]  # 255 inside, 0 outside
@@ -87,15 +85,13 @@ def open_picture(sketch: Image) -> SketchPicture:
     """
     mend = "give a JPEG or PNG file"
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", PIL.Image.DecompressionBombWarning)
-            with PIL.Image.open(io.BytesIO(sketch.data)) as image:
-                if image.width * image.height > SKETCH.values:
-                    raise InputError("the sketch", f"has more than {SKETCH.values // 1_000_000} million pixels", mend)
-                if min(image.size) < SHORTEST:
-                    raise InputError("the sketch", f"is smaller than {SHORTEST} pixels", mend)
-                flat = PIL.Image.new("RGBA", image.size, "white")
-                flat.alpha_composite(image.convert("RGBA"))
+        with open_picture_file(sketch.data) as image:
+            if image.width * image.height > SKETCH.values:
+                raise InputError("the sketch", f"has more than {SKETCH.values // 1_000_000} million pixels", mend)
+            if min(image.size) < SHORTEST:
+                raise InputError("the sketch", f"is smaller than {SHORTEST} pixels", mend)
+            flat = PIL.Image.new("RGBA", image.size, "white")
+            flat.alpha_composite(image.convert("RGBA"))
     except UNREADABLE as error:
         raise InputError("the sketch", f"is no picture that can be opened ({type(error).__name__})", mend) from error
     colours = _pixels(np.asarray(flat.convert("RGB")))
