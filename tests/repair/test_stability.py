@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.episode_result import WINDOW, peaks
 from roadmend.core.repair import Proposal
+from roadmend.networks.checkpoint import find_model
+from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.latch import Latch
 from roadmend.repair.parameters import PredictiveParameters, RssParameters
@@ -88,10 +90,12 @@ def test_what_is_held_does_not_change_between_two_alarms(actions, hold, clear):
             assert answers[place].action == answers[place - 1].action
 
 
-@pytest.mark.parametrize("parameters", [RssParameters(), PredictiveParameters()])
-def test_the_rules_hold_for_a_while_unless_told_otherwise(parameters):
-    assert parameters.hold >= 0.3
-    assert parameters.clear >= 0.1
+@pytest.mark.parametrize("shipped", [RssParameters(), PredictiveParameters(), "modular", "neural"])
+def test_the_rules_and_the_models_that_ship_hold_for_a_while_unless_told_otherwise(shipped):
+    if isinstance(shipped, str):
+        shipped = AdreftModel.load(find_model(shipped, "adreft-")).configuration
+    assert shipped.hold >= 0.3
+    assert shipped.clear >= 0.1
 
 
 def lagged(interval):
