@@ -14,6 +14,7 @@ from roadmend_msgs.msg import Command, RepairState
 from roadmend.core.tick import INTERVAL_NS
 from roadmend.nodes import qos
 from roadmend.nodes.writer_gate import FIRST
+from roadmend.recording import topics
 from roadmend.recording.reader import BagReader
 
 from .graph_run import ENOUGH, Run, records, stamp_of
@@ -64,7 +65,7 @@ def run(domain, scenario_file, tmp_path, own):
 
 @pytest.mark.parametrize("rate", ["0.5", "2", "5"])
 def test_a_policy_that_hangs_is_a_controlled_stop_within_three_ticks_and_is_started_anew(run, rate):
-    there = run("--clock", "realtime", "--rate", rate, "--silence", "1.5", time_limit=15.0 * float(rate))
+    there = run("--clock", "realtime", "--rate", rate, "--silence", "1.5", time_limit=20.0 * float(rate))
     there.until_driving()
     os.kill(there.node("policy_node"), signal.SIGSTOP)
     code, result, said = there.end()
@@ -207,6 +208,22 @@ def test_what_a_recorder_that_was_stopped_for_a_while_has_lost_is_said(run):
     assert result["lost_messages"] > 0
     assert f"bag: {result['lost_messages']} messages were lost on their way to the recorder" in said
     assert BagReader(there.bag).metadata["roadmend"]["lost_messages"] == str(result["lost_messages"])
+
+
+def test_in_lockstep_a_recorder_that_was_stopped_for_a_while_has_lost_nothing(run):
+    there = run(time_limit=60.0)
+    there.until_driving(settled=False)
+    number = there.node("recorder_node")
+    for _ in range(3):
+        os.kill(number, signal.SIGSTOP)
+        time.sleep(0.6)
+        os.kill(number, signal.SIGCONT)
+        time.sleep(0.2)
+    code, result, said = there.end()
+    assert code == 0, said
+    assert result["lost_messages"] == 0
+    ticks = {record.time_ns for record in BagReader(there.bag).records([topics.CLOCK])}
+    assert len(ticks) == round(result["duration"] / 0.05) + 1
 
 
 @pytest.mark.parametrize("topic", ["/policy/command", "/repair/command"])

@@ -19,6 +19,7 @@ from roadmend.core.outcome import EventKind
 from roadmend.nodes import qos
 from roadmend.nodes import sim as module
 from roadmend.nodes.diagnostics import Level
+from roadmend.nodes.recorder_progress import LEAD_TICKS
 from roadmend.recording import messages, topics
 from roadmend.recording.codec import encode
 
@@ -305,3 +306,45 @@ def test_an_episode_that_is_stopped_is_recorded_as_aborted(bench, tmp_path):
 def test_bad_parameters_are_refused_by_name(bench, parameters, words):
     with pytest.raises(InputError, match=words):
         bench(**parameters)
+
+
+def report(bench, number):
+    bench.node._progress._hear(messages.stamp_message_of(number * 50_000_000))
+
+
+def test_in_lockstep_a_command_is_held_until_the_recorder_has_caught_up(bench):
+    there = bench()
+    there.wait(0.01)
+    report(there, 0)
+    there.drive(LEAD_TICKS)
+    assert there.tick == LEAD_TICKS
+    there.command(LEAD_TICKS)
+    there.wait(1.0)
+    assert there.tick == LEAD_TICKS
+    assert there.kinds == [EventKind.STARTED]  # nobody brakes: the command is there
+    report(there, 5)
+    assert there.tick == LEAD_TICKS + 1
+
+
+def test_in_lockstep_a_recorder_that_writes_nothing_more_is_not_waited_for_for_ever(bench):
+    there = bench(command_timeout=2.0)
+    there.wait(0.01)
+    report(there, 0)
+    there.drive(LEAD_TICKS + 1)
+    there.wait(1.9)
+    assert there.tick == LEAD_TICKS
+    there.wait(0.2)
+    assert there.tick == LEAD_TICKS + 1
+    there.drive(3 * LEAD_TICKS)
+    assert there.tick == 4 * LEAD_TICKS + 1
+    assert EventKind.WATCHDOG not in there.kinds
+
+
+def test_in_real_time_nobody_waits_for_the_recorder(bench):
+    there = bench(clock="realtime")
+    there.wait(0.01)
+    report(there, 0)
+    for _ in range(3 * LEAD_TICKS):
+        there.command(there.tick)
+        there.node._beat()
+    assert there.tick == 3 * LEAD_TICKS

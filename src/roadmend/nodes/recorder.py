@@ -32,6 +32,7 @@ from roadmend.nodes.configuration import Announcements, ConfigurationAnnouncer
 from roadmend.nodes.discovery import look_up, request_for
 from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.qos import offer_from
+from roadmend.nodes.recorder_progress import ProgressReport
 from roadmend.nodes.spinning import run_node
 from roadmend.recording import topics
 from roadmend.recording.definitions import Definition
@@ -142,6 +143,7 @@ class RecorderNode(Node):
         self.create_timer(settings.flush_interval, self._flush, clock=wall)
         self._report_timer = self.create_timer(DIAGNOSTICS_PERIOD_S, self._report, clock=wall)
         self._configuration.announce()
+        self._progress = ProgressReport(self)
         self._known: dict[str, str] = {}  # what the bag says of who runs
         self._is_told = False  # whether the bag has all that was announced
         self._announcements = Announcements(self, self._on_heard)
@@ -204,6 +206,8 @@ class RecorderNode(Node):
         self.get_logger().info(f"{self._writer.folder}: {self._writer.count} messages of {len(self._recorded)} topics")
 
     def _discover(self) -> None:
+        if self._timekeeper.now_ns or topics.CLOCK in self._recorded:
+            self._progress.tell(self._timekeeper.now_ns)
         for name, types in self.get_topic_names_and_types():
             recorded = self._recorded.get(name)
             if recorded is not None:
@@ -223,8 +227,11 @@ class RecorderNode(Node):
             self.get_logger().error(f"not recorded: {error}")
             return
         callback = self._callback(name, self._timekeeper.rule_for(definition))
-        watched = name == self._events_topic and message_type is ScenarioEvent
-        recorded = _Recorded(definition, message_type, self._watching(callback) if watched else callback)
+        if name == self._events_topic and message_type is ScenarioEvent:
+            callback = self._watching(callback)
+        elif name == topics.CLOCK:
+            callback = self._telling(callback)
+        recorded = _Recorded(definition, message_type, callback)
         self._subscribe(name, recorded)
         self._recorded[name] = recorded
         self._skipped.pop(name, None)
@@ -264,6 +271,13 @@ class RecorderNode(Node):
                 self._outcome = event
 
         return store_event
+
+    def _telling(self, store: Callback) -> Callback:
+        def store_clock(data: bytes) -> None:
+            store(data)
+            self._progress.see(self._timekeeper.now_ns)
+
+        return store_clock
 
     def _subscribe(self, name: str, recorded: _Recorded) -> None:
         """Subscribe so that all present publishers match; anew where a later publisher offers less."""

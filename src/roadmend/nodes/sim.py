@@ -29,6 +29,7 @@ from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.graph_view import GraphView
 from roadmend.nodes.inputs import REPAIRED
 from roadmend.nodes.parameters import declare_parameters
+from roadmend.nodes.recorder_progress import ProgressWatch
 from roadmend.nodes.spinning import run_node
 from roadmend.nodes.writer_gate import GatedInput
 from roadmend.recording import messages, topics
@@ -115,6 +116,7 @@ class SimNode(Node):
         self._watchdog_ticks = 0
         self._watchdog_since = 0  # ticks, if it brakes now
         self._last_command: tuple[int, Command] | None = None
+        self._held: Command | None = None  # lockstep: of the current tick, until the recorder has caught up
         self._ended_at = 0.0
         self._clock_publisher = self.create_publisher(ClockMessage, topics.CLOCK, qos.STREAM)
         self._ego_publisher = self.create_publisher(Odometry, topics.EGO, qos.STREAM)
@@ -122,6 +124,7 @@ class SimNode(Node):
         self._event_publisher = self.create_publisher(msg.ScenarioEvent, topics.EVENTS, qos.EVENT)
         self._route_publisher = self.create_publisher(msg.Route, topics.ROUTE, qos.LATCHED)
         self._map_publisher = self.create_publisher(msg.Map, topics.MAP, qos.LATCHED)
+        self._progress = ProgressWatch(self, self._release)
         self._commands = GatedInput(self, REPAIRED, msg.Command, settings.writer, self._on_command, time.monotonic)
         header = messages.header_of(0.0)
         self._route_publisher.publish(encode(messages.route_message_of(self._simulation.route, header)))
@@ -201,6 +204,14 @@ class SimNode(Node):
         if self._tick.number == 0 and not self._watchdog:
             self._repeat(now)
             return
+        if self._held is not None:
+            if now - self._tick_at > self._timeout:
+                self.get_logger().warning(
+                    f"the recorder has written nothing for {self._timeout:g} s: the drive goes on without it"
+                )
+                self._progress.forget()
+                self._release()
+            return
         if now - self._tick_at > (IMPATIENT_S if self._watchdog else self._timeout):
             self._bite(f"no repaired command within {now - self._tick_at:.2f} s of wall time")
 
@@ -234,6 +245,15 @@ class SimNode(Node):
             if self._last_command is None or stamp >= self._last_command[0]:
                 self._last_command = (stamp, command)
         elif stamp == self._tick.number * INTERVAL_NS:
+            self._held = command
+            self._release()
+
+    def _release(self) -> None:
+        """Lockstep: obey the command that is held, unless the recorder is too far behind."""
+        if self._tick is None or self._held is None or self._ended_at:
+            return
+        if not self._progress.is_behind(self._tick.number * INTERVAL_NS):
+            command, self._held = self._held, None
             self._advance(command, obeyed=True)
 
     def _bite(self, reason: str) -> None:

@@ -22,6 +22,7 @@ TF = "/tf"
 DIAGNOSTICS = "/diagnostics"
 CONFIGURATION = "configuration"
 PARAMETER_EVENTS = "/parameter_events"
+RECORDER_PROGRESS = "recorder/_progress"
 
 COMMAND_DEADLINE_NS = 500_000_000  # longest silence on the command path before DDS reports a missed deadline
 
@@ -40,6 +41,7 @@ OFFERS = {  # that differ from STREAM
     REPAIR_COMMAND: COMMAND,
     DIAGNOSTICS: DIAGNOSTIC,
     CONFIGURATION: LATCHED,
+    RECORDER_PROGRESS: DIAGNOSTIC,
 }
 
 TYPES = {  # of what a recorded episode is read from
