@@ -197,6 +197,16 @@ def test_what_a_killed_repair_node_has_counted_is_in_the_result(run, own):
     assert "repair_node ended (-9), restarted" in said
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_simulator_that_is_told_to_stop_before_the_drive_begins_ends_the_run_in_a_line(run, number):
+    there = run()
+    os.kill(there.node("sim_node"), number)
+    code, result, said = there.end()
+    assert (code, result) == (1, None), said
+    assert "Traceback" not in said
+    assert "sim_node" in said.splitlines()[-1]
+
+
 def test_what_a_recorder_that_was_stopped_for_a_while_has_lost_is_said(run):
     there = run("--clock", "realtime", "--rate", "5", "--silence", "60", time_limit=60.0)
     there.until_driving(settled=False)

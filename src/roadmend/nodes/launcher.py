@@ -122,6 +122,8 @@ class _GraphRun:
             self._stop(interrupted=False)
             if self._sim.exit_code:
                 _raise(self._sim)
+            if not (self._folder / SUMMARY).exists():
+                raise RoadmendError("sim_node was told to stop before the drive began: there is no result")
             self._pass_on()
             return self._result()
         except InputError:

@@ -3,6 +3,7 @@
 import contextlib
 import multiprocessing
 import os
+import secrets
 import shutil
 import signal
 import tempfile
@@ -25,11 +26,13 @@ def scratch_folder(prefix: str) -> Iterator[Path]:
     Args:
         prefix: of its name.
     """
-    folder = Path(tempfile.mkdtemp(prefix=prefix))
+    folder = Path(tempfile.gettempdir(), f"{prefix}{secrets.token_hex(4)}")
+    # The keeper comes before the folder: to start it takes a second, in which this process may be told to end, or killed.
     keeper = CONTEXT.Process(target=_remove_after, args=(str(folder),), name="tidy", daemon=True)
     with contextlib.suppress(OSError, EOFError):  # without it the folder stays where this process is killed
         keeper.start()
     try:
+        folder.mkdir(0o700)
         yield folder
     finally:
         shutil.rmtree(folder, ignore_errors=True)
