@@ -87,7 +87,7 @@ def test_the_sample_of_a_collision_is_read_as_it_was():
 def test_the_sample_of_a_repair_shows_what_was_needed():
     found = read_incidents(SAMPLES / "repaired").incidents
     assert {(one.kind, one.other.kind) for one in found} == {("intervention", "car")}
-    assert [(one.time, one.repair.frames, one.repair.verdict) for one in found] == [(25.25, 11, "needed")]
+    assert [(one.time, one.repair.frames, one.repair.verdict) for one in found] == [(25.25, 13, "needed")]
 
 
 def test_a_corrupt_bag_is_named_and_the_others_go_on(tmp_path):
