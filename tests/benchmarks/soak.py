@@ -33,6 +33,7 @@ FAMILIES = ("S1", "S2", "S3", "S4", "S5")
 WARM_UP = 0.2  # share of the episodes that may still grow
 GROWTH = 1.05
 PATIENCE_S = 600.0  # [s] of wall time for an episode
+FILE_SIZE = 64 << 20  # [bytes]
 NODES = ("policy", "repair", "recorder", "viz")
 
 
@@ -51,7 +52,13 @@ class Graph:
                 "summary": str(folder / "repair.json"),
                 "journal": str(folder / "repair.answers"),
             },
-            "recorder": {"output": str(folder), "name": "bag", "summary": str(folder / "recorder.json")},
+            # In files of a size, as whoever records for hours would: the index of an open file is in memory.
+            "recorder": {
+                "output": str(folder),
+                "name": "bag",
+                "summary": str(folder / "recorder.json"),
+                "max_bagfile_size": FILE_SIZE,
+            },
             "viz": {},
         }
         self.nodes = {name: self._start(name, parameters[name]) for name in NODES}
