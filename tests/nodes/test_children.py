@@ -1,6 +1,8 @@
 """Node processes: each starts in the environment of the moment, however old the server is that forks it."""
 
 import json
+import subprocess
+import sys
 
 import pytest
 
@@ -41,3 +43,36 @@ def test_a_child_sees_the_environment_as_it_is_and_not_as_it_was(told, monkeypat
     assert told({"ROADMEND_TEST_DOMAIN": "3"}) == {"ROADMEND_TEST_DOMAIN": "3"}
     monkeypatch.delenv("ROADMEND_TEST_DOMAIN")
     assert told({"ROADMEND_TEST_OWN": "4"}) == {"ROADMEND_TEST_OWN": "4"}
+
+
+INTERRUPTED = """
+import os, signal, time
+from multiprocessing import forkserver
+from roadmend.nodes.children import CONTEXT
+
+def quiet():
+    pass
+
+if __name__ == "__main__":
+    forkserver.ensure_running()
+    server = forkserver._forkserver._forkserver_pid
+    for _ in range(200):
+        time.sleep(0.01)
+        with open(f"/proc/{server}/status") as status:
+            ignored = next(int(line.split()[1], 16) for line in status if line.startswith("SigIgn"))
+        if ignored & 1 << signal.SIGINT - 1:
+            break
+    os.kill(server, signal.SIGINT)
+    process = CONTEXT.Process(target=quiet)
+    process.start()
+    process.join()
+    assert forkserver._forkserver._forkserver_pid == server
+    print(process.exitcode)
+"""
+
+
+def test_an_interrupt_while_the_server_imports_is_no_affair_of_its(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(INTERRUPTED)
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=60, check=False)
+    assert (done.stdout, done.stderr) == ("0\n", "")

@@ -1,5 +1,6 @@
 """Imported by the server that forks nodes, ahead of all else: it ends with the launcher.
 
+An interrupt is the launcher's and the nodes' affair: multiprocessing makes the server deaf to it only after all imports.
 By itself it stays for as long as one of its nodes lives, and a node that is stopped is woken by the server's end alone
 (``parent_death``).
 """
@@ -8,4 +9,5 @@ import signal
 
 from roadmend.nodes.parent_death import at_parent_death
 
+signal.signal(signal.SIGINT, signal.SIG_IGN)
 at_parent_death(signal.SIGKILL)
