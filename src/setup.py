@@ -60,7 +60,7 @@ setup(
     entry_points={
         "gymnasium.envs": ["roadmend = roadmend.gym:register"],
         "console_scripts": [
-            "roadmend = roadmend.cli.main:main",
+            "roadmend = roadmend.cli.entry:main",
             "sim_node = roadmend.nodes.sim:main",
             "policy_node = roadmend.nodes.policy:main",
             "repair_node = roadmend.nodes.repair:main",
