@@ -4,11 +4,15 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
+from multiprocessing import connection
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from roadmend.core import fanout
 from roadmend.core.errors import InputError, SimulationError
 from roadmend.core.fanout import fan_out
 
@@ -100,3 +104,30 @@ def test_an_interrupt_ends_work_that_would_take_long(tmp_path):
     assert parent.wait(60.0) == 130
     assert all_gone(workers)
     assert parent.stdout.read() == ""  # nothing new was begun
+
+
+class CarefulEnd:
+    """An end of a pipe that bears one hand at a time, and takes its time to close."""
+
+    def __init__(self, end):
+        self._end, self._closing = end, threading.Lock()
+
+    def close(self):
+        assert self._closing.acquire(blocking=False)
+        time.sleep(0.3)
+        self._end.close()
+        self._closing.release()
+
+
+def test_who_gave_up_has_closed_the_leash_before_it_is_closed_at_the_end(monkeypatch):
+    def pipe(duplex):
+        leash, end = connection.Pipe(duplex)
+        return leash, CarefulEnd(end)
+
+    def begin():
+        raise RuntimeError("give up")
+
+    monkeypatch.setattr(fanout, "connection", SimpleNamespace(Pipe=pipe))
+    monkeypatch.setattr(fanout, "_GRACE", 0.0)
+    with pytest.raises(RuntimeError, match="give up"), fan_out(2):
+        begin()

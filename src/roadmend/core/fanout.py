@@ -65,6 +65,8 @@ def fan_out(workers: int, most: int | None = None) -> Iterator[Mapper]:
     finally:
         pool.shutdown(cancel_futures=True)
         give_up.cancel()
+        if give_up.ident is not None:
+            give_up.join()  # it may be closing the same end at this moment
         leash.close()
         end.close()
 
