@@ -1,7 +1,8 @@
 """Fuzz a reader: ``.venv/bin/python tests/fuzz/run.py READER SECONDS [SEED]``, or ``all`` of them, ``--parallel`` at once.
 
-The seconds are the processor's, so that a busy machine does not make for less. With ``--publish`` fuzz.json and fuzz.md are
-written into tests/benchmarks.
+The seconds are the processor's, so that a busy machine does not make for less. With ``--publish`` each reader's row goes into
+fuzz.json and fuzz.md of tests/benchmarks as soon as it is there, and those of others stay; ``--resume`` leaves out the
+readers that have theirs, of the same engine, seed and at least as many seconds.
 
 Small files that it reads, and those of ``corpus/`` that once broke one or reach code that others do not, are changed and
 read in a process of its own, which is ended where a file takes longer than the documentation allows. ``--engine mutation``
@@ -19,6 +20,7 @@ import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from fuzz_engines import ENGINES
 from fuzz_readers import READERS
@@ -36,18 +38,32 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--parallel", type=int, default=1, help="readers at once")
     parser.add_argument("--keep", action="store_true", help="of atheris: what it found goes into corpus/")
     parser.add_argument("--publish", action="store_true", help="write tests/benchmarks/fuzz.json and fuzz.md")
+    parser.add_argument("--resume", action="store_true", help="with --publish: only the readers that have no such row")
     given = parser.parse_args(arguments)
     if given.keep and given.engine != "atheris":
         parser.error("--keep is of --engine atheris")
+    if given.resume and not given.publish:
+        parser.error("--resume is of --publish")
     names = [*READERS] if given.reader == "all" else [given.reader]
-    rows = fuzz(names, given.seconds, given.seed, given.engine, parallel=given.parallel, is_kept=given.keep)
-    if given.publish:
-        _publish(rows, given.seconds, f".venv/bin/python tests/fuzz/run.py {' '.join(arguments)}")
+    how = {"engine": given.engine, "seconds": given.seconds, "seed": given.seed}
+    if given.resume:
+        names = [name for name in names if not _has_row(name, how)]
+    publish = Publisher(how, f".venv/bin/python tests/fuzz/run.py {' '.join(arguments)}") if given.publish else None
+    rows = fuzz(
+        names, given.seconds, given.seed, given.engine, parallel=given.parallel, is_kept=given.keep, publish=publish
+    )
     return int(any(found["faults"] for found in rows.values()))
 
 
 def fuzz(
-    names: list[str], seconds: float, seed: int, engine: str, *, parallel: int = 1, is_kept: bool = False
+    names: list[str],
+    seconds: float,
+    seed: int,
+    engine: str,
+    *,
+    parallel: int = 1,
+    is_kept: bool = False,
+    publish: Callable[[str, dict[str, object]], object] | None = None,
 ) -> dict[str, dict[str, object]]:
     """Fuzz readers, each in a process that may take all that it has with it; what came of each, as plain values."""
     waiting, running, rows = [*reversed(names)], dict[int, tuple[str, Path]](), dict[str, dict[str, object]]()
@@ -62,6 +78,8 @@ def fuzz(
             name, own = running.pop(process)
             rows[name] = _found(own, status)
             print(f"{name:14}", json.dumps(rows[name]), flush=True)
+            if publish is not None:
+                publish(name, rows[name])
     return {name: rows[name] for name in names}
 
 
@@ -87,16 +105,40 @@ def _found(folder: Path, status: int) -> dict[str, object]:
     return {"files": 0, "faults": {f"{what} (status {status})": ""}}
 
 
-def _publish(rows: dict[str, dict[str, object]], seconds: float, command: str) -> None:
-    from roadmend.reports.result_files import provenance, write_report  # late: what is there is not instrumented
+class Publisher:
+    """Puts rows into the published table, each with how it was made and at which commit."""
 
-    names = ("files", "accepted", "per_second", "slowest_s", "grown_mb")
-    table = [["reader", "files", "read", "files a second", "slowest [s]", "memory more [MB]", "faults"]]
-    table += [
-        [name, *(str(found.get(key, "")) for key in names), "; ".join(found["faults"])] for name, found in rows.items()
-    ]
-    content = {"format": "roadmend-fuzz/1", "provenance": provenance(command), "seconds": seconds, "readers": rows}
-    write_report(PUBLISHED, "fuzz", f"Readers given changed files, {seconds:g} s of the processor each", content, table)
+    def __init__(self, how: dict[str, object], command: str) -> None:
+        from roadmend.reports.result_files import provenance  # late: what is there is not instrumented
+
+        self._how, self._made = how, provenance(command)  # now: later the table itself has changed
+
+    def __call__(self, name: str, found: dict[str, object]) -> None:
+        """Write the table with this row in it."""
+        from roadmend.reports.result_files import write_report
+
+        rows = _published() | {name: {**self._how, "commit": self._made["commit"], **found}}
+        rows = {name: rows[name] for name in READERS if name in rows}
+        content = {"format": "roadmend-fuzz/2", "provenance": self._made, "readers": rows}
+        names = ("seconds", "files", "accepted", "per_second", "slowest_s", "grown_mb")
+        table = [
+            ["reader", "seconds", "files", "read", "files a second", "slowest [s]", "memory more [MB]", "faults", "at"]
+        ]
+        for reader, row in rows.items():
+            values = (f"{row[key]:g}" if key == "seconds" else str(row.get(key, "")) for key in names)
+            table.append([reader, *values, "; ".join(row["faults"]), row["commit"][:12]])
+        write_report(PUBLISHED, "fuzz", "Readers given changed files, by seconds of the processor", content, table)
+
+
+def _published() -> dict[str, dict[str, Any]]:
+    path = PUBLISHED / "fuzz.json"
+    return json.loads(path.read_text())["readers"] if path.exists() else {}
+
+
+def _has_row(name: str, how: dict[str, object]) -> bool:
+    row = _published().get(name, {})
+    same = all(row.get(key) == how[key] for key in ("engine", "seed"))
+    return same and row.get("seconds", 0.0) >= how["seconds"] and not row["faults"]
 
 
 if __name__ == "__main__":

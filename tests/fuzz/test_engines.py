@@ -67,3 +67,26 @@ def test_only_the_engine_that_knows_what_it_reached_can_keep_it(capsys):
     with pytest.raises(SystemExit):
         fuzz_run.main(["json", "1", "--keep"])
     assert "--keep is of --engine atheris" in capsys.readouterr().err
+
+
+def test_rows_are_published_as_they_come_and_what_has_one_is_left_out(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(fuzz_run, "PUBLISHED", tmp_path)
+    assert fuzz_run.main(["json", "0.2", "--publish"]) == 0
+    first = json.loads((tmp_path / "fuzz.json").read_text())["readers"]
+    assert [*first] == ["json"]
+    assert first["json"]["seconds"] == 0.2
+    capsys.readouterr()
+    monkeypatch.setattr(fuzz_run, "READERS", {name: READERS[name] for name in ("yaml", "json")})
+    assert fuzz_run.main(["all", "0.2", "--publish", "--resume"]) == 0
+    assert capsys.readouterr().out.startswith("yaml ")
+    both = json.loads((tmp_path / "fuzz.json").read_text())["readers"]
+    assert [*both] == ["yaml", "json"]
+    assert both["json"] == first["json"]
+    assert fuzz_run.main(["json", "0.3", "--publish", "--resume"]) == 0  # more seconds than its row has
+    assert json.loads((tmp_path / "fuzz.json").read_text())["readers"]["json"]["seconds"] == 0.3
+
+
+def test_only_what_is_published_can_be_resumed(capsys):
+    with pytest.raises(SystemExit):
+        fuzz_run.main(["json", "1", "--resume"])
+    assert "--resume is of --publish" in capsys.readouterr().err
