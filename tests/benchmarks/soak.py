@@ -1,8 +1,8 @@
-"""Hours of driving in one graph: ``.venv/bin/python tests/benchmarks/soak.py HOURS [--minutes WALL] [--drive FILE]``.
+"""Hours of driving in one graph: ``.venv/bin/python tests/benchmarks/soak.py HOURS [--minutes WALL] [--long SECONDS]``.
 
 Policy, repair, recorder and markers are started once and stay; episode after episode a simulator joins them, drives in
-lockstep, and leaves. With a scenario, a long
-drive, that one comes after each round of the families. After each one, memory, threads and open files of every process that stays are looked at, and what
+lockstep, and leaves. With ``--long``, after each round of the families comes a drive of so many seconds, round and round in
+a ring road's traffic, both by SUMO's generators. After each one, memory, threads and open files of every process that stays are looked at, and what
 the simulator and the repair node counted: in lockstep every tick has its answer, and a tick without one must be explained.
 Written are soak.json and soak.md beside this file where ``--publish`` is given. Exit code 1 if memory grew by more than
 5 % after the warm-up, or a tick was missed.
@@ -25,8 +25,9 @@ from roadmend.nodes.loopback import reach
 from roadmend.recording.info import bag_info
 from roadmend.reports.result_files import provenance, write_report
 from roadmend.world.families import sample_scenario
+from roadmend.world.procedural_networks import NetworkRequest, generate_configuration
 from roadmend.world.scenario import Scenario
-from roadmend.world.scenario_file import load_scenario, save_scenario
+from roadmend.world.scenario_file import save_scenario, scenario_of_configuration
 
 HERE = Path(__file__).parent
 FAMILIES = ("S1", "S2", "S3", "S4", "S5")
@@ -34,6 +35,10 @@ WARM_UP = 0.2  # share of the episodes that may still grow
 GROWTH = 1.05
 PATIENCE_S = 600.0  # [s] of wall time for an episode
 FILE_SIZE = 64 << 20  # [bytes]
+RING = 7  # seed of a network of two rings with six arms
+ROUND = [f"C{arm}C{arm % 6 + 1}" for arm in range(1, 7)]  # edges
+WARM_UP_S = 300.0  # [s] of traffic
+LONGEST_S = 1500.0  # [s] for as long there is traffic
 NODES = ("policy", "repair", "recorder", "viz")
 
 
@@ -113,13 +118,20 @@ class Graph:
         return codes
 
 
-def soak(hours: float, minutes: float, method: str, long: Scenario | None) -> dict[str, object]:
+def long_drive(seconds: float, folder: Path) -> Scenario:
+    """Round and round for so long, and no end of the route within it."""
+    generate_configuration(NetworkRequest("ring", RING, folder))
+    network = folder / f"ring-{RING}" / f"ring-{RING}.net.xml"  # alone it gets lighter traffic than the generator's own
+    return scenario_of_configuration(network, ROUND * 40, WARM_UP_S, seconds)
+
+
+def soak(hours: float, minutes: float, method: str, long: float) -> dict[str, object]:
     """Drive until so much was simulated, or so much wall time is over."""
     begin = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="soak-") as name, own_domain() as domain:
         folder = Path(name)
         environment = {**os.environ, **reach(), "ROS_DOMAIN_ID": str(domain), "TMPDIR": name}
-        graph = Graph(folder, environment, method, long)
+        graph = Graph(folder, environment, method, long_drive(long, folder) if long else None)
         episodes, driven = [], 0.0
         try:
             while driven < 3600.0 * hours and time.monotonic() - begin < 60.0 * minutes:
@@ -183,10 +195,14 @@ def main() -> int:
     parser.add_argument("hours", type=float)
     parser.add_argument("--minutes", type=float, default=600.0)
     parser.add_argument("--repair", default="adreft")
-    parser.add_argument("--drive", type=Path, help="scenario file of a long drive")
+    parser.add_argument(
+        "--long", type=float, default=0.0, help=f"[s] of a long drive after each round, {LONGEST_S:g} at most"
+    )
     parser.add_argument("--publish", action="store_true")
     given = parser.parse_args()
-    found = soak(given.hours, given.minutes, given.repair, load_scenario(given.drive) if given.drive else None)
+    if not 0.0 <= given.long <= LONGEST_S:
+        parser.error(f"--long is from 0 to {LONGEST_S:g}")
+    found = soak(given.hours, given.minutes, given.repair, given.long)
     stale = {key: count for key, count in found["answers"].items() if "STALE" in key or "FAULT" in key}
     print(json.dumps({key: value for key, value in found.items() if key != "episodes"}, indent=1))
     if given.publish:
