@@ -86,7 +86,9 @@ class Graph:
         try:
             process.wait(PATIENCE_S)
         except subprocess.TimeoutExpired:
-            process.kill()
+            pass  # whatever it has told counts
+        finally:
+            process.kill()  # an interrupt, too, leaves no simulator behind
             process.wait()
         return json.loads(summary.read_text()) if summary.exists() else None
 

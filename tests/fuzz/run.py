@@ -101,7 +101,8 @@ def _found(folder: Path, status: int) -> dict[str, object]:
     told = folder / "told.json"
     if told.exists():
         return json.loads(told.read_text())
-    what = "took too long" if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGALRM else "crashed"
+    limits = (signal.SIGPROF, signal.SIGALRM)
+    what = "took too long" if os.WIFSIGNALED(status) and os.WTERMSIG(status) in limits else "crashed"
     return {"files": 0, "faults": {f"{what} (status {status})": ""}}
 
 

@@ -1,11 +1,13 @@
 """Both engines give files to a reader, tell of each fault, and keep what they found."""
 
 import json
+import time
 import zipfile
 
 import pytest
 import run as fuzz_run
 
+import fuzz_account
 import fuzz_engines
 import fuzz_readers
 from fuzz_readers import READERS, Reader
@@ -41,6 +43,20 @@ def test_a_reader_that_fails_is_told_of_and_its_file_is_kept(engine, monkeypatch
     assert what.startswith("ZeroDivisionError at read:")
     (kept,) = tmp_path.glob("fault-broken-*")
     assert len(kept.read_bytes()) > 9
+
+
+@pytest.mark.parametrize("reading", ["work", "wait"])
+def test_a_reader_that_takes_too_long_is_ended_and_told_of(reading, monkeypatch):
+    def read(path):
+        while len(path.read_bytes()) > 9:
+            if reading == "wait":
+                time.sleep(60.0)
+
+    monkeypatch.setattr(fuzz_account, "TIME_MAX", 0.3 if reading == "work" else 60.0)
+    monkeypatch.setattr(fuzz_account, "WAIT_MAX", 60 if reading == "work" else 1)
+    monkeypatch.setitem(READERS, "endless", Reader(".txt", read, lambda: [b"short"]))
+    (what,) = fuzz_run.fuzz(["endless"], SECONDS, 1, "mutation")["endless"]["faults"]
+    assert what.startswith("took too long")
 
 
 def test_several_are_read_at_once_and_told_of_in_their_order(capsys):
