@@ -11,6 +11,7 @@ from roadmend.cli.main import run_group
 _COMMANDS: Table = {
     "adreft": ("harness.bench_adreft", "adreft", "Every repair method on every policy, as the paper has it."),
     "controls": ("harness.bench_controls", "controls", "Whether it is the timing, and holds in other futures."),
+    "exports": ("harness.bench_exports", "exports", "Exported crashes in other people's readers."),
     "liar": ("harness.bench_liar", "liar", "One false field in a language model's answers."),
     "loop": ("harness.bench_loop", "loop", "What the loop costs beside bare SUMO and a bare ring of nodes."),
     "ordinary": ("harness.bench_ordinary", "ordinary", "What repair costs where nothing was wrong."),

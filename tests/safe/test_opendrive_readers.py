@@ -7,9 +7,9 @@ not asked.
 
 import math
 
-import numpy as np
 import pytest
 
+from harness.outside_readers import headings, issues_by_asam_opendrive, lines_by_commonroad, roads_by_pyxodr
 from roadmend.safe.construction import draw_scenario
 from roadmend.safe.dsl import Compass
 from roadmend.safe.openscenario import export_scenario
@@ -45,63 +45,32 @@ def exported(tmp_path):
     return run
 
 
-def issues(path, tmp_path):
-    """What ASAM's checker finds, and how many of its checks it made."""
-    baselib = pytest.importorskip("qc_baselib")
-    from qc_opendrive import constants
-    from qc_opendrive.main import run_checks
-
-    configuration, result = baselib.Configuration(), baselib.Result()
-    configuration.set_config_param("InputFile", str(path))
-    configuration.register_checker_bundle(constants.BUNDLE_NAME)
-    configuration.set_checker_bundle_param(constants.BUNDLE_NAME, "resultFile", str(tmp_path / "result.xqar"))
-    result.register_checker_bundle(name=constants.BUNDLE_NAME, description="", version="1.0.0", summary="")
-    run_checks(configuration, result)
-    checkers = result.get_checker_results(constants.BUNDLE_NAME)
-    found = [issue.description for checker in checkers for issue in checker.issues]
-    return found, sum(checker.status is baselib.StatusType.COMPLETED for checker in checkers)
-
-
 @pytest.mark.parametrize("name", ["straight", "curve", "tee", "merging", "driveway"])
 def test_the_checker_of_asam_finds_nothing_in_a_reports_roads(exported, tmp_path, name):
-    found, checks = issues(exported(name)[1], tmp_path)
+    pytest.importorskip("qc_opendrive")
+    found, checks = issues_by_asam_opendrive(exported(name)[1], tmp_path)
     assert found == []
     assert checks >= 20
 
 
 @pytest.mark.parametrize("name", NETWORKS)
 def test_the_checker_of_asam_finds_nothing_in_any_kind_of_network(tmp_path, name):
+    pytest.importorskip("qc_opendrive")
     write_opendrive(network_file(NETWORKS[name]), tmp_path / "roads.xodr")
-    assert issues(tmp_path / "roads.xodr", tmp_path)[0] == []
-
-
-def roads_by_pyxodr(path):
-    """Driving lanes, heading at the start and turn [deg] of every road outside of junctions, and lines."""
-    network = pytest.importorskip("pyxodr.road_objects.network").RoadNetwork(str(path), resolution=0.5)
-    for road in network.get_roads():
-        if road.road_xml.get("junction") == "-1":
-            line = road.reference_line[:, :2]
-            lanes = [lane for section in road.lane_sections for lane in section.lanes if lane.type == "driving"]
-            yield len(lanes), *_headings(line), line
-
-
-def _headings(line):
-    steps = np.diff(line, axis=0)
-    steps = steps[np.hypot(*steps.T) > 1e-3]
-    angles = np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))
-    return math.degrees(angles[0]), math.degrees(angles[-1] - angles[0])
+    assert issues_by_asam_opendrive(tmp_path / "roads.xodr", tmp_path)[0] == []
 
 
 @pytest.mark.parametrize("name", OPEN_ROADS)
 def test_pyxodr_sees_the_lanes_and_the_bend_of_an_open_road(exported, name):
+    pytest.importorskip("pyxodr")
     scenario, path = exported(name)
-    lanes, headings, turns, _ = zip(*roads_by_pyxodr(path), strict=True)
+    lanes, starts, turns, _ = zip(*roads_by_pyxodr(path), strict=True)
     told = ALL[name].road.lanes
     assert sum(lanes) == (told if told is not None else scenario.origin.sampled["lanes"])
     network = scenario.network
     ways = [
         (math.cos(math.radians(heading)), math.sin(math.radians(heading)), turn)
-        for heading, turn in zip(headings, turns, strict=True)
+        for heading, turn in zip(starts, turns, strict=True)
     ]
     bearing, end = (math.radians(angle) for angle in (network.bearing, network.bearing + network.bend + 180.0))
     wanted = [(math.cos(bearing), math.sin(bearing), network.bend), (math.cos(end), math.sin(end), -network.bend)]
@@ -111,6 +80,7 @@ def test_pyxodr_sees_the_lanes_and_the_bend_of_an_open_road(exported, name):
 
 @pytest.mark.parametrize("name", JUNCTIONS)
 def test_pyxodr_sees_the_arms_the_stem_and_the_lanes_of_the_larger_road(exported, name):
+    pytest.importorskip("pyxodr")
     _, path = exported(name)
     lanes: dict[int, int] = {}
     for count, _, turn, line in roads_by_pyxodr(path):
@@ -130,18 +100,18 @@ def test_pyxodr_sees_the_arms_the_stem_and_the_lanes_of_the_larger_road(exported
 
 
 def test_pyxodr_sees_the_lanes_of_a_merging(exported):
+    pytest.importorskip("pyxodr")
     _, path = exported("merging")
     assert sorted(count for count, *_ in roads_by_pyxodr(path)) == [1, 2, 2, 3]
 
 
 @pytest.mark.parametrize("name", ALL)
 def test_commonroads_converter_sees_as_many_lanes_and_the_same_bend(exported, name):
-    converter = pytest.importorskip("crdesigner.map_conversion.map_conversion_interface")
+    pytest.importorskip("crdesigner")
     scenario, path = exported(name)
-    read = converter.opendrive_to_commonroad(path)
-    lanelets = (read[0] if isinstance(read, tuple) else read).lanelet_network.lanelets
-    assert lanelets
+    lines = lines_by_commonroad(path)
+    assert lines
     if name in OPEN_ROADS:
-        assert len(lanelets) == scenario.network.lanes + scenario.network.backward_lanes
-        turns = [_headings(lanelet.center_vertices)[1] for lanelet in lanelets]
+        assert len(lines) == scenario.network.lanes + scenario.network.backward_lanes
+        turns = [headings(line)[1] for line in lines]
         assert [abs(turn) for turn in turns] == pytest.approx([abs(scenario.network.bend)] * len(turns), abs=3.0)
