@@ -81,11 +81,10 @@ def test_a_policy_that_hangs_is_a_controlled_stop_within_three_ticks_and_is_star
     assert states[0].state == states[0].STALE_COMMAND
     assert (stamp_of(states[0]) - last) // INTERVAL_NS <= 3 + 1  # the oldest tick without an answer is the one after it
     assert all(state.final_action <= -0.4 for state in states if state.state == state.STALE_COMMAND)
-    events = [event for event in records(there.bag, "/events") if last < stamp_of(event) < again]
-    if (
-        float(rate) <= 2.0
-    ):  # the repair node never was silent; above, a busy machine may hold it up for some ticks of 10 ms
-        assert not [event for event in events if event.kind == event.WATCHDOG]
+    # The repair node speaks all the while. A busy machine holds it up for some ticks, and the simulator brakes then.
+    ticks = (again - last) // INTERVAL_NS
+    assert len(states) >= 0.75 * ticks
+    assert result["watchdog_ticks"] <= 0.25 * ticks
 
 
 @pytest.mark.parametrize("clock", ["lockstep", "realtime"])
