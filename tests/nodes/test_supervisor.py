@@ -133,7 +133,8 @@ def test_who_is_hurried_blames_nobody(beater):
     supervisor, begin = Supervisor(60.0), time.monotonic()
     supervisor.end([child], lambda: True)
     assert supervisor.faults == []
-    assert child.exit_code == -signal.SIGKILL
+    # Where it had not yet stopped when the interrupt came, that ended it: it has no handler.
+    assert child.exit_code in {-signal.SIGKILL, -signal.SIGINT}
     assert time.monotonic() - begin < 30.0
 
 

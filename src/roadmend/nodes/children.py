@@ -144,7 +144,9 @@ def stop(children: Sequence[Child], deadline: float) -> None:
 def _become_node(module: str, arguments: list[str], environment: dict[str, str], log: str) -> None:
     """Runs in the child: a session, an output and an environment of its own, then the node's main."""
     os.setsid()
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # the server is deaf to it
+    # The server is deaf to it. Until the node has a handler of its own an interrupt ends it without a word, as SIGTERM
+    # does: Python's handler would print a traceback.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
     Path("/proc/self/comm").write_text(arguments[0], encoding="ascii")  # what ps, top and pkill know it by
     at_parent_death(signal.SIGCONT)  # the server ends with the launcher; who is stopped then is woken
     threading.Thread(target=_end_with_launcher, daemon=True).start()
