@@ -21,6 +21,7 @@ _COMMANDS: Table = {
     "retrieval": ("harness.bench_retrieval", "retrieval", "Searching a bank of a million scenarios."),
     "safe": ("harness.bench_safe", "safe", "Crash reports into scenarios, beside the paper's figures."),
     "sera": ("harness.bench_sera", "sera", "What policies learn from recommended scenarios."),
+    "texts": ("harness.bench_texts", "texts", "Crash texts in other registers, read and scored."),
 }
 
 

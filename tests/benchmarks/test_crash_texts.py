@@ -11,7 +11,7 @@ from roadmend.safe.extraction import ExtractionError
 from roadmend.safe.report import load_report
 
 TEXTS = Path(__file__).parent / "crash_texts"
-LEAST = 70.0  # [%] read right in every field; the reader that was fitted to them had 90, and no more on others
+LEAST = 72.0  # [%] read right in every field; the reader that was fitted to them had 90, and no more on others
 
 
 def test_every_text_has_its_oracle_and_the_other_way_round():
@@ -22,9 +22,10 @@ def test_every_text_has_its_oracle_and_the_other_way_round():
 
 @pytest.mark.parametrize("solver", [True, False])
 def test_what_the_reader_was_written_on_is_still_understood(solver):
-    paths = sorted(TEXTS.glob("developed-*.txt"))[::3]  # a third tells as much, in a third of the time
+    paths = sorted(TEXTS.glob("developed-*.txt"))[::3]  # a third does, in a third of the time
     extractor = EmbeddedExtractor(solver=solver)
-    oracles = {name: oracle for name, oracle in load_oracles(TEXTS).items() if name in {path.stem for path in paths}}
+    known = load_oracles(TEXTS)
+    oracles = {path.stem: known[path.stem] for path in paths}
     readings = {}
     for path in paths:
         try:

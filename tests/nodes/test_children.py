@@ -1,8 +1,10 @@
 """Node processes: each starts in the environment of the moment, however old the server is that forks it."""
 
 import json
+import signal
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -43,6 +45,29 @@ def test_a_child_sees_the_environment_as_it_is_and_not_as_it_was(told, monkeypat
     assert told({"ROADMEND_TEST_DOMAIN": "3"}) == {"ROADMEND_TEST_DOMAIN": "3"}
     monkeypatch.delenv("ROADMEND_TEST_DOMAIN")
     assert told({"ROADMEND_TEST_OWN": "4"}) == {"ROADMEND_TEST_OWN": "4"}
+
+
+SLEEPS = """
+import time
+
+def main(arguments):
+    print("here", flush=True)
+    time.sleep(60.0)
+"""
+
+
+def test_an_interrupt_before_a_node_has_a_handler_ends_it_without_a_traceback(tmp_path, monkeypatch):
+    (tmp_path / "sleeps_without_a_handler.py").write_text(SLEEPS)
+    monkeypatch.syspath_prepend(tmp_path)
+    log = tmp_path / "log"
+    child = Child("sleeper", "sleeps_without_a_handler", [], {}, log, may_restart=False)
+    child.start()
+    deadline = time.monotonic() + 50.0
+    while not (log.exists() and log.read_text()) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    child.interrupt()
+    child.process.join(60.0)
+    assert (child.exit_code, log.read_text()) == (-signal.SIGINT, "here\n")
 
 
 INTERRUPTED = """

@@ -1,0 +1,39 @@
+"""``roadmend bench texts``: sets apart, beside the usual values, and a reading that is wrong counts as wrong."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from bench import main
+
+TEXTS = Path(__file__).parent / "crash_texts"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """One text that is read right as two sets, in the second with an oracle that says something else."""
+    there = tmp_path / "texts"
+    there.mkdir()
+    text = (TEXTS / "developed-01.txt").read_text()
+    oracle = json.loads((TEXTS / "developed-01.oracle.json").read_text())
+    other = oracle | {"num_lanes": 7, "alternatives": {}}
+    for name, right in (("one-1", oracle), ("two-1", other)):
+        (there / f"{name}.txt").write_text(text)
+        (there / f"{name}.oracle.json").write_text(json.dumps(right))
+    return there
+
+
+def test_sets_are_scored_apart(folder, tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    assert main(["texts", str(folder), "--out", str(tmp_path), "--json", "--workers", "1"]) == 0
+    content = json.loads((tmp_path / "texts.json").read_text())
+    assert json.loads(capsys.readouterr().out) == content
+    one, two = content["sets"]["one"], content["sets"]["two"]
+    assert (one["cases"], one["overall"], two["overall"], two["road"], two["actors"]) == (1, 100.0, 0.0, 0.0, 100.0)
+    assert {"one", "two"} <= {*(tmp_path / "texts.md").read_text().split()}
+
+
+def test_a_folder_without_oracles_is_refused(tmp_path, capsys):
+    assert main(["texts", str(tmp_path)]) == 2
+    assert "holds no text with an oracle" in capsys.readouterr().err
