@@ -1,17 +1,23 @@
 """What is said where a library is missing that only some commands need."""
 
+import ast
 import re
 import subprocess
 import sys
 import tomllib
+from importlib.metadata import packages_distributions, requires
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 from roadmend.core.extras import EXTRAS, extra_missing
 
-PROJECT = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 DISTRIBUTIONS = {
+    "PIL": "pillow",
     "cv2": "opencv-python-headless",
     "faiss": "faiss-cpu",
     "foxglove": "foxglove-sdk",
@@ -23,6 +29,42 @@ DISTRIBUTIONS = {
 def test_the_extra_that_is_named_brings_the_module(module, extra):
     brought = [re.split(r"[<>=]", need)[0].lower() for need in PROJECT["optional-dependencies"][extra]]
     assert DISTRIBUTIONS.get(module, module) in brought
+
+
+def imported_modules():
+    """Top-level names of what the package imports anywhere, but for itself and the standard library."""
+    for path in (ROOT / "src" / "roadmend").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            names = [each.name for each in node.names] if isinstance(node, ast.Import) else []
+            if isinstance(node, ast.ImportFrom) and not node.level:
+                names = [node.module]
+            yield from {name.partition(".")[0] for name in names} - sys.stdlib_module_names - {"roadmend"}
+
+
+def always_installed():
+    """Distributions that the package needs without any extra, and what those need, by their normalised names."""
+    found, open_ends = set(), [Requirement(each) for each in PROJECT["dependencies"]]
+    while open_ends:
+        need = open_ends.pop()
+        name = canonicalize_name(need.name)
+        if name not in found:
+            found.add(name)
+            parts = [Requirement(each) for each in requires(name) or ()]
+            extras = need.extras or {""}
+            open_ends += [
+                each for each in parts if each.marker is None or any(each.marker.evaluate({"extra": x}) for x in extras)
+            ]
+    return found
+
+
+def test_a_module_that_is_imported_is_always_installed_or_is_brought_by_an_extra():
+    owners, always = packages_distributions(), always_installed()
+    by_chance = [
+        module
+        for module in sorted({*imported_modules()} - {*EXTRAS})
+        if not {canonicalize_name(name) for name in owners.get(module, ())} & always
+    ]
+    assert by_chance == ["roadmend_msgs", "tf2_msgs"]  # which the set-up builds, and the wheel holds
 
 
 def test_every_extra_is_named_for_a_module():

