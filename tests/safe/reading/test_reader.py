@@ -320,3 +320,38 @@ def test_limits_in_other_words(text, mph):
 )
 def test_lanes_in_other_words(text, lanes):
     assert read(f"{PAIR} {text}").road.lanes == lanes
+
+
+@pytest.mark.parametrize(
+    ("text", "lanes"),
+    [
+        ("It has three lanes on this side and the other side has two.", 5),
+        ("Two lanes run north and two south.", 4),
+        ("There are two lanes going my way (and three against me).", 5),
+        ("It is 1 lane wide.", 1),
+        ("The carriageways, each with two lanes, are apart.", 4),
+    ],
+)
+def test_lanes_of_two_sides(text, lanes):
+    pair = "A van was going north and hit the back of a lorry."
+    assert read(f"{pair} {text}").road.lanes == lanes
+
+
+def test_numbers_of_units_are_no_lanes():
+    assert read("U1 WB on wet rd crossed the line and hit U2 EB. U1 l side to U2 front. 2 ln.").road.lanes == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "model"),
+    [
+        ("There was no other car. I was driving my pickup north and hit a pole.", [DslModel.PICKUP]),
+        ("A van was going north, swerved to miss a dog and a taxi, and hit a tree.", [DslModel.MINIVAN]),
+    ],
+)
+def test_vehicles_that_were_not_there_or_were_missed(text, model):
+    assert [vehicle.model for vehicle in read(text).vehicles] == model
+
+
+def test_the_weather_of_another_day():
+    text = f"{PAIR} It was fine and dry. It rained heavily the following day."
+    assert read(text).environment.weather is read(f"{PAIR} It was fine and dry.").environment.weather

@@ -8,16 +8,22 @@ from roadmend.safe.claims import Claim, Span
 from roadmend.safe.dsl import MAX_LANES
 from roadmend.safe.reading.facts import Text, claim
 from roadmend.safe.reading.tokens import Item, Sentence, Words
-from roadmend.safe.reading.wording import found, patterns, wording
+from roadmend.safe.reading.wording import Wording, found, patterns, wording
 
 _REACH = 6  # words between a number and its "lanes"
 _MOST_COUNTED = 12
 _LIST = 12  # characters between two counts of one list
 _BETWEEN = ("lanekind", "bound", "compass", "hand", "descriptor", "straight", "two_way")
-_PART = re.compile(r"[,;]| and | with ")
+_PART = re.compile(r"[,;(]| and | with ")
 _OVER_HERE = re.compile(r"\b(?:this|that|our|my|his|her) (?:side|way|direction|half)\b", re.IGNORECASE)
 _OVER_THERE = re.compile(
     r"\b(?:other|opposite|opposing|oncoming|far) (?:side|way|direction|half|carriageway|traffic|lanes)\b", re.IGNORECASE
+)
+_SIDE = re.compile(
+    r"\b(?:(?P<there>(?:other|opposite|opposing|oncoming|far|return) ?(?:side|way|direction|half|carriageway|traffic|lanes)?|"
+    r"back|theirs|against (?:me|us|him|her|them))|"
+    r"(?P<here>(?:this|that|our|my|his|her|their|near|same) (?:own )?(?:side|way|direction|half|carriageway)|ours|mine)|"
+    r"(?P<way>(?<!/)(?<!/ )(?:(?:north|south|east|west)(?:bound|ward|wards)?|[nsew]b)(?! ?/)))\b"
 )
 _BACK = {"N": "S", "S": "N", "E": "W", "W": "E"}
 _OPPOSITE = ({"N", "S"}, {"E", "W"})
@@ -89,13 +95,35 @@ def _worded(sentence: Sentence) -> Iterator[_Total]:
             if any(span.start < each.end and each.start < span.end for each in taken):
                 continue
             total = sum(map(int, match.groups())) * (2 if name == "lanes_each" else 1)
-            if total > MAX_LANES or (name == "lanes_road" and total == 1):
+            if total > MAX_LANES or (name == "lanes_road" and total == 1 and "wide" not in match[0]):
                 continue
             taken.append(span)
             reason = _EACH if name == "lanes_each" else _ALL
             yield total + (has_middle and total % 2 == 0 and name != "lanes_road"), 0.94, reason, span
+    two_sides = _of_two_sides(told) if speaks and not taken else None
+    if two_sides is not None:
+        taken.append(two_sides[1])
+        yield two_sides[0] + (has_middle and two_sides[0] % 2 == 0), 0.9, _ALL, two_sides[1]
     if not taken and any(found("lanes_both", told)):
         yield 2, 0.6, "the text speaks of both lanes", sentence.span
+
+
+def _of_two_sides(told: Wording) -> tuple[int, Span] | None:
+    """Lanes of a road of which each side is counted for itself: "three on this side, the other side also has three"."""
+    lanes: dict[str, int] = {}
+    counts = [match for pattern in patterns("lanes_counted") for match in pattern.finditer(told.text)]
+    for place, count in enumerate(counts):
+        begin = counts[place - 1].end() if place else 0
+        end = counts[place + 1].start() if place + 1 < len(counts) else len(told.text)
+        after = _PART.split(told.text[count.end() : end])[0]
+        side = _SIDE.search(after) or _SIDE.search(_PART.split(told.text[begin : count.start()])[-1])
+        if side is not None:
+            lanes.setdefault(side["way"][0] if side["way"] else str(side.lastgroup), int(count[1]))
+    for one, other in (("here", "there"), ("n", "s"), ("e", "w")):
+        if one in lanes and other in lanes and lanes[one] + lanes[other] <= MAX_LANES:
+            first, last = counts[0].start(), counts[-1].end() - 1
+            return lanes[one] + lanes[other], told.items.span(told.item(first), told.item(last))
+    return None
 
 
 def _sided(counts: Sequence[LaneCount], text: Text) -> Iterator[LaneCount]:

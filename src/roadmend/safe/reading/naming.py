@@ -89,6 +89,9 @@ def mentions_of(items: Words, known: Collection[str] = ()) -> Iterator[Mention]:
         if mention is None:
             place += 1
             continue
+        if _is_denied(items, mention):
+            place = mention.last + 1
+            continue
         _take_driver(items, mention)
         after = items.at(mention.last + 1)
         ends = items.at(mention.last + 2).low in word_set("trait_ends") or items.at(mention.last + 2).is_a("negation")
@@ -104,6 +107,11 @@ def mentions_of(items: Words, known: Collection[str] = ()) -> Iterator[Mention]:
             yield mention
             place = mention.last + 1
             mention = _more_numbers(items, place) if mention.number is not None else None  # "vehicles 1 and 2"
+
+
+def _is_denied(items: Words, mention: Mention) -> bool:
+    """Whether a vehicle is said not to have been there: "no other car"."""
+    return mention.number is None and "no" in {items.at(mention.first).low, items.at(mention.first - 1).low}
 
 
 def _number(items: Words, place: int) -> int | None:

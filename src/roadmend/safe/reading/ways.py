@@ -179,7 +179,8 @@ def _explained(items: Words, place: int) -> tuple[str, float] | None:
     before = items.cut(place - 8, place)
     if before.says({"from"}):
         return "origin", 0.75
-    return ("initial_position", 0.75) if before.says({"to", "toward", "towards", "for", "up", "down"}) else None
+    heads = before.says({"to", "toward", "towards", "for", "up", "down"}) or before.has("path")
+    return ("initial_position", 0.75) if heads or "direction" in {each.low for each in before} else None
 
 
 def _is_of_name(items: Words, place: int) -> bool:

@@ -49,6 +49,8 @@ def wording(sentence: Sentence) -> Wording:
 
 def _plain(item: Item) -> str:
     number = item.get("number")
+    if item.low == "all three":
+        return "all 3"
     if item.is_a("mph"):
         return str(item.get("mph"))
     return item.low if number is None or item.low[:1].isdigit() else f"{number:g}"
