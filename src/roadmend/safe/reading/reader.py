@@ -210,7 +210,9 @@ def _kept(text: Text, claims: Sequence[AnyClaim], contacts: Sequence[ContactClai
     if watched and len(vehicles) > 2 and not touched & {*text.spoken.roll.own()}:
         vehicles = [each for each in vehicles if not each.description.is_own]
     keep = numbered if len(numbered) > 1 else numbered | touched
-    if not keep:  # nobody touched anybody: who hit a fence alone is told apart from who only came to help, or was missed
+    if (
+        not keep
+    ):  # nobody touched anybody: who hit a fence alone is told apart from who only came to help, or was missed
         alone_hit = {each.place for each in vehicles if _hit_something(each.place, claims)}
         missed = {who for each in text.clauses if each.kind == "avoid" and each.object for who in each.object.vehicles}
         keep = alone_hit or {vehicle.place for vehicle in vehicles[:2]} - (missed - {vehicles[0].place})
