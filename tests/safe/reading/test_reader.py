@@ -330,6 +330,8 @@ def test_lanes_in_other_words(text, lanes):
         ("There are two lanes going my way (and three against me).", 5),
         ("It is 1 lane wide.", 1),
         ("The carriageways, each with two lanes, are apart.", 4),
+        ("It is a six-lane divided highway (three northbound lanes, a median, and three southbound lanes).", 6),
+        ("It has one northbound left-turn lane, two northbound through lanes and one southbound lane.", 4),
     ],
 )
 def test_lanes_of_two_sides(text, lanes):

@@ -100,12 +100,20 @@ def _worded(sentence: Sentence) -> Iterator[_Total]:
             taken.append(span)
             reason = _EACH if name == "lanes_each" else _ALL
             yield total + (has_middle and total % 2 == 0 and name != "lanes_road"), 0.94, reason, span
-    two_sides = _of_two_sides(told) if speaks and not taken else None
+    two_sides = _of_two_sides(told) if speaks and not taken and not _is_counted(sentence) else None
     if two_sides is not None:
         taken.append(two_sides[1])
         yield two_sides[0] + (has_middle and two_sides[0] % 2 == 0), 0.9, _ALL, two_sides[1]
     if not taken and any(found("lanes_both", told)):
         yield 2, 0.6, "the text speaks of both lanes", sentence.span
+
+
+def _is_counted(sentence: Sentence) -> bool:
+    """Whether the counts in front of "lanes" say it all, turning lanes too: of the road, or of two opposite directions."""
+    counts = [*_of_sentence(sentence)]
+    return any(each.kind == "road" for each in counts) or any(
+        {*axis} <= {each.way for each in counts} for axis in ("NS", "EW")
+    )
 
 
 def _of_two_sides(told: Wording) -> tuple[int, Span] | None:
