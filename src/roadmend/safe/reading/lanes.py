@@ -109,11 +109,9 @@ def _worded(sentence: Sentence) -> Iterator[_Total]:
 
 
 def _is_counted(sentence: Sentence) -> bool:
-    """Whether the counts in front of "lanes" say it all, turning lanes too: of the road, or of two opposite directions."""
-    counts = [*_of_sentence(sentence)]
-    return any(each.kind == "road" for each in counts) or any(
-        {*axis} <= {each.way for each in counts} for axis in ("NS", "EW")
-    )
+    """Whether what is counted in front of "lanes" says it all, turning lanes too: those of two opposite directions."""
+    ways = {each.way for each in _of_sentence(sentence)}
+    return any({*axis} <= ways for axis in ("NS", "EW"))
 
 
 def _of_two_sides(told: Wording) -> tuple[int, Span] | None:
