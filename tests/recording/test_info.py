@@ -106,6 +106,18 @@ def test_a_whole_bag(episode):
     assert (events.count, events.gaps, events.latched) == (2, None, True)
 
 
+def test_a_shadow_in_a_bag_is_not_counted(tmp_path):
+    make = Maker()
+    with BagWriter(tmp_path / "both") as writer:
+        for topic in ("/repair/state", "/shadow/repair/state"):
+            writer.add_topic(topic, STATE, [Qos()])
+        for tick in range(10):
+            writer.write("/shadow/repair/state", tick * TICK, make(STATE, header=make.header(tick), intervened=True))
+            writer.write("/repair/state", tick * TICK, make(STATE, header=make.header(tick), intervened=tick == 4))
+    acts = bag_info(tmp_path / "both").interventions
+    assert (acts.ticks, acts.interventions, acts.spells) == (10, 1, 1)
+
+
 @pytest.mark.parametrize("name", ["episode_0.mcap", "metadata.yaml"])
 def test_a_bag_may_be_named_by_its_file(episode, name):
     assert bag_info(episode / name).messages == 192

@@ -117,7 +117,13 @@ def test_nothing_there(tmp_path):
 
 
 def test_metadata_missing(tmp_path):
+    (tmp_path / "corpus_0.mcap").touch()
     with pytest.raises(InputError, match=r"metadata\.yaml: is missing; the recording was cut short"):
+        files_of(tmp_path)
+
+
+def test_a_folder_that_is_no_bag(tmp_path):
+    with pytest.raises(InputError, match=f"{tmp_path}: is no bag: neither"):
         files_of(tmp_path)
 
 

@@ -257,7 +257,7 @@ def test_what_holds_nothing_is_refused_in_one_line(tmp_path, content, words):
 
 def test_a_folder_without_bag_and_a_place_that_is_taken(tmp_path, corpus):
     (tmp_path / "empty").mkdir()
-    with pytest.raises(InputError, match=r"metadata\.yaml: is missing"):
+    with pytest.raises(InputError, match="empty: is no bag"):
         recover(tmp_path / "empty", tmp_path / "new")
     with pytest.raises(InputError, match="there is no such bag"):
         recover(tmp_path / "absent", tmp_path / "new")

@@ -48,10 +48,22 @@ def test_the_traffic_is_made_once_and_again_for_another_network(town, monkeypatc
     assert with_traffic(town).parent.parent.name != made.parent.parent.name
 
 
-def test_a_compressed_network_will_do(town):
-    packed = town.with_name("town.net.xml.gz")
-    packed.write_bytes(gzip.compress(town.read_bytes()))
-    assert "vehicle" in travellers(with_traffic(packed))
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("elsewhere/town.net.xml", lambda content: content),
+        ("town.net.xml.gz", gzip.compress),
+        ("later/town.net.xml", lambda content: content.replace(b"generated on 2", b"generated on 3", 1)),
+    ],
+)
+def test_the_same_network_has_the_same_traffic_packed_or_not_wherever_it_lies(town, name, change):
+    other = town.parent / name
+    other.parent.mkdir(exist_ok=True)
+    other.write_bytes(change(town.read_bytes()))
+    one, again = (with_traffic(path).with_name("town.rou.xml") for path in (town, other))
+    assert [ET.tostring(each) for each in ET.parse(one).getroot()] == [
+        ET.tostring(each) for each in ET.parse(again).getroot()
+    ]
 
 
 def test_a_drive_is_called_after_the_network(town):

@@ -91,6 +91,18 @@ def _short(value: str) -> str:
     return value if len(value) <= _LONGEST else f"{len(value)} characters, told whole by --json"
 
 
+def _apart(*values: str) -> list[str]:
+    """What two records say, without what both say alike, where they are objects of JSON."""
+    try:
+        objects = [json.loads(value) for value in values]
+    except ValueError:
+        return [*values]
+    if not all(isinstance(each, dict) for each in objects):
+        return [*values]
+    alike = {key for key in objects[0] if objects[0][key] == objects[1].get(key, ...)}
+    return [json.dumps({key: value for key, value in each.items() if key not in alike}) for each in objects]
+
+
 def _interventions(info: BagInfo) -> str:
     acts = info.interventions
     if acts is None:
@@ -152,7 +164,7 @@ _FIELDS_SHOWN = 3
 def bag_diff(first: Path, second: Path, topics: str, exclude: str, *, as_json: bool) -> int:
     """Compare two bags tick by tick: the first differing tick, how far, and how far apart the vehicle was.
 
-    Compares decoded values. Left out by default is what depends on the speed of the machine: diagnostics and drawings.
+    Compares decoded values. Left out by default is what depends on the machine: diagnostics, drawings, and the nodes' parameters.
     Ends with 0 where the bags are equal, with 1 where they differ, with 2 where one cannot be read.
     """
     with message_progress("comparing") as advance:
@@ -178,7 +190,8 @@ def _show_diff(diff: BagDiff, console: Console) -> None:
         )
         console.print(escape(f"distance of {path.topic}: {far}, over {path.ticks} ticks"))
     for key, (left, right) in diff.metadata.items():
-        console.print(escape(f"metadata {key}: {left or '-'} and {right or '-'}"))
+        told = [_short(each or "-") for each in _apart(left, right)]
+        console.print(escape(f"metadata {key}: {told[0]} and {told[1]}"))
     differing = [topic for topic in diff.topics.values() if topic.differing]
     if differing:
         console.print(_difference_table(differing))

@@ -162,7 +162,7 @@ def _show_shadow(summary: ShadowSummary, choice: RepairChoice, out: Path) -> Non
     table.add_column("bag", overflow="fold")
     table.add_row(
         str(summary.ticks),
-        str(summary.interventions_then),
+        "-" if summary.interventions_then is None else str(summary.interventions_then),
         str(summary.interventions_now),
         f"{100.0 * summary.agreement:.1f} %",
         "-" if first is None else f"{first:.2f} s",

@@ -1,5 +1,7 @@
 """The command ``roadmend``."""
 
+import errno
+import os
 import shlex
 import sys
 from collections.abc import Sequence
@@ -14,6 +16,7 @@ from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.extras import extra_missing
 from roadmend.core.interrupt import InterruptedWorkError
 
+_NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 _BAG: Table = {
     "info": ("roadmend.cli.bag", "bag_info", "Topics, rates, gaps, outcome, interventions; is it complete?"),
     "recover": ("roadmend.cli.bag", "bag_recover", "What a cut or damaged bag still holds, as a new bag."),
@@ -176,6 +179,11 @@ def run_group(group: click.Group, name: str, arguments: Sequence[str]) -> int:
         return _complain(f"{error.format_message()} (see '{asked} --help')", 2)
     except click.ClickException as error:
         return _complain(error.format_message(), 1)
+    except OSError as error:
+        if error.errno not in _NO_ROOM:
+            raise
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left of the output has no place to go
+        return _complain(f"{error.filename or 'standard output'}: {error.strerror}; make room, or write elsewhere", 2)
     except (click.Abort, KeyboardInterrupt):
         return _complain("interrupted", 130)
     return int(code or 0)

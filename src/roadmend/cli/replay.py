@@ -13,6 +13,8 @@ from roadmend.cli.options import PATH, Number, options_of
 from roadmend.cli.ros_arguments import ROS_ARGUMENTS, ros_arguments
 from roadmend.nodes.loopback import reach
 
+INTERRUPTED = 130  # exit code
+
 
 @dataclass(frozen=True)
 class ReplayOptions:
@@ -105,4 +107,7 @@ def replay(given: ReplayOptions) -> int:
         "wait_for_listeners": given.wait_for_listeners,
     }
     words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={json.dumps(value)}")]
-    return main(["replay_node", "--ros-args", *words, *extra])
+    code = main(["replay_node", "--ros-args", *words, *extra], interrupted=INTERRUPTED)
+    if code == INTERRUPTED:
+        raise click.Abort
+    return code

@@ -22,7 +22,7 @@ from roadmend.nodes.graph_options import GraphOptions
 from roadmend.nodes.launcher import run_graph
 from roadmend.nodes.run_result import InterruptedRunError, RunResult, complaint_of, gap_of
 from roadmend.nodes.scratch import scratch_folder
-from roadmend.nodes.supervisor import LOCKSTEP_SILENCE_S, REALTIME_SILENCE_S, START_S
+from roadmend.nodes.supervisor import FRESH_S, LOCKSTEP_SILENCE_S, REALTIME_SILENCE_S, START_S
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import drawn_scenarios, load_scenario, save_scenario, scenario_of_configuration
 
@@ -117,6 +117,7 @@ class RunOptions:
             "--silence",
             type=Number(1.0, 86400.0),
             help="Seconds without a sign of life after which a node is ended and started anew.  "
+            f"One that has only just come up has {FRESH_S:g} at least.  "
             f"[default: {LOCKSTEP_SILENCE_S:g} in lockstep, {REALTIME_SILENCE_S:g} in real time]",
         ),
     ]
@@ -144,6 +145,10 @@ def run(given: RunOptions) -> int:
     extra = ros_arguments(given.ros_arguments)  # first: an option that is misspelled is among them
     if (given.scenario is None) == (given.sumocfg is None):
         raise click.UsageError("give either --scenario or --sumocfg")
+    if given.rate != 1.0 and given.clock == "lockstep":
+        raise click.UsageError("--rate is of --clock realtime; in lockstep a drive is as fast as the machine")
+    if given.name and not given.record:
+        raise click.UsageError("--name is of a bag, and --no-record makes none")
     try:
         chosen = _scenarios(given)
     except InputError as error:

@@ -36,6 +36,7 @@ from roadmend.recording.replay import (
 BEAT_S = 0.002  # [s] of wall time between two looks at what is due
 BUSY_S = 0.05  # [s] of publishing after which services get their turn
 SETTLE_S = 0.5  # [s] without a new subscription after which nobody else is expected to join
+TELL_S = 2.0  # [s] of waiting for those that must join after which it is said
 ASK_S = 0.1  # [s] between two looks for those that must join
 REPEAT_S = 0.25  # [s] after which an unanswered tick is published again: a node may have joined only now
 FIRST_ANSWER_S = 60.0  # [s] of wall time for the first answer: a node may still be loading
@@ -102,6 +103,7 @@ class ReplayNode(Node):
         self._ticks = self._source.ticks()
         self._next: ReplayTick | None = None
         self._begun = False
+        self._made, self._told_missing = time.monotonic(), list[str]()
         self._settled: tuple[int, float] = (-1, 0.0)  # subscriptions, and the wall time [s] at which they were counted
         self._awaited: set[tuple[str, int]] = set()  # topic and stamp [ns] of answers that have not come yet
         self._published = (0.0, 0.0)  # wall times [s] at which the tick that is not answered was published: first, last
@@ -148,7 +150,11 @@ class ReplayNode(Node):
             self._settled = (count, now)
         if now - self._settled[1] < SETTLE_S:
             return False
-        if self._missing():
+        missing = self._missing()
+        if missing:
+            if missing != self._told_missing and now - self._made > TELL_S:
+                self.get_logger().info(f"waiting for {', '.join(missing)}")
+                self._told_missing = missing
             self._settled = (count, now - SETTLE_S + ASK_S)
             return False
         self._begun = True
@@ -301,9 +307,9 @@ class ReplayNode(Node):
         self._players.let_arrive(LINGER_S)
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """Run the node until the bag is over or it is stopped."""
-    return run_node(ReplayNode, args)
+def main(args: Sequence[str] | None = None, *, interrupted: int = 0) -> int:
+    """Run the node until the bag is over or it is stopped; ``interrupted``: exit code where it is stopped."""
+    return run_node(ReplayNode, args, interrupted=interrupted)
 
 
 if __name__ == "__main__":

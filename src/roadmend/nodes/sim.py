@@ -19,6 +19,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 from roadmend.core.command import Command
 from roadmend.core.command_age import age_of, is_obeyed
 from roadmend.core.episode_result import EpisodeResult, ResultBuilder
+from roadmend.core.errors import InputError
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.parameters import Parameters
 from roadmend.core.tick import INTERVAL, INTERVAL_NS, Tick
@@ -102,6 +103,8 @@ class SimNode(Node):
         self._timeout = settings.command_timeout
         self._wait_for = settings.wait_for
         self._summary_path = settings.summary
+        if not settings.scenario:
+            raise InputError("parameter scenario", "is empty", "name a scenario file: -p scenario:=FILE")
         self._scenario_file = Path(settings.scenario)
         self._configuration = ConfigurationAnnouncer(self, "sim", self._running)
         self._simulation = Simulation(load_scenario(self._scenario_file))

@@ -48,13 +48,18 @@ def stop_on_signals() -> Iterator[StopFlag]:
             signal.signal(number, handler)
 
 
-def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> int:
+def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None, *, interrupted: int = 0) -> int:
     """Run one node until it has finished or is told to stop.
 
     The node may have an attribute ``finished`` (the loop ends when it turns true), an attribute ``exit_code``, an
     attribute ``fault`` (the error because of which that is not 0, or None), an
     attribute ``stop`` (it is given the flag, to look at during long work) and a method ``close()`` that is called before
     the node is destroyed, while publishing still works.
+
+    Args:
+        factory: makes the node.
+        args: the process's, with its name; those it was called with if None.
+        interrupted: exit code where the node was told to stop before it had finished; its own if 0.
 
     Returns:
         Exit code for the process: the node's, or 2 for bad input.
@@ -66,7 +71,7 @@ def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> 
             what = " ".join(str(error).partition(", at ")[0].split())
             return _refuse(InputError("ROS arguments", what, "correct them"))
         try:
-            return _run(factory, stop)
+            return _run(factory, stop, interrupted)
         except (ParameterException, InvalidParameterTypeException) as error:
             return _refuse(InputError("ROS arguments", " ".join(str(error).split()), "correct them"))
         except InputError as error:
@@ -93,7 +98,7 @@ def _refuse(error: InputError) -> int:
     return 2
 
 
-def _run(factory: Callable[[], Node], stop: StopFlag) -> int:
+def _run(factory: Callable[[], Node], stop: StopFlag, interrupted: int) -> int:
     node = factory()
     if hasattr(node, "stop"):
         node.stop = stop
@@ -119,4 +124,5 @@ def _run(factory: Callable[[], Node], stop: StopFlag) -> int:
     fault = getattr(node, "fault", None)
     if fault is not None:
         leave_fault(fault)
-    return int(getattr(node, "exit_code", 0))
+    is_cut = stop.is_set and not getattr(node, "finished", False)
+    return int(getattr(node, "exit_code", 0)) or (interrupted if is_cut else 0)

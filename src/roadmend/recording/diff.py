@@ -12,9 +12,9 @@ from roadmend.core.errors import InputError
 from roadmend.recording.deviation import deviations
 from roadmend.recording.reader import BagReader, Record
 
-# What depends on the machine's speed and not on the drive: diagnostics, what viz_node draws when it has time, and what
-# ROS itself stamps by the wall clock.
-UNSTEADY = r"(^|/)(diagnostics|rosout|transition_event|tf|tf_static|plan|ego/distance|markers/[^/]+)$"
+# What depends on the machine and not on the drive: diagnostics, what viz_node draws when it has time, what ROS itself stamps
+# by the wall clock, and the nodes' parameters, among them folders and the bag's name.
+UNSTEADY = r"(^|/)(configuration|diagnostics|rosout|transition_event|tf|tf_static|plan|ego/distance|markers/[^/]+)$"
 _ODOMETRY = "nav_msgs/msg/Odometry"
 _TICK_LIMIT = 1 << 27  # [bytes] of one tick's messages
 _SECOND = 1e9  # [ns]

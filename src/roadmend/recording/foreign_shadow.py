@@ -3,15 +3,18 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Any
+from typing import Any, NamedTuple
 
+from roadmend.core.command import Command
 from roadmend.core.errors import InputError
+from roadmend.core.repair import Repair
 from roadmend.recording import foreign_repair, messages
 from roadmend.recording.foreign_commands import COMMAND_FORMS, Pedals
 from roadmend.recording.foreign_objects import OBJECT_READERS, EgoOutline
 from roadmend.recording.foreign_repair import Answer, ForeignRepair
 from roadmend.recording.reader import BagReader
 from roadmend.recording.shadow import ShadowComparison, ShadowSummary
+from roadmend.recording.topics import REPAIR_STATE, TYPES
 from roadmend.repair.guard import GuardedRepairer
 
 PATIENCE_S = 0.3  # [s] of the bag's time after which an input counts as late
@@ -82,7 +85,8 @@ def run_foreign_shadow(
 ) -> ShadowSummary:
     """Let a method judge every recorded command, with the newest odometry and objects before it in the bag.
 
-    Messages arrive at their log times. What was done is what was asked: the bag is taken for one without repair.
+    Messages arrive at their log times. What was done is what a repair node of roadmend sent, where its states are in the bag
+    (``roadmend repair`` records them), else what was asked.
 
     Args:
         reader: the bag.
@@ -101,6 +105,8 @@ def run_foreign_shadow(
     repair = ForeignRepair(vehicle, OBJECT_READERS[kinds[foreign_repair.OBJECTS]](), form, PATIENCE_S)
     repair.use(repairer)
     comparison, speed = ShadowComparison(), 0.0
+    states = _states(reader)
+    judged: _Judged | None = None  # the last answer, until it is known what was done
     takers: Mapping[str, Callable[[Any, float], None]] = {
         foreign_repair.EGO: repair.take_ego,
         foreign_repair.OBJECTS: repair.take_objects,
@@ -108,7 +114,13 @@ def run_foreign_shadow(
         foreign_repair.ROUTE: lambda message, _now: repair.take_route(message),
     }
     inputs = {topic: name for name, topic in found.items()}
-    for message in reader.messages(list(inputs)):
+    for message in reader.messages([*inputs, *states]):
+        if message.topic in states:
+            if judged is not None:
+                done = judged.repaired(message.value.final_action)
+                comparison.add(*done, intervened=message.value.intervened)
+                judged = None
+            continue
         name, now = inputs[message.topic], 1e-9 * message.time_ns
         try:
             if name != foreign_repair.COMMAND:
@@ -122,8 +134,31 @@ def run_foreign_shadow(
             ) from error
         answer = repair.take_command(message.value, now)
         if answer is not None:
-            comparison.add(now, form.read(message.value), answer.repair, speed, intervened=False)
+            if judged is not None:
+                comparison.add(*judged, intervened=False)
+            judged = _Judged(now, form.read(message.value), answer.repair, speed)
             watcher(message.time_ns, answer)
+    if judged is not None:
+        comparison.add(*judged, intervened=False)
     if not comparison.count:
         raise InputError(str(reader.path), f"holds no message on {topics.command}", "name the topic of the commands")
-    return comparison.summary()
+    return comparison.summary(is_repaired=bool(states))
+
+
+class _Judged(NamedTuple):
+    """An answer of the other method, and what was done instead: what ``ShadowComparison.add`` takes."""
+
+    time: float  # [s]
+    done: Command
+    answer: Repair
+    speed: float  # [m/s]
+
+    def repaired(self, action: float) -> "_Judged":
+        """The same where ``action``, throttle - brake, was sent."""
+        return self._replace(done=Command.from_action(action))
+
+
+def _states(reader: BagReader) -> list[str]:
+    """The topic on which a repair node told what it did, if there is one: that in the shortest namespace."""
+    kind = TYPES[REPAIR_STATE]
+    return sorted((name for name, topic in reader.topics.items() if topic.type_name == kind), key=len)[:1]

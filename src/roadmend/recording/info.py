@@ -73,7 +73,7 @@ class BagInfo:
     end: float | None
     outcome: str  # as the events or else the recorder tell; UNFINISHED without a final event, empty without any
     outcome_text: str
-    interventions: InterventionSummary | None  # None where no repair state was recorded
+    interventions: InterventionSummary | None  # of the graph itself; None where no repair state was recorded
     spells: tuple[SpellAccount, ...]  # of the graph itself, not of a shadow in the bag
     topics: list[TopicInfo]
     metadata: dict[str, dict[str, str]]
@@ -121,7 +121,7 @@ class _Reading:
         self._topics: dict[str, ScannedTopic] = {}
         self._metadata: dict[str, dict[str, str]] = {}
         self._attachments: dict[str, int] = {}
-        self._repair: InterventionSummary | None = None
+        self._repairs: dict[str, InterventionSummary] = {}  # by topic
         self._outcome: tuple[str, str] | None = None  # with its text, as the events tell it
         self._codec = Codec()
         self._spells = SpellScan(self._codec)
@@ -144,8 +144,8 @@ class _Reading:
         value = self._codec.decode(item.topic.definition, item.data)
         self._spells.take(item, value)
         if item.topic.definition.type_name == TYPES[REPAIR_STATE]:
-            self._repair = self._repair or InterventionSummary()
-            self._repair.add(int(value.state), intervened=bool(value.intervened))
+            summary = self._repairs.setdefault(item.topic.name, InterventionSummary())
+            summary.add(int(value.state), intervened=bool(value.intervened))
             return
         if value.kind in set(EventKind) and EventKind(value.kind).is_final:
             self._outcome = EventKind(value.kind).name, value.text
@@ -166,7 +166,7 @@ class _Reading:
             end=max((rhythm.end_ns / SECOND for rhythm in self._rhythms.values()), default=None),
             outcome=outcome,
             outcome_text=text,
-            interventions=self._repair,
+            interventions=self._repairs[min(self._repairs, key=len)] if self._repairs else None,
             spells=self._spells.accounts(),
             topics=[self._topic(name) for name in sorted(self._rhythms)],
             metadata={name: values for name, values in self._metadata.items() if name not in _HIDDEN},

@@ -158,6 +158,9 @@ def read_metadata(path: Path) -> dict[str, Any]:
         names = [str(name) for name in information["relative_file_paths"]]
         storage = str(information["storage_identifier"])
     except (InputError, KeyError, TypeError) as error:
+        if not metadata.exists() and not any(metadata.parent.glob("*.mcap")):
+            what = "is no bag: neither metadata.yaml nor an .mcap file is in it"
+            raise InputError(str(metadata.parent), what, "name a bag's folder or an .mcap file") from error
         if not metadata.exists():
             raise InputError(
                 str(metadata), "is missing", "the recording was cut short: 'roadmend bag recover' it, or take another"

@@ -19,7 +19,7 @@ class ShadowSummary:
     """What was done (then) against what would have been done (now)."""
 
     ticks: int
-    interventions_then: int
+    interventions_then: int | None  # None where no repair state was recorded
     interventions_now: int
     agreement: float  # share of the ticks with the same throttle and brake
     first_difference: float | None  # [s] simulation time; None where all agree
@@ -56,10 +56,11 @@ class ShadowComparison:
         change = abs(asked_acceleration(command, speed) - asked_acceleration(done, speed))
         self._difference += change if math.isfinite(change) else 0.0
 
-    def summary(self) -> ShadowSummary:
-        """Of all answers; there must be one."""
+    def summary(self, *, is_repaired: bool = True) -> ShadowSummary:
+        """Of all answers; there must be one. ``is_repaired``: whether it is known what the method of then did."""
         count = self.count
-        return ShadowSummary(count, self._then, self._now, self._same / count, self._first, self._difference / count)
+        then = self._then if is_repaired else None
+        return ShadowSummary(count, then, self._now, self._same / count, self._first, self._difference / count)
 
 
 Watcher = Callable[[BagTick, Repair], None]
@@ -99,7 +100,7 @@ def run_shadow(
         raise InputError(
             str(ticks.path), "holds no command of a policy or a repair node", "name a bag of a run that was driven"
         )
-    return comparison.summary()
+    return comparison.summary(is_repaired=repaired)
 
 
 def asked_acceleration(command: Command, speed: float) -> float:
