@@ -57,8 +57,7 @@ def test_a_bank_cut_short_is_one_line_everywhere(bank, tmp_path, capsys):
 
 def test_an_empty_bank_is_an_honest_empty_result(tmp_path, capsys):
     bank = tmp_path / "empty.bank"
-    assert main(["sera", "bank", "build", "--out", str(bank)]) == 0
-    capsys.readouterr()
+    build_bank(bank, [])
     assert main(["sera", "bank", "show", "--bank", str(bank)]) == 0
     assert "0 scenarios" in capsys.readouterr().out
     assert main(["sera", "bank", "search", "--bank", str(bank), *WORDS]) == 0
@@ -67,6 +66,14 @@ def test_an_empty_bank_is_an_honest_empty_result(tmp_path, capsys):
     assert "3 places stay empty" in capsys.readouterr().out
     assert main(["sera", "recommend", "--bank", str(bank), *WORDS, "-k", "3", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["refined"] == []
+
+
+def test_a_bank_of_nothing_does_not_replace_one(bank, capsys):
+    before = bank.read_bytes()
+    assert main(["sera", "bank", "build", "--out", str(bank)]) == 2
+    assert main(["sera", "analyse", str(SAMPLES), "--out", str(bank)]) == 2
+    assert bank.read_bytes() == before
+    assert "holds no patterns" in capsys.readouterr().err
 
 
 @pytest.fixture(scope="module")

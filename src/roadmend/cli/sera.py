@@ -23,11 +23,12 @@ from roadmend.cli.sera_options import (
 )
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
+from roadmend.core.json_text import read_json
 from roadmend.core.whole_file import write_text
 from roadmend.sera.analysis import Analysis, analyse, find_bags, read_incidents
 from roadmend.sera.analysis_report import NOTHING, pattern_rows, report
 from roadmend.sera.bank import Bank
-from roadmend.sera.pattern import dump_patterns, read_patterns
+from roadmend.sera.pattern import dump_patterns, parse_patterns, read_patterns
 from roadmend.sera.recommendation import content_of
 from roadmend.sera.recommendation import recommend as recommend_from
 from roadmend.world.scenario_file import load_scenario
@@ -62,6 +63,8 @@ def analyse_bags(given: AnalyseOptions) -> int:
     found = find_bags(given.bags)
     if given.out is not None and given.out.suffix == ".md":
         raise InputError("--out", f"{given.out} is where the report would go", "name a .json file")
+    if given.out is not None and given.out.exists():
+        _refuse_other(given.out)
     opened = open_backend(given.language, given.out)
     readings = []
     with fan_out(given.workers, len(found)) as mapper, counting(is_transient=True) as progress:
@@ -88,6 +91,15 @@ def analyse_bags(given: AnalyseOptions) -> int:
     for each in analysis.unreadable:
         click.echo(f"not read: {each.problem}", err=True)
     return 1 if analysis.unreadable else 0
+
+
+def _refuse_other(out: Path) -> None:
+    """Refuse to replace what holds no patterns: a bank, or a file of somebody else's."""
+    try:
+        content = read_json(out)
+        parse_patterns(content if isinstance(content, list) else [content], str(out))
+    except InputError:
+        raise InputError(str(out), "is there already and holds no patterns", "choose another name") from None
 
 
 def _show_patterns(analysis: Analysis) -> None:

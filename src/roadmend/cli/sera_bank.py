@@ -16,6 +16,7 @@ from roadmend.cli.command import ExampleCommand, Group
 from roadmend.cli.options import FILE, JSON, only_own, options_of
 from roadmend.cli.output import stages, wide_console
 from roadmend.cli.sera_options import BANK, EMBEDDER, PATTERN, filter_options, filters_of
+from roadmend.core.errors import InputError
 from roadmend.sera.bank import Bank, Built, Report, build_bank
 from roadmend.sera.describe import entry_of, entry_of_case
 from roadmend.sera.descriptor import BankEntry
@@ -110,6 +111,8 @@ def build(given: BankBuildOptions) -> None:
     )
     total = len(given.scenarios) + given.count * len(FAMILIES)
     total += sum(len(corpus.select(split=split)) for corpus in loaded for split in dict.fromkeys(given.splits))
+    if not total:
+        raise InputError("bank", "would hold nothing", "name scenario files, --sample or --corpus")
     _build(given.out, entries, given.embedder or DEFAULT, total, as_json=given.as_json)
 
 

@@ -232,7 +232,7 @@ def adreft(given: AdreftOptions) -> None:
 @JSON
 def adjust(model: Path, threshold: float | None, settings: tuple[str, ...], out: Path, *, as_json: bool) -> None:
     """Write MODEL, one of ADReFT, with another threshold or other rules of deciding; its networks stay as they are."""
-    changes = {name.removeprefix("model."): value for name, value in (setting(f"model.{each}") for each in settings)}
+    changes = dict(setting(each, "NAME=VALUE", "hold=0.3") for each in settings)
     command = f"./roadmend train adjust {model.name}"
     command += f" --threshold {threshold:g}" if threshold is not None else ""
     command += "".join(f" --set {each}" for each in settings)
@@ -240,19 +240,19 @@ def adjust(model: Path, threshold: float | None, settings: tuple[str, ...], out:
     click.echo(json.dumps({"model": str(out), "sha256": digest}) if as_json else f"{out}: SHA-256 {digest}")
 
 
-def setting(text: str) -> tuple[str, Any]:
-    """The name and the value of ``SECTION.NAME=VALUE``, as options have it.
+def setting(text: str, form: str = "SECTION.NAME=VALUE", example: str = "practice.dose=0.1") -> tuple[str, Any]:
+    """The name and the value of ``SECTION.NAME=VALUE``, or of another form with as many points, as options have it.
 
     Raises:
         InputError: it is no such thing.
     """
     name, _, value = text.partition("=")
     try:
-        if value and all(name.partition(".")):
+        if value and all(name.split(".")) and name.count(".") == form.count("."):
             return name, parse_yaml(value, name, ARGUMENT)
     except InputError:
         pass
-    raise InputError("--set", f"{text[:100]!r} is no SECTION.NAME=VALUE", "write for instance practice.dose=0.1")
+    raise InputError("--set", f"{text[:100]!r} is no {form}", f"write for instance {example}")
 
 
 def driver_of(corpus: Corpus) -> RepairedPolicy:

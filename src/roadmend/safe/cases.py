@@ -10,9 +10,8 @@ from roadmend.safe.dsl import CrashScenario
 from roadmend.safe.dsl_file import load_crash_scenario
 from roadmend.safe.embedded import EmbeddedExtractor
 from roadmend.safe.extraction import Extraction
-from roadmend.safe.report import CrashReport, case_of, find_reports, load_report
+from roadmend.safe.report import LANGUAGE_SUFFIXES, CrashReport, case_of, find_reports, load_report
 
-_LANGUAGE = {".json", ".yaml", ".yml"}
 _EVIDENCE = ".evidence"  # what 'roadmend safe extract' writes beside a scenario
 
 
@@ -60,7 +59,9 @@ def _cases_of(path: Path) -> list[CrashCase]:
         return [_from_language(path)]
     if path.is_dir():
         files = [
-            each for each in sorted(path.iterdir()) if each.suffix in _LANGUAGE and not each.stem.endswith(_EVIDENCE)
+            each
+            for each in sorted(path.iterdir())
+            if each.suffix in LANGUAGE_SUFFIXES and not each.stem.endswith(_EVIDENCE)
         ]
         if files and not any(each.is_dir() or each.suffix.lower() == ".txt" for each in path.iterdir()):
             return [_from_language(each) for each in files]

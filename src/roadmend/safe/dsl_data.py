@@ -35,7 +35,7 @@ Lines = Mapping[str, int]  # field -> line of the file, from 1
 NOT_APPLICABLE = "Not applicable"
 _BEYOND = ("collisions", "impacts", "is_divided", "bend", "control")  # parts that the paper does not have
 _OF_IMPACT = ("object", "striking_side", "roadside")  # where known
-_MEND = "see the scenario language in the README"
+_MEND = "see 'The scenario language' in src/doc/safe.md"
 
 
 def dump_data(scenario: CrashScenario) -> dict[str, Any]:

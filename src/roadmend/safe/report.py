@@ -42,12 +42,19 @@ class CrashReport:
         return value.hexdigest()
 
 
+LANGUAGE_SUFFIXES = {".json", ".yaml", ".yml"}  # of files of the scenario language
+
+
 def find_reports(path: Path) -> tuple[Path, ...]:
     """The reports at a path: itself, or what a folder of reports holds.
 
     Raises:
         InputError: there is none.
     """
+    if path.is_file() and path.suffix.lower() in LANGUAGE_SUFFIXES:
+        raise InputError(
+            str(path), "is no text but a file of data", "a scenario is for 'safe build', 'test' and 'reproduce'"
+        )
     if path.is_file() or (path.is_dir() and _summary_of(path) is not None):
         return (path,)
     if not path.is_dir():

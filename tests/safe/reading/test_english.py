@@ -1,6 +1,8 @@
 """The trained parser: named in results, the same answer every time, and a missing extra said in one line."""
 
 import builtins
+import subprocess
+import sys
 
 import pytest
 
@@ -26,6 +28,27 @@ def test_words_are_told_from_slips(word, known):
     assert english.is_english(word) == known
 
 
+def test_what_was_parsed_before_is_no_word_of_the_model():
+    english.pipeline().vocab.strings.add("strukkc")
+    assert not english.is_english("strukkc")
+
+
+def test_threads_that_begin_together_share_the_parser():
+    told = (
+        "I was driving my red Mazda 3 south on Pine Street, about 25 mph in a 30 zone, when a grey Toyota Tacoma ran the stop "
+        "sign on Birch Avenue heading west and hit the right side of my car. It was drizzling and already dark out."
+    )
+    program = (
+        "from concurrent.futures import ThreadPoolExecutor\n"
+        "from roadmend.safe.reading.reader import read_summary\n"
+        f"texts = [{told!r}, 'V1 was traveling north. V2 was traveling east and struck V1.']\n"
+        "with ThreadPoolExecutor(2) as pool:\n"
+        "    print(*(len(each.scenario.vehicles) for each in pool.map(read_summary, texts)))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr) == ("2 2\n", "")
+
+
 def test_a_missing_parser_is_said_with_what_to_do(monkeypatch):
     real = builtins.__import__
 
@@ -36,4 +59,4 @@ def test_a_missing_parser_is_said_with_what_to_do(monkeypatch):
 
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(InputError, match="reading"):
-        english.pipeline.__wrapped__()
+        english._loaded.__wrapped__()

@@ -81,9 +81,9 @@ def parse(sentences: Sequence[Sentence], groups: Sequence[Sequence[NounGroup]]) 
         sentences: of a text.
         groups: of nouns that name vehicles in each of them.
     """
-    from spacy.tokens import Doc  # noqa: PLC0415 - as the model
-
     model = pipeline()
+    from spacy.tokens import Doc  # noqa: PLC0415 - as the model, and after it: two imports at once fail
+
     rows = [list(_words(sentence.items, row)) for sentence, row in zip(sentences, groups, strict=True)]
     docs = (
         Doc(model.vocab, words=[word for word, _ in row], sent_starts=_starts(row, each.items, mine))
