@@ -1,5 +1,8 @@
 """The three written forms of a scenario: what is written is read back, and mistakes are named by line and field."""
 
+import json
+import tracemalloc
+
 import pytest
 from hypothesis import given, settings
 
@@ -179,3 +182,15 @@ def test_files_name_line_and_field(form):
 def test_broken_files(form, text, complaint):
     with pytest.raises(InputError, match=complaint):
         parse_crash_scenario(text, form, "case")
+
+
+def test_long_names_around_many_values_take_little_memory():
+    content = [0] * 15_000
+    for _ in range(50):
+        content = {"x-" + "a" * 900: content}
+    tracemalloc.start()
+    with pytest.raises(InputError, match="road_type: is missing"):
+        parse_crash_scenario(json.dumps(content), ".json", "here")
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 100_000_000  # 700 MB where the line of each value is kept under its whole name

@@ -17,6 +17,7 @@ from roadmend.safe.dsl_data import dump_data, parse_data
 from roadmend.safe.dsl_text import dump_text, parse_text
 
 _YAML_ENDINGS = {".yaml", ".yml"}
+_LONGEST = 200  # [characters] of a path to a field whose line is noted
 
 
 def load_crash_scenario(path: Path) -> CrashScenario:
@@ -84,6 +85,8 @@ def _read_yaml(text: str, where: str) -> tuple[Any, str, dict[str, int]]:
 
 
 def _note_lines(node: yaml.Node, path: str, lines: dict[str, int]) -> None:
+    if len(path) > _LONGEST:
+        return  # no field of the language: below a long name each of many more would be as long
     lines.setdefault(path, node.start_mark.line + 1)
     if isinstance(node, yaml.MappingNode):
         for key, value in node.value:
