@@ -103,10 +103,10 @@ class SimNode(Node):
         self._timeout = settings.command_timeout
         self._wait_for = settings.wait_for
         self._summary_path = settings.summary
-        if not settings.scenario:
-            raise InputError("parameter scenario", "is empty", "name a scenario file: -p scenario:=FILE")
         self._scenario_file = Path(settings.scenario)
         self._configuration = ConfigurationAnnouncer(self, "sim", self._running)
+        if not settings.scenario:
+            raise InputError("parameter scenario", "is empty", "name a scenario file: -p scenario:=FILE")
         self._simulation = Simulation(load_scenario(self._scenario_file))
         self._builder = ResultBuilder(self._simulation.scenario.name)
         self._view = GraphView(self, settings.driver, self._summary_path)
