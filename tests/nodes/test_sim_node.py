@@ -300,7 +300,7 @@ def test_an_episode_that_is_stopped_is_recorded_as_aborted(bench, tmp_path):
         ({"clock": "sundial"}, "parameter clock"),
         ({"rate": 0.0}, "parameter rate"),
         ({"command_timeout": "long"}, "parameter command_timeout"),
-        ({"scenario": ""}, "cannot be read"),
+        ({"scenario": ""}, "parameter scenario: is empty"),
     ],
 )
 def test_bad_parameters_are_refused_by_name(bench, parameters, words):
