@@ -194,3 +194,9 @@ def test_long_names_around_many_values_take_little_memory():
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 100_000_000  # 700 MB where the line of each value is kept under its whole name
+
+
+def test_a_line_with_many_spaces_is_read_at_all():
+    text = "<Scenario>: x" + " " * 400_000 + "x"  # looked at from each of its spaces it would outlast the tests
+    with pytest.raises(InputError):
+        parse_crash_scenario(text, ".txt", "here")

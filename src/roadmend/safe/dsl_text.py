@@ -12,7 +12,8 @@ from roadmend.safe.dsl import EXTRA_PREFIX, CrashScenario, RoadType
 from roadmend.safe.dsl_data import NOT_APPLICABLE, dump_data, parse_data
 
 _UNKNOWN = "Unknown"
-_LINE = re.compile(r"(?P<indent> *)<(?P<name>[^<>]+)>\s*:\s*(?P<value>.*?)\s*$")
+# The value is stripped afterwards: a pattern that leaves out the spaces around it looks at each of them from each of them.
+_LINE = re.compile(r"(?P<indent> *)<(?P<name>[^<>]+)>\s*:(?P<value>.*)$")
 _VEHICLE = {
     "Model": "model",
     "Initial_position": "initial_position",
@@ -110,7 +111,7 @@ def _outline(text: str, where: str) -> _Entry:
             raise InputError(
                 f"{where}, line {number}", f"{line.strip()[:60]!r} is no '<Field>: value'", "mend the line"
             )
-        entry = _Entry(match["name"], match["value"], number, len(match["indent"]))
+        entry = _Entry(match["name"], match["value"].strip(), number, len(match["indent"]))
         while stack[-1].indent >= entry.indent:
             stack.pop()
         stack[-1].parts.append(entry)
