@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from enum import StrEnum
 from typing import Any, TypeVar
 
@@ -35,6 +35,7 @@ Lines = Mapping[str, int]  # field -> line of the file, from 1
 NOT_APPLICABLE = "Not applicable"
 _BEYOND = ("collisions", "impacts", "is_divided", "bend", "control")  # parts that the paper does not have
 _OF_IMPACT = ("object", "striking_side", "roadside")  # where known
+_LONGEST = 200  # [characters] of the way to a field
 _MEND = "see 'The scenario language' in src/doc/safe.md"
 
 
@@ -277,13 +278,13 @@ class _Parser:
             raise self.fail(_join(field, name), problem) from None
 
 
-def _outwards(field: str) -> list[str]:
-    """A field and what it stands in, from the inside out."""
-    names = [field]
+def _outwards(field: str) -> Iterator[str]:
+    """A field and what it stands in, from the inside out; of a name that is longer than any field's, only its begin."""
+    field = field[:_LONGEST]
+    yield field
     while field:
         field = field[: max(field.rfind("."), field.rfind("["), 0)]
-        names.append(field)
-    return names
+        yield field
 
 
 def _join(parent: str, name: str) -> str:
