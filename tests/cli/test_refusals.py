@@ -47,6 +47,17 @@ def test_a_route_that_does_not_exist_names_file_field_and_choices(scenario, comp
     )
 
 
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--rate", "3"], "--rate is of --clock realtime"),
+        (["--name", "mine", "--no-record"], "--name is of a bag"),
+    ],
+)
+def test_options_that_nobody_would_obey_are_refused(scenario, complaint, options, words):
+    assert words in complaint("--scenario", scenario, *options)
+
+
 def test_a_network_without_lanes_for_cars_names_its_file(scenario, complaint, tmp_path):
     network = tmp_path / "bare.net.xml"
     network.write_text('<net version="1.20"/>')

@@ -37,6 +37,24 @@ def test_alone_it_prints_its_help():
     assert "\n  set-up  " in done.stdout
 
 
+@pytest.mark.parametrize("command", ["set-up", "test"])
+def test_what_the_script_does_itself_has_help_too(command):
+    done = call(command, "--help")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith(f"Usage: ./roadmend {command} ")
+    assert f"Examples:\n  ./roadmend {command}\n" in done.stdout
+
+
+@pytest.mark.graph
+def test_a_replay_that_waits_says_for_whom_and_ends_with_130_when_interrupted():
+    command = ["./roadmend", "replay", "bags/samples/repaired", "--lockstep"]
+    running = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+    assert any("waiting for a node that answers on /repair/" in line for line in running.stderr)
+    running.send_signal(signal.SIGINT)
+    assert running.communicate(timeout=PATIENCE)[1].endswith("roadmend: interrupted\n")
+    assert running.returncode == 130
+
+
 def test_a_misspelled_command_gets_the_nearest_name():
     done = call("tset")
     assert done.returncode == 2

@@ -50,8 +50,10 @@ def bag(tmp_path):
             writer.add_topic("/ego", ODOMETRY)
             writer.add_topic("/note", TEXT)
             writer.add_topic("/diagnostics", TEXT)
+            writer.add_topic("/configuration", TEXT)
             writer.add_metadata("roadmend", metadata)
-            writer.write("/diagnostics", 0, cdr(STORE.types[TEXT](data=name)))
+            for topic in ("/diagnostics", "/configuration"):
+                writer.write(topic, 0, cdr(STORE.types[TEXT](data=name)))
             for tick in range(ticks):
                 writer.write("/ego", tick * TICK, cdr(odometry(tick + shift(tick))).replace(FILL, FILL[:-2] + padding))
                 if texts(tick) is not None:
@@ -134,7 +136,7 @@ def test_a_topic_of_two_types(tmp_path):
 def test_topics_can_be_chosen(bag):
     one, other = bag("a"), bag("b", shift=lambda _tick: 1.0)
     assert bag_diff(one, other, include="note").is_equal
-    assert bag_diff(one, other, exclude="ego|diagnostics").is_equal
+    assert bag_diff(one, other, exclude="ego|diagnostics|configuration").is_equal
     assert not bag_diff(one, other, include="diagnostics", exclude="").is_equal
     with pytest.raises(InputError, match="hold no topic to compare"):
         bag_diff(one, other, include="absent")

@@ -6,6 +6,7 @@ import pytest
 
 from roadmend.cli.main import main
 from roadmend.core.errors import InputError
+from roadmend.recording import messages
 from roadmend.recording.codec import encode, type_of
 from roadmend.recording.foreign_commands import PEDALS
 from roadmend.recording.foreign_objects import OBJECT_READERS, EgoOutline
@@ -22,7 +23,7 @@ OPTIONS = ["--ego", "/odom", "--objects", "/detections", "--command", "/drive/ac
 CAR = EgoOutline(4.8, 1.8)
 
 
-def record(folder, stands_at=60.0, objects_until=9.0, begin=100.0):
+def record(folder, stands_at=60.0, objects_until=9.0, begin=100.0, repaired=lambda step: None):
     """5 s at 10 m/s toward one who stands: odometry at 50 Hz, detections at 10 Hz, commands at 20 Hz."""
     streams = []
     for step in range(500):
@@ -35,9 +36,12 @@ def record(folder, stands_at=60.0, objects_until=9.0, begin=100.0):
             streams.append(("/detections", time, detections(time, one, frame="base_link")))
         if step % 5 == 0:
             streams.append(("/drive/accel", time, acceleration(time, 0.5)))
+            if (repair := repaired(step)) is not None:
+                state = messages.repair_message_of(repair, "rss", messages.header_of(time))
+                streams.append(("/repair/state", time + 0.001, state))
     with BagWriter(folder) as writer:
-        for topic, _, message in streams[:3]:
-            writer.add_topic(topic, type_of(message), [Qos()])
+        for topic, kind in {topic: type_of(message) for topic, _, message in streams}.items():
+            writer.add_topic(topic, kind, [Qos()])
         for topic, time, message in streams:
             writer.write(topic, round(time * 1e9), encode(message))
     return folder
@@ -65,6 +69,16 @@ def test_the_method_steps_in_before_the_one_who_stands_and_nobody_moves_on_it(ba
     assert 0.0 < summary.agreement < 1.0
     assert summary.acceleration_difference > 0.1
     assert [trigger.object_id for trigger in seen[-20][1].repair.triggers] == [7]
+
+
+def test_what_a_repair_node_did_then_is_what_was_done(tmp_path):
+    bag = tmp_path / "bag"
+    record(bag)
+    bare, answers = shadow(bag)
+    then = [answer.repair for _, answer in answers]
+    summary, _ = shadow(record(tmp_path / "repaired", repaired=lambda step: then[step // 5]))
+    assert summary.interventions_then == summary.interventions_now == bare.interventions_now
+    assert summary.agreement == 1.0 > bare.agreement
 
 
 def test_with_nobody_in_the_way_only_the_start_differs(tmp_path):

@@ -180,10 +180,10 @@ def run_group(group: click.Group, name: str, arguments: Sequence[str]) -> int:
     except click.ClickException as error:
         return _complain(error.format_message(), 1)
     except OSError as error:
-        if error.errno not in _NO_ROOM:
+        if error.errno not in _NO_ROOM or error.filename is not None:
             raise
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left of the output has no place to go
-        return _complain(f"{error.filename or 'standard output'}: {error.strerror}; make room, or write elsewhere", 2)
+        return _complain(f"standard output: {error.strerror}; make room, or write elsewhere", 2)
     except (click.Abort, KeyboardInterrupt):
         return _complain("interrupted", 130)
     return int(code or 0)

@@ -248,7 +248,7 @@ def setting(text: str, form: str = "SECTION.NAME=VALUE", example: str = "practic
     """
     name, _, value = text.partition("=")
     try:
-        if value and all(name.split(".")) and name.count(".") == form.count("."):
+        if value and all(name.split(".")) and name.count(".") >= form.count("."):
             return name, parse_yaml(value, name, ARGUMENT)
     except InputError:
         pass

@@ -90,9 +90,7 @@ def _train(name: str, given: MonitorOptions) -> None:
     kind = KINDS[name]
     if given.policy in given.also:
         raise InputError("--also", f"'{given.policy}' is the policy itself", "name another one")
-    named = {
-        each.removeprefix(f"{name}."): value for each, value in (setting(f"{name}.{one}") for one in given.settings)
-    }
+    named = dict(setting(each, "NAME=VALUE", "epochs=3") for each in given.settings)
     read = check_settings(named, kind.settings, "--set", f"see ./roadmend train {name} --help")
     AdreftModel.load(given.model)  # a file that is none is refused before anybody starts to drive
     drivers = [driver_of(corpus_of(given.policy, given.corpus_file)), *map(_driver_beside, given.also)]

@@ -14,7 +14,7 @@ from roadmend.recording.foreign_objects import OBJECT_READERS, EgoOutline
 from roadmend.recording.foreign_repair import Answer, ForeignRepair
 from roadmend.recording.reader import BagReader
 from roadmend.recording.shadow import ShadowComparison, ShadowSummary
-from roadmend.recording.topics import REPAIR_STATE, TYPES
+from roadmend.recording.topics import REPAIR_STATE, TYPES, own
 from roadmend.repair.guard import GuardedRepairer
 
 PATIENCE_S = 0.3  # [s] of the bag's time after which an input counts as late
@@ -159,6 +159,7 @@ class _Judged(NamedTuple):
 
 
 def _states(reader: BagReader) -> list[str]:
-    """The topic on which a repair node told what it did, if there is one: that in the shortest namespace."""
+    """The topic on which the graph's repair node told what it did, if there is one."""
     kind = TYPES[REPAIR_STATE]
-    return sorted((name for name, topic in reader.topics.items() if topic.type_name == kind), key=len)[:1]
+    found = [name for name, topic in reader.topics.items() if topic.type_name == kind]
+    return [own(found)] if found else []

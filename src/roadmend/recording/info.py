@@ -17,7 +17,7 @@ from roadmend.recording.recovery import files_left
 from roadmend.recording.rhythm import Rhythm
 from roadmend.recording.scan import Item, NamedTexts, Scan, ScannedMessage, ScannedTopic
 from roadmend.recording.spell_scan import SpellScan
-from roadmend.recording.topics import EVENTS, REPAIR_STATE, TYPES
+from roadmend.recording.topics import EVENTS, REPAIR_STATE, TYPES, own
 
 _RECORD = "roadmend"  # metadata that the recorder writes
 _HIDDEN = {"rosbag2", REPEATED}  # metadata that repeat what the rest of the information says
@@ -166,7 +166,7 @@ class _Reading:
             end=max((rhythm.end_ns / SECOND for rhythm in self._rhythms.values()), default=None),
             outcome=outcome,
             outcome_text=text,
-            interventions=self._repairs[min(self._repairs, key=len)] if self._repairs else None,
+            interventions=self._repairs[own(self._repairs)] if self._repairs else None,
             spells=self._spells.accounts(),
             topics=[self._topic(name) for name in sorted(self._rhythms)],
             metadata={name: values for name, values in self._metadata.items() if name not in _HIDDEN},

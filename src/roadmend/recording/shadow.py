@@ -9,7 +9,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.route import Route
 from roadmend.recording.ticks import BagTick, BagTicks
-from roadmend.recording.topics import REPAIR_COMMAND
+from roadmend.recording.topics import REPAIR_COMMAND, REPAIR_STATE
 from roadmend.repair.guard import GuardedRepairer
 from roadmend.world.ego import VehicleParameters
 
@@ -100,7 +100,7 @@ def run_shadow(
         raise InputError(
             str(ticks.path), "holds no command of a policy or a repair node", "name a bag of a run that was driven"
         )
-    return comparison.summary(is_repaired=repaired)
+    return comparison.summary(is_repaired=REPAIR_STATE in ticks.topics)
 
 
 def asked_acceleration(command: Command, speed: float) -> float:

@@ -11,7 +11,7 @@ from roadmend.recording import messages
 from roadmend.recording.codec import Codec
 from roadmend.recording.scan import ScannedMessage
 from roadmend.recording.ticks import LATE_NS
-from roadmend.recording.topics import EGO, EVENTS, OBJECTS, REPAIR_STATE, ROUTE, TYPES
+from roadmend.recording.topics import EGO, EVENTS, OBJECTS, REPAIR_STATE, ROUTE, TYPES, own
 
 _TOPICS = (EGO, OBJECTS, ROUTE, EVENTS, REPAIR_STATE)
 
@@ -41,7 +41,7 @@ class SpellScan:
     def accounts(self) -> tuple[SpellAccount, ...]:
         """Of the whole file; as ``BagTicks`` does, of the graph in the shortest namespace."""
         graphs = {name: graph for name, graph in self._graphs.items() if graph.answers}
-        return graphs[min(graphs, key=len)].accounts() if graphs else ()
+        return graphs[own(graphs)].accounts() if graphs else ()
 
 
 @dataclass(slots=True)

@@ -117,7 +117,7 @@ def _topics(reader: BagReader) -> dict[str, str]:
     for topic, kind in topics.TYPES.items():
         names = [name for name, one in reader.topics.items() if one.type_name == kind and name.endswith(f"/{topic}")]
         if names:
-            found[topic] = min(names, key=len)
+            found[topic] = topics.own(names)
     return found
 
 

@@ -1,5 +1,7 @@
 """The graph's topics: names, types, and what their publishers offer. Named in this one place."""
 
+from collections.abc import Iterable
+
 from roadmend.recording.qos import Qos
 
 CLOCK = "/clock"
@@ -55,3 +57,8 @@ TYPES = {  # of what a recorded episode is read from
     REPAIR_COMMAND: "roadmend_msgs/msg/Command",
     REPAIR_STATE: "roadmend_msgs/msg/RepairState",
 }
+
+
+def own(names: Iterable[str]) -> str:
+    """Of the topics of one kind in a bag, or of the namespaces, the graph's own: a shadow's lies below it, and is longer."""
+    return min(names, key=len)

@@ -35,7 +35,7 @@ Lines = Mapping[str, int]  # field -> line of the file, from 1
 NOT_APPLICABLE = "Not applicable"
 _BEYOND = ("collisions", "impacts", "is_divided", "bend", "control")  # parts that the paper does not have
 _OF_IMPACT = ("object", "striking_side", "roadside")  # where known
-_LONGEST = 200  # [characters] of the way to a field
+LONGEST_FIELD = 200  # [characters] of the way to a field of the language
 _MEND = "see 'The scenario language' in src/doc/safe.md"
 
 
@@ -114,6 +114,7 @@ class _Parser:
         self.lines = lines
 
     def fail(self, field: str, problem: str, mend: str = _MEND) -> InputError:
+        field = field if len(field) <= LONGEST_FIELD else f"{field[:60]}..."
         line = next((self.lines[name] for name in _outwards(field) if name in self.lines), None)
         place = f"{self.where}, line {line}" if line is not None else self.where
         return InputError(place, f"{f'field {field}: ' if field else ''}{problem}", mend)
@@ -279,8 +280,7 @@ class _Parser:
 
 
 def _outwards(field: str) -> Iterator[str]:
-    """A field and what it stands in, from the inside out; of a name that is longer than any field's, only its begin."""
-    field = field[:_LONGEST]
+    """A field and what it stands in, from the inside out."""
     yield field
     while field:
         field = field[: max(field.rfind("."), field.rfind("["), 0)]

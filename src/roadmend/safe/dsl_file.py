@@ -13,11 +13,10 @@ from roadmend.core.json_text import parse_json
 from roadmend.core.whole_file import write_text
 from roadmend.core.yaml_file import compose_yaml, parse_yaml
 from roadmend.safe.dsl import CrashScenario
-from roadmend.safe.dsl_data import dump_data, parse_data
+from roadmend.safe.dsl_data import LONGEST_FIELD, dump_data, parse_data
 from roadmend.safe.dsl_text import dump_text, parse_text
 
 _YAML_ENDINGS = {".yaml", ".yml"}
-_LONGEST = 200  # [characters] of a path to a field whose line is noted
 
 
 def load_crash_scenario(path: Path) -> CrashScenario:
@@ -85,7 +84,7 @@ def _read_yaml(text: str, where: str) -> tuple[Any, str, dict[str, int]]:
 
 
 def _note_lines(node: yaml.Node, path: str, lines: dict[str, int]) -> None:
-    if len(path) > _LONGEST:
+    if len(path) > LONGEST_FIELD:
         return  # no field of the language: below a long name each of many more would be as long
     lines.setdefault(path, node.start_mark.line + 1)
     if isinstance(node, yaml.MappingNode):

@@ -70,6 +70,13 @@ def test_limits(words, mph):
         ("There were three northbound lanes and two southbound lanes.", 5),
         ("One lane runs each way, with a center turn lane.", 3),
         ("The roadway consists of one northbound lane and one southbound lane.", 2),
+        ("It has three lanes on this side and the other side has two.", 5),
+        ("Two lanes run north and two south.", 4),
+        ("There are two lanes going my way (and three against me).", 5),
+        ("It is 1 lane wide.", 1),
+        ("The carriageways, each with two lanes, are apart.", 4),
+        ("It is a six-lane divided highway (three northbound lanes, a median, and three southbound lanes).", 6),
+        ("It has one northbound left-turn lane, two northbound through lanes and one southbound lane.", 4),
     ],
 )
 def test_lanes(words, lanes):
@@ -320,23 +327,6 @@ def test_limits_in_other_words(text, mph):
 )
 def test_lanes_in_other_words(text, lanes):
     assert read(f"{PAIR} {text}").road.lanes == lanes
-
-
-@pytest.mark.parametrize(
-    ("text", "lanes"),
-    [
-        ("It has three lanes on this side and the other side has two.", 5),
-        ("Two lanes run north and two south.", 4),
-        ("There are two lanes going my way (and three against me).", 5),
-        ("It is 1 lane wide.", 1),
-        ("The carriageways, each with two lanes, are apart.", 4),
-        ("It is a six-lane divided highway (three northbound lanes, a median, and three southbound lanes).", 6),
-        ("It has one northbound left-turn lane, two northbound through lanes and one southbound lane.", 4),
-    ],
-)
-def test_lanes_of_two_sides(text, lanes):
-    pair = "A van was going north and hit the back of a lorry."
-    assert read(f"{pair} {text}").road.lanes == lanes
 
 
 def test_numbers_of_units_are_no_lanes():

@@ -8,7 +8,7 @@ from roadmend.safe.claims import Claim, Span
 from roadmend.safe.dsl import MAX_LANES
 from roadmend.safe.reading.facts import Text, claim
 from roadmend.safe.reading.tokens import Item, Sentence, Words
-from roadmend.safe.reading.wording import Wording, found, patterns, wording
+from roadmend.safe.reading.wording import Wording, found, number_of, patterns, wording
 
 _REACH = 6  # words between a number and its "lanes"
 _MOST_COUNTED = 12
@@ -226,9 +226,7 @@ def _bare(counts: Sequence[LaneCount], text: Text) -> list[_Total]:
 def _of_sentence(sentence: Sentence) -> Iterator[LaneCount]:
     items = sentence.items
     for place, item in enumerate(items):
-        number, after = item.get("number"), items.at(place + 1)
-        if item.low == "all three":
-            number = 3
+        number, after = number_of(item), items.at(place + 1)
         if item.low in {"a", "an"}:  # "a lane each way", "a center turn lane"
             is_each = after.is_a("lane") and items.at(place + 2).is_a("each")
             near = items.cut(place + 1, place + 4)

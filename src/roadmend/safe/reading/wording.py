@@ -8,6 +8,7 @@ import functools
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from roadmend.safe.claims import Span
 from roadmend.safe.reading.lexicon import read_table
@@ -47,13 +48,18 @@ def wording(sentence: Sentence) -> Wording:
     return Wording(" ".join(words), tuple(places), sentence.items)
 
 
+def number_of(item: Item) -> Any:
+    """The number that a word says: "three", and "all three", which is a word of its own."""
+    return 3 if item.low == "all three" else item.get("number")
+
+
 def _plain(item: Item) -> str:
-    number = item.get("number")
-    if item.low == "all three":
-        return "all 3"
+    number = number_of(item)
     if item.is_a("mph"):
         return str(item.get("mph"))
-    return item.low if number is None or item.low[:1].isdigit() else f"{number:g}"
+    if number is None or item.low[:1].isdigit():
+        return item.low
+    return f"all {number:g}" if item.low.startswith("all ") else f"{number:g}"
 
 
 @functools.cache

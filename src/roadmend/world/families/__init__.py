@@ -77,10 +77,10 @@ def sample_scenario(family: str, seed: int) -> Scenario:
     """Draw a scenario; the same family and seed give the same scenario.
 
     Raises:
-        InputError: there is no such family, or the seed is no whole number from 0.
+        InputError: there is no such family, or the seed is negative.
     """
     if seed < 0:
-        raise InputError(f"seed {seed!r}", "is no whole number from 0", "give one")
+        raise InputError(f"seed {seed!r}", "is negative", "give a whole number from 0")
     found = FAMILY_REGISTRY.find(family)
     parameters = sample(found.entry.space, random.Random(f"roadmend/{family}/{seed}"))
     return found.entry.build(parameters, f"{found.label}-{seed}", seed)
