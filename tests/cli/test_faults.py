@@ -1,11 +1,22 @@
 """``roadmend faults``: one disturbed run of the real graph, judged, and kept."""
 
 import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
 
 import pytest
 
 from roadmend.cli import faults as command
 from roadmend.cli.main import main
+from roadmend.faults.evidence import Evidence
+from roadmend.faults.processes import left_of
+from roadmend.faults.trial import Disturbed
 
 CAMPAIGN = """
 repair: rss
@@ -52,3 +63,56 @@ def test_a_row_that_there_is_not_is_named_with_those_that_are(tmp_path, capsys):
     assert main(["faults", "--fault", "all", "--out", str(tmp_path / "out")]) == 2
     assert "choose of policy killed" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_runs_at_once_are_told_in_the_order_of_their_rows(tmp_path, capsys, monkeypatch):
+    file = tmp_path / "campaign.yaml"
+    file.write_text(CAMPAIGN[: CAMPAIGN.index("files")].replace("seeds: 1", "seeds: 4"))
+    both, under_way, most = threading.Barrier(2, timeout=30), [], []
+
+    def pretended(campaign, trial, graph):
+        under_way.append(trial)
+        both.wait()  # nobody gets on alone
+        most.append(len(under_way))
+        under_way.remove(trial)
+        driven = Evidence(
+            161, 0, is_declared=True, silence=None, to_state=None, to_standstill=None, in_diagnostics=True, begun=0.0
+        )
+        return Disturbed(True, 1 if trial.fault else 0, "TIMEOUT", 3.0, True, False, (), True, False, driven, ())
+
+    monkeypatch.setattr(command, "disturb", pretended)
+    assert main(["faults", "--config", str(file), "--out", str(tmp_path / "out"), "--parallel", "2", "--json"]) == 1
+    told = json.loads(capsys.readouterr().out)
+    assert max(most) == 2
+    names = [run["fault"] and run["fault"]["name"] for run in told["runs"]]
+    assert names == [None] * 4 + ["policy killed"] * 4 + ["no number"] * 4
+    assert [run["seed"] for run in told["runs"]] == [0, 1, 2, 3] * 3
+    assert told["provenance"]["command"].endswith("--parallel 2")
+
+
+@pytest.fixture
+def short_folder():
+    """A folder whose path is short enough for sockets below those of runs."""
+    with tempfile.TemporaryDirectory(prefix="faults-", dir="/tmp") as name:
+        yield Path(name)
+
+
+@pytest.mark.graph
+def test_an_interrupt_ends_the_runs_under_way(short_folder):
+    tmp_path = short_folder
+    file, out = tmp_path / "campaign.yaml", tmp_path / "out"
+    file.write_text(CAMPAIGN.replace("seeds: 1", "seeds: 2").replace("[lockstep]", "[realtime]"))
+    words = ["faults", "--config", str(file), "--rate", "0.05", "--out", str(out), "--parallel", "2"]
+    environment = {**os.environ, "TMPDIR": str(tmp_path)}
+    running = subprocess.Popen([sys.executable, "-m", "roadmend.cli", *words], env=environment, stderr=subprocess.PIPE)
+    until = time.monotonic() + 120
+    while len([*tmp_path.glob("roadmend-faults-*/tmp/roadmend-run-*/sim.driving")]) < 2:
+        assert running.poll() is None
+        assert time.monotonic() < until
+        time.sleep(0.05)
+    running.send_signal(signal.SIGINT)
+    said = running.communicate(timeout=60)[1].decode()
+    assert running.returncode == 130, said
+    assert "Traceback" not in said
+    assert left_of(f"TMPDIR={tmp_path}") == []
+    assert not [*tmp_path.glob("roadmend-faults-*")]

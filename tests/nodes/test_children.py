@@ -8,6 +8,7 @@ import time
 
 import pytest
 
+from roadmend.core.errors import InputError
 from roadmend.nodes.children import Child
 
 MODULE = """
@@ -72,32 +73,46 @@ def test_an_interrupt_before_a_node_has_a_handler_ends_it_without_a_traceback(tm
 
 INTERRUPTED = """
 import os, signal, time
-from multiprocessing import forkserver
-from roadmend.nodes.children import CONTEXT
+from multiprocessing import forkserver, util
+from roadmend.nodes.children import CONTEXT, start_forked
 
-def quiet():
-    pass
+def sleeps():
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    time.sleep(60.0)
+
+spawn = util.spawnv_passfds
+
+def interrupted_at_once(*arguments):
+    server = spawn(*arguments)
+    for _ in range(WHEN):
+        time.sleep(0.01)
+    os.kill(server, signal.SIGINT)
+    return server
 
 if __name__ == "__main__":
-    forkserver.ensure_running()
+    util.spawnv_passfds = interrupted_at_once
+    process = CONTEXT.Process(target=sleeps)
+    start_forked(process)
     server = forkserver._forkserver._forkserver_pid
-    for _ in range(200):
-        time.sleep(0.01)
-        with open(f"/proc/{server}/status") as status:
-            ignored = next(int(line.split()[1], 16) for line in status if line.startswith("SigIgn"))
-        if ignored & 1 << signal.SIGINT - 1:
-            break
-    os.kill(server, signal.SIGINT)
-    process = CONTEXT.Process(target=quiet)
-    process.start()
-    process.join()
-    assert forkserver._forkserver._forkserver_pid == server
+    assert os.waitpid(server, os.WNOHANG) == (0, 0)
+    time.sleep(0.5)
+    os.kill(process.pid, signal.SIGINT)  # nothing holds back what is meant for the process itself
+    process.join(30.0)
     print(process.exitcode)
 """
 
 
-def test_an_interrupt_while_the_server_imports_is_no_affair_of_its(tmp_path):
+@pytest.mark.parametrize("centiseconds", [0, 1, 10, 60])
+def test_an_interrupt_is_no_affair_of_the_server_from_its_first_moment(tmp_path, centiseconds):
     script = tmp_path / "script.py"
-    script.write_text(INTERRUPTED)
+    script.write_text(INTERRUPTED.replace("WHEN", str(centiseconds)))
     done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=60, check=False)
-    assert (done.stdout, done.stderr) == ("0\n", "")
+    assert (done.stdout, done.stderr) == (f"{-signal.SIGINT}\n", "")
+
+
+def test_a_folder_for_temporary_files_whose_path_is_too_long_is_named(tmp_path, monkeypatch):
+    long = tmp_path / ("x" * 100)
+    long.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(long))
+    with pytest.raises(InputError, match=r"TMPDIR: .*x is too long a path .* at most 75 characters"):
+        Child("one", "one", [], {}, tmp_path / "log", may_restart=False).start()

@@ -1,7 +1,9 @@
 """``roadmend faults``: what the graph does when something in it breaks, and commands when a file is broken."""
 
 import json
-from collections.abc import Callable
+import uuid
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,7 @@ from roadmend.core.journal import Entry, Journal, entry_key
 from roadmend.core.resources import config_folder
 from roadmend.faults.campaign import FILES, FaultCampaign, FaultTrial, load_campaign, trials_of
 from roadmend.faults.files import FileBench, FileTrial, Refused, file_trials
+from roadmend.faults.processes import end_all
 from roadmend.faults.refusal import file_table, refusal_rows
 from roadmend.faults.trial import Disturbed, disturb
 from roadmend.faults.verdict import Judged, campaign_rows, judge, table
@@ -41,6 +44,13 @@ _CODE += ("roadmend.faults.trial",)
     multiple=True,
     help=f"Rows of the campaign alone, {FILES!r} for those of files; may be repeated.  [default: all]",
 )
+@click.option(
+    "--parallel",
+    default=1,
+    show_default=True,
+    type=click.IntRange(1, 64),
+    help="Runs at once. They share the processor: too many, and states are declared late in real time.",
+)
 @RESULT_FOLDER
 @click.option("--page", "with_page", is_flag=True, help="Write faults.html as well: the tables, and every run.")
 @JSON
@@ -49,6 +59,7 @@ def faults(
     count: int | None,
     rates: tuple[float, ...],
     names: tuple[str, ...],
+    parallel: int,
     out: Path,
     *,
     with_page: bool,
@@ -63,16 +74,17 @@ def faults(
     if with_page:  # before an hour of runs, not after them: it needs an extra
         from roadmend.reports.faults_page import write_page  # noqa: PLC0415
     campaign = _chosen(load_campaign(file or config_folder() / "faults" / "campaign.yaml"), names, count, rates)
-    runs: list[tuple[FaultTrial, Disturbed]] = []
+    runs: list[tuple[FaultTrial, Disturbed]]
     refused: list[tuple[FileTrial, Refused]] = []
     settings = campaign.model_dump(mode="json", include={*_SETTINGS})
     with Journal(out / "runs.jsonl", _FORMAT, owns_folder=True) as journal, counting() as progress:
-        trials = list(trials_of(campaign))
-        task = progress.add_task("runs", total=len(trials))
-        for trial in trials:
-            entry = _kept(journal, entry_key(_CODE, settings, trial.as_dict()), lambda: _disturbed(campaign, trial))  # noqa: B023
-            runs.append((trial, Disturbed.parse(entry)))
+        keys = {trial: entry_key(_CODE, settings, trial.as_dict()) for trial in trials_of(campaign)}
+        missing = [trial for trial, key in keys.items() if journal.get(key) is None]
+        task = progress.add_task("runs", total=len(keys), completed=len(keys) - len(missing))
+        for trial, disturbed in _all_disturbed(campaign, missing, parallel):
+            journal.add(keys[trial], disturbed.as_dict())
             progress.update(task, advance=1)
+        runs = [(trial, Disturbed.parse(journal.get(key) or {})) for trial, key in keys.items()]
         given = file_trials(campaign.files) if campaign.files is not None else []
         task, bench = progress.add_task("files", total=len(given)), FileBench()
         for one in given:
@@ -83,7 +95,7 @@ def faults(
     rows, file_rows = campaign_rows(judged), refusal_rows(refused)
     content: dict[str, Any] = {
         "format": _FORMAT,
-        "provenance": provenance(" ".join(["./roadmend faults", *_words(names, count, rates)])),
+        "provenance": provenance(" ".join(["./roadmend faults", *_words(names, count, rates, parallel)])),
         "campaign": campaign.model_dump(mode="json"),
         "rows": [*rows, *file_rows],
         "too_late": sum(not disturbed.injected for _, disturbed in runs),
@@ -121,10 +133,11 @@ def _chosen(
     return campaign.model_copy(update={"rates": rates}) if rates else campaign
 
 
-def _words(names: tuple[str, ...], count: int | None, rates: tuple[float, ...]) -> list[str]:
+def _words(names: tuple[str, ...], count: int | None, rates: tuple[float, ...], parallel: int) -> list[str]:
     """The options as they were given."""
     words = [f"--fault '{name}'" for name in names] + [f"--rate {rate:g}" for rate in rates]
-    return words + ([f"--count {count}"] if count else [])
+    words += [f"--count {count}"] if count else []
+    return words + ([f"--parallel {parallel}"] if parallel > 1 else [])
 
 
 def _kept(journal: Journal, key: Any, make: Callable[[], Entry]) -> Entry:
@@ -136,9 +149,25 @@ def _kept(journal: Journal, key: Any, make: Callable[[], Entry]) -> Entry:
     return entry
 
 
-def _disturbed(campaign: FaultCampaign, trial: FaultTrial) -> Entry:
+def _all_disturbed(
+    campaign: FaultCampaign, trials: Sequence[FaultTrial], parallel: int
+) -> Iterator[tuple[FaultTrial, Disturbed]]:
+    """Runs and what came of them, in the order in which they end; those under way are ended with the caller."""
+    mark = {"ROADMEND_CAMPAIGN": uuid.uuid4().hex}  # in the environment of all that this call starts
+    with ThreadPoolExecutor(parallel) as pool:
+        tasks = {pool.submit(_disturbed, campaign, trial, mark): trial for trial in trials}
+        try:
+            for task in as_completed(tasks):
+                yield tasks[task], task.result()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            end_all("".join(f"{name}={value}" for name, value in mark.items()))
+            raise
+
+
+def _disturbed(campaign: FaultCampaign, trial: FaultTrial, mark: Mapping[str, str]) -> Disturbed:
     with own_domain() as domain:
-        return disturb(campaign, trial, {"ROS_DOMAIN_ID": str(domain), **reach()}).as_dict()
+        return disturb(campaign, trial, {"ROS_DOMAIN_ID": str(domain), **reach(), **mark})
 
 
 def _complain(judged: list[Judged], file_rows: list[dict[str, Any]]) -> bool:

@@ -15,11 +15,11 @@ import threading
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from multiprocessing import connection
+from multiprocessing import connection, forkserver, resource_tracker
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
-from roadmend.core.errors import RoadmendError
+from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.extras import extra_missing
 from roadmend.nodes.fault import FAULT_FILE, leave_fault, read_fault
 from roadmend.nodes.heartbeat import HEARTBEAT_FILE, Pulse
@@ -31,6 +31,33 @@ CONTEXT.set_forkserver_preload(
     [f"roadmend.nodes.{module}" for module in ("fork_server", "sim", "policy", "repair", "recorder", "viz")]
 )
 _STARTS = 3  # tries at starting a node
+_SOCKET_NAME = len("/pymp-12345678/listener-12345678")  # of the server, below the folder for temporary files
+_SOCKET_PATH = 107  # bytes that Linux has for the path of a socket
+
+
+def start_forked(process: BaseProcess) -> None:
+    """Start a process of ``CONTEXT``, and the server that forks it if it does not run.
+
+    The server is born with interrupts held back: they are the launcher's affair, and until the server's first line of its
+    own one that the terminal sends to all would end it with a traceback. That line takes the hold away again
+    (``fork_server``).
+
+    Raises:
+        InputError: the folder for temporary files has too long a path for the server's socket.
+        OSError, EOFError: the server was killed; the next call starts another one.
+    """
+    folder = tempfile.gettempdir()
+    if len(os.fsencode(folder)) + _SOCKET_NAME > _SOCKET_PATH:
+        most = _SOCKET_PATH - _SOCKET_NAME
+        what = f"{folder} is too long a path for the sockets of processes"
+        raise InputError("TMPDIR", what, f"choose a folder whose path has at most {most} characters")
+    resource_tracker.ensure_running()  # by itself: it would end the hold
+    held = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        forkserver.ensure_running()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, held)
+    process.start()
 
 
 @dataclass
@@ -54,6 +81,7 @@ class Child:
         """Start the process; what it prints goes to its log.
 
         Raises:
+            InputError: the folder for temporary files has too long a path.
             RoadmendError: the server that forks nodes has gone, and the one that took its place has as well.
         """
         self.fault_file.unlink(missing_ok=True)
@@ -80,7 +108,7 @@ class Child:
         self.process = None
         for left in reversed(range(_STARTS)):
             try:
-                process.start()
+                start_forked(process)
             except (OSError, EOFError) as error:  # the server was killed; with the next call there is another one
                 if not left:
                     how = str(error) or type(error).__name__

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from multiprocessing import connection
 from pathlib import Path
 
-from roadmend.nodes.children import CONTEXT
+from roadmend.nodes.children import CONTEXT, start_forked
 
 _PATIENCE_S = 20.0  # [s] for the nodes to end after their launcher's death
 _POLL_S = 0.1
@@ -25,12 +25,15 @@ def scratch_folder(prefix: str) -> Iterator[Path]:
 
     Args:
         prefix: of its name.
+
+    Raises:
+        InputError: the folder for temporary files has too long a path.
     """
     folder = Path(tempfile.gettempdir(), f"{prefix}{secrets.token_hex(4)}")
     # The keeper comes before the folder: to start it takes a second, in which this process may be told to end, or killed.
     keeper = CONTEXT.Process(target=_remove_after, args=(str(folder),), name="tidy", daemon=True)
     with contextlib.suppress(OSError, EOFError):  # without it the folder stays where this process is killed
-        keeper.start()
+        start_forked(keeper)
     try:
         folder.mkdir(0o700)
         yield folder
