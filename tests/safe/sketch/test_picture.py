@@ -33,6 +33,11 @@ def test_a_cut_file():
         open_picture(Sketch(sketch.data[: len(sketch.data) // 2], sketch.media_type))
 
 
+def test_a_strip_that_is_too_thin_to_be_made_smaller():
+    with pytest.raises(InputError, match="smaller than 16 pixels where the longer side has 2000"):
+        open_picture(stored(Image.new("RGB", (20, 131_092))))
+
+
 def test_too_many_pixels():
     with pytest.raises(InputError, match="million pixels"):
         open_picture(stored(Image.new("1", (6000, 5000))))

@@ -88,14 +88,15 @@ def open_picture(sketch: Image) -> SketchPicture:
         with open_picture_file(sketch.data) as image:
             if image.width * image.height > SKETCH.values:
                 raise InputError("the sketch", f"has more than {SKETCH.values // 1_000_000} million pixels", mend)
-            if min(image.size) < SHORTEST:
-                raise InputError("the sketch", f"is smaller than {SHORTEST} pixels", mend)
+            scale = min(1.0, LONGER_SIDE / max(image.size))
+            if scale * min(image.size) < SHORTEST:
+                long = f" where the longer side has {LONGER_SIDE}" if scale < 1.0 else ""
+                raise InputError("the sketch", f"is smaller than {SHORTEST} pixels{long}", mend)
             flat = PIL.Image.new("RGBA", image.size, "white")
             flat.alpha_composite(image.convert("RGBA"))
     except UNREADABLE as error:
         raise InputError("the sketch", f"is no picture that can be opened ({type(error).__name__})", mend) from error
     colours = _pixels(np.asarray(flat.convert("RGB")))
-    scale = min(1.0, LONGER_SIDE / max(colours.shape[:2]))
     if scale < 1.0:
         colours = _pixels(cv2.resize(colours, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA))
     return SketchPicture(colours, scale)
