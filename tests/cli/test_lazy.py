@@ -1,5 +1,7 @@
 """Groups that load a command only when it is called."""
 
+import sys
+
 import click
 import pytest
 from click.testing import CliRunner
@@ -41,3 +43,19 @@ def test_every_entry_of_a_group_leads_to_a_command(group):
     context = click.Context(group)
     for name in group.list_commands(context):
         assert isinstance(group.get_command(context, name), click.Command)
+
+
+def test_the_help_of_a_command_whose_extra_is_missing_says_what_it_does_and_how_to_get_the_rest(monkeypatch, capsys):
+    for module in ("roadmend.cli.bag_plot", "roadmend.reports.bag_picture"):
+        monkeypatch.delitem(sys.modules, module, raising=False)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    for name in [*sys.modules]:
+        if name.startswith(("matplotlib.", "roadmend.reports.")):
+            monkeypatch.delitem(sys.modules, name)
+    for word in ("--help", "-h"):
+        assert main.main(["bag", "plot", word]) == 0
+        told = " ".join(capsys.readouterr().out.split())
+        assert "Draw its time line, with the scene at one moment." in told
+        assert "./roadmend set-up reports" in told
+    assert main.main(["bag", "plot", "some-bag", "--at", "3"]) == 2
+    assert capsys.readouterr().err.startswith("roadmend: matplotlib: needed here and not installed; install it with: ")

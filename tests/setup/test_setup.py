@@ -17,6 +17,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from roadmend.cli import main
+
 REPOSITORY = Path(__file__).parents[2]
 
 # Runs the script of the current folder with one stage in place of the real ones: it notes that it ran, then sleeps.
@@ -324,7 +326,10 @@ class TestExtras:
             ("run --foxglove=9000", "foxglove"),
             ("safe export x", "export language reading reports sketch"),
             ("sera analyse x", "language reports sera"),
-            ("train", "training"),
+            ("faults --out x --page", "reports"),
+            ("train", ""),
+            ("safe", ""),
+            ("safe extrct x", ""),
             ("train adreft --seed 3", "training"),
             ("sera cycle", "language reports sera training"),
             ("bench sera", "export foxglove language reading reports sera sketch training"),
@@ -338,6 +343,17 @@ class TestExtras:
     )
     def test_come_with_the_commands_that_need_them(self, launcher, command, needed):
         assert launcher.extras_needed(command.split()) == tuple(needed.split())
+
+    def test_commands_of_groups_are_those_that_there_are(self, launcher):
+        tables = {group.name: group.table for group in (main.safe, main.sera, main.train)}
+        benchmarks = subprocess.run(
+            [sys.executable, REPOSITORY / "tests" / "benchmarks" / "bench.py", "--help"],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        tables["bench"] = re.findall(r"^  ([a-z]+)  ", benchmarks.partition("Commands:")[2], re.MULTILINE)
+        assert {name: sorted(table) for name, table in tables.items()} == launcher.GROUPS
 
     def test_what_one_works_with_besides_is_what_the_package_says(self, launcher):
         extras = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["project"]["optional-dependencies"]

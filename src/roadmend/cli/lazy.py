@@ -7,6 +7,8 @@ import click
 from click.shell_completion import CompletionItem
 
 from roadmend.cli.command import Group
+from roadmend.core.errors import InputError
+from roadmend.core.extras import extra_missing
 
 Table = Mapping[str, tuple[str, str, str]]  # command -> (module, name in the module, line for the help)
 
@@ -42,11 +44,18 @@ class LazyGroup(Group):
         return [*self.table]
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
-        """Load one command."""
+        """Load one command; where that needs an extra that is missing, one that tells which.
+
+        Raises:
+            ModuleNotFoundError: a module is missing that no extra has.
+        """
         if cmd_name not in self.table:
             return None
-        module_name, name, _ = self.table[cmd_name]
-        module = __import__(module_name, fromlist=[name])
+        module_name, name, text = self.table[cmd_name]
+        try:
+            module = __import__(module_name, fromlist=[name])
+        except ModuleNotFoundError as error:
+            return _without_extra(cmd_name, text, extra_missing(error))
         command: click.Command = getattr(module, name)
         return command
 
@@ -74,3 +83,14 @@ class LazyGroup(Group):
         """Commands that begin so, without loading them, and options."""
         rows = [CompletionItem(name, help=text) for name, text in self._rows if name.startswith(incomplete)]
         return rows + click.Command.shell_complete(self, ctx, incomplete)
+
+
+def _without_extra(name: str, text: str, refusal: InputError) -> click.Command:
+    """Stands for a command that cannot be loaded: it has the line of the list for help, and refuses to run."""
+
+    def refuse() -> None:
+        raise refusal
+
+    takes_all = {"ignore_unknown_options": True, "allow_extra_args": True, "help_option_names": ["-h", "--help"]}
+    told = f"{text}\n\n  Its options and examples show once this is mended: {refusal}"
+    return click.Command(name, context_settings=takes_all, callback=refuse, help=told)
