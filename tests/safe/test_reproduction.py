@@ -5,7 +5,7 @@ import pytest
 from roadmend.core.outcome import EventKind
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
-from roadmend.safe.reproduction import reproduce
+from roadmend.safe.reproduction import NEAREST, REPRODUCED, reproduce
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario_file import load_scenario, save_scenario
 
@@ -17,7 +17,7 @@ from .lone import LONE, onlooker
 def test_a_crash_is_found_and_its_file_shows_it_again(name, tmp_path):
     ego = {"straight": 0, "rear end": 1}[name]
     found = reproduce(role(ALL[name], ego), "modular", 30)
-    assert found.scenario is not None, found.outcome
+    assert f"-{REPRODUCED}-" in found.scenario.name, found.outcome
     save_scenario(found.scenario, tmp_path / "s.yaml")
     summary = run_episode(load_scenario(tmp_path / "s.yaml"), make_policy("modular"), make_repairer("none"))
     assert summary.outcome is EventKind.COLLISION
@@ -44,3 +44,10 @@ def test_a_budget_that_runs_out_says_how_near_it_came():
     found = reproduce(role(ALL["parked"], 0), "modular", 2)
     assert (found.scenario, found.episodes) == (None, 2)
     assert "nearest" in found.outcome
+
+
+def test_another_crash_than_the_described_one_is_called_the_nearest():
+    found = reproduce(role(ALL["pile-up"], 0), "modular", 6)
+    assert not found.own.is_reproduced
+    assert f"-{NEAREST}-" in found.scenario.name
+    assert "not v1 and v2" in found.outcome

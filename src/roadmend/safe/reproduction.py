@@ -19,6 +19,8 @@ from roadmend.safe.trial import CrashTestEpisode, run_trial
 from roadmend.world.scenario import Scenario
 from roadmend.world.space import Parameters, Space, Uniform, sample
 
+REPRODUCED, NEAREST = "reproduced", "nearest"  # in the name of a scenario: whether it shows the described crash
+
 _DIFFERENT = 0.8  # [m] of a gap that a difference in one dimension is worth
 _RESTART = 12  # every so many episodes what was drawn anew is gone on from, whatever came before
 _WEIGHTS = {Likeness.WHO: 3.0, Likeness.ORDER: 2.0, Likeness.PHYSICAL: 2.0}  # of a difference; others weigh 1
@@ -87,7 +89,7 @@ def reproduce(role: CrashRole, policy: str, budget: int, seed: int = 0) -> Crash
     for episode in range(budget):
         drawn = _next(space, best, role, generator, fresh=episode % _FRESH == 0)
         try:
-            scenario = build_scenario(role, drawn, f"{role.report}-{role.name}-reproduced-{policy}", seed)
+            scenario = build_scenario(role, drawn, f"{role.report}-{role.name}-{REPRODUCED}-{policy}", seed)
             trial = run_trial(scenario, policy)
         except RoadmendError as error:
             said = str(error)
@@ -110,7 +112,8 @@ def reproduce(role: CrashRole, policy: str, budget: int, seed: int = 0) -> Crash
     if found is None:
         return CrashReproduction(role.report, role.number, policy, budget, None, said)
     said = "; ".join(found.own.failed.values())
-    return CrashReproduction(role.report, role.number, policy, budget, found.scenario, said, found.trial, found.own)
+    nearest = found.scenario.model_copy(update={"name": f"{role.report}-{role.name}-{NEAREST}-{policy}"})
+    return CrashReproduction(role.report, role.number, policy, budget, nearest, said, found.trial, found.own)
 
 
 def _weight(own: Judgement) -> float:
