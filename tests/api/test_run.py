@@ -76,3 +76,9 @@ def test_what_is_no_scenario_is_refused(tmp_path):
         run(tmp_path / "gone.yaml")
     with pytest.raises(InputError, match="is neither a Scenario nor a path, but int"):
         run(3)
+
+
+@pytest.mark.parametrize("seed", ["x", 1.5, -1, True, None])
+def test_what_is_no_seed_is_refused(scenario, seed):
+    with pytest.raises(InputError, match=r"^seed: .* is no whole number from 0; give for instance 7$"):
+        run(scenario, repair="random", seed=seed)

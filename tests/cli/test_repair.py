@@ -134,6 +134,7 @@ def test_a_users_mistake_is_one_line(domain, tmp_path, arguments, message):
     last = done.stderr.strip().splitlines()[-1]
     assert last.startswith("roadmend: ")
     assert message in last
+    assert done.stderr.count(last) == 1, "it is said once"
     assert "Traceback" not in done.stderr
     assert list(tmp_path.iterdir()) == []
 

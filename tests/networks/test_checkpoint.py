@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from roadmend.core.errors import InputError
-from roadmend.networks.checkpoint import FORMAT, load_checkpoint, save_checkpoint
+from roadmend.networks.checkpoint import FORMAT, find_model, load_checkpoint, save_checkpoint
 
 HEADER = {
     "kind": "adreft",
@@ -154,3 +154,8 @@ def test_an_edited_header_is_refused(path):
     load_checkpoint(path)
     rewrite(path, lambda metadata: metadata.update(roadmend=metadata["roadmend"].replace("0.30000000000000004", "0.9")))
     assert refusal(path) == "was changed or damaged since it was saved"
+
+
+def test_a_policy_that_does_not_ship_is_told_of_policies_alone():
+    with pytest.raises(InputError, match=r"choose one of: deep_sets, ego_mlp, neural, or give a path$"):
+        find_model("modular")

@@ -25,9 +25,9 @@ _UNKNOWN = "no_such_parameter"  # a node that is given one declares all that it 
 _OF_RCLPY = {"use_sim_time", "start_type_description_service"}  # every node has these
 _HEAD = """# Parameters
 
-What the nodes declare: read them with `ros2 param describe`, set them with `--ros-args -p NAME:=VALUE`, or for `run` and
-`repair` also with `--params-file FILE`. A name that a node does not have ends it with the nearest one that it has. Those
-marked *live* can be changed while the node runs, all others are fixed once it has started. What a node really runs with
+What the nodes declare: read them with `ros2 param describe`, set them with `--ros-args -p NAME:=VALUE` or
+`--ros-args --params-file FILE`, behind `roadmend run` and `roadmend repair` too. A name that a node does not have ends it
+with the nearest one that it has. Those marked *live* can be changed while the node runs, all others are fixed once it has started. What a node really runs with
 it announces on `configuration`, and bags keep that. Defaults are the plain ones: `repair_node` with `policy` set takes the
 settings made for that policy (`config/repair`) instead.
 

@@ -16,14 +16,14 @@ from roadmend.nodes.fault import FAULT_FILE, leave_fault, read_fault
 )
 def test_what_is_left_is_read(tmp_path, monkeypatch, error, kind, words):
     monkeypatch.setenv(FAULT_FILE, str(tmp_path / "fault"))
-    leave_fault(error)
+    assert leave_fault(error)
     found = read_fault(tmp_path / "fault")
     assert (type(found), str(found)) == (kind, words)
 
 
 def test_nothing_is_left_without_a_place_or_where_there_is_none(tmp_path, monkeypatch):
     monkeypatch.delenv(FAULT_FILE, raising=False)
-    leave_fault(ValueError())
+    assert not leave_fault(ValueError())
     monkeypatch.setenv(FAULT_FILE, "/proc/none/fault")
-    leave_fault(ValueError())
+    assert not leave_fault(ValueError())
     assert read_fault(tmp_path / "fault") is None

@@ -81,6 +81,9 @@ def test_finding_reports(folder):
     (folder.parent / "empty").mkdir()
     assert [path.name for path in find_reports(folder.parent)] == ["case", "other.txt"]
     assert find_reports(folder) == (folder,)
+    assert [path.name for path in find_reports(folder.parent / "other.txt", folder)] == ["other.txt", "case"]
+    with pytest.raises(InputError, match=r"case: has the name of .*case; rename one of them"):
+        find_reports(folder, folder.parent)
     assert find_reports(folder.parent / "other.txt") == (folder.parent / "other.txt",)
 
 
@@ -93,5 +96,5 @@ def test_no_reports(folder):
     with pytest.raises(InputError, match="has no summary"):
         load_report(folder.parent / "empty")
     (folder.parent / "case.txt").write_text("x")
-    with pytest.raises(InputError, match="two reports called case"):
+    with pytest.raises(InputError, match="case.txt: has the name of .*case; rename one of them"):
         find_reports(folder.parent)

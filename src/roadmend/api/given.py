@@ -64,8 +64,10 @@ def method_of(given: RepairLike, parameters: Settings | None = None, seed: int =
         seed: for methods that draw numbers; not for an object.
 
     Raises:
-        InputError: there is none, it lacks something, cannot answer a plain scene, or a parameter is unusable.
+        InputError: there is none, it lacks something, cannot answer a plain scene, or a parameter or the seed is unusable.
     """
+    if not isinstance(seed, int) or isinstance(seed, bool) or seed < 0:
+        raise InputError("seed", f"{seed!r} is no whole number from 0", "give for instance 7")
     if isinstance(given, str):
         return make_method(given, parameters, seed)
     name = title_of(given)

@@ -106,7 +106,7 @@ def judge_through(
 class ExtractOptions:
     """Which reports are read, and how."""
 
-    reports: Annotated[Path, click.argument("reports", type=PATH)]
+    reports: Annotated[tuple[Path, ...], click.argument("reports", nargs=-1, required=True, type=PATH)]
     out: Annotated[Path, click.option("--out", required=True, type=FOLDER, help="Folder for the results.")]
     language: Annotated[LanguageChoice, language_options]
     no_prompt_generation: Annotated[
@@ -133,7 +133,7 @@ class ExtractOptions:
 @click.command(cls=ExampleCommand, examples=["roadmend safe extract reports --out read"], resumes="")
 @options_of(ExtractOptions)
 def extract(given: ExtractOptions) -> int:
-    """Read a crash report, or a folder of them; exit code 1 if one of them gave no scenario.
+    """Read crash reports, or folders of them; exit code 1 if one of them gave no scenario.
 
     A report is a folder with summary.txt and perhaps a sketch (sketch.jpg, .png), or a text file. Reports that an
     earlier call with the same settings has done are not done again.
@@ -141,7 +141,7 @@ def extract(given: ExtractOptions) -> int:
     options = StageOneOptions(
         not given.no_prompt_generation, not given.no_validation, not given.no_cross_check, given.language.attempts
     )
-    paths = find_reports(given.reports)
+    paths = find_reports(*given.reports)
     extractor = open_extractor(
         given.language.backend, BackendOptions(options, given.language.settings, given.language.recording)
     )
@@ -348,7 +348,8 @@ def reproduce(
 def export(scenario: Path, out: Path, *, as_json: bool) -> int:
     """Write a scenario as ASAM OpenSCENARIO (NAME.xosc) and its roads as OpenDRIVE (NAME.xodr).
 
-    SCENARIO is any scenario file with a network of its own. The first call sets up the writer.
+    SCENARIO is any scenario file with a network of its own and nobody on foot, whom this writer does not write: such a
+    one is refused. The first call sets up the writer.
     """
     from roadmend.safe.openscenario import export_scenario  # noqa: PLC0415 - its writer is set up for this command alone
 

@@ -168,9 +168,9 @@ def find_model(given: str, prefix: str = "") -> Path:
     folder = models_folder()
     path = folder / f"{prefix}{given}{SUFFIX}"
     if "/" in given or not path.is_file():
-        known = sorted(
-            file.name.removeprefix(prefix).removesuffix(SUFFIX) for file in folder.glob(f"{prefix}*{SUFFIX}")
-        )
+        names = (file.name.removeprefix(prefix).removesuffix(SUFFIX) for file in folder.glob(f"{prefix}*{SUFFIX}"))
+        # Without a prefix it is a policy's that is asked for; those of repair methods are called METHOD-POLICY.
+        known = sorted(name for name in names if prefix or "-" not in name)
         choice = f"choose one of: {', '.join(known)}" if known else "train one"
         raise InputError(f"model '{given}'", f"roadmend ships no {prefix}{given}{SUFFIX}", f"{choice}, or give a path")
     return path

@@ -1,6 +1,5 @@
 """Why a node ended: it leaves that in a file for the launcher, which need not read it out of a log."""
 
-import contextlib
 import json
 import os
 from pathlib import Path
@@ -11,19 +10,22 @@ from roadmend.core.whole_file import write_text
 FAULT_FILE = "ROADMEND_FAULT_FILE"  # environment variable with the place of the file; without it none is left
 
 
-def leave_fault(error: Exception) -> None:
-    """Say why this process is about to end."""
+def leave_fault(error: Exception) -> bool:
+    """Say why this process is about to end; returns whether there is a launcher that was told."""
     path = os.environ.get(FAULT_FILE)
     if not path:
-        return
+        return False
     if isinstance(error, InputError):
         content = {"where": error.where, "what": error.what, "mend": error.mend}
     elif isinstance(error, RoadmendError):
         content = {"what": str(error)}
     else:
         content = {"what": " ".join(f"{type(error).__name__}: {error}".split())}
-    with contextlib.suppress(InputError):  # a full disk; the log tells the same
+    try:
         write_text(Path(path), json.dumps(content))
+    except InputError:  # a full disk; the log has to tell it
+        return False
+    return True
 
 
 def read_fault(path: Path) -> RoadmendError | None:

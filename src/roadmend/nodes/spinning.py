@@ -93,8 +93,8 @@ def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None, *, 
 
 
 def _refuse(error: InputError) -> int:
-    print(f"roadmend: {error}", file=sys.stderr)
-    leave_fault(error)
+    if not leave_fault(error):  # a launcher that was told says it itself
+        print(f"roadmend: {error}", file=sys.stderr)
     return 2
 
 

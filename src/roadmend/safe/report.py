@@ -45,12 +45,23 @@ class CrashReport:
 LANGUAGE_SUFFIXES = {".json", ".yaml", ".yml"}  # of files of the scenario language
 
 
-def find_reports(path: Path) -> tuple[Path, ...]:
-    """The reports at a path: itself, or what a folder of reports holds.
+def find_reports(*paths: Path) -> tuple[Path, ...]:
+    """The reports at some paths: each itself, or what a folder of reports holds.
 
     Raises:
-        InputError: there is none.
+        InputError: there is none at one of them, or two have one name, by which files are called.
     """
+    reports = tuple(report for path in paths for report in _reports_at(path))
+    seen: dict[str, Path] = {}
+    for report in reports:
+        name = case_of(report)
+        if name in seen:
+            raise InputError(str(report), f"has the name of {seen[name]}", "rename one of them")
+        seen[name] = report
+    return reports
+
+
+def _reports_at(path: Path) -> tuple[Path, ...]:
     if path.is_file() and path.suffix.lower() in LANGUAGE_SUFFIXES:
         raise InputError(
             str(path), "is no text but a file of data", "a scenario is for 'safe build', 'test' and 'reproduce'"
@@ -69,10 +80,6 @@ def find_reports(path: Path) -> tuple[Path, ...]:
     )
     if not reports:
         raise InputError(str(path), "holds no report", "a report is a .txt file, or a folder with summary.txt in it")
-    names = [case_of(report) for report in reports]
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(str(path), f"has two reports called {name}", "rename one of them")
     return reports
 
 
