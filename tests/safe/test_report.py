@@ -96,5 +96,5 @@ def test_no_reports(folder):
     with pytest.raises(InputError, match="has no summary"):
         load_report(folder.parent / "empty")
     (folder.parent / "case.txt").write_text("x")
-    with pytest.raises(InputError, match="case.txt: has the name of .*case; rename one of them"):
+    with pytest.raises(InputError, match=r"case.txt: has the name of .*case; rename one of them"):
         find_reports(folder.parent)

@@ -66,8 +66,7 @@ def method_of(given: RepairLike, parameters: Settings | None = None, seed: int =
     Raises:
         InputError: there is none, it lacks something, cannot answer a plain scene, or a parameter or the seed is unusable.
     """
-    if not isinstance(seed, int) or isinstance(seed, bool) or seed < 0:
-        raise InputError("seed", f"{seed!r} is no whole number from 0", "give for instance 7")
+    _check_seed(seed)
     if isinstance(given, str):
         return make_method(given, parameters, seed)
     name = title_of(given)
@@ -80,6 +79,11 @@ def method_of(given: RepairLike, parameters: Settings | None = None, seed: int =
     method = ForeignMethod(name, given)
     check_answers(where, method.answer)
     return method
+
+
+def _check_seed(given: object) -> None:
+    if not isinstance(given, int) or isinstance(given, bool) or given < 0:
+        raise InputError("seed", f"{given!r} is no whole number from 0", "give for instance 7")
 
 
 def title_of(given: object) -> str:
