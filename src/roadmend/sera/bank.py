@@ -14,6 +14,7 @@ import numpy as np
 from roadmend import __version__
 from roadmend.core.errors import InputError
 from roadmend.sera.bank_file import (
+    DAMAGE,
     DESCRIPTOR,
     FORMAT,
     REMEDY,
@@ -23,6 +24,7 @@ from roadmend.sera.bank_file import (
     read_array,
     read_descriptors,
     read_entries,
+    words_of,
     write_array,
 )
 from roadmend.sera.descriptor import BankEntry, Descriptor
@@ -163,9 +165,9 @@ class Bank:
         self._connection, self.meta = open_file(path)
         try:
             self._load(embedder)
-        except (sqlite3.DatabaseError, LookupError, ValueError, TypeError, OverflowError, MemoryError) as error:
+        except DAMAGE as error:
             self.close()
-            raise InputError(str(path), f"is damaged ({error})", REMEDY) from None
+            raise InputError(str(path), f"is damaged ({words_of(error)})", REMEDY) from None
         except InputError:
             self.close()
             raise

@@ -33,6 +33,14 @@ CREATE INDEX skeletons ON entries (skeleton) WHERE skeleton IS NOT NULL;
 CREATE TABLE parts (name TEXT, place INTEGER, content BLOB NOT NULL, PRIMARY KEY (name, place));
 """
 REMEDY = "build it again, or import an export of it"
+DAMAGE = (  # what a damaged file raises; pydantic's errors are ValueErrors, too
+    sqlite3.DatabaseError,
+    LookupError,
+    ValueError,
+    TypeError,
+    OverflowError,
+    MemoryError,  # of SQLite, for a page that names more bytes than there can be; nothing was taken
+)
 _COLUMNS = "digest, name, origin, descriptor, scenario"
 DESCRIPTOR: TypeAdapter[Descriptor] = TypeAdapter(Descriptor)
 
@@ -69,13 +77,18 @@ def open_file(path: Path) -> tuple[sqlite3.Connection, dict[str, str]]:
     try:
         connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, 2 * _PART)  # a longer value is none of ours
         meta = _read_meta(path, connection)
-    except (sqlite3.DatabaseError, ValueError, TypeError) as error:
+    except DAMAGE as error:
         connection.close()
-        raise InputError(str(path), f"is no bank or is damaged ({error})", REMEDY) from None
+        raise InputError(str(path), f"is no bank or is damaged ({words_of(error)})", REMEDY) from None
     except InputError:
         connection.close()
         raise
     return connection, meta
+
+
+def words_of(error: BaseException) -> str:
+    """What an error says, in one line; its kind where it says nothing."""
+    return next(iter(str(error).splitlines()), type(error).__name__)
 
 
 def _read_meta(path: Path, connection: sqlite3.Connection) -> dict[str, str]:
@@ -115,8 +128,8 @@ def read_entries(
         for number, digest, name, origin, content, packed in rows:
             scenario = None if packed is None else Scenario.model_validate_json(unpack_zlib(packed, SETTINGS))
             yield number, BankEntry(digest, name, origin, DESCRIPTOR.validate_json(content), scenario)
-    except (sqlite3.DatabaseError, ValueError, TypeError) as error:  # pydantic's is a ValueError, too
-        raise InputError("bank", f"is damaged ({str(error).splitlines()[0]})", REMEDY) from None
+    except DAMAGE as error:
+        raise InputError("bank", f"is damaged ({words_of(error)})", REMEDY) from None
 
 
 def read_descriptors(connection: sqlite3.Connection, step: int = 1) -> Iterator[Descriptor]:
