@@ -96,6 +96,9 @@ def test_what_collides_bare_stops_under_repair_and_the_bag_tells_why(domain, rep
     assert len(states[0].trigger_id) == 1
     assert "no planned trajectory" in states[0].reason
     assert reader.start_ns > 10**18  # without a clock the wall's time is the bag's
+    picture = tmp_path / "stopped.png"
+    assert main(["bag", "plot", told["bag"], *ARGUMENTS[:4], "--out", str(picture)]) == 0
+    assert picture.stat().st_size > 20_000
 
 
 def test_it_is_started_again_when_it_dies(domain, repair):

@@ -1,8 +1,9 @@
-"""Messages of another stack, made without ROS."""
+"""Messages and bags of another stack, made without ROS."""
 
 import math
 
-from roadmend.recording.codec import MessageType
+from roadmend.recording import messages
+from roadmend.recording.codec import MessageType, encode, type_of
 from roadmend.recording.messages import (
     EGO,
     HEADER,
@@ -16,6 +17,8 @@ from roadmend.recording.messages import (
     VECTOR,
     stamp_message_of,
 )
+from roadmend.recording.qos import Qos
+from roadmend.recording.writer import BagWriter
 
 DETECTIONS = MessageType("vision_msgs/msg/Detection3DArray")
 DETECTION = MessageType("vision_msgs/msg/Detection3D")
@@ -58,3 +61,27 @@ def detections(time, *those, frame="odom"):
 def acceleration(time, wanted, lateral=0.0, turn=0.0):
     accel = ACCEL(linear=VECTOR(x=wanted, y=lateral), angular=VECTOR(z=turn))
     return ACCELERATION(header=header(time, "base_link"), accel=accel)
+
+
+def record(folder, stands_at=60.0, objects_until=9.0, begin=100.0, repaired=lambda step: None):
+    """5 s at 10 m/s toward one who stands: odometry at 50 Hz, detections at 10 Hz, commands at 20 Hz."""
+    streams = []
+    for step in range(500):
+        after = 0.01 * step
+        time, x = begin + after, 10.0 * after
+        if step % 2 == 0:
+            streams.append(("/odom", time, odometry(time, x=x)))
+        if step % 10 == 0 and after < objects_until:
+            one = detection("7", stands_at - x, 0.0)
+            streams.append(("/detections", time, detections(time, one, frame="base_link")))
+        if step % 5 == 0:
+            streams.append(("/drive/accel", time, acceleration(time, 0.5)))
+            if (repair := repaired(step)) is not None:
+                state = messages.repair_message_of(repair, "rss", messages.header_of(time))
+                streams.append(("/repair/state", time + 0.001, state))
+    with BagWriter(folder) as writer:
+        for topic, kind in {topic: type_of(message) for topic, _, message in streams}.items():
+            writer.add_topic(topic, kind, [Qos()])
+        for topic, time, message in streams:
+            writer.write(topic, round(time * 1e9), encode(message))
+    return folder

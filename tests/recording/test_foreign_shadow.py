@@ -6,45 +6,17 @@ import pytest
 
 from roadmend.cli.main import main
 from roadmend.core.errors import InputError
-from roadmend.recording import messages
-from roadmend.recording.codec import encode, type_of
 from roadmend.recording.foreign_commands import PEDALS
 from roadmend.recording.foreign_objects import OBJECT_READERS, EgoOutline
 from roadmend.recording.foreign_shadow import ForeignTopics, run_foreign_shadow
-from roadmend.recording.qos import Qos
 from roadmend.recording.reader import BagReader
-from roadmend.recording.writer import BagWriter
 from roadmend.repair.registry import make_repairer
 
-from .foreign_messages import acceleration, detection, detections, odometry
+from .foreign_messages import record
 
 TOPICS = ForeignTopics("/odom", "/detections", "/drive/accel")
 OPTIONS = ["--ego", "/odom", "--objects", "/detections", "--command", "/drive/accel"]
 CAR = EgoOutline(4.8, 1.8)
-
-
-def record(folder, stands_at=60.0, objects_until=9.0, begin=100.0, repaired=lambda step: None):
-    """5 s at 10 m/s toward one who stands: odometry at 50 Hz, detections at 10 Hz, commands at 20 Hz."""
-    streams = []
-    for step in range(500):
-        after = 0.01 * step
-        time, x = begin + after, 10.0 * after
-        if step % 2 == 0:
-            streams.append(("/odom", time, odometry(time, x=x)))
-        if step % 10 == 0 and after < objects_until:
-            one = detection("7", stands_at - x, 0.0)
-            streams.append(("/detections", time, detections(time, one, frame="base_link")))
-        if step % 5 == 0:
-            streams.append(("/drive/accel", time, acceleration(time, 0.5)))
-            if (repair := repaired(step)) is not None:
-                state = messages.repair_message_of(repair, "rss", messages.header_of(time))
-                streams.append(("/repair/state", time + 0.001, state))
-    with BagWriter(folder) as writer:
-        for topic, kind in {topic: type_of(message) for topic, _, message in streams}.items():
-            writer.add_topic(topic, kind, [Qos()])
-        for topic, time, message in streams:
-            writer.write(topic, round(time * 1e9), encode(message))
-    return folder
 
 
 @pytest.fixture

@@ -1,61 +1,29 @@
 """``roadmend bag shadow``: what another repair method would have done, in a bag of ours or of another stack."""
 
 import json
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any
 
 import click
 from rich.table import Table
 
 from roadmend.cli.bag_repair import RepairChoice, RepairOptions, driver_of, read_choice
 from roadmend.cli.command import ExampleCommand
-from roadmend.cli.options import JSON, PATH, Number, options_of
+from roadmend.cli.foreign_bag_options import ForeignBagOptions
+from roadmend.cli.options import JSON, PATH, options_of
 from roadmend.cli.output import Waiting, wide_console
 from roadmend.core.errors import InputError
 from roadmend.core.repair import Repair
 from roadmend.recording.episode_writer import EpisodeWriter
-from roadmend.recording.foreign_commands import COMMAND_FORMS, PEDALS
-from roadmend.recording.foreign_objects import OBJECT_READERS, EgoOutline
+from roadmend.recording.foreign_commands import PEDALS
 from roadmend.recording.foreign_repair import Answer
 from roadmend.recording.foreign_shadow import ForeignTopics, run_foreign_shadow
-from roadmend.recording.messages import EGO_SIZE
 from roadmend.recording.new_bag import BagCopy, new_bag
 from roadmend.recording.reader import BagReader
 from roadmend.recording.shadow import ShadowSummary, run_shadow
 from roadmend.recording.ticks import BagTick, BagTicks
 
 SHADOW_RECORD = "roadmend_shadow"  # metadata record
-
-
-def _topic(option: str, meaning: str) -> Any:
-    return click.option(f"--{option}", default="", metavar="TOPIC", help=f"Of another stack's bag: {meaning}.")
-
-
-def _metres(option: str, default: float, low: float, meaning: str) -> Any:
-    kind = Number(low, 60.0)
-    text = f"Of another stack's bag: {meaning} [m]."
-    return click.option(f"--{option}", default=default, show_default=True, type=kind, help=text)
-
-
-@dataclass(frozen=True)
-class ForeignBagOptions:
-    """Where a bag of another stack has its inputs, and the size of the ego, which it does not tell."""
-
-    ego: Annotated[str, _topic("ego", "odometry of the ego, nav_msgs/Odometry")]
-    objects: Annotated[str, _topic("objects", f"the objects, {' or '.join(OBJECT_READERS)}")]
-    command: Annotated[str, _topic("command", f"what the policy asked for, {' or '.join(COMMAND_FORMS)}")]
-    trajectory: Annotated[str, _topic("trajectory", "planned trajectories, if there are any, roadmend_msgs/Trajectory")]
-    route: Annotated[str, _topic("route", "the route, if there is one, roadmend_msgs/Route")]
-    ego_length: Annotated[float, _metres("ego-length", EGO_SIZE[0], 0.1, "length of the ego")]
-    ego_width: Annotated[float, _metres("ego-width", EGO_SIZE[1], 0.1, "width of the ego")]
-    ego_centre: Annotated[float, _metres("ego-centre", 0.0, -60.0, "its centre ahead of the odometry's frame")]
-
-    @property
-    def topics(self) -> ForeignTopics | None:
-        """The topics; None where none is named, as for a bag of roadmend."""
-        given = ForeignTopics(self.ego, self.objects, self.command, self.trajectory, self.route)
-        return given if any(vars(self)[each.name] for each in fields(given)) else None
 
 
 @click.command(
@@ -132,7 +100,6 @@ def shadow_foreign_bag(
     if any(name.startswith("/shadow/") for name in reader.topics):
         raise InputError(str(bag), "has a shadow already", "take the bag that it was made of")
     repairer = choice.make()
-    vehicle = EgoOutline(ego.ego_length, ego.ego_width, ego.ego_centre)
     with new_bag(out) as writer, Waiting(f"{bag.name} · {choice.method}"):
         copy, episode = BagCopy(reader, writer), EpisodeWriter(writer, "/shadow")
 
@@ -140,7 +107,7 @@ def shadow_foreign_bag(
             copy.until(time_ns)
             episode.repair(time_ns * 1e-9, answer.repair, choice.method)
 
-        summary = run_foreign_shadow(reader, topics_, repairer, vehicle, PEDALS, write)
+        summary = run_foreign_shadow(reader, topics_, repairer, ego.vehicle, PEDALS, write)
         copy.until(float("inf"))
         told = {"topics": json.dumps(asdict(topics_)), "summary": json.dumps(asdict(summary))}
         writer.add_metadata(SHADOW_RECORD, choice.provenance() | told)

@@ -51,15 +51,21 @@ class ForeignTopics:
             foreign_repair.ROUTE: self.route,
         }
         for name in foreign_repair.NEEDED:
-            if not given[name]:
-                raise InputError(f"--{name}", "is not given", f"name one of {_choices(reader, name)}")
+            check_topic(reader, name, given[name])
         for name, topic in given.items():
             if topic:
-                _check(reader, name, topic)
+                check_topic(reader, name, topic)
         return {name: topic for name, topic in given.items() if topic}
 
 
-def _check(reader: BagReader, name: str, topic: str) -> None:
+def check_topic(reader: BagReader, name: str, topic: str) -> None:
+    """See whether a bag has an input on a topic.
+
+    Raises:
+        InputError: it does not, or of a type that cannot be read; names those that fit.
+    """
+    if not topic:
+        raise InputError(f"--{name}", "is not given", f"name one of {_choices(reader, name)}")
     if topic not in reader.topics:
         near = get_close_matches(topic, reader.topics, 1)
         hint = f"did you mean {near[0]}?" if near else f"name one of {_choices(reader, name)}"
@@ -105,7 +111,7 @@ def run_foreign_shadow(
     repair = ForeignRepair(vehicle, OBJECT_READERS[kinds[foreign_repair.OBJECTS]](), form, PATIENCE_S)
     repair.use(repairer)
     comparison, speed = ShadowComparison(), 0.0
-    states = _states(reader)
+    states = state_topics(reader)
     judged: _Judged | None = None  # the last answer, until it is known what was done
     takers: Mapping[str, Callable[[Any, float], None]] = {
         foreign_repair.EGO: repair.take_ego,
@@ -158,7 +164,7 @@ class _Judged(NamedTuple):
         return self._replace(done=Command.from_action(action))
 
 
-def _states(reader: BagReader) -> list[str]:
+def state_topics(reader: BagReader) -> list[str]:
     """The topic on which the graph's repair node told what it did, if there is one."""
     kind = TYPES[REPAIR_STATE]
     found = [name for name, topic in reader.topics.items() if topic.type_name == kind]

@@ -2,7 +2,7 @@
 
 import bisect
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +30,14 @@ _PICTURES = frozenset({".png", ".svg", ".pdf"})
 _PAGES = frozenset({".html", ".htm"})
 
 
-def draw_bag(bag: Path, out: Path, at: float | None = None, span: float = 70.0, spells: Iterable[Spell] = ()) -> float:
+def draw_bag(
+    bag: Path,
+    out: Path,
+    at: float | None = None,
+    span: float = 70.0,
+    spells: Iterable[Spell] = (),
+    read: Callable[[Path], BagEpisode] = read_episode,
+) -> float:
     """Draw one moment of a bag into a file.
 
     Args:
@@ -40,6 +47,7 @@ def draw_bag(bag: Path, out: Path, at: float | None = None, span: float = 70.0, 
             there was none.
         span: width of the scene [m].
         spells: those whose need is known; it shows in their colour, and in the table of a page.
+        read: reads the bag.
 
     Returns:
         Simulation time of the tick that was drawn [s].
@@ -51,7 +59,7 @@ def draw_bag(bag: Path, out: Path, at: float | None = None, span: float = 70.0, 
         raise InputError(
             str(out), f"{out.suffix or 'no ending'} is no format for a picture", "write .png, .svg, .pdf or .html"
         )
-    episode = read_episode(bag)
+    episode = read(bag)
     timeline = timeline_of(episode, spells)
     stamp = _tick_at(episode, interesting_moment(timeline) if at is None else at)
     view = view_of(episode, stamp, timeline)
