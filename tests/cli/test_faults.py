@@ -85,8 +85,9 @@ def test_runs_at_once_are_told_in_the_order_of_their_rows(tmp_path, capsys, monk
     told = json.loads(capsys.readouterr().out)
     assert max(most) == 2
     names = [run["fault"] and run["fault"]["name"] for run in told["runs"]]
-    assert names == [None] * 4 + ["policy killed"] * 4 + ["no number"] * 4
-    assert [run["seed"] for run in told["runs"]] == [0, 1, 2, 3] * 3
+    assert names == [None, "policy killed", "no number"] * 4
+    assert [run["seed"] for run in told["runs"]] == [0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3]
+    assert [(row["fault"], row["runs"]) for row in told["rows"]] == [(name or "no fault", 4) for name in names[:3]]
     assert told["provenance"]["command"].endswith("--parallel 2")
 
 

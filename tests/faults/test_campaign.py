@@ -68,14 +68,14 @@ def test_what_no_campaign_can_be_is_refused_in_one_line(tmp_path, text, what):
     assert "\n" not in str(caught.value)
 
 
-def test_every_row_is_run_on_every_clock_and_the_undisturbed_one_first():
+def test_with_each_seed_every_row_is_run_on_every_clock_and_the_undisturbed_one_first():
     campaign = FaultCampaign(signals=(SignalFault(**KILLED),), seeds=2, rates=(1.0, 5.0))
     places = [(trial.row, trial.clock, trial.rate, trial.seed) for trial in trials_of(campaign)]
     assert places == [
         (row, clock, rate, seed)
+        for seed in (0, 1)
         for row in (BARE, "killed")
         for clock, rate in (("lockstep", 1.0), ("realtime", 1.0), ("realtime", 5.0))
-        for seed in (0, 1)
     ]
 
 

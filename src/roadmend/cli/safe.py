@@ -219,8 +219,8 @@ def build(given: SafeOptions, samples: int) -> int:
     """Build scenarios: every vehicle of a crash takes the place of the ego in turn.
 
     PATHS are crash reports (folders with a summary.txt), files of the scenario language, or folders of either. What a
-    report leaves open is drawn from the seed and stands in each scenario under 'origin'. Exit code 1 if a report gave
-    none.
+    report leaves open is drawn from the seed and stands in each scenario under 'origin'. Scenarios of earlier calls stay
+    in the folder; --json names those of this one. Exit code 1 if a report gave none.
     """
     cases = open_cases(given.paths)
     results = work_through(

@@ -90,15 +90,18 @@ def load_campaign(path: Path) -> FaultCampaign:
 
 
 def trials_of(campaign: FaultCampaign) -> Iterator[FaultTrial]:
-    """All runs: undisturbed ones first, on the clocks and at the rates of the others."""
-    for fault in (None, *campaign.faults) if campaign.faults else ():
-        rates = campaign.rates
-        if campaign.one_rate and fault is not None:
-            # By its name, so that a row has the same one when it is run alone.
-            rates = (campaign.rates[sum(fault.name.encode()) % len(campaign.rates)],)
-        for clock in campaign.clocks:
-            if fault is not None and clock not in fault.clocks:
-                continue
-            for rate in rates if clock == "realtime" else (1.0,):
-                for seed in range(campaign.seeds):
+    """All runs: of each seed the undisturbed ones first, on the clocks and at the rates of the others.
+
+    Seed by seed, so that of a campaign that is not finished every row has runs.
+    """
+    for seed in range(campaign.seeds):
+        for fault in (None, *campaign.faults) if campaign.faults else ():
+            rates = campaign.rates
+            if campaign.one_rate and fault is not None:
+                # By its name, so that a row has the same one when it is run alone.
+                rates = (campaign.rates[sum(fault.name.encode()) % len(campaign.rates)],)
+            for clock in campaign.clocks:
+                if fault is not None and clock not in fault.clocks:
+                    continue
+                for rate in rates if clock == "realtime" else (1.0,):
                     yield FaultTrial(fault, clock, rate, seed)
