@@ -50,10 +50,8 @@ class ForeignTopics:
             foreign_repair.TRAJECTORY: self.trajectory,
             foreign_repair.ROUTE: self.route,
         }
-        for name in foreign_repair.NEEDED:
-            check_topic(reader, name, given[name])
         for name, topic in given.items():
-            if topic:
+            if topic or name in foreign_repair.NEEDED:
                 check_topic(reader, name, topic)
         return {name: topic for name, topic in given.items() if topic}
 
