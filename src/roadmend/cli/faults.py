@@ -2,7 +2,7 @@
 
 import json
 import uuid
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
@@ -26,6 +26,7 @@ from roadmend.reports.result_files import provenance, write_report
 
 TITLE = "Faults in the running graph, and damaged files"
 _FORMAT = "roadmend-faults/2"
+_MARK = "ROADMEND_CAMPAIGN"  # environment variable by which a call's processes are found
 _CODE = tuple(f"roadmend.nodes.{name}" for name in ("launcher", "policy", "recorder", "relay", "repair", "sim"))
 _CODE += ("roadmend.faults.trial",)
 
@@ -153,21 +154,21 @@ def _all_disturbed(
     campaign: FaultCampaign, trials: Sequence[FaultTrial], parallel: int
 ) -> Iterator[tuple[FaultTrial, Disturbed]]:
     """Runs and what came of them, in the order in which they end; those under way are ended with the caller."""
-    mark = {"ROADMEND_CAMPAIGN": uuid.uuid4().hex}  # in the environment of all that this call starts
+    token = uuid.uuid4().hex  # in the environment of all that this call starts
     with ThreadPoolExecutor(parallel) as pool:
-        tasks = {pool.submit(_disturbed, campaign, trial, mark): trial for trial in trials}
+        tasks = {pool.submit(_disturbed, campaign, trial, token): trial for trial in trials}
         try:
             for task in as_completed(tasks):
                 yield tasks[task], task.result()
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
-            end_all("".join(f"{name}={value}" for name, value in mark.items()))
+            end_all(f"{_MARK}={token}")
             raise
 
 
-def _disturbed(campaign: FaultCampaign, trial: FaultTrial, mark: Mapping[str, str]) -> Disturbed:
+def _disturbed(campaign: FaultCampaign, trial: FaultTrial, token: str) -> Disturbed:
     with own_domain() as domain:
-        return disturb(campaign, trial, {"ROS_DOMAIN_ID": str(domain), **reach(), **mark})
+        return disturb(campaign, trial, {"ROS_DOMAIN_ID": str(domain), **reach(), _MARK: token})
 
 
 def _complain(judged: list[Judged], file_rows: list[dict[str, Any]]) -> bool:
