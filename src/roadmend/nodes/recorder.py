@@ -43,6 +43,7 @@ from roadmend.recording.writer import BagOptions, BagWriter, Compression
 
 DISCOVERY_PERIOD_S = 0.1  # [s] between two looks at the graph
 DIAGNOSTICS_PERIOD_S = 1.0  # [s] of wall time
+DRAIN_LOOK_S = 0.02  # [s] that it waits for a message at a time
 DRAIN_QUIET_S = 0.2  # [s] without a message after which nothing more is expected of publishers that have gone
 DRAIN_REPAIR_S = 3.3  # [s] the same for publishers that are there: Fast DDS repairs a loss every 3 s
 METADATA_RECORD = "roadmend"
@@ -308,12 +309,15 @@ class RecorderNode(Node):
     def _drain(self) -> None:
         self._report_timer.cancel()
         began = quiet_since = now = time.monotonic()
-        count, patience = self._writer.count, DRAIN_QUIET_S
-        while now - began < self._drain_limit and now - quiet_since < patience and self.executor is not None:
-            self.executor.spin_once(timeout_sec=0.02)
-            now = time.monotonic()
+        count, patience, looks = self._writer.count, DRAIN_QUIET_S, 0
+        while now - began < self._drain_limit and self.executor is not None:
+            # Time alone does not tell: on a busy machine this process may not have been let look meanwhile.
+            if now - quiet_since >= patience and looks * DRAIN_LOOK_S >= patience:
+                break
+            self.executor.spin_once(timeout_sec=DRAIN_LOOK_S)
+            now, looks = time.monotonic(), looks + 1
             if self._writer.count != count:
-                count, quiet_since = self._writer.count, now
+                count, quiet_since, looks = self._writer.count, now, 0
             patience = DRAIN_REPAIR_S if self._has_others() else DRAIN_QUIET_S
 
     def _has_others(self) -> bool:
