@@ -5,7 +5,6 @@ import hashlib
 import json
 import re
 import sys
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,6 +31,7 @@ from roadmend.nodes.configuration import Announcements, ConfigurationAnnouncer
 from roadmend.nodes.discovery import look_up, request_for
 from roadmend.nodes.parameters import declare_parameters
 from roadmend.nodes.qos import offer_from
+from roadmend.nodes.recorder_drain import drain
 from roadmend.nodes.recorder_progress import ProgressReport
 from roadmend.nodes.spinning import run_node
 from roadmend.recording import topics
@@ -43,9 +43,6 @@ from roadmend.recording.writer import BagOptions, BagWriter, Compression
 
 DISCOVERY_PERIOD_S = 0.1  # [s] between two looks at the graph
 DIAGNOSTICS_PERIOD_S = 1.0  # [s] of wall time
-DRAIN_LOOK_S = 0.02  # [s] that it waits for a message at a time
-DRAIN_QUIET_S = 0.2  # [s] without a message after which nothing more is expected of publishers that have gone
-DRAIN_REPAIR_S = 3.3  # [s] the same for publishers that are there: Fast DDS repairs a loss every 3 s
 METADATA_RECORD = "roadmend"
 _NANOSECONDS = 1_000_000_000
 
@@ -79,7 +76,10 @@ class RecorderParameters(Parameters):
         0.25, ge=0.01, le=10.0, description="wall time after which a chunk is written even if small [s]"
     )
     drain_limit: float = Field(
-        5.0, ge=0.2, le=60.0, description="wall time after which the bag is closed even if messages still come [s]"
+        15.0,
+        ge=0.2,
+        le=60.0,
+        description="wall time after which the bag is closed even if messages sent before the end still come [s]",
     )
     metadata: str = Field("", description="JSON file with an object that goes into the bag's metadata")
     attachments: tuple[str, ...] = Field((), description="files that go into the bag")
@@ -133,6 +133,7 @@ class RecorderNode(Node):
         self._error: RecordingError | None = None  # why nothing more is written
         self._dropped = 0  # messages that came since
         self._drain_limit, self._summary = settings.drain_limit, settings.summary
+        self._is_drained = True  # whether all that was sent before the end came
         self._recorded: dict[str, _Recorded] = {}
         self._skipped: dict[str, str] = {}  # topic and why
         self._refused: dict[str, list[str]] = {}  # the types for which it is skipped; with others it is tried again
@@ -307,18 +308,18 @@ class RecorderNode(Node):
         )
 
     def _drain(self) -> None:
+        """Take in what was sent before the recorder was told to stop."""
         self._report_timer.cancel()
-        began = quiet_since = now = time.monotonic()
-        count, patience, looks = self._writer.count, DRAIN_QUIET_S, 0
-        while now - began < self._drain_limit and self.executor is not None:
-            # Time alone does not tell: on a busy machine this process may not have been let look meanwhile.
-            if now - quiet_since >= patience and looks * DRAIN_LOOK_S >= patience:
-                break
-            self.executor.spin_once(timeout_sec=DRAIN_LOOK_S)
-            now, looks = time.monotonic(), looks + 1
-            if self._writer.count != count:
-                count, quiet_since, looks = self._writer.count, now, 0
-            patience = DRAIN_REPAIR_S if self._has_others() else DRAIN_QUIET_S
+        if self.executor is None:
+            return
+        there = [(one.subscription, one.callback) for one in self._recorded.values()]
+        self._is_drained = drain(there, self._has_others, self._drain_limit)
+        if not self._is_drained:
+            self.get_logger().warning(
+                f"{self._writer.folder}: closed after {self._drain_limit:g} s while messages sent before still came; "
+                "raise the parameter drain_limit"
+            )
+        self.executor.spin_once(timeout_sec=0.0)  # what DDS says of lost messages
 
     def _has_others(self) -> bool:
         """Whether any node besides this one can still send."""
@@ -333,6 +334,8 @@ class RecorderNode(Node):
     def _account(self) -> dict[str, str]:
         """What the bag's metadata say about the recording and its end."""
         account = {"messages": f"{self._writer.count}", "lost_messages": f"{self._lost}"}
+        if not self._is_drained:
+            account["incomplete"] = "closed while messages sent before still came"
         if self._outcome is None:
             return account | {"outcome": "UNFINISHED", "outcome_text": "no final event was recorded"}
         return account | {

@@ -20,6 +20,7 @@ from roadmend.nodes.diagnostics import DiagnosticsReporter, Health, Level
 from roadmend.nodes.discovery import look_up
 from roadmend.nodes.parameters import declare
 from roadmend.nodes.players import Players
+from roadmend.nodes.recorder_progress import ProgressWatch
 from roadmend.nodes.spinning import run_node
 from roadmend.recording import topics
 from roadmend.recording.messages import stamp_of_bytes
@@ -109,6 +110,7 @@ class ReplayNode(Node):
         self._published = (0.0, 0.0)  # wall times [s] at which the tick that is not answered was published: first, last
         self._answered_once = False
         self._current: ReplayTick | None = None
+        self._recorder = ProgressWatch(self, self._go_on)
         for name, callback in (
             ("pause", self._on_pause),
             ("resume", self._on_resume),
@@ -186,11 +188,26 @@ class ReplayNode(Node):
             if self._next is None:
                 self._end(now)
                 return
-            if not self._lockstep and self._next.time_ns > self._playhead.time_ns(time.monotonic()):
+            if self._lockstep:
+                if self._waits_for_recorder(now):
+                    return
+            elif self._next.time_ns > self._playhead.time_ns(time.monotonic()):
                 return
             self._advance()
             if time.monotonic() - now > BUSY_S:
                 return
+
+    def _waits_for_recorder(self, now: float) -> bool:
+        """Whether a recorder that is there has not come far enough for another tick."""
+        if self._current is None or not self._recorder.is_behind(self._current.time_ns):
+            return False
+        if now - self._published[1] <= self._answer_timeout:
+            return True
+        self.get_logger().warning(
+            f"the recorder has written nothing for {self._answer_timeout:g} s: the replay goes on without it"
+        )
+        self._recorder.forget()
+        return False
 
     def _advance(self) -> None:
         tick = self._current = self._next
@@ -234,8 +251,12 @@ class ReplayNode(Node):
             return  # a tick that was published twice is answered twice
         self._awaited.remove(answer)
         self._answered_once = True
-        if not self._awaited and not self._playhead.paused:
-            self._play(time.monotonic())  # at once: the beat would make every tick wait
+        self._go_on()
+
+    def _go_on(self) -> None:
+        """Publish what is due at once: the beat would make every tick wait."""
+        if self._begun and not self._awaited and not self._playhead.paused:
+            self._play(time.monotonic())
 
     def _repeat(self, now: float) -> None:
         first, last = self._published
