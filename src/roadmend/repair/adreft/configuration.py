@@ -58,6 +58,13 @@ class Deciding(Parameters):
     standstill: float = Field(
         0.0, ge=0.0, le=60.0, description="seconds at a standstill under intervention after which it is; 0: never"
     )
+    lane_change: float = Field(
+        0.0,
+        ge=0.0,
+        le=10.0,
+        description="while the ego changes lanes it is braked only for somebody ahead whom it would reach within so many "
+        "seconds at today's speeds; 0: for whomever, as the paper's",
+    )
     weighing: Weighing | None = Field(
         None, description="prices, where the adapter foresees collisions; without, it gives the values, as the paper's"
     )

@@ -13,8 +13,9 @@ from roadmend.networks.checkpoint import find_model
 from roadmend.repair.actions import ACTIONS
 from roadmend.repair.adreft.attention import attended
 from roadmend.repair.adreft.change_gate import ChangeGate
+from roadmend.repair.adreft.lane_change import LaneChange
 from roadmend.repair.adreft.model import AdreftModel
-from roadmend.repair.adreft.need_gate import NeedGate
+from roadmend.repair.adreft.need_gate import NEVER, NeedGate
 from roadmend.repair.adreft.opening import Opening
 from roadmend.repair.adreft.patience import Patience
 from roadmend.repair.latch import Latch
@@ -25,7 +26,8 @@ class AdreftRepair:
     """Proposes the action of greatest value; steps in where the score is above the threshold.
 
     An intervention begins only where it is needed, where its model has a monitor of that. Lane changes whose risk is above
-    a threshold of their own it holds back, where its model has a monitor of them.
+    a threshold of their own it holds back, where its model has a monitor of them; during one it brakes for those ahead alone,
+    where its model says so.
     Score: y_safe, or how due an intervention is by its worth where that is more; threshold: lambda_safe of the model,
     or what was given instead, raised where patience has ended or nothing is needed. A trigger's weight is the share of
     attention that the participant's tokens drew in the encoder's last layer.
@@ -58,6 +60,7 @@ class AdreftRepair:
         self._latch = Latch(configuration.hold, configuration.clear)
         self._opening = Opening(configuration.opening)
         self._patience = Patience(configuration.longest, configuration.standstill)
+        self._lane_change = LaneChange(configuration.lane_change)
         self._held = 0  # ticks for which the last choice has held, 0 where it is time for another
         self._action = ACTIONS[0]
 
@@ -68,6 +71,7 @@ class AdreftRepair:
         self._opening.reset()
         self._patience.reset()
         self._need.reset()
+        self._lane_change.reset(route)
         self._held, self._action = 0, ACTIONS[0]
         self._numbers.seed(f"{self._seed}:{route.scenario}")
 
@@ -86,7 +90,10 @@ class AdreftRepair:
         alarmed = score > self.threshold
         score = max(score, self.model.due(values, asked, scene))
         self._need.see(scene, decision, tokens)
+        self._lane_change.see(scene)
         bar, needless = self._need.bar(score, self.threshold, self._patience.bar(score, self.threshold))
+        if score > bar and self._lane_change.is_clear_ahead(scene):
+            bar, needless = NEVER, f"criticality {score:.3f}, but the ego changes lanes and nobody is close ahead"
         configuration = self.model.configuration
         if self._held == 0 or (configuration.fresh and score > bar and not self._latch.is_on):
             self._action, self._held = ACTIONS[self._choose(values, asked)], 0
@@ -113,7 +120,11 @@ class AdreftRepair:
         else:
             proposal = self._latch.settle(scene.time, proposal)
         self._patience.watch(scene, intervenes=proposal.score > proposal.threshold and asked > proposal.action)
-        return self._changes.judge(proposal, tokens, scene) if decision.command.change_lane else proposal
+        if decision.command.change_lane:
+            proposal = self._changes.judge(proposal, tokens, scene)
+            if not proposal.hold_back:
+                self._lane_change.begin(scene)
+        return proposal
 
     def _choose(self, values: NDArray[np.float32], asked: float) -> int:
         """Index of the action to propose where the policy asks for ``asked``."""
