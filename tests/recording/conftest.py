@@ -2,7 +2,6 @@
 
 import itertools
 import math
-import os
 
 import numpy as np
 import pytest
@@ -30,18 +29,13 @@ CORPUS = {
     "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
     "/text": "std_msgs/msg/String",
 }
-_domains = itertools.count()
 
 
 @pytest.fixture
-def domain(monkeypatch, tmp_path):
-    """A ROS domain that no test at work beside this one uses; children inherit it."""
-    worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
-    number = 1 + (os.getpid() * 11 + worker * 37 + next(_domains)) % 100
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+def domain(domain, monkeypatch, tmp_path):
+    """A ROS domain of its own; children inherit it, and leave their logs with the test."""
     monkeypatch.setenv("ROS_LOG_DIR", str(tmp_path / "log"))
-    return number
+    return domain
 
 
 class Maker:

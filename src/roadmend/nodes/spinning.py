@@ -4,10 +4,12 @@ import contextlib
 import gc
 import signal
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from types import FrameType
 
 import rclpy
+from rclpy.duration import Duration
 from rclpy.exceptions import InvalidParameterTypeException, ParameterException
 from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
@@ -20,6 +22,7 @@ from roadmend.nodes.fault import leave_fault
 from roadmend.nodes.heartbeat import Heartbeat
 
 POLL_S = 0.05  # longest time between two looks at the stop flag [s]
+ARRIVE_S = 0.5  # longest time for which a node that ends waits until its subscribers have what it said [s]
 
 
 class StopFlag:
@@ -118,6 +121,7 @@ def _run(factory: Callable[[], Node], stop: StopFlag, interrupted: int) -> int:
         close = getattr(node, "close", None)
         if close is not None:
             close()
+        _let_arrive(node)
         executor.remove_node(node)
         node.destroy_node()
         executor.shutdown()
@@ -126,3 +130,13 @@ def _run(factory: Callable[[], Node], stop: StopFlag, interrupted: int) -> int:
         leave_fault(fault)
     is_cut = stop.is_set and not getattr(node, "finished", False)
     return int(getattr(node, "exit_code", 0)) or (interrupted if is_cut else 0)
+
+
+def _let_arrive(node: Node) -> None:
+    """Wait until all reliable subscribers have what was published.
+
+    What is under way lies in shared memory that goes with this process, and a loss nobody could repair any more.
+    """
+    deadline = time.monotonic() + ARRIVE_S
+    for publisher in node.publishers:
+        publisher.wait_for_all_acked(Duration(seconds=max(0.0, deadline - time.monotonic())))
