@@ -138,5 +138,5 @@ def _let_arrive(node: Node) -> None:
     What is under way lies in shared memory that goes with this process, and a loss nobody could repair any more.
     """
     deadline = time.monotonic() + ARRIVE_S
-    for publisher in node.publishers:
+    for publisher in node.publishers if node.context.ok() else ():
         publisher.wait_for_all_acked(Duration(seconds=max(0.0, deadline - time.monotonic())))
