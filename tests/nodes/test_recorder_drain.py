@@ -94,6 +94,10 @@ def test_a_limit_below_the_time_that_dds_takes_says_nothing_where_nothing_came(c
     assert run(clock, lambda _: None, 1.0) == (True, 0, pytest.approx(1.0, abs=2 * LOOK_S))
 
 
+def test_what_came_at_once_is_not_what_still_comes_at_the_limit(clock):
+    assert run(clock, lambda look: EARLIER if look < 3 else None, 1.0) == (True, 3, pytest.approx(1.0, abs=2 * LOOK_S))
+
+
 def test_a_machine_that_hardly_lets_it_look_does_not_end_it(clock, monkeypatch):
     def starved(_seconds):
         clock.now += 1.0
