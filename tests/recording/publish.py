@@ -18,7 +18,9 @@ from std_msgs.msg import Header, String, UInt8MultiArray
 TICK_NS = 50_000_000
 COUNT = int(sys.argv[1])
 PACE = float(sys.argv[2])  # [s] pause between two ticks; 0 for full speed
-STREAM = QoSProfile(depth=5000)  # keeps what the recorder has not acknowledged yet
+OPTIONS = sys.argv[3:]  # how many messages a topic keeps, and "late": see the end of main
+DEPTH = next((int(option) for option in OPTIONS if option.isdecimal()), 5000)
+STREAM = QoSProfile(depth=DEPTH)  # keeps what the recorder has not acknowledged yet
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 EVENT = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 STREAMS = {
@@ -72,7 +74,7 @@ def main():
     collision = ScenarioEvent(header=Header(stamp=stamp(COUNT)), kind=ScenarioEvent.COLLISION, text="hit bus_1")
     events.publish(collision)
     print("published", flush=True)
-    if sys.argv[3:] == ["late"]:  # a publisher that offers less than the first one did
+    if "late" in OPTIONS:  # a publisher that offers less than the first one did
         late = node.create_publisher(String, "text", QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT))
         while not late.get_subscription_count():  # until the recorder has subscribed to what it offers
             time.sleep(0.01)

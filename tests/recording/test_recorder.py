@@ -148,6 +148,21 @@ def test_nothing_is_missing_where_the_recorder_was_halted_for_a_second(record, p
     assert "incomplete" not in bag.metadata["roadmend"]
 
 
+def test_what_dds_says_of_losses_in_the_end_is_counted(record, publish, tmp_path):
+    """Told to stop while it is halted, the recorder hears of them only when it takes in what is left."""
+    recorder = record(drain_limit=60.0)
+    publisher = publish(COUNT, 0, 100)
+    assert line_of(publisher) == "connected\n"
+    recorder.send_signal(signal.SIGSTOP)
+    assert line_of(publisher) == "published\n"
+    recorder.send_signal(signal.SIGTERM)
+    assert stop(recorder, signal.SIGCONT)[0] == 0
+    bag = BagReader(tmp_path / "bag")
+    missing = sum(COUNT - bag.topics[topic].count for topic in STREAMS)
+    assert missing > COUNT
+    assert bag.metadata["roadmend"]["lost_messages"] == f"{missing}"
+
+
 def test_diagnostics_tell_how_it_goes(record, publish, tmp_path):
     recorder = record(exclude="^/image$", drain_limit=0.5)
     publisher = publish(10, 0)  # waits for ever, but its topics are there

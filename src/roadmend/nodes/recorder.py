@@ -44,6 +44,7 @@ from roadmend.recording.writer import BagOptions, BagWriter, Compression
 DISCOVERY_PERIOD_S = 0.1  # [s] between two looks at the graph
 DIAGNOSTICS_PERIOD_S = 1.0  # [s] of wall time
 METADATA_RECORD = "roadmend"
+_QUEUED_EACH = 3  # of a topic in the executor's queue, besides its messages: what DDS says of it, and timers
 _NANOSECONDS = 1_000_000_000
 
 Callback = Callable[[bytes], None]
@@ -312,6 +313,7 @@ class RecorderNode(Node):
         self._report_timer.cancel()
         if self.executor is None:
             return
+        before = self._writer.count
         there = [(one.subscription, one.callback) for one in self._recorded.values()]
         self._is_drained = drain(there, self._has_others, self._drain_limit)
         if not self._is_drained:
@@ -319,7 +321,9 @@ class RecorderNode(Node):
                 f"{self._writer.folder}: closed after {self._drain_limit:g} s while messages sent before still came; "
                 "raise the parameter drain_limit"
             )
-        self.executor.spin_once(timeout_sec=0.0)  # what DDS says of lost messages
+        # What DDS says of lost messages stands in the executor's queue behind the messages that were taken without it.
+        for _ in range(self._writer.count - before + _QUEUED_EACH * (len(self._recorded) + 1)):
+            self.executor.spin_once(timeout_sec=0.0)
 
     def _has_others(self) -> bool:
         """Whether any node besides this one can still send."""
