@@ -7,12 +7,14 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
-from roadmend.nodes import spinning
+from roadmend.nodes.spinning import run_node
 
 COUNT = int(sys.argv[1])
 
 
 class Leaver(Node):
+    linger = 30.0  # [s] a starved process is not what is tested
+
     def __init__(self):
         super().__init__("leaver_node")
         self.finished = False
@@ -33,5 +35,4 @@ class Leaver(Node):
 
 
 if __name__ == "__main__":
-    spinning.ARRIVE_S = 30.0  # a starved process is not what is tested
-    sys.exit(spinning.run_node(Leaver, ["leaver_node"]))
+    sys.exit(run_node(Leaver, ["leaver_node"]))

@@ -1,9 +1,7 @@
 """The publishers of a replay: one for each recorded topic whose type is installed."""
 
-import time
 from collections.abc import Sequence
 
-from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy
@@ -79,9 +77,3 @@ class Players:
             for publisher in self.publishers.values()
             for info in self._node.get_subscriptions_info_by_topic(publisher.topic_name)
         }
-
-    def let_arrive(self, patience: float) -> None:
-        """Wait until every reliable subscriber has what was sent, but no longer than ``patience`` [s] in all."""
-        deadline = time.monotonic() + patience
-        for publisher in self.publishers.values():
-            publisher.wait_for_all_acked(Duration(seconds=max(0.0, deadline - time.monotonic())))

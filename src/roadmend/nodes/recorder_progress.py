@@ -2,7 +2,7 @@
 
 In lockstep the graph runs as fast as the machine lets it, and a recorder that the machine lets wait for a moment loses what
 does not fit into DDS's queues: 512 messages in Fast DDS's shared memory, the last 50 of a publisher when it notices a gap,
-which is up to 3 s later. So the recorder tells the newest time of the clock that it has written, and the simulator stays
+which is up to 3 s later where Fast DDS is not told otherwise. So the recorder tells the newest time of the clock that it has written, and the simulator stays
 within ``LEAD_TICKS`` of it. The topic is hidden, as ROS calls a name with a leading underscore: tools do not list it, bags do
 not hold it.
 """
@@ -42,27 +42,35 @@ class ProgressReport:
 
 
 class ProgressWatch:
-    """Knows how far a recorder has come. Where none has ever told, nobody is waited for."""
+    """Knows how far a recorder has come, and who must wait for it. Where none has ever told, nobody is waited for."""
 
-    def __init__(self, node: Node, on_report: Callable[[], None]) -> None:
+    def __init__(self, node: Node, patience: float, on_report: Callable[[], None]) -> None:
         """Listen.
 
         Args:
             node: on whose behalf.
+            patience: [s] of wall time for which one tick waits at most.
             on_report: called at each report.
         """
         self._newest_ns: int | None = None
-        self._on_report = on_report
+        self._patience, self._on_report, self._get_logger = patience, on_report, node.get_logger
         node.create_subscription(Time, topics.RECORDER_PROGRESS, self._hear, qos.DIAGNOSTIC)
 
     def _hear(self, message: Time) -> None:
         self._newest_ns = message.sec * _NS + message.nanosec
         self._on_report()
 
-    def is_behind(self, now_ns: int) -> bool:
-        """Whether a tick at this time [ns] is further ahead of the recorder than the next one may be."""
-        return self._newest_ns is not None and now_ns - self._newest_ns >= LEAD_TICKS * INTERVAL_NS
+    def holds(self, now_ns: int, waited: float) -> bool:
+        """Whether the next tick must wait; where patience ends that is said, and nobody waits until the recorder tells again.
 
-    def forget(self) -> None:
-        """Wait no more, until the recorder tells again."""
+        Args:
+            now_ns: time of the present tick [ns].
+            waited: since it was published [s] of wall time.
+        """
+        if self._newest_ns is None or now_ns - self._newest_ns < LEAD_TICKS * INTERVAL_NS:
+            return False
+        if waited <= self._patience:
+            return True
+        self._get_logger().warning(f"the recorder has written nothing for {self._patience:g} s: it goes on without it")
         self._newest_ns = None
+        return False

@@ -41,13 +41,14 @@ TELL_S = 2.0  # [s] of waiting for those that must join after which it is said
 ASK_S = 0.1  # [s] between two looks for those that must join
 REPEAT_S = 0.25  # [s] after which an unanswered tick is published again: a node may have joined only now
 FIRST_ANSWER_S = 60.0  # [s] of wall time for the first answer: a node may still be loading
-LINGER_S = 2.0  # [s] for which the end waits for slow subscribers
 _NANOSECONDS = 1_000_000_000
 _HEADER = "std_msgs/Header"
 
 
 class ReplayNode(Node):
     """Plays one bag from its beginning, or from an offset, to its end."""
+
+    linger = 2.0  # [s] for which the end waits for slow subscribers
 
     def __init__(self) -> None:
         super().__init__("replay_node")
@@ -110,7 +111,7 @@ class ReplayNode(Node):
         self._published = (0.0, 0.0)  # wall times [s] at which the tick that is not answered was published: first, last
         self._answered_once = False
         self._current: ReplayTick | None = None
-        self._recorder = ProgressWatch(self, self._go_on)
+        self._recorder = ProgressWatch(self, self._answer_timeout, self._go_on)
         for name, callback in (
             ("pause", self._on_pause),
             ("resume", self._on_resume),
@@ -199,15 +200,7 @@ class ReplayNode(Node):
 
     def _waits_for_recorder(self, now: float) -> bool:
         """Whether a recorder that is there has not come far enough for another tick."""
-        if self._current is None or not self._recorder.is_behind(self._current.time_ns):
-            return False
-        if now - self._published[1] <= self._answer_timeout:
-            return True
-        self.get_logger().warning(
-            f"the recorder has written nothing for {self._answer_timeout:g} s: the replay goes on without it"
-        )
-        self._recorder.forget()
-        return False
+        return self._current is not None and self._recorder.holds(self._current.time_ns, now - self._published[1])
 
     def _advance(self) -> None:
         tick = self._current = self._next
@@ -322,10 +315,6 @@ class ReplayNode(Node):
             return Health(Level.OK, f"waiting for an answer on {min(self._awaited)[0]}", values)
         state = "paused" if self._playhead.paused else "playing"
         return Health(Level.WARN if self._players.skipped else Level.OK, state, values)
-
-    def close(self) -> None:
-        """Let the last messages arrive."""
-        self._players.let_arrive(LINGER_S)
 
 
 def main(args: Sequence[str] | None = None, *, interrupted: int = 0) -> int:

@@ -45,7 +45,7 @@ IMPATIENCE_S = 1.5  # [s] the same where a node of somebody else's is waited for
 REPEAT_S = 0.25  # period in which the first tick is repeated until it is answered [s]
 BEGUN_SUFFIX = ".begun"  # of the empty file that lies beside the summary once the episode has begun
 DRIVING_SUFFIX = ".driving"  # of the same once the first tick has been answered
-LINGER_S = 0.3  # time for the last messages to leave [s]
+LINGER_S = 0.3  # time for the others to take in the last tick [s]
 IMPATIENT_S = 0.05  # lockstep: time a command is waited for while the repair node is known to be silent [s]
 WATCHDOG_COMMAND = Command(0.0, 0.5)  # half brake: a controlled stop of 4 m/s2 on a dry road
 _ANSWER = "an answer to the first tick"
@@ -127,7 +127,7 @@ class SimNode(Node):
         self._event_publisher = self.create_publisher(msg.ScenarioEvent, topics.EVENTS, qos.EVENT)
         self._route_publisher = self.create_publisher(msg.Route, topics.ROUTE, qos.LATCHED)
         self._map_publisher = self.create_publisher(msg.Map, topics.MAP, qos.LATCHED)
-        self._progress = ProgressWatch(self, self._release)
+        self._progress = ProgressWatch(self, self._timeout, self._release)
         self._commands = GatedInput(self, REPAIRED, msg.Command, settings.writer, self._on_command, time.monotonic)
         header = messages.header_of(0.0)
         self._route_publisher.publish(encode(messages.route_message_of(self._simulation.route, header)))
@@ -208,12 +208,7 @@ class SimNode(Node):
             self._repeat(now)
             return
         if self._held is not None:
-            if now - self._tick_at > self._timeout:
-                self.get_logger().warning(
-                    f"the recorder has written nothing for {self._timeout:g} s: the drive goes on without it"
-                )
-                self._progress.forget()
-                self._release()
+            self._release()
             return
         if now - self._tick_at > (IMPATIENT_S if self._watchdog else self._timeout):
             self._bite(f"no repaired command within {now - self._tick_at:.2f} s of wall time")
@@ -255,7 +250,7 @@ class SimNode(Node):
         """Lockstep: obey the command that is held, unless the recorder is too far behind."""
         if self._tick is None or self._held is None or self._ended_at:
             return
-        if not self._progress.is_behind(self._tick.number * INTERVAL_NS):
+        if not self._progress.holds(self._tick.number * INTERVAL_NS, time.monotonic() - self._tick_at):
             command, self._held = self._held, None
             self._advance(command, obeyed=True)
 

@@ -22,7 +22,7 @@ from roadmend.nodes.fault import leave_fault
 from roadmend.nodes.heartbeat import Heartbeat
 
 POLL_S = 0.05  # longest time between two looks at the stop flag [s]
-ARRIVE_S = 0.5  # longest time for which a node that ends waits until its subscribers have what it said [s]
+LINGER_S = 0.5  # longest time for which a node that ends waits until its subscribers have what it said [s]
 
 
 class StopFlag:
@@ -56,7 +56,8 @@ def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None, *, 
 
     The node may have an attribute ``finished`` (the loop ends when it turns true), an attribute ``exit_code``, an
     attribute ``fault`` (the error because of which that is not 0, or None), an
-    attribute ``stop`` (it is given the flag, to look at during long work) and a method ``close()`` that is called before
+    attribute ``stop`` (it is given the flag, to look at during long work), an attribute ``linger`` (the longest time [s] for
+    which the end waits until subscribers have what was published, LINGER_S without) and a method ``close()`` that is called before
     the node is destroyed, while publishing still works.
 
     Args:
@@ -137,6 +138,6 @@ def _let_arrive(node: Node) -> None:
 
     What is under way lies in shared memory that goes with this process, and a loss nobody could repair any more.
     """
-    deadline = time.monotonic() + ARRIVE_S
+    deadline = time.monotonic() + getattr(node, "linger", LINGER_S)
     for publisher in node.publishers if node.context.ok() else ():
         publisher.wait_for_all_acked(Duration(seconds=max(0.0, deadline - time.monotonic())))

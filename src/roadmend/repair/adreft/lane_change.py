@@ -25,37 +25,37 @@ class LaneChange:
 
     def __init__(self, seconds: float) -> None:
         self._seconds = seconds
-        self._tracker: RouteTracker | None = None
-        self._since: float | None = None  # [s] when the change under way began
-        self._from = 0  # the stage that it leaves
+        self._route: Route | None = None
+        self._tracker: RouteTracker | None = None  # of the change under way
+        self._from, self._since = 0, 0.0  # the stage that it leaves, and when it began [s]
 
     def reset(self, route: Route) -> None:
         """Begin an episode on ``route``."""
-        self._tracker = RouteTracker(route) if self._seconds > 0.0 else None
-        self._since = None
+        self._route, self._tracker = route, None
 
     def see(self, scene: Scene) -> None:
         """Take in a tick; every one of them, in order."""
         if self._tracker is None:
             return
-        nearest = self._tracker.observe(scene.ego.x, scene.ego.y)
-        if self._since is None:
-            self._from = nearest
-            return
-        left, reached = (abs(self._tracker.places[stage][1]) for stage in (self._from, self._from + 1))
+        self._tracker.observe(scene.ego.x, scene.ego.y)
+        left, reached = (abs(offset) for _, offset in self._tracker.places[self._from : self._from + 2])
         stayed = left < _ARRIVED and not 0.0 <= scene.time - self._since < _BEGUN
         if reached < _ARRIVED or stayed:
-            self._since = None
+            self._tracker = None
 
     def begin(self, scene: Scene) -> None:
         """The policy's wish to change lanes goes through at this tick."""
-        if self._tracker is not None and self._since is None and self._from + 1 < len(self._tracker.route.stages):
-            self._since = scene.time
+        if self._seconds <= 0.0 or self._route is None or self.is_under_way:
+            return
+        tracker = RouteTracker(self._route)
+        self._from, self._since = tracker.observe(scene.ego.x, scene.ego.y), scene.time
+        if self._from + 1 < len(self._route.stages):
+            self._tracker = tracker
 
     @property
     def is_under_way(self) -> bool:
         """Whether the ego leaves its lane, or is between two."""
-        return self._since is not None
+        return self._tracker is not None
 
     def is_clear_ahead(self, scene: Scene) -> bool:
         """Whether the ego changes lanes and braking it would be for nobody ahead."""
