@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from harness import grid, price_curve
+from harness import bench_ordinary, grid, price_curve
 from harness.bench_ordinary import ordinary
 from harness.contenders import read_plan
 from harness.options import PLANS
@@ -106,3 +106,17 @@ def test_a_run_gives_json_and_tables(tmp_path, capsys, monkeypatch):
     assert content["provenance"]["command"].startswith("./roadmend bench ordinary --policy modular --methods governor")
     assert json.loads((tmp_path / "out" / "adreft-ordinary.json").read_text()) == content
     assert "Ordinary driving" in (tmp_path / "out" / "adreft-ordinary.md").read_text()
+
+
+def test_other_random_drives_than_the_tables_can_be_asked_for_but_not_mixed_with_them(tmp_path, capsys, monkeypatch):
+    driven = []
+    monkeypatch.setattr(bench_ordinary, "random_drives", lambda count, first: driven.append((count, first)) or [])
+    monkeypatch.setattr(bench_ordinary, "drive_all", lambda *_: {"modular": {}})
+    words = ["--policy", "modular", "--methods", "governor", "--count", "2", "--work", str(tmp_path), "--json"]
+    assert run_group(ordinary, "ordinary", words) == 0
+    assert run_group(ordinary, "ordinary", [*words, "--first", "7"]) == 0
+    assert driven == [(2, grid.TABLE_SEED), (2, 7)]
+    assert '--count 2 --first 7"' in capsys.readouterr().out
+    for mixed in (["--keep"], ["--curve-count", "1"]):
+        assert run_group(ordinary, "ordinary", [*words, "--first", "7", *mixed]) == 2
+        assert "--first: --keep and --curve-count go with the table's drives; leave them out" in capsys.readouterr().err

@@ -49,6 +49,16 @@ class OrdinaryOptions:
             "--count", default=200, show_default=True, type=click.IntRange(1, 100_000), help="Random drives a family."
         ),
     ]
+    first: Annotated[
+        int,
+        click.option(
+            "--first",
+            default=TABLE_SEED,
+            show_default=True,
+            type=click.IntRange(0, 2**31 - 100_001),
+            help="Seed of the first random drive. Any other than the table's: drives that no figure here was made of.",
+        ),
+    ]
     networks: Annotated[
         int,
         click.option(
@@ -130,6 +140,8 @@ def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
     The settings of a curve are chosen on validation cases and random drives of their own; what is then said of the
     chosen ones was measured on the test cases and on the random drives of the table. Finished episodes are kept.
     """
+    if given.first != TABLE_SEED and (given.keep or given.curve_count):
+        raise click.UsageError("--first: --keep and --curve-count go with the table's drives; leave them out")
     plan, config = read_plan(PLANS / "adreft.yaml"), config_folder()
     policies = given.policies or tuple(plan.policies)
     names = given.methods.split(",") if given.methods else plan.ordinary
@@ -175,7 +187,7 @@ def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
 
 def _sets(given: OrdinaryOptions, work: Path, progress: Progress) -> dict[str, list[Scenario]]:
     """What is driven, by name: random scenarios of the families, generated networks by kind, and those given."""
-    sets = {"random": random_drives(given.count, TABLE_SEED)}
+    sets = {"random": random_drives(given.count, given.first)}
     seeds = range(FIRST_NETWORK, FIRST_NETWORK + given.networks)
     requests = [NetworkRequest(kind, seed, work.with_name(f"{work.name}-networks")) for kind in KINDS for seed in seeds]
     paths: dict[str, list[Path]] = {}
@@ -212,6 +224,7 @@ def _command(given: OrdinaryOptions) -> str:
     parts = ["./roadmend bench ordinary", *(f"--policy {policy}" for policy in given.policies)]
     parts += [f"--methods {given.methods}"] if given.methods else []
     parts += [f"--count {given.count}"] if given.count != 200 else []
+    parts += [f"--first {given.first}"] if given.first != TABLE_SEED else []
     parts += [f"--networks {given.networks}"] if given.networks else []
     parts += [f"--sumocfg {path.name}" for path in given.sumocfg]
     parts += [f"--drives {given.drives}"] if given.networks or given.sumocfg else []
