@@ -2,6 +2,7 @@
 
 import gc
 import itertools
+import subprocess
 import sys
 
 import pytest
@@ -41,3 +42,30 @@ def domain(monkeypatch):
         yield number
         # What rclpy holds in cycles stays in the domain until it is collected, and the next test may get the same one.
         gc.collect()
+
+
+@pytest.fixture
+def start(domain, tmp_path):
+    """Starts a Python process; what still runs after the test is killed."""
+    running = []
+
+    def run(*arguments, **options):
+        process = subprocess.Popen(
+            [sys.executable, *map(str, arguments)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            cwd=tmp_path,
+            **options,
+        )
+        running.append(process)
+        return process
+
+    yield run
+    for process in running:
+        if process.poll() is None:
+            process.kill()
+            process.wait()
+        for stream in (process.stdin, process.stdout, process.stderr):
+            stream.close()

@@ -2,8 +2,6 @@
 
 import os
 import signal
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -14,35 +12,12 @@ from roadmend.recording.reader import BagReader
 COUNT = 1000  # twice what Fast DDS's shared memory holds of one process
 
 
-@pytest.fixture
-def start(domain, tmp_path, monkeypatch):
-    """Starts a Python process in the environment of a graph; what still runs after the test is killed."""
-    monkeypatch.setenv("ROS_LOG_DIR", str(tmp_path / "log"))
-    running = []
-
-    def run(*arguments):
-        process = subprocess.Popen(
-            [sys.executable, *map(str, arguments)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-            env=os.environ | reach(),
-        )
-        running.append(process)
-        return process
-
-    yield run
-    for process in running:
-        process.kill()
-        process.wait()
-        process.stdin.close()
-        process.stdout.close()
-
-
 @pytest.mark.graph
 def test_a_node_that_has_finished_goes_when_a_recorder_that_was_halted_has_all_of_it(start, tmp_path):
-    recorder = start("-m", "roadmend.nodes.recorder", "--ros-args", "-p", f"output:={tmp_path}", "-p", "name:=bag")
-    leaver = start(Path(__file__).with_name("leaver.py"), COUNT)
+    environment = os.environ | reach() | {"ROS_LOG_DIR": str(tmp_path / "log")}
+    words = ["--ros-args", "-p", f"output:={tmp_path}", "-p", "name:=bag"]
+    recorder = start("-m", "roadmend.nodes.recorder", *words, env=environment)
+    leaver = start(Path(__file__).with_name("leaver.py"), COUNT, env=environment)
     assert "connected\n" in leaver.stdout
     recorder.send_signal(signal.SIGSTOP)
     leaver.stdin.write("\n")

@@ -5,8 +5,6 @@ import json
 import re
 import resource
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -24,33 +22,6 @@ pytestmark = pytest.mark.graph
 COUNT = 2000
 TICK_NS = 50_000_000
 STREAMS = ["/clock", "/ego", "/objects", "/policy/command", "/text", "/image"]
-
-
-@pytest.fixture
-def start(domain, tmp_path):
-    """Starts a Python process; what still runs after the test is killed."""
-    running = []
-
-    def run(*arguments, **options):
-        process = subprocess.Popen(
-            [sys.executable, *map(str, arguments)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            cwd=tmp_path,
-            **options,
-        )
-        running.append(process)
-        return process
-
-    yield run
-    for process in running:
-        if process.poll() is None:
-            process.kill()
-            process.wait()
-        for stream in (process.stdin, process.stdout, process.stderr):
-            stream.close()
 
 
 @pytest.fixture
