@@ -1,7 +1,7 @@
 """While the ego changes lanes, braking helps against whoever is ahead, and puts it in the way of whoever is behind.
 
 A lane change takes a distance, not a time: an ego that is braked to a standstill in the middle of one stands across two
-lanes, and is hit there. Of the collisions that repair itself brought about on the motorway, half were of that kind.
+lanes, and is hit there.
 """
 
 import math
