@@ -114,6 +114,17 @@ def test_a_share_is_about_that_share_and_the_same_every_time():
     assert touched(1) == touched(1) != touched(2)
 
 
+def test_the_first_so_many_in_a_row_are_where_a_distorter_touches_them():
+    what = Distortion("silent", 10, 200, share=0.5, seed=3)
+    distorter = Distorter(what)
+    touched = [not distorter.pass_on("ego", message("ego", tick)) for tick in range(220)]
+    for length in (1, 2, 3):
+        first = what.first_in_a_row("ego", length)
+        rows = [place for place in range(220) if all(touched[place : place + length])]
+        assert first == rows[0]
+    assert what.first_in_a_row("ego", 201) is None
+
+
 @pytest.mark.parametrize("shift", [10.0, -0.2])
 def test_a_clock_that_jumps_goes_on_from_there_and_answers_find_their_way_back(shift):
     distorter = Distorter(Distortion("jump", 5, shift=round(shift * 1e9)))

@@ -82,7 +82,7 @@ def test_where_messages_were_distorted_the_first_of_them_is_the_moment():
     ticks = [tick(place) for place in range(30)]
     ticks[8] = tick(8, status=RepairStatus.INVALID_COMMAND)
     ticks[13] = tick(13, status=RepairStatus.INVALID_COMMAND)
-    evidence = evidence_of(ticks, None, "INVALID_COMMAND", None, since=12 * STEP)
+    evidence = evidence_of(ticks, None, "INVALID_COMMAND", None, touched=[12 * STEP])
     assert evidence.silence == pytest.approx(0.6)
     assert evidence.to_state == pytest.approx(0.05)
 
@@ -93,9 +93,23 @@ def test_what_a_message_held_need_not_be_said_of_ticks_that_were_stopped_for_wan
         status = RepairStatus.STALE_OBJECTS if place < 16 else RepairStatus.PASS
         ticks[place] = tick(place, status=status)
     ticks[18] = tick(18, status=RepairStatus.INVALID_OBJECTS)
-    assert evidence_of(ticks, None, "INVALID_OBJECTS", None, since=12 * STEP).to_state == pytest.approx(0.1)
-    assert evidence_of(ticks, None, "STALE_OBJECTS", None, since=11 * STEP).to_state == pytest.approx(0.05)
-    assert evidence_of(ticks, None, "INVALID_COMMAND", None, since=12 * STEP).to_state is None
+    touched = [place * STEP for place in range(12, 20)]
+    assert evidence_of(ticks, None, "INVALID_OBJECTS", None, touched).to_state == pytest.approx(0.1)
+    assert evidence_of(ticks, None, "STALE_OBJECTS", None, [11 * STEP]).to_state == pytest.approx(0.05)
+    assert evidence_of(ticks, None, "INVALID_COMMAND", None, touched).to_state is None
+
+
+def test_nor_of_ticks_between_those_that_were_disturbed():
+    ticks = [tick(place) for place in range(30)]
+    ticks[12] = tick(12, status=RepairStatus.STALE_COMMAND)
+    ticks[17] = tick(17, status=RepairStatus.MODEL_FAULT)
+    evidence = evidence_of(ticks, None, "MODEL_FAULT", None, [12 * STEP, 17 * STEP])
+    assert (evidence.silence, evidence.to_state) == (pytest.approx(0.6), 0.0)
+
+
+def test_where_nothing_was_disturbed_for_long_enough_there_is_no_moment():
+    evidence = evidence_of([tick(place) for place in range(30)], None, "STALE_COMMAND", None, [])
+    assert (evidence.silence, evidence.to_state) == (None, None)
 
 
 def test_a_run_without_a_fault_has_warned_of_nothing():

@@ -7,10 +7,10 @@ import sys
 import pytest
 
 from roadmend.core.errors import InputError
-from roadmend.core.tick import INTERVAL
+from roadmend.core.tick import INTERVAL, INTERVAL_NS
 from roadmend.faults.campaign import FaultCampaign, FaultTrial
 from roadmend.faults.fault import MethodFault, SignalFault, TopicFault
-from roadmend.faults.staging import TOUCHED, begin_of, run_command
+from roadmend.faults.staging import TOUCHED, begin_of, distortion_of, run_command, touched_stamps
 from roadmend.repair.adreft.model import AdreftModel
 
 
@@ -26,6 +26,11 @@ def command_for(fault, folder, kind="topics"):
 def ros_of(command):
     words = command[command.index("--ros-args") + 1 :] if "--ros-args" in command else []
     return set(zip(words[::2], words[1::2], strict=True))
+
+
+def half_missing(**changes):
+    known = {"distortion": "silent", "share": 0.5, "declared": "STALE_COMMAND"}
+    return TopicFault(name="half", topic="policy/command", **(known | changes))
 
 
 def test_without_a_fault_the_graph_is_as_it_is(tmp_path):
@@ -106,3 +111,54 @@ print([fails({begin} + step) for step in range(-1, 4)])
     ).stdout
     assert said.strip() == "[False, True, True, True, False]"
     assert (tmp_path / TOUCHED).exists()
+
+
+@pytest.mark.parametrize(("rate", "in_a_row"), [(0.5, 1), (1.0, 1), (2.0, 2), (5.0, 3), (10.0, 3)])
+def test_in_real_time_messages_lack_where_so_many_in_a_row_do_that_the_next_one_comes_too_late(
+    tmp_path, rate, in_a_row
+):
+    fault = half_missing(ticks=200)
+    trial = FaultTrial(fault, "realtime", rate, 4)
+    campaign = campaign_of(topics=(fault,))
+    first = distortion_of(campaign, trial).first_in_a_row("policy/command", in_a_row)
+    assert touched_stamps(campaign, trial, tmp_path) == [first * INTERVAL_NS]
+    brief = half_missing(ticks=1)
+    assert touched_stamps(campaign_of(topics=(brief,)), FaultTrial(brief, "realtime", 5.0, 4), tmp_path) == []
+
+
+@pytest.mark.parametrize(("clock", "declared"), [("lockstep", "STALE_COMMAND"), ("realtime", "INVALID_COMMAND")])
+def test_else_each_message_that_is_touched_counts(tmp_path, clock, declared):
+    fault = half_missing(declared=declared)
+    trial = FaultTrial(fault, clock, 5.0, 4)
+    campaign = campaign_of(topics=(fault,))
+    what = distortion_of(campaign, trial)
+    touched = [tick * INTERVAL_NS for tick in range(200) if what.touches("policy/command", tick)]
+    assert touched_stamps(campaign, trial, tmp_path) == touched
+    assert 5 <= len(touched) <= 15
+
+
+def test_of_a_relay_that_touches_all_the_first_is_what_it_left(tmp_path):
+    fault = half_missing(share=1.0, ticks=3)
+    asked = campaign_of(topics=(fault,)), FaultTrial(fault, "realtime", 5.0, 4), tmp_path
+    assert touched_stamps(*asked) == []
+    (tmp_path / TOUCHED).write_text(json.dumps({"first": 7}))
+    assert touched_stamps(*asked) == [7, 7 + INTERVAL_NS, 7 + 2 * INTERVAL_NS]
+
+
+def test_a_method_fails_at_the_ticks_that_are_told_and_a_signal_touches_no_tick(tmp_path):
+    fault = MethodFault(name="m", method="raises", ticks=40, share=0.2)
+    asked = campaign_of(methods=(fault,)), FaultTrial(fault, "realtime", 2.0, 0), tmp_path
+    command_for(fault, tmp_path, "methods")
+    script = f"""
+from types import SimpleNamespace
+from broken_method import Broken
+for tick in range(200):
+    try:
+        Broken().propose(SimpleNamespace(time=tick * {INTERVAL}), None)
+    except RuntimeError:
+        print(tick * {INTERVAL_NS})
+"""
+    said = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert touched_stamps(*asked) == [int(line) for line in said.stdout.split()] != []
+    signal = SignalFault(name="s", node="policy", signal="KILL")
+    assert touched_stamps(campaign_of(signals=(signal,)), FaultTrial(signal, "realtime", 2.0, 0), tmp_path) is None

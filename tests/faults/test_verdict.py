@@ -66,6 +66,15 @@ def test_in_real_time_nobody_is_taken_away_without_a_tick_that_shows_it():
     assert not realtime.is_reported
 
 
+def test_where_no_message_lacked_for_long_enough_there_is_nothing_to_report():
+    fault = TopicFault(name="half", topic="policy/command", distortion="silent", share=0.5, declared="STALE_COMMAND")
+    trial = FaultTrial(fault, "realtime", 5.0, 0)
+    unsaid = dataclasses.replace(GOOD, exit_code=0, named=False, evidence=Evidence(100, 0))
+    lacked = dataclasses.replace(unsaid, evidence=Evidence(100, 0, silence=1.0))
+    assert judge([(trial, unsaid)])[0].is_reported
+    assert not judge([(trial, lacked)])[0].is_reported
+
+
 def test_who_goes_on_again_is_named_by_the_state_where_it_must_be_declared():
     fault = SignalFault(
         name="stopped", node="policy", signal="STOP", resume=1.0, declared="STALE_COMMAND", exits=(0,), named=False

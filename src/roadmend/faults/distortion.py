@@ -160,6 +160,21 @@ class Distortion:
     shift: int = 0
     seed: int = 0
 
+    def touches(self, topic: str, tick: int) -> bool:
+        """Whether the message of a topic at this tick, by its number, is touched; the same at every call."""
+        if not self.begin <= tick < self.begin + self.ticks:
+            return False
+        return random.Random(f"{self.seed}/{topic}/{tick}").random() < self.share
+
+    def first_in_a_row(self, topic: str, length: int) -> int | None:
+        """Number of the first tick of the first ``length`` touched ones in a row; None if there never are so many."""
+        row = 0
+        for tick in range(self.begin, self.begin + self.ticks):
+            row = row + 1 if self.touches(topic, tick) else 0
+            if row == length:
+                return tick - length + 1
+        return None
+
 
 class Distorter:
     """Takes in messages and gives what goes on of them.
@@ -182,7 +197,7 @@ class Distorter:
         if self._what.name == "jump":
             return [self._jumped(topic, stamp, data)]
         released = self._released(topic, stamp)
-        if not self._is_touched(topic, stamp):
+        if not self._what.touches(topic, stamp // INTERVAL_NS):
             return [*released, data]
         self._note(stamp)
         if self._what.name == "silent":
@@ -191,12 +206,6 @@ class Distorter:
             self._held.setdefault(topic, []).append((stamp, data))
             return released
         return [self._changed(topic, stamp, data)]
-
-    def _is_touched(self, topic: str, stamp: int) -> bool:
-        tick = stamp // INTERVAL_NS
-        if not self._what.begin <= tick < self._what.begin + self._what.ticks:
-            return False
-        return random.Random(f"{self._what.seed}/{topic}/{tick}").random() < self._what.share
 
     def _changed(self, topic: str, stamp: int, data: bytes) -> bytes:
         name = self._what.name

@@ -12,7 +12,9 @@ from roadmend.recording.reader import BagReader
 from roadmend.recording.ticks import BagTick, BagTicks
 
 _NS = 1e-9
-_OF_CONTENT = frozenset({RepairStatus.INVALID_COMMAND.name, RepairStatus.INVALID_OBJECTS.name})
+_LESSER = frozenset(  # than a stop for want of a message, which a tick shows in their place
+    status.name for status in (RepairStatus.INVALID_COMMAND, RepairStatus.INVALID_OBJECTS, RepairStatus.MODEL_FAULT)
+)
 _STOPS = frozenset({RepairStatus.STALE_COMMAND, RepairStatus.STALE_OBJECTS})
 
 
@@ -28,7 +30,8 @@ class Evidence:
         silence: simulated time of the first tick that the node did not answer, or whose messages were distorted [s]; None
             if it answered all, or need not.
         to_state: simulated time from there until the state or event was declared [s]; None if it never was. Of a state that
-            says what a message held, from the first tick whose messages were all there: a stop for want of one is graver.
+            says what a message held, or what the method did, from the first disturbed tick whose messages were all there: a
+            stop for want of one is graver.
         to_standstill: likewise until the ego stood.
         in_diagnostics: whether the repair node or the simulator has warned there after the drive had begun.
         begun: simulated time of the first tick that was driven by the policy's command [s]; None without one. Before it the
@@ -50,7 +53,7 @@ class Evidence:
 
 
 def read_evidence(
-    path: Path, node: str | None, declared: str | None, duration: float | None, since: int | None = None
+    path: Path, node: str | None, declared: str | None, duration: float | None, touched: Sequence[int] | None = None
 ) -> Evidence:
     """What a bag shows; see :func:`evidence_of`.
 
@@ -58,7 +61,7 @@ def read_evidence(
         InputError: there is no such bag, it is corrupt, or holds no episode.
     """
     reader = BagReader(path)
-    found = evidence_of(BagTicks(reader), node, declared, duration, since)
+    found = evidence_of(BagTicks(reader), node, declared, duration, touched)
     return replace(found, in_diagnostics=_has_warned(reader))
 
 
@@ -76,7 +79,7 @@ def evidence_of(
     node: str | None,
     declared: str | None,
     duration: float | None,
-    since: int | None = None,
+    touched: Sequence[int] | None = None,
 ) -> Evidence:
     """What a bag shows.
 
@@ -85,14 +88,15 @@ def evidence_of(
         node: who was disturbed, without "_node"; None for nobody.
         declared: the state of repair, or the event, that must be in it; None for none.
         duration: of the episode as the result tells it [s]; None where there is no result.
-        since: stamp [ns] of the first message that was distorted; None where none was, and silence tells the moment.
+        touched: stamps [ns], in order, of the ticks whose messages were distorted so that it must be declared, or at which the
+            method failed; None where it was neither, and silence tells the moment.
     """
     ticks = [tick for tick in bag if tick.ego is not None or tick.driven or tick.command or tick.events]
     seen = [tick for tick in ticks if tick.ego is not None]
     span = 0.0 if len(seen) < 2 else (seen[-1].stamp - seen[0].stamp) * _NS
     expected = round(max(span, (duration or 0.0)) / INTERVAL) + 1
     lost = 2 * expected - len(seen) - sum(tick.objects is not None for tick in seen)
-    silence = _first_silent(seen, node) if since is None else since
+    silence = _first_silent(seen, node) if touched is None else next(iter(touched), None)
     begun = next((tick.stamp for tick in seen if _is_driven(tick)), None)
     is_declared = declared is not None and any(
         begun is not None and tick.stamp > begun and _declares(tick, declared) for tick in ticks
@@ -107,12 +111,15 @@ def evidence_of(
     if silence is None or declared is None:
         return found
     disturbed = [tick for tick in ticks if tick.stamp >= silence]
-    heard = disturbed if declared not in _OF_CONTENT else [tick for tick in disturbed if not _is_stopped(tick)]
-    shown = next((tick.stamp for tick in heard if _declares(tick, declared)), None)
+    begun_at = silence
+    if declared in _LESSER and touched is not None:
+        whole = {tick.stamp for tick in disturbed if not _is_stopped(tick)}
+        begun_at = next((stamp for stamp in touched if stamp in whole), silence)
+    shown = next((tick.stamp for tick in disturbed if tick.stamp >= begun_at and _declares(tick, declared)), None)
     stood = next((tick.stamp for tick in disturbed if tick.ego is not None and tick.ego.speed < 0.1), None)
     return replace(
         found,
-        to_state=None if shown is None else (shown - heard[0].stamp) * _NS,
+        to_state=None if shown is None else (shown - begun_at) * _NS,
         to_standstill=None if stood is None else (stood - silence) * _NS,
     )
 

@@ -1,20 +1,26 @@
 """How a fault gets into a run: what ``roadmend run`` is told, who is put between its nodes, and which files it is given."""
 
+import contextlib
 import json
+import math
 import random
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from roadmend.core.command_age import CommandAge
+from roadmend.core.repair import RepairStatus
 from roadmend.core.resources import config_folder
-from roadmend.core.tick import INTERVAL
+from roadmend.core.tick import INTERVAL, INTERVAL_NS
 from roadmend.faults.campaign import FaultCampaign, FaultTrial
-from roadmend.faults.distortion import CLOCK
+from roadmend.faults.distortion import CLOCK, Distortion
 from roadmend.faults.fault import RELAY, STRANGER, MethodFault, TopicFault
 from roadmend.recording import topics
+from roadmend.recording.messages import NANOSECONDS
 
 TOUCHED = "touched.json"  # what the relay, or the method, leaves when it begins to disturb
+_SILENCES = frozenset({RepairStatus.STALE_COMMAND.name, RepairStatus.STALE_OBJECTS.name})
 _MODEL = "adreft-modular.safetensors"
 _FOREIGN_MODEL = "self_oracle-modular.safetensors"
 _METHOD = '''"""A repair method that fails for a while; written by a campaign of faults."""
@@ -73,6 +79,45 @@ def run_command(campaign: FaultCampaign, trial: FaultTrial, scenario: Path, fold
     return command + (["--ros-args", *ros] if ros else [])
 
 
+def distortion_of(campaign: FaultCampaign, trial: FaultTrial) -> Distortion:
+    """What the relay of a run does to the messages of its topic."""
+    fault = trial.fault
+    assert isinstance(fault, TopicFault)
+    begin, shift = round(begin_of(campaign, trial) / INTERVAL), round(fault.shift * NANOSECONDS)
+    return Distortion(fault.distortion, begin, fault.ticks, fault.share, fault.late, shift, trial.seed)
+
+
+def touched_stamps(campaign: FaultCampaign, trial: FaultTrial, folder: Path) -> list[int] | None:
+    """Stamps [ns] of the ticks at which a fault must be declared, as far as that is known without the bag.
+
+    A message that lacks alone is no silence where the next one comes before it counts as late, which at high rates of
+    real time it does (``core.command_age``); of messages that lack now and then the first are given that are missed.
+
+    Returns:
+        In order; empty where nothing must be declared; None of a signal to a process.
+    """
+    fault = trial.fault
+    if isinstance(fault, MethodFault):
+        begin = round(begin_of(campaign, trial) / INTERVAL)
+        ticks = range(begin, begin + fault.ticks)
+        return [tick * INTERVAL_NS for tick in ticks if random.Random(tick).random() < fault.share]
+    if not isinstance(fault, TopicFault):
+        return None
+    if fault.share < 1.0:
+        what = distortion_of(campaign, trial)
+        ticks = range(what.begin, what.begin + what.ticks)
+        if fault.declared in _SILENCES and trial.clock == "realtime":
+            contract = CommandAge(is_lockstep=False, rate=trial.rate)
+            in_a_row = math.floor(contract.patience / contract.tick) + 1
+            first = what.first_in_a_row(fault.topic, in_a_row)
+            return [] if first is None else [first * INTERVAL_NS]
+        return [tick * INTERVAL_NS for tick in ticks if what.touches(fault.topic, tick)]
+    with contextlib.suppress(OSError, json.JSONDecodeError, LookupError, TypeError, ValueError):
+        first = int(json.loads((folder / TOUCHED).read_text(encoding="utf-8"))["first"])
+        return [first + step * INTERVAL_NS for step in range(fault.ticks)]
+    return []
+
+
 def relay(
     campaign: FaultCampaign, trial: FaultTrial, folder: Path, environment: Mapping[str, str]
 ) -> subprocess.Popen[bytes] | None:
@@ -87,15 +132,16 @@ def relay(
     fault = trial.fault
     if not isinstance(fault, TopicFault):
         return None
+    distortion = distortion_of(campaign, trial)
     values = {
         "links": [fault.topic] if fault.is_stranger else _links(fault.topic),
-        "distortion": fault.distortion,
-        "begin": round(begin_of(campaign, trial) / INTERVAL),
-        "ticks": fault.ticks,
-        "share": fault.share,
-        "late": fault.late,
-        "shift": fault.shift,
-        "seed": trial.seed,
+        "distortion": distortion.name,
+        "begin": distortion.begin,
+        "ticks": distortion.ticks,
+        "share": distortion.share,
+        "late": distortion.late,
+        "shift": distortion.shift / NANOSECONDS,
+        "seed": distortion.seed,
         "report": str(folder / TOUCHED),
         "with_parent": True,  # a campaign that is killed leaves nobody who speaks on its topics
     }

@@ -15,12 +15,12 @@ from typing import Any
 
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
-from roadmend.core.tick import INTERVAL, INTERVAL_NS
+from roadmend.core.tick import INTERVAL
 from roadmend.faults.campaign import FaultCampaign, FaultTrial
 from roadmend.faults.evidence import Evidence, read_evidence
 from roadmend.faults.fault import MethodFault, SignalFault, TopicFault
 from roadmend.faults.processes import command_of, end_all, left_of, node_process
-from roadmend.faults.staging import TOUCHED, begin_of, relay, run_command
+from roadmend.faults.staging import TOUCHED, begin_of, relay, run_command, touched_stamps
 from roadmend.recording.recovery import recover
 from roadmend.world.families import sample_scenario
 from roadmend.world.scenario_file import save_scenario
@@ -212,7 +212,7 @@ def _evidence(
     fault = trial.fault
     node = fault.node if isinstance(fault, SignalFault) else None
     declared = fault.declared if fault else None
-    asked = (node, declared, duration, _since(campaign, trial, folder))
+    asked = (node, declared, duration, touched_stamps(campaign, trial, folder))
     bag = folder / "bags" / "bag"
     with contextlib.suppress(InputError):
         return read_evidence(bag, *asked), False
@@ -220,15 +220,6 @@ def _evidence(
         recover(bag, folder / "recovered")
         return read_evidence(folder / "recovered", *asked), True
     return None, True
-
-
-def _since(campaign: FaultCampaign, trial: FaultTrial, folder: Path) -> int | None:
-    """Stamp [ns] of the first tick that was disturbed, where that is known without the bag."""
-    if isinstance(trial.fault, MethodFault):
-        return round(begin_of(campaign, trial) / INTERVAL) * INTERVAL_NS
-    with contextlib.suppress(OSError, json.JSONDecodeError, LookupError, TypeError, ValueError):
-        return int(json.loads((folder / TOUCHED).read_text(encoding="utf-8"))["first"])
-    return None
 
 
 def collided(disturbed: Disturbed) -> bool:

@@ -7,7 +7,7 @@ from typing import Any
 
 from roadmend.core.tick import INTERVAL
 from roadmend.faults.campaign import FaultTrial
-from roadmend.faults.fault import Fault, SignalFault
+from roadmend.faults.fault import Fault, SignalFault, TopicFault
 from roadmend.faults.trial import Disturbed, collided
 
 STATE_TICKS = 3  # within which the state must be declared
@@ -19,7 +19,8 @@ MEANINGS = {  # of the columns
     "safe": "of them: the exit code is a documented one, no process and no folder is left, nothing that was there before is "
     "changed, the bag reads, no traceback is shown, and no collision that the undisturbed run does not have",
     "reported": "of them: standard error names the fault, and the bag holds its state or event",
-    f"in {STATE_TICKS} ticks": "that state came so soon after the first tick that was disturbed; of those where one was "
+    f"in {STATE_TICKS} ticks": "that state came so soon after the first tick that was disturbed; of those where one was, and "
+    "long enough to count as late "
     "(of a state that says what messages held: after the first whose messages were all there)",
     "state after [s]": "median of that time, simulated",
     "stands after [s]": "likewise until the vehicle stood",
@@ -90,6 +91,8 @@ def _is_reported(fault: Fault, clock: str, disturbed: Disturbed) -> bool:
     """
     evidence = disturbed.evidence
     is_silent = evidence is None or evidence.silence is not None
+    if isinstance(fault, TopicFault) and fault.declared is not None and not is_silent:
+        return True  # by its draw no message lacked for long enough to be missed
     must_show = fault.declared is not None and (clock == "realtime" or not isinstance(fault, SignalFault) or is_silent)
     if (fault.named or must_show) and not disturbed.named:
         return False
