@@ -1,5 +1,6 @@
 """What a bag shows of a fault, on ticks made for the purpose and on a bag that was recorded without one."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -8,7 +9,7 @@ from roadmend.core.command import Command
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import Repair, RepairStatus
 from roadmend.core.scene import EgoState, ObjectList
-from roadmend.faults.evidence import evidence_of, read_evidence
+from roadmend.faults.evidence import Evidence, evidence_of, read_evidence
 from roadmend.recording.ticks import BagTick
 
 SAMPLE = Path(__file__).parents[2] / "bags" / "samples" / "repaired"
@@ -105,6 +106,16 @@ def test_nor_of_ticks_between_those_that_were_disturbed():
     ticks[17] = tick(17, status=RepairStatus.MODEL_FAULT)
     evidence = evidence_of(ticks, None, "MODEL_FAULT", None, [12 * STEP, 17 * STEP])
     assert (evidence.silence, evidence.to_state) == (pytest.approx(0.6), 0.0)
+    assert evidence.meanwhile == ()
+
+
+def test_the_states_until_the_one_that_was_asked_for_are_told():
+    ticks = [tick(place) for place in range(30)]
+    ticks[13] = tick(13, status=RepairStatus.STALE_COMMAND)
+    ticks[14] = tick(14, status=RepairStatus.MODEL_FAULT)
+    evidence = evidence_of(ticks, None, "MODEL_FAULT", None, [12 * STEP])
+    assert evidence.meanwhile == ("PASS", "STALE_COMMAND")
+    assert Evidence.parse(json.loads(json.dumps(evidence.as_dict()))) == evidence
 
 
 def test_where_nothing_was_disturbed_for_long_enough_there_is_no_moment():

@@ -1,6 +1,6 @@
 """What a bag shows of a fault: who fell silent when, what was declared and when, what is missing."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ from roadmend.recording.reader import BagReader
 from roadmend.recording.ticks import BagTick, BagTicks
 
 _NS = 1e-9
+_MEANWHILE = 40  # ticks of which the states are kept
 _LESSER = frozenset(  # than a stop for want of a message, which a tick shows in their place
     status.name for status in (RepairStatus.INVALID_COMMAND, RepairStatus.INVALID_OBJECTS, RepairStatus.MODEL_FAULT)
 )
@@ -36,6 +37,8 @@ class Evidence:
         in_diagnostics: whether the repair node or the simulator has warned there after the drive had begun.
         begun: simulated time of the first tick that was driven by the policy's command [s]; None without one. Before it the
             vehicle is held, and the policy may answer those ticks later.
+        meanwhile: states of repair at the ticks from where ``to_state`` counts until the state was declared, at most 40,
+            a dash where a tick has none; empty where it was declared at once.
     """
 
     ticks: int
@@ -46,10 +49,16 @@ class Evidence:
     to_standstill: float | None = None
     in_diagnostics: bool = False
     begun: float | None = None
+    meanwhile: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values, for JSON."""
-        return asdict(self)
+        return asdict(self) | {"meanwhile": list(self.meanwhile)}
+
+    @classmethod
+    def parse(cls, entry: Mapping[str, Any]) -> "Evidence":
+        """From ``as_dict``."""
+        return cls(**{**entry, "meanwhile": tuple(entry["meanwhile"])})
 
 
 def read_evidence(
@@ -116,11 +125,14 @@ def evidence_of(
         whole = {tick.stamp for tick in disturbed if not _is_stopped(tick)}
         begun_at = next((stamp for stamp in touched if stamp in whole), silence)
     shown = next((tick.stamp for tick in disturbed if tick.stamp >= begun_at and _declares(tick, declared)), None)
+    until = shown if shown is not None else disturbed[-1].stamp + 1 if disturbed else begun_at
+    waited = [tick.repair.status.name if tick.repair else "-" for tick in disturbed if begun_at <= tick.stamp < until]
     stood = next((tick.stamp for tick in disturbed if tick.ego is not None and tick.ego.speed < 0.1), None)
     return replace(
         found,
         to_state=None if shown is None else (shown - begun_at) * _NS,
         to_standstill=None if stood is None else (stood - silence) * _NS,
+        meanwhile=tuple(waited[:_MEANWHILE]),
     )
 
 

@@ -74,7 +74,7 @@ class Disturbed:
     @classmethod
     def parse(cls, entry: Mapping[str, Any]) -> "Disturbed":
         """From ``as_dict``."""
-        evidence = None if entry["evidence"] is None else Evidence(**entry["evidence"])
+        evidence = None if entry["evidence"] is None else Evidence.parse(entry["evidence"])
         texts = {name: tuple(entry[name]) for name in ("left", "stderr")}
         return cls(**{**entry, **texts, "evidence": evidence})
 
