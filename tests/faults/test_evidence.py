@@ -118,6 +118,23 @@ def test_the_states_until_the_one_that_was_asked_for_are_told():
     assert Evidence.parse(json.loads(json.dumps(evidence.as_dict()))) == evidence
 
 
+def test_nor_where_each_disturbed_tick_was_stopped_for_a_graver_reason():
+    ticks = [
+        tick(place, status=RepairStatus.STALE_COMMAND if place >= 12 else RepairStatus.PASS) for place in range(30)
+    ]
+    touched = [place * STEP for place in range(12, 20)]
+    assert evidence_of(ticks, None, "INVALID_COMMAND", None, touched).silence is None
+    assert evidence_of(ticks, None, "INVALID_COMMAND", None, [11 * STEP, *touched]).silence is not None
+
+
+@pytest.mark.parametrize(("kinds", "to_state"), [(["WATCHDOG"], 0.0), (["WATCHDOG", "RECOVERED"], None)])
+def test_a_watchdog_that_brakes_already_does_not_say_it_again(kinds, to_state):
+    ticks = [tick(place, driven=GO if place < 10 else None) for place in range(30)]
+    for place, kind in enumerate(kinds, 5):
+        ticks[place].events.append(Event(0.05 * place, EventKind[kind], ""))
+    assert evidence_of(ticks, "repair", "WATCHDOG", None).to_state == to_state
+
+
 def test_where_nothing_was_disturbed_for_long_enough_there_is_no_moment():
     evidence = evidence_of([tick(place) for place in range(30)], None, "STALE_COMMAND", None, [])
     assert (evidence.silence, evidence.to_state) == (None, None)

@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from roadmend.core.outcome import EventKind
 from roadmend.core.repair import RepairStatus
 from roadmend.core.tick import INTERVAL
 from roadmend.recording import topics
@@ -12,6 +13,7 @@ from roadmend.recording.reader import BagReader
 from roadmend.recording.ticks import BagTick, BagTicks
 
 _NS = 1e-9
+_OF_WATCHDOG = frozenset({EventKind.WATCHDOG, EventKind.RECOVERED})
 _MEANWHILE = 40  # ticks of which the states are kept
 _LESSER = frozenset(  # than a stop for want of a message, which a tick shows in their place
     status.name for status in (RepairStatus.INVALID_COMMAND, RepairStatus.INVALID_OBJECTS, RepairStatus.MODEL_FAULT)
@@ -123,8 +125,13 @@ def evidence_of(
     begun_at = silence
     if declared in _LESSER and touched is not None:
         whole = {tick.stamp for tick in disturbed if not _is_stopped(tick)}
-        begun_at = next((stamp for stamp in touched if stamp in whole), silence)
+        heard = next((stamp for stamp in touched if stamp in whole), None)
+        if heard is None and not is_declared:
+            return replace(found, silence=None)  # graver states took the place of each
+        begun_at = silence if heard is None else heard
     shown = next((tick.stamp for tick in disturbed if tick.stamp >= begun_at and _declares(tick, declared)), None)
+    if declared == EventKind.WATCHDOG.name and _brakes_already(ticks, begun_at):
+        shown = begun_at  # it is said once, when it begins
     until = shown if shown is not None else disturbed[-1].stamp + 1 if disturbed else begun_at
     waited = [tick.repair.status.name if tick.repair else "-" for tick in disturbed if begun_at <= tick.stamp < until]
     stood = next((tick.stamp for tick in disturbed if tick.ego is not None and tick.ego.speed < 0.1), None)
@@ -134,6 +141,12 @@ def evidence_of(
         to_standstill=None if stood is None else (stood - silence) * _NS,
         meanwhile=tuple(waited[:_MEANWHILE]),
     )
+
+
+def _brakes_already(ticks: Sequence[BagTick], stamp: int) -> bool:
+    """Whether the simulator's watchdog braked when this tick [ns] came, for another reason."""
+    said = [event.kind for tick in ticks if tick.stamp < stamp for event in tick.events]
+    return next((kind is EventKind.WATCHDOG for kind in reversed(said) if kind in _OF_WATCHDOG), False)
 
 
 def _is_stopped(tick: BagTick) -> bool:
