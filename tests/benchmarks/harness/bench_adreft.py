@@ -7,8 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import click
-from rich.console import Console
-from rich.progress import Progress
 
 from harness.adreft_cost import cost_of
 from harness.adreft_labels import weak_labels
@@ -20,10 +18,10 @@ from harness.benchmark_tables import headline
 from harness.beside import beside
 from harness.contenders import BenchmarkPlan, read_plan, watched_method
 from harness.kept_rows import keep_cases
-from harness.options import CACHED_WORK, COLUMNS, COMMITTED, PLANS
+from harness.options import CACHED_WORK, COMMITTED, PLANS
 from harness.policy_benchmarks import Choice, find_benchmarks
 from roadmend.cli.options import WORKERS
-from roadmend.cli.output import show_rows
+from roadmend.cli.output import counting, show_rows
 from roadmend.core.errors import InputError
 from roadmend.core.journal import Journal
 from roadmend.core.resources import config_folder
@@ -221,7 +219,7 @@ def _run(plan: BenchmarkPlan, config: Path, choice: Choice, work: Path, workers:
     """Drive what is missing, read what is there."""
     with (
         Journal(work / RESULTS, FORMAT, owns_folder=True) as journal,
-        Progress(*COLUMNS, console=Console(stderr=True)) as progress,
+        counting() as progress,
     ):
         everybody = find_benchmarks(plan, config, choice, work, workers, progress)
         jobs = [job for benchmark in everybody for job in find_jobs(benchmark, journal, weak_labels)]

@@ -8,8 +8,6 @@ from typing import Annotated, Any
 
 import click
 import numpy as np
-from rich.console import Console
-from rich.progress import Progress
 
 from harness.benchmark_content import dump_json
 from harness.benchmark_files import read_json
@@ -18,11 +16,11 @@ from harness.contenders import read_plan, resolve
 from harness.control_jobs import FORMAT, ControlJob, ControlResult, run_controls
 from harness.grid import Setting
 from harness.kept_rows import keep_controls
-from harness.options import CACHED_WORK, COLUMNS, COMMITTED, PLANS
+from harness.options import CACHED_WORK, COMMITTED, PLANS
 from harness.policy_benchmarks import select
 from harness.table import Table, number, span
 from roadmend.cli.options import JSON, WORKERS, options_of
-from roadmend.cli.output import show_rows
+from roadmend.cli.output import counting, show_rows
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal
 from roadmend.core.resources import config_folder
@@ -84,7 +82,7 @@ def controls(given: ControlOptions, *, as_json: bool) -> None:
         "bound": {},
     }
     with (
-        Progress(*COLUMNS, console=Console(stderr=True)) as progress,
+        counting() as progress,
         Journal(work / "results.jsonl", FORMAT, owns_folder=True) as journal,
         fan_out(given.workers) as mapper,
     ):

@@ -9,13 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import click
-from rich.console import Console
-from rich.progress import Progress
 
 from harness import outside_readers
 from harness.figures import Figures
-from harness.options import COLUMNS
 from roadmend.cli.options import JSON, WORKERS
+from roadmend.cli.output import counting
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
 from roadmend.reports.result_files import provenance
@@ -54,7 +52,7 @@ def exports(reports: tuple[Path, ...], out: Path | None, workers: int, *, as_jso
         raise InputError(str(reports[0]), "not one crash could be read", "see 'roadmend safe extract'")
     there = [name for name, package in _PACKAGES.items() if find_spec(package) is not None]
     with (
-        Progress(*COLUMNS, console=Console(stderr=True)) as progress,
+        counting() as progress,
         fan_out(workers, len(readable)) as mapper,
     ):
         answers = mapper(partial(_seen_of, there), readable)

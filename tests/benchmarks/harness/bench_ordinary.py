@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import click
-from rich.console import Console
 from rich.progress import Progress
 
 from harness.benchmark_content import dump_json
@@ -15,11 +14,11 @@ from harness.beside import renew
 from harness.contenders import BenchmarkPlan, read_plan, resolve
 from harness.grid import TABLE_SEED, Figures, Setting, alone, drive_all, random_drives
 from harness.kept_rows import keep_ordinary
-from harness.options import CACHED_WORK, COLUMNS, COMMITTED, PLANS
+from harness.options import CACHED_WORK, COMMITTED, PLANS
 from harness.ordinary_tables import ordinary_tables
 from harness.price_curve import Ground, add_leads, at_time_lost, curve_settings, points_of
 from roadmend.cli.options import JSON, WORKERS, options_of
-from roadmend.cli.output import show_rows
+from roadmend.cli.output import counting, show_rows
 from roadmend.core.fanout import fan_out
 from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import write_texts
@@ -154,7 +153,7 @@ def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
         "curve": {},
         "at_time_lost": {},
     }
-    with Progress(*COLUMNS, console=Console(stderr=True)) as progress:
+    with counting() as progress:
         sets = _sets(given, work, progress)
         for policy in policies:
             everybody, _ = resolve(plan, config, policy, [*names])

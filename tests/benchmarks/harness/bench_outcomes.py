@@ -6,11 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import click
-from rich.console import Console
-from rich.progress import Progress
 
 from harness.figures import Figures
 from roadmend.cli.options import WORKERS
+from roadmend.cli.output import counting
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.fanout import fan_out
 from roadmend.core.outcome import EventKind
@@ -92,8 +91,7 @@ def outcomes(
     jobs = [
         _Job(family, first_seed + number, policy, method, repeat) for family in FAMILIES for number in range(scenarios)
     ]
-    console = Console(stderr=True)
-    with fan_out(workers) as mapper, Progress(console=console) as progress:
+    with fan_out(workers) as mapper, counting() as progress:
         task = progress.add_task("episodes", total=len(jobs))
         reports = []
         for report in mapper(_work, jobs):

@@ -7,7 +7,6 @@ from typing import Any
 
 import click
 import numpy as np
-from rich.console import Console
 from rich.progress import Progress, TaskID
 
 from harness.benchmark_content import dump_json
@@ -16,8 +15,8 @@ from harness.benchmark_tables import robustness_table
 from harness.beside import renew
 from harness.contenders import BenchmarkPlan, Contender, resolve
 from harness.kept_rows import keep_robustness
-from harness.options import COLUMNS
 from harness.policy_benchmarks import Choice
+from roadmend.cli.output import counting
 from roadmend.core.errors import RoadmendError
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import entry_key
@@ -65,7 +64,7 @@ def run_robustness(
         "policies": {},
         "not_run": [],
     }
-    with Progress(*COLUMNS, console=Console(stderr=True)) as progress:
+    with counting() as progress:
         for policy in choice.policies:
             contenders, absences = resolve(plan, config, policy, methods)
             content["not_run"] += [{"policy": policy, "method": each.name, "reason": each.reason} for each in absences]

@@ -8,8 +8,6 @@ from typing import Any
 
 import click
 from pydantic import TypeAdapter
-from rich.console import Console
-from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from harness.benchmark_files import read_json
 from harness.benchmark_run import FORMAT, RESULTS
@@ -28,7 +26,7 @@ from harness.sera_plan import (
 )
 from harness.sera_summary import build_content, main_rows, tables
 from roadmend.cli.options import WORKERS
-from roadmend.cli.output import show_rows
+from roadmend.cli.output import counting, show_rows
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal, entry_key
@@ -116,17 +114,17 @@ def sera(
     corpora = load_corpora(plan.evaluation, config)
     choose_torch_device("cpu", 1)
     folder = work or cache_folder() / "benchmarks" / "sera"
-    columns = SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn()
     with (
         Journal(folder / RESULTS, FORMAT, owns_folder=True) as journal,
         fan_out(workers) as mapper,
-        Progress(*columns, console=Console(stderr=True)) as progress,
+        counting() as progress,
     ):
-        task, counts = progress.add_task("starting"), dict[str, int]()
+        task, counts = progress.add_task("starting", total=None), dict[str, int]()
 
         def report(what: str) -> None:
             counts[what] = counts.get(what, 0) + 1
-            progress.update(task, description=", ".join(f"{count} {name}" for name, count in counts.items()))
+            told = ", ".join(f"{count} {name}" for name, count in counts.items())
+            progress.update(task, advance=1, description=told)
 
         if fresh_seed is not None and cases is not None:
             plan = _of_fresh_cases(plan, cases)

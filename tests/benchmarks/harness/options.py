@@ -3,16 +3,8 @@
 from pathlib import Path
 
 import click
-from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 PLANS = Path(__file__).parents[1]
-COLUMNS = (  # of the bars of long work
-    TextColumn("{task.description}"),
-    BarColumn(),
-    MofNCompleteColumn(),
-    TimeElapsedColumn(),
-    TimeRemainingColumn(),
-)
 COMMITTED = click.option(
     "--committed",
     default=Path("tests/benchmarks"),
