@@ -21,7 +21,8 @@ _OVER_THERE = re.compile(
 )
 _SIDE = re.compile(
     r"\b(?:(?P<there>(?:other|opposite|opposing|oncoming|far|return) ?(?:side|way|direction|half|carriageway|traffic|lanes)?|"
-    r"back|theirs|against (?:me|us|him|her|them))|"
+    r"back|theirs|against (?:me|us|him|her|them)|"
+    r"(?:over|beyond|across|past|behind) the (?:wall|barrier|median|divider|guard ?rail|cable|grass|center|centre|yellow|line))|"
     r"(?P<here>(?:this|that|our|my|his|her|their|near|same) (?:own )?(?:side|way|direction|half|carriageway)|ours|mine)|"
     r"(?P<way>(?<!/)(?<!/ )(?:(?:north|south|east|west)(?:bound|ward|wards)?|[nsew]b)(?! ?/)))\b"
 )
@@ -74,7 +75,7 @@ def read_lanes(text: Text) -> Iterator[Claim]:
     mirrored = any(any(found("lanes_mirrored", wording(each))) for each in text.sentences)
     counts = list(_sided(counts, text))
     totals = [total for count in counts if (total := _total(counts, count)) is not None]
-    totals = [*worded, *totals, *(() if taken else _by_way(counts, is_mirrored=mirrored))] or _bare(counts, text)
+    totals = [*worded, *totals, *(() if taken else _by_way(counts, is_mirrored=mirrored))] or _bare(counts, text, is_mirrored=mirrored)
     largest = max((number for number, *_ in totals), default=0)
     for number, sure, reason, span in totals:
         if 1 <= number <= MAX_LANES:
@@ -123,8 +124,10 @@ def _of_two_sides(told: Wording) -> tuple[int, Span] | None:
         end = counts[place + 1].start() if place + 1 < len(counts) else len(told.text)
         after = _PART.split(told.text[count.end() : end])[0]
         side = _SIDE.search(after) or _SIDE.search(_PART.split(told.text[begin : count.start()])[-1])
-        if side is not None:
-            lanes.setdefault(side["way"][0] if side["way"] else str(side.lastgroup), int(count[1]))
+        name = "" if side is None else side["way"][0] if side["way"] else str(side.lastgroup)
+        lanes.setdefault(name, int(count[1]))
+    if len(counts) == 2 and lanes.keys() == {"", "there"}:
+        lanes["here"] = lanes.pop("")  # "two lanes, and two more on the other side"
     for one, other in (("here", "there"), ("n", "s"), ("e", "w")):
         if one in lanes and other in lanes and lanes[one] + lanes[other] <= MAX_LANES:
             first, last = counts[0].start(), counts[-1].end() - 1
@@ -210,7 +213,7 @@ def _of_way(counts: Sequence[LaneCount]) -> int:
     return general.number + sum(each.number for each in turning if each.sentence == general.sentence)
 
 
-def _bare(counts: Sequence[LaneCount], text: Text) -> list[_Total]:
+def _bare(counts: Sequence[LaneCount], text: Text, *, is_mirrored: bool) -> list[_Total]:
     plain = [each for each in counts if each.kind == "travel" and not each.way]
     if not plain:
         return []
@@ -220,6 +223,8 @@ def _bare(counts: Sequence[LaneCount], text: Text) -> list[_Total]:
     else:
         near = [each for each in counts if not each.way and each.sentence == most.sentence and each.span.end]
         total = most.number + sum(each.number for each in near if each.kind in {"turn", "center"})
+    if is_mirrored:
+        return [(2 * total, 0.8, "the other direction has as many lanes", most.span)]
     return [(total, 0.55, "the text counts lanes and does not say of which direction", most.span)]
 
 
