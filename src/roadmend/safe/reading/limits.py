@@ -3,7 +3,7 @@
 import itertools
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from roadmend.safe.claims import Claim, Span
 from roadmend.safe.dsl import MAX_SPEED_LIMIT, Position
@@ -18,12 +18,15 @@ _USUAL_MPH = 75  # where nothing tells that the country counts miles
 _OF_MILES = re.compile(
     r"\b(?:mph|miles?|interstate|highway|freeway|turnpike|parkway|I-\d+|US|feet|ft)\b", re.IGNORECASE
 )
+_TWICE = re.compile(r"(?<=^# kmh) \( \d+ mph \)")  # "80 km/h (50 mph)" says it in two units
 _LEAST_TOLD = 10
 # Signs of a country of kilometres: its units, its money, its words for streets, letters that English has not.
 _METRIC = re.compile(
     r"\b(?:km|kilomet\w+|metres?|euros?|zloty|kroner|crowns|koruna|francs|tempo)\b|(?:stra(?:ss|\u00df)e|gasse|platz|weg|laan"
     r"|straat|gatan|vej|utca|ulice|ulica)\b|\b(?:rue|calle|avenida|rua|corso|viale|ulica|boulevard de|national road)\b"
-    r"|(?-i:[\u00c0-\u00ff\u0100-\u012f\u0132-\u017e]).*\s.*(?-i:[\u00c0-\u00ff\u0100-\u012f\u0132-\u017e])|\u20ac|\b(?:european form|articulated|saloon car|gendarm\w+|carabinieri|polizei)\b",
+    r"|(?-i:[\u00c0-\u00ff\u0100-\u012f\u0132-\u017e]).*\s.*(?-i:[\u00c0-\u00ff\u0100-\u012f\u0132-\u017e])|\u20ac"
+    r"|(?-i:[\u00c4-\u00c6\u00d6\u00d8\u00dc\u00df\u00e4-\u00e6\u00f6\u00f8\u00fc\u0100-\u012f\u0132-\u017e])"  # no French
+    r"|\b(?:european form|articulated|saloon car|gendarm\w+|carabinieri|polizei)\b",
     re.IGNORECASE,
 )
 _REACH = 9  # words between "limit" and its number
@@ -61,7 +64,10 @@ def read_limits(text: Text) -> tuple[PostedLimit, ...]:
     """The limits of a text."""
     units = {item.get("mph") for sentence in text.sentences for item in sentence.items}
     usual = "kmh" if "mph" not in units and ("kmh" in units or _METRIC.search(text.summary)) else "mph"
-    return tuple(dict.fromkeys(each for sentence in text.sentences for each in _of_sentence(sentence, text, usual)))
+    found = [each for sentence in text.sentences for each in _of_sentence(sentence, text, usual)]
+    if len({each.mph for each in found}) == 1 and not any(each.ways or each.names or each.vehicles for each in found):
+        found = [replace(each, lanes=None) for each in found]  # "four lanes, 40 zone" is the only road told of
+    return tuple(dict.fromkeys(found))
 
 
 def _of_sentence(sentence: Sentence, text: Text, usual: str) -> Iterator[PostedLimit]:
@@ -85,7 +91,7 @@ def _is_worded(told: Wording, place: int) -> bool:
     if told.items.cut(place - 4, place).has("advisory"):
         return False
     at = told.places[place]
-    before, after = told.text[:at], f"# {told.text[at:].partition(' ')[2]}".strip()
+    before, after = told.text[:at], _TWICE.sub("", f"# {told.text[at:].partition(' ')[2]}".strip(), count=1)
     if any(pattern.search(after) for pattern in patterns("limit_never_after")):
         return False
     led = any(
@@ -101,8 +107,9 @@ def _is_worded(told: Wording, place: int) -> bool:
 
 def _is_no_limit(told: Wording, place: int) -> bool:
     """Whether a number is a speed that was driven, or none."""
-    if told.items.at(place + 1).is_a("mph") and told.items.at(place - 1).is_a("lane"):
-        return False  # "SR 44, two lanes 55 mph"
+    counted = told.items.at(place - 2).is_a("number") or told.items.at(place + 1).is_a("mph")
+    if counted and told.items.at(place - 1).is_a("lane"):
+        return False  # "SR 44, two lanes 55 mph", "a two-lane forty-five"
     at = told.places[place]
     before, after = told.text[:at], f"#{told.text[at:].partition(' ')[2]}"
     after = after.replace("#", "# ", 1) if len(after) > 1 else after
