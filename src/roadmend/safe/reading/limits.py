@@ -49,6 +49,7 @@ class PostedLimit:
         vehicles: for which it is posted; empty for all.
         names: of the road, in lower case; empty for all.
         lanes: of the road that it is posted on, where it is called by them.
+        kind: what kind of road it is posted on ("county road"), as far as a text tells its roads apart by that.
     """
 
     mph: int
@@ -58,6 +59,7 @@ class PostedLimit:
     vehicles: frozenset[int] = frozenset()
     names: frozenset[str] = frozenset()
     lanes: int | None = None
+    kind: str = ""
 
 
 def read_limits(text: Text) -> tuple[PostedLimit, ...]:
@@ -202,6 +204,10 @@ def _posted(limit: PostedLimit, items: Words, place: int, last: int, sentence: S
     end = min([at - 1 for at in units if at > last], default=len(items))
     begin = max([at + 1 for at in units if at < place], default=0)
     after, before = items.cut(last + 1, min(end, last + 9)), items.cut(max(begin, place - 14), place)
+    told = after.cut(0, 5) if after.cut(0, 1).says({"for", "on", "along"}) else Words()
+    kinds = [*filter(None, (_kind_of_road(told, at) for at in range(len(told))))]
+    kinds = kinds or [*filter(None, (_kind_of_road(items, at) for at in range(place - 1, begin - 1, -1)))]
+    limit = replace(limit, kind=kinds[0] if kinds else "")
     for part in (after if after.cut(0, 2).says({"for", "on", "in", "along", "both"}) else Words(), before):
         if part.says({"both"}):
             return limit
@@ -221,7 +227,7 @@ def _posted(limit: PostedLimit, items: Words, place: int, last: int, sentence: S
         names = frozenset(_name(item) for at, item in enumerate(part) if _is_road_name(part, at, sentence.span.start))
         if axes or ways or vehicles or lanes or names:
             found = frozenset().union(*axes) if axes else ways
-            return PostedLimit(limit.mph, limit.confidence, limit.span, found, vehicles, names, lanes)
+            return replace(limit, ways=found, vehicles=vehicles, names=names, lanes=lanes)
     return limit
 
 
@@ -233,6 +239,16 @@ def _is_road_name(part: Words, at: int, start: int) -> bool:
         after.is_a("road", "auxiliary") or (not item.text.isupper() and item.span.start > start)
     )
     return item.is_name and (proper or item.is_a("ordinal"))
+
+
+def _kind_of_road(words: Words, at: int) -> str:
+    """What kind of road a word speaks of, "county road", "avenue", "valley road"; empty for any road, or for none."""
+    item, before = words.at(at), words.at(at - 1)
+    if not item.is_a("road"):
+        return ""
+    if item.low not in word_set("any_road"):
+        return item.low
+    return f"{before.low} road" if before.low.isalpha() and not before.kinds and not before.is_name else ""
 
 
 def _is_road_number(words: Words, at: int) -> bool:
@@ -251,17 +267,19 @@ def claim_limits(text: Text, limits: Sequence[PostedLimit]) -> Iterator[Claim]:
     """The claims about the vehicles' limits that need no direction: those for one vehicle, or for all."""
     roads = _roads_of_vehicles(text)
     several = len({each.mph for each in limits}) > 1
+    told = frozenset[str]().union(*roads.values())
     for limit, vehicle in itertools.product(limits, range(text.count)):
         mine = roads.get(vehicle, set())
-        elsewhere = any(limit.names & names for each, names in roads.items() if each != vehicle)
+        posted = limit.names or (frozenset() if limit.ways else told & {limit.kind})
+        elsewhere = any(posted & names for each, names in roads.items() if each != vehicle)
         sure = limit.confidence - 0.2 * several
         if limit.vehicles:
             sure = limit.confidence if vehicle in limit.vehicles else 0.35
-        elif limit.names & mine:
+        elif posted & mine:
             sure = limit.confidence
-        elif limit.names and (elsewhere or (mine and several)):
+        elif posted and (elsewhere or (mine and several)):
             sure = 0.62 if not mine else 0.3 if several else 0.55
-        elif (limit.ways or limit.lanes) and not limit.names:
+        elif (limit.ways or limit.lanes) and not posted:
             continue
         reason = "the limit posted there" if sure > 0.5 else "a limit posted elsewhere"
         yield claim(of_vehicle(vehicle, "speed_limit_mph"), limit.mph, sure, reason, limit.span)
@@ -276,10 +294,14 @@ def _roads_of_vehicles(text: Text) -> dict[int, set[str]]:
             if item.low not in word_set("by_road"):
                 continue
             for at in range(place + 1, min(place + _ROAD_REACH, len(words))):
-                after, number = words[at], _is_road_number(words, at)
+                after, number, kind = words[at], _is_road_number(words, at), _kind_of_road(words, at)
+                if kind:
+                    for vehicle in clause.subject.vehicles:
+                        found.setdefault(vehicle, set()).add(kind)
                 if number or ((after.is_name or after.is_a("ordinal")) and after.low not in word_set("weekdays")):
                     for vehicle in clause.subject.vehicles:
                         found.setdefault(vehicle, set()).add(_name(after))
-                if number or not (after.is_name or after.is_a("ordinal", *_LEADS_ROAD)):
+                leads = after.is_name or after.is_a("ordinal", *_LEADS_ROAD) or words.at(at + 1).is_a("road")
+                if number or not leads:
                     break
     return found
