@@ -69,18 +69,22 @@ def read_limits(text: Text) -> tuple[PostedLimit, ...]:
     found = [each for sentence in text.sentences for each in _of_sentence(sentence, text, usual)]
     if len({each.mph for each in found}) == 1 and not any(each.ways or each.names or each.vehicles for each in found):
         found = [replace(each, lanes=None) for each in found]  # "four lanes, 40 zone" is the only road told of
+    axes = {name for name, axis in AXES.items() for each in found if each.ways & axis}
+    if len(axes) == 1:  # the cross street of a road that runs north and south runs east and west
+        other = next(axis for name, axis in AXES.items() if name not in axes)
+        found = [replace(each, ways=other) if each.kind in word_set("minor_roads") else each for each in found]
     return tuple(dict.fromkeys(found))
 
 
 def _of_sentence(sentence: Sentence, text: Text, usual: str) -> Iterator[PostedLimit]:
     items, end, told = sentence.items, 0, wording(sentence)
     for place in range(len(items)):
-        if place >= end and (_is_worded(told, place) or _is_limit(items, place)) and not _is_no_limit(told, place):
+        if place >= end and (_is_worded(told, place) or _is_limit(items, place)):
             most = _MOST_MPH if _OF_MILES.search(text.summary) else _USUAL_MPH
             unit = items.at(place + 1).get("mph") or ("kmh" if items[place].get("number") > most else None)
             value, last = _in_mph(items, place, unit or usual)
             end = last + 1
-            if _LEAST <= value <= MAX_SPEED_LIMIT:
+            if not _is_no_limit(told, place) and _LEAST <= value <= MAX_SPEED_LIMIT:
                 limit = PostedLimit(value, 0.93 if unit else 0.85, items.span(place, last))
                 yield _posted(limit, items, place, last, sentence, text)
 
