@@ -102,9 +102,13 @@ def _worded_stem(text: Text) -> Iterator[Claim]:
         any(_is_of_road(each, match.start(), mentions) for match in found("stem_ends", each))
         for each, mentions in zip(told, text.spoken.mentions, strict=True)
     ]
-    said_tee = any(each.items.has("ends") or any(i.get("junction") == "tee" for i in each.items) for each in told)
+    tees = [
+        each.items.has("ends") or any(i.low == "ends" or i.get("junction") == "tee" for i in each.items)
+        for each in told
+    ]
+    said_tee = any(tees)
     for place, each in enumerate(told):
-        near = any(ending[max(0, place - 1) : place + 2])
+        near = any(ending[max(0, place - 1) : place + 2]) or tees[place]
         if ending[place]:
             yield claim(
                 "road_type", RoadType.T_INTERSECTION, 0.85, "a road goes no further", text.sentences[place].span
@@ -124,18 +128,21 @@ def _worded_stem(text: Text) -> Iterator[Claim]:
 
 def _is_of_road(told: Wording, letter: int, mentions: Sequence[Mention]) -> bool:
     """Whether it is a road that ends there, and no vehicle, lane or ramp."""
-    at, before = told.item(letter), told.items.cut(0, told.item(letter))
-    vehicle = max((each.last for each in mentions if each.last < at and each.kind is not MentionKind.IT), default=-1)
+    at = told.item(letter)
+    start = max((place + 1 for place in range(at) if told.items[place].low == ";"), default=0)
+    before = told.items.cut(start, at)
+    things = {MentionKind.IT, MentionKind.POSSESSIVE}  # "it", "its last mile": of the road, as likely as not
+    vehicle = max((each.last for each in mentions if each.last < at and each.kind not in things), default=-1)
     named = (
         place
-        for place, each in enumerate(before)
+        for place, each in enumerate(before, start)
         if each.is_a("road") or (each.is_name and (each.is_a("lane") or not each.kinds))
     )
     road = max(named, default=-1)
     pronoun = not mentions and not before.has("ramp", "lane")
     near = before.cut(len(before) - 4)
     of_lane = near.has("ramp") or any(each.is_a("lane") and not each.is_name for each in near)
-    return not of_lane and (road > vehicle or pronoun or told.items.at(0).low == "it")
+    return not of_lane and (road > vehicle or pronoun or before.at(0).low == "it")
 
 
 def _corner(items: Words, place: int) -> Iterator[Claim]:
