@@ -75,7 +75,9 @@ def read_lanes(text: Text) -> Iterator[Claim]:
     mirrored = [each for each in text.sentences if any(found("lanes_mirrored", wording(each)))]
     counts = list(_sided(counts, text))
     totals = [total for count in counts if (total := _total(counts, count)) is not None]
-    totals = [*worded, *totals, *(() if taken else _by_way(counts, is_mirrored=bool(mirrored)))] or _bare(counts, text, mirrored)
+    totals = [*worded, *totals, *(() if taken else _by_way(counts, is_mirrored=bool(mirrored)))] or _bare(
+        counts, text, mirrored
+    )
     largest = max((number for number, *_ in totals), default=0)
     for number, sure, reason, span in totals:
         if 1 <= number <= MAX_LANES:

@@ -113,8 +113,8 @@ def _is_worded(told: Wording, place: int) -> bool:
 
 def _is_no_limit(told: Wording, place: int) -> bool:
     """Whether a number is a speed that was driven, or none."""
-    counted = told.items.at(place - 2).is_a("number") or told.items.at(place + 1).is_a("mph")
-    if counted and told.items.at(place - 1).is_a("lane"):
+    led, has_unit = told.items.at(place - 1), told.items.at(place + 1).is_a("mph")
+    if (has_unit and led.is_a("lane", "road")) or (led.is_a("lane") and told.items.at(place - 2).is_a("number")):
         return False  # "SR 44, two lanes 55 mph", "a two-lane forty-five"
     at = told.places[place]
     before, after = told.text[:at], f"#{told.text[at:].partition(' ')[2]}"

@@ -38,7 +38,9 @@ _AT_NIGHT = re.compile(r"[\s,]*(?:in the evening|at night|tonight|p\.?m)")
 _IN_DAY = re.compile(r"[\s,]*in the (?:morning?|(afternoon?))")
 _EARLIER = re.compile(r"\b(?:evening|night|tonight)\b[^.!?]*$", re.IGNORECASE)
 _TOLD = re.compile(r"(?:\bat|around|about|approximately|aprox|approx|past|after|before|@|by|near|till|until)\s*$")
-_AFTERMATH = re.compile(r"\b(?:reopen|clean[- ]?up|cleaned|until|till|discharged|notified|interview|phoned|statement)", re.IGNORECASE)
+_AFTERMATH = re.compile(
+    r"\b(?:reopen|clean[- ]?up|cleaned|until|till|discharged|notified|interview|phoned|statement)", re.IGNORECASE
+)
 _GREY_SKY = re.compile(
     r"\b(?:sk(?:y|ies)|overhead|everything|outside|weather)\b[^.,;!?\n]{0,20}\bgr[ae]y\b|\bsky (?:was )?the colou?r of\b"
     r"|\bgr[ae]y (?:(?:and|all|from|one|up|dull|low|heavy|winter|solid) )*(?:sk(?:y|ies)|overhead|above|over\b|out\b|outside|end\b)",
