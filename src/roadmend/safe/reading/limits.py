@@ -3,7 +3,7 @@
 import itertools
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from roadmend.safe.claims import Claim, Span
 from roadmend.safe.dsl import MAX_SPEED_LIMIT, Position
@@ -18,12 +18,15 @@ _USUAL_MPH = 75  # where nothing tells that the country counts miles
 _OF_MILES = re.compile(
     r"\b(?:mph|miles?|interstate|highway|freeway|turnpike|parkway|I-\d+|US|feet|ft)\b", re.IGNORECASE
 )
+_TWICE = re.compile(r"(?<=^# kmh) \( \d+ mph \)")  # "80 km/h (50 mph)" says it in two units
 _LEAST_TOLD = 10
 # Signs of a country of kilometres: its units, its money, its words for streets, letters that English has not.
 _METRIC = re.compile(
     r"\b(?:km|kilomet\w+|metres?|euros?|zloty|kroner|crowns|koruna|francs|tempo)\b|(?:stra(?:ss|\u00df)e|gasse|platz|weg|laan"
     r"|straat|gatan|vej|utca|ulice|ulica)\b|\b(?:rue|calle|avenida|rua|corso|viale|ulica|boulevard de|national road)\b"
-    r"|(?-i:[\u00c0-\u00ff\u0100-\u012f\u0132-\u017e]).*\s.*(?-i:[\u00c0-\u00ff\u0100-\u012f\u0132-\u017e])|\u20ac|\b(?:european form|articulated|saloon car|gendarm\w+|carabinieri|polizei)\b",
+    r"|(?-i:[\u00c0-\u00ff\u0100-\u012f\u0132-\u017e]).*\s.*(?-i:[\u00c0-\u00ff\u0100-\u012f\u0132-\u017e])|\u20ac"
+    r"|(?-i:[\u00c4-\u00c6\u00d6\u00d8\u00dc\u00df\u00e4-\u00e6\u00f6\u00f8\u00fc\u0100-\u012f\u0132-\u017e])"  # no French
+    r"|\b(?:european form|articulated|saloon car|gendarm\w+|carabinieri|polizei)\b",
     re.IGNORECASE,
 )
 _REACH = 9  # words between "limit" and its number
@@ -46,6 +49,7 @@ class PostedLimit:
         vehicles: for which it is posted; empty for all.
         names: of the road, in lower case; empty for all.
         lanes: of the road that it is posted on, where it is called by them.
+        kind: what kind of road it is posted on ("county road"), as far as a text tells its roads apart by that.
     """
 
     mph: int
@@ -55,24 +59,32 @@ class PostedLimit:
     vehicles: frozenset[int] = frozenset()
     names: frozenset[str] = frozenset()
     lanes: int | None = None
+    kind: str = ""
 
 
 def read_limits(text: Text) -> tuple[PostedLimit, ...]:
     """The limits of a text."""
     units = {item.get("mph") for sentence in text.sentences for item in sentence.items}
     usual = "kmh" if "mph" not in units and ("kmh" in units or _METRIC.search(text.summary)) else "mph"
-    return tuple(dict.fromkeys(each for sentence in text.sentences for each in _of_sentence(sentence, text, usual)))
+    found = [each for sentence in text.sentences for each in _of_sentence(sentence, text, usual)]
+    if len({each.mph for each in found}) == 1 and not any(each.ways or each.names or each.vehicles for each in found):
+        found = [replace(each, lanes=None) for each in found]  # "four lanes, 40 zone" is the only road told of
+    axes = {name for name, axis in AXES.items() for each in found if each.ways & axis}
+    if len(axes) == 1:  # the cross street of a road that runs north and south runs east and west
+        other = next(axis for name, axis in AXES.items() if name not in axes)
+        found = [replace(each, ways=other) if each.kind in word_set("minor_roads") else each for each in found]
+    return tuple(dict.fromkeys(found))
 
 
 def _of_sentence(sentence: Sentence, text: Text, usual: str) -> Iterator[PostedLimit]:
     items, end, told = sentence.items, 0, wording(sentence)
     for place in range(len(items)):
-        if place >= end and (_is_worded(told, place) or _is_limit(items, place)) and not _is_no_limit(told, place):
+        if place >= end and (_is_worded(told, place) or _is_limit(items, place)):
             most = _MOST_MPH if _OF_MILES.search(text.summary) else _USUAL_MPH
             unit = items.at(place + 1).get("mph") or ("kmh" if items[place].get("number") > most else None)
             value, last = _in_mph(items, place, unit or usual)
             end = last + 1
-            if _LEAST <= value <= MAX_SPEED_LIMIT:
+            if not _is_no_limit(told, place) and _LEAST <= value <= MAX_SPEED_LIMIT:
                 limit = PostedLimit(value, 0.93 if unit else 0.85, items.span(place, last))
                 yield _posted(limit, items, place, last, sentence, text)
 
@@ -85,7 +97,7 @@ def _is_worded(told: Wording, place: int) -> bool:
     if told.items.cut(place - 4, place).has("advisory"):
         return False
     at = told.places[place]
-    before, after = told.text[:at], f"# {told.text[at:].partition(' ')[2]}".strip()
+    before, after = told.text[:at], _TWICE.sub("", f"# {told.text[at:].partition(' ')[2]}".strip(), count=1)
     if any(pattern.search(after) for pattern in patterns("limit_never_after")):
         return False
     led = any(
@@ -101,8 +113,9 @@ def _is_worded(told: Wording, place: int) -> bool:
 
 def _is_no_limit(told: Wording, place: int) -> bool:
     """Whether a number is a speed that was driven, or none."""
-    if told.items.at(place + 1).is_a("mph") and told.items.at(place - 1).is_a("lane"):
-        return False  # "SR 44, two lanes 55 mph"
+    led, has_unit = told.items.at(place - 1), told.items.at(place + 1).is_a("mph")
+    if (has_unit and led.is_a("lane", "road")) or (led.is_a("lane") and told.items.at(place - 2).is_a("number")):
+        return False  # "SR 44, two lanes 55 mph", "a two-lane forty-five"
     at = told.places[place]
     before, after = told.text[:at], f"#{told.text[at:].partition(' ')[2]}"
     after = after.replace("#", "# ", 1) if len(after) > 1 else after
@@ -195,6 +208,10 @@ def _posted(limit: PostedLimit, items: Words, place: int, last: int, sentence: S
     end = min([at - 1 for at in units if at > last], default=len(items))
     begin = max([at + 1 for at in units if at < place], default=0)
     after, before = items.cut(last + 1, min(end, last + 9)), items.cut(max(begin, place - 14), place)
+    told = after.cut(0, 5) if after.cut(0, 1).says({"for", "on", "along"}) else Words()
+    kinds = [*filter(None, (_kind_of_road(told, at) for at in range(len(told))))]
+    kinds = kinds or [*filter(None, (_kind_of_road(items, at) for at in range(place - 1, begin - 1, -1)))]
+    limit = replace(limit, kind=kinds[0] if kinds else "")
     for part in (after if after.cut(0, 2).says({"for", "on", "in", "along", "both"}) else Words(), before):
         if part.says({"both"}):
             return limit
@@ -214,7 +231,7 @@ def _posted(limit: PostedLimit, items: Words, place: int, last: int, sentence: S
         names = frozenset(_name(item) for at, item in enumerate(part) if _is_road_name(part, at, sentence.span.start))
         if axes or ways or vehicles or lanes or names:
             found = frozenset().union(*axes) if axes else ways
-            return PostedLimit(limit.mph, limit.confidence, limit.span, found, vehicles, names, lanes)
+            return replace(limit, ways=found, vehicles=vehicles, names=names, lanes=lanes)
     return limit
 
 
@@ -226,6 +243,16 @@ def _is_road_name(part: Words, at: int, start: int) -> bool:
         after.is_a("road", "auxiliary") or (not item.text.isupper() and item.span.start > start)
     )
     return item.is_name and (proper or item.is_a("ordinal"))
+
+
+def _kind_of_road(words: Words, at: int) -> str:
+    """What kind of road a word speaks of, "county road", "avenue", "valley road"; empty for any road, or for none."""
+    item, before = words.at(at), words.at(at - 1)
+    if not item.is_a("road"):
+        return ""
+    if item.low not in word_set("any_road"):
+        return item.low
+    return f"{before.low} road" if before.low.isalpha() and not before.kinds and not before.is_name else ""
 
 
 def _is_road_number(words: Words, at: int) -> bool:
@@ -244,17 +271,19 @@ def claim_limits(text: Text, limits: Sequence[PostedLimit]) -> Iterator[Claim]:
     """The claims about the vehicles' limits that need no direction: those for one vehicle, or for all."""
     roads = _roads_of_vehicles(text)
     several = len({each.mph for each in limits}) > 1
+    told = frozenset[str]().union(*roads.values())
     for limit, vehicle in itertools.product(limits, range(text.count)):
         mine = roads.get(vehicle, set())
-        elsewhere = any(limit.names & names for each, names in roads.items() if each != vehicle)
+        posted = limit.names or (frozenset() if limit.ways else told & {limit.kind})
+        elsewhere = any(posted & names for each, names in roads.items() if each != vehicle)
         sure = limit.confidence - 0.2 * several
         if limit.vehicles:
             sure = limit.confidence if vehicle in limit.vehicles else 0.35
-        elif limit.names & mine:
+        elif posted & mine:
             sure = limit.confidence
-        elif limit.names and (elsewhere or (mine and several)):
+        elif posted and (elsewhere or (mine and several)):
             sure = 0.62 if not mine else 0.3 if several else 0.55
-        elif (limit.ways or limit.lanes) and not limit.names:
+        elif (limit.ways or limit.lanes) and not posted:
             continue
         reason = "the limit posted there" if sure > 0.5 else "a limit posted elsewhere"
         yield claim(of_vehicle(vehicle, "speed_limit_mph"), limit.mph, sure, reason, limit.span)
@@ -269,10 +298,14 @@ def _roads_of_vehicles(text: Text) -> dict[int, set[str]]:
             if item.low not in word_set("by_road"):
                 continue
             for at in range(place + 1, min(place + _ROAD_REACH, len(words))):
-                after, number = words[at], _is_road_number(words, at)
+                after, number, kind = words[at], _is_road_number(words, at), _kind_of_road(words, at)
+                if kind:
+                    for vehicle in clause.subject.vehicles:
+                        found.setdefault(vehicle, set()).add(kind)
                 if number or ((after.is_name or after.is_a("ordinal")) and after.low not in word_set("weekdays")):
                     for vehicle in clause.subject.vehicles:
                         found.setdefault(vehicle, set()).add(_name(after))
-                if number or not (after.is_name or after.is_a("ordinal", *_LEADS_ROAD)):
+                leads = after.is_name or after.is_a("ordinal", *_LEADS_ROAD) or words.at(at + 1).is_a("road")
+                if number or not leads:
                     break
     return found

@@ -25,6 +25,10 @@ def read_ramps(text: Text, contacts: Sequence[ContactClaim], relations: Sequence
     merges |= _enters(text, words, ramps)
     on_main = {vehicle: item for clause in text.clauses for vehicle, item in _on_main(clause) if vehicle not in ramps}
     _queue(text, ramps, on_main, _pairs(contacts, relations))
+    ramp = words.first("ramp")
+    others = {*range(text.count)} - on_main.keys()
+    if merges and not ramps and ramp is not None and on_main and len(others) == 1:
+        ramps[others.pop()] = (_TIED, ramp)  # there is a ramp, and the other vehicle is not on it
     for vehicle, item in on_main.items():
         yield claim(
             of_vehicle(vehicle, "on_ramp"), value=False, confidence=0.75, reason="it is on the main road", where=item
@@ -45,7 +49,7 @@ def _told(text: Text, words: Words) -> tuple[_Ramps, bool]:
     merges |= any(item.get("road") == "divided" for item in words) and not has_off
     joins = any(item.verb is not None and item.verb.lemma in word_set("merges") for item in words)
     for clause in text.clauses:
-        ramp, vehicles = clause.words.first("ramp"), clause.subject.vehicles[:1]
+        ramp, vehicles = clause.words.first("ramp"), clause.subject.vehicles[:1] or _writer(clause, text)
         is_merge = clause.kind == "change_lane" and clause.lemma in word_set("merges")
         merges |= is_merge or (any(item.get("ramp") == "on" for item in clause.tail) and bool(vehicles))
         freeway = next((item for item in clause.tail.cut(1, 5) if item.get("road") == "divided"), None)
@@ -63,6 +67,13 @@ def _told(text: Text, words: Words) -> tuple[_Ramps, bool]:
             merges |= clause.words.cut(clause.words.index(ramp) - _NEAR, clause.words.index(ramp)).says({"off", "down"})
             ramps[vehicles[0]] = max(ramps.get(vehicles[0], (0.0, ramp)), (sure, ramp), key=lambda each: each[0])
     return ramps, merges
+
+
+def _writer(clause: Clause, text: Text) -> tuple[int, ...]:
+    """The writer's own vehicle, where a clause that names no vehicle, or has no subject, is of what "I" did or saw."""
+    is_own = any(item.get("pronoun") in {"self", "own"} for item in clause.sentence.items)
+    is_merge = clause.kind == "change_lane" and clause.lemma in word_set("merges") and clause.sentence.index == 0
+    return text.spoken.roll.own() if is_own or is_merge else ()
 
 
 def _from_ramp(clause: Clause, ramp: Item) -> float:

@@ -49,7 +49,8 @@ def _shape(items: Words, place: int) -> Iterator[Claim]:
             "road_type", kind, 0.66 if is_tee and aside else 0.96 if is_tee else sure, f"it says {item.low}", item
         )
     elif item.is_a("curve") and not items.at(place + 1).is_a("stop_sign") and items.at(place + 1).low != "warning":
-        yield claim("road_type", RoadType.CURVE, 0.85, f"the text speaks of a {item.low}", item)
+        sure = 0.6 if item.low.endswith("corner") else 0.85  # a corner is more often one of two streets
+        yield claim("road_type", RoadType.CURVE, sure, f"the text speaks of a {item.low}", item)
         hand = Words((*reversed(before.cut(len(before) - 3)), *after)).first("hand")
         if hand is not None:
             yield claim("bend", Side(hand.get("hand")), 0.85, "the text says which way the road bends", hand)
@@ -102,9 +103,13 @@ def _worded_stem(text: Text) -> Iterator[Claim]:
         any(_is_of_road(each, match.start(), mentions) for match in found("stem_ends", each))
         for each, mentions in zip(told, text.spoken.mentions, strict=True)
     ]
-    said_tee = any(each.items.has("ends") or any(i.get("junction") == "tee" for i in each.items) for each in told)
+    tees = [
+        each.items.has("ends") or any(i.low == "ends" or i.get("junction") == "tee" for i in each.items)
+        for each in told
+    ]
+    said_tee = any(tees)
     for place, each in enumerate(told):
-        near = any(ending[max(0, place - 1) : place + 2])
+        near = any(ending[max(0, place - 1) : place + 2]) or tees[place]
         if ending[place]:
             yield claim(
                 "road_type", RoadType.T_INTERSECTION, 0.85, "a road goes no further", text.sentences[place].span
@@ -125,17 +130,19 @@ def _worded_stem(text: Text) -> Iterator[Claim]:
 def _is_of_road(told: Wording, letter: int, mentions: Sequence[Mention]) -> bool:
     """Whether it is a road that ends there, and no vehicle, lane or ramp."""
     at, before = told.item(letter), told.items.cut(0, told.item(letter))
-    vehicle = max((each.last for each in mentions if each.last < at and each.kind is not MentionKind.IT), default=-1)
+    part = before.cut(max((place + 1 for place, each in enumerate(before) if each.low == ";"), default=0))
+    things = {MentionKind.IT, MentionKind.POSSESSIVE}  # "it", "its last mile": of the road, as likely as not
+    vehicle = max((each.last for each in mentions if each.last < at and each.kind not in things), default=-1)
     named = (
         place
         for place, each in enumerate(before)
         if each.is_a("road") or (each.is_name and (each.is_a("lane") or not each.kinds))
     )
     road = max(named, default=-1)
-    pronoun = not mentions and not before.has("ramp", "lane")
-    near = before.cut(len(before) - 4)
+    pronoun = not mentions and not part.has("ramp", "lane")
+    near = part.cut(len(part) - 4)
     of_lane = near.has("ramp") or any(each.is_a("lane") and not each.is_name for each in near)
-    return not of_lane and (road > vehicle or pronoun or told.items.at(0).low == "it")
+    return not of_lane and (road > vehicle or pronoun or part.at(0).low == "it")
 
 
 def _corner(items: Words, place: int) -> Iterator[Claim]:
@@ -212,7 +219,8 @@ def _turns_off(clause: Clause, text: Text) -> Iterator[Claim]:
     out = {vehicle for each in text.clauses if each.words.has("driveway") for vehicle in each.subject.vehicles}
     onto = kind == "travel" and words.says({"onto", "on to"})
     for place, item in enumerate(words[:-1] if kind in {"turn", "do", "begin", "intend"} or onto else ()):
-        to_road = words[place + 1].is_name or words.cut(place + 1, place + 4).has("road")
+        ahead = words.cut(place + 1, place + 4)
+        to_road = ahead[0].is_name or any(each.is_a("road") and each.low != "place" for each in ahead)
         turns = (
             kind == "turn" or (onto and item.low in {"onto", "on to"}) or words.cut(0, place).has("hand", "lanekind")
         )

@@ -17,7 +17,9 @@ _SMALL = (1, 2, 3, 4)  # hours before light
 _MORNING = 6
 _CLOCK = re.compile(
     r"\b(?:(?P<h>[01]?\d|2[0-3])[:.h][0-5]\d|(?P<mil>(?:[01]\d|2[0-3])[0-5]\d)(?=\s*(?:hrs?|hours|h)\b)|"
-    r"(?P<log>(?:(?<=time )|(?<=time: )|(?<=rcvd )|(?<=call )|(?<=arr )|(?<=at )|(?<=approx )|(?<=about )|(?<=around )|(?<=@ )|(?<=\()|(?<=dry )|(?<=clr )|(?<=wet )|(?<=clear )|(?<=day )|(?<=dark )|^|(?<=, )|(?<=\. )|(?<=\n))(?:[01]\d|2[0-3])[0-5]\d(?=[\s,.]))|"
+    r"(?P<log>(?:(?<=time )|(?<=time: )|(?<=rcvd )|(?<=call )|(?<=arr )|(?<=at )|(?<=approx )|(?<=about )|(?<=around )|(?<=@ )|(?<=\()|(?<=dry )|(?<=clr )|(?<=wet )|(?<=clear )|(?<=day )|(?<=dark )|^|(?<=, )|(?<=\. )|(?<=\n)|"
+    r"(?<=\d/\d )|(?<=\d/\d\d )|(?<=(?:mon|tue|wed|thu|fri|sat|sun|jan|feb|mar|apr|may|jun|jul|aug|sep|oct|nov|dec) ))"
+    r"(?:[01]\d|2[0-3])[0-5]\d(?=[\s,.:]))|"
     r"(?P<bare>(?<=, )(?:0\d|1[0-8]|2[1-3])[0-5]\d(?=[.,]|$)|(?<![\w.,:/-])0\d[0-5]\d(?=\s))|"
     r"(?P<joined>(?:1[0-2]|[1-9])[0-5]\d)(?=\s*[ap]\.?m\b)|"
     r"(?P<late>1[3-9]|2[0-3])(?=\s*(?:o'?clock|h\b|uhr))|"
@@ -36,6 +38,14 @@ _AT_NIGHT = re.compile(r"[\s,]*(?:in the evening|at night|tonight|p\.?m)")
 _IN_DAY = re.compile(r"[\s,]*in the (?:morning?|(afternoon?))")
 _EARLIER = re.compile(r"\b(?:evening|night|tonight)\b[^.!?]*$", re.IGNORECASE)
 _TOLD = re.compile(r"(?:\bat|around|about|approximately|aprox|approx|past|after|before|@|by|near|till|until)\s*$")
+_AFTERMATH = re.compile(
+    r"\b(?:reopen|clean[- ]?up|cleaned|until|till|discharged|notified|interview|phoned|statement)", re.IGNORECASE
+)
+_GREY_SKY = re.compile(
+    r"\b(?:sk(?:y|ies)|overhead|everything|outside|weather)\b[^.,;!?\n]{0,20}\bgr[ae]y\b|\bsky (?:was )?the colou?r of\b"
+    r"|\bgr[ae]y (?:(?:and|all|from|one|up|dull|low|heavy|winter|solid) )*(?:sk(?:y|ies)|overhead|above|over\b|out\b|outside|end\b)",
+    re.IGNORECASE,
+)
 _SURE = {Weather.CLEAR: 0.75, Weather.CLOUDY: 0.85, Weather.WINDY: 0.85, Weather.SUNNY: 0.88}
 _NAMES = {"weather", "sky", "skies"}
 
@@ -44,6 +54,8 @@ def read_surroundings(text: Text) -> Iterator[Claim]:
     """The claims of a text about light and weather."""
     yield from _clock(text.summary)
     yield from _told_hours(text.summary)
+    for match in _GREY_SKY.finditer(text.summary):
+        yield claim("env.weather", Weather.OVERCAST, 0.8, "the sky is called grey", Span(*match.span()))
     past = read_table("surroundings")["past"]
     for sentence in text.sentences:
         for place, item in enumerate(sentence.items):
@@ -98,8 +110,9 @@ def _weather(items: Words, place: int, *, is_past: bool) -> Iterator[Claim]:
     value = Weather(item.get("weather")[0])
     if value is Weather.CLEAR and item.low in word_set("may_be_clear") and not _is_sky(items, place):
         return
-    if item.low in {"cloud", "sun"} and items.at(place + 1).low in word_set("no_weather_after"):
-        return
+    after = items.at(place + 1)
+    if item.low in {"cloud", "sun"} and (after.low in word_set("no_weather_after") or after.is_a("number")):
+        return  # "the sun set"; "Sun 0140" is a day of the week
     lies = before.says(word_set("lying_snow")) or items.at(place + 1).low in word_set("lying_snow")
     if value is Weather.SNOWY and lies:
         yield claim("env.weather", value, 0.45, f"the text says {item.low}", item)
@@ -141,6 +154,8 @@ def _clock(summary: str) -> Iterator[Claim]:
         if hour is not None:
             value = Time.DAYTIME if hour in _DAY else Time.NIGHTTIME
             sure = min(sure, 0.6 if hour in _EVENING or hour == _DAY[0] else 0.98)
+            before = re.split(r"[.!?\n]\s", summary[max(0, match.start() - 80) : match.start()])[-1]
+            sure *= 0.5 if _AFTERMATH.search(before) else 1.0  # "the road reopened at 9 p.m."
             yield claim("env.time", value, sure, f"the clock says {match[0].strip()}", Span(*match.span()))
 
 
@@ -181,6 +196,8 @@ def _hour(match: re.Match[str], summary: str) -> tuple[int | None, float]:
     if half or at_night or in_day or _AT_NIGHT.match(after):
         late = half == "p" or (not half and (at_night or (in_day is not None and in_day[1])))
         return hour % 12 + (12 if late else 0), 0.98
+    if match["hour"] and after.startswith("ish") and hour < _MORNING:
+        return hour + 12, 0.6
     if match["h"] and (told or len(match["h"]) == 2):
         if 0 < hour < _MORNING and len(match["h"]) == 1:
             return hour + 12, 0.6  # nobody says whether it was night: few drive then

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from roadmend.safe.claims import Span
-from roadmend.safe.reading.english import is_english
+from roadmend.safe.reading.english import is_english, is_in_dictionary
 from roadmend.safe.reading.lexicon import (
     LONGEST,
     Senses,
@@ -184,7 +184,7 @@ def _in_full(word: str, *, is_first: bool) -> str:
         return f"{full}g" if is_cut else full
     if not full.isalpha() or is_english(full):
         return full
-    mended = mend(full)
+    mended = mend(full, is_word=is_in_dictionary(full))
     may_be_name = word.istitle() and not is_first and mended is not None and mended not in names()
     return full if mended is None or (may_be_name and "thing" not in senses()[mended]) else mended
 

@@ -1,5 +1,6 @@
 """Questions and their answers, as statements are taken down: a short answer is read together with what it answers."""
 
+import itertools
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -24,6 +25,10 @@ def join_answers(sentences: Sequence[Sentence], summary: str) -> list[Sentence]:
     is_transcript = sum(asked and bool(label) for asked, label in zip(questions, labels, strict=True)) >= _LABELS
     if not is_transcript:
         labels = [0] * len(labels)
+    if is_transcript:  # "Speed limit, if you know it." - "Thirty-five."
+        for place, (asked, answer) in enumerate(itertools.pairwise(sentences)):
+            own = answer.items.cut(labels[place + 1])
+            questions[place] |= asked.items.has("limit", "lane") and not asked.items.has("number") and own.has("number")
     return list(_joined(sentences, questions, labels, is_transcript=is_transcript))
 
 

@@ -41,6 +41,10 @@ class Wording:
 def wording(sentence: Sentence) -> Wording:
     """A sentence in plain words."""
     words = [_plain(item) for item in sentence.items]
+    for place, item in enumerate(sentence.items[:-2]):
+        lane, after = sentence.items[place + 1 : place + 3]
+        if item.low == "a" and lane.is_a("lane") and (after.is_a("each") or after.low == "for"):
+            words[place] = "1"  # "a lane each way", "a lane for us"
     places, at = [], 0
     for word in words:
         places.append(at)
@@ -57,6 +61,8 @@ def _plain(item: Item) -> str:
     number = number_of(item)
     if item.is_a("mph"):
         return str(item.get("mph"))
+    if item.low in {"ln", "lns"}:
+        return "lanes" if item.low == "lns" else "lane"
     if number is None or item.low[:1].isdigit():
         return item.low
     return f"all {number:g}" if item.low.startswith("all ") else f"{number:g}"
