@@ -10,7 +10,7 @@ from roadmend.safe.reading.tokens import NOTHING, Item, Words
 
 YEARS = range(1920, 2100)
 TRAITS = ("bound", "oncoming", "parked", "stationary")
-_ROAD_NUMBER = re.compile(r"[a-z]{1,2}\d{1,3}")
+_ROAD_NUMBER = re.compile(r"(?:[a-eh-ik-npr-s]|us|sr|cr|fm|rm|sh|st|dk|dw)\d{1,3}")
 _REACH = 6  # words before a noun in which its article is looked for
 _CLASSED = 0.9  # confidence from which a word for a body is more than "car" or "truck"
 _FILL = 4  # words between the parts of a name
@@ -20,6 +20,8 @@ def is_head(items: Words, place: int, known: Collection[str] = ()) -> bool:
     """Whether a word names a vehicle or its kind here; a name that is known from elsewhere in the text does."""
     item, before, after = items.at(place), items.at(place - 1), items.at(place + 1)
     if item.low in known and item.is_name and not after.is_a("road", "lane"):
+        return True
+    if _is_bare_model(items, place):
         return True
     if item.is_a("body"):
         return _is_body(items, place)
@@ -42,6 +44,7 @@ def is_head(items: Words, place: int, known: Collection[str] = ()) -> bool:
     )
     lead = items.at(place - 2) if before.low == "the" else before
     on_it = (lead.low in word_set("road_leads") and after.low != "'s") or after.is_a("bound", "compass", "ramp", "road")
+    on_it &= not items.at(place - 2).is_a("person")  # "the driver of C30"
     if is_number and on_it:
         return False  # "the A4", "I-40"
     if not all(sense.is_everyday for sense in senses) and not item.is_a("verb", "bound", "weather"):
@@ -68,6 +71,18 @@ def is_head(items: Words, place: int, known: Collection[str] = ()) -> bool:
         return True
     is_shown = item.is_name and not item.text.isupper()
     return led and is_shown and not item.is_a("number", "preposition", "hand", "bound", "compass", "lane", "road")
+
+
+def _is_bare_model(items: Words, place: int) -> bool:
+    """Whether a model that is another word, too, does what vehicles do: "Explorer turned across", "so Sonata stopped"."""
+    item, before, after = items.at(place), items.at(place - 1), items.at(place + 1)
+    if item.low not in word_set("models_in_small_letters") or not item.text.istitle():
+        return False
+    if before.is_a("preposition", "name", "compass") or (before.is_name and before.low not in word_set("colours")):
+        return False
+    acts = ("verb", "auxiliary", "bound", "part", "hand", "parked", "stationary")
+    does = after.is_a(*acts) or after.get("person") == "driver" or after.low in word_set("after_model")
+    return does and not (after.is_name and after.is_a("road", "lane", "junction", "compass"))
 
 
 def _is_body(items: Words, place: int) -> bool:

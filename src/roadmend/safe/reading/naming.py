@@ -72,8 +72,14 @@ def names_in(sentences: Iterable[Words]) -> frozenset[str]:
         items[place].low
         for items in sentences
         for place in range(len(items))
-        if items[place].is_a("name") and items[place].low.isalpha() and is_head(items, place)
+        if items[place].is_a("name") and _is_telling(items, place) and is_head(items, place)
     )
+
+
+def _is_telling(items: Words, place: int) -> bool:
+    """Whether a name is one wherever it stands: a word, or the figures of a model behind its make: "XC60"."""
+    name = items[place].low
+    return name.isalpha() or (items.at(place - 1).is_a("name") and not name.isdigit())
 
 
 def mentions_of(items: Words, known: Collection[str] = ()) -> Iterator[Mention]:
