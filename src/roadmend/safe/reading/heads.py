@@ -132,9 +132,12 @@ def read_group(items: Words, place: int) -> tuple[int, int, Item, Description]:
     owner = article.get("pronoun")
     is_other = owner == "other" or any(item.get("pronoun") == "other" for item in before)
     owned = items.at(first - 1).low == "'s"  # "the woman's Ford", "my wife's Honda"
-    mine = owned and items.cut(first - 4, first - 1).says({"my", "our"})
+    who = items.cut(first - 4, first - 1)
+    mine = owned and (who.says({"my", "our"}) or who.at(len(who) - 1).get("insured") == "Self")
+    theirs = owned and (who.cut(len(who) - 2).says({"your"}) or who.at(len(who) - 1).get("insured") == "Other")
     is_new = article.get("determiner") in {"a", "some"} or (article is NOTHING and bool(names) and not owned)
     is_new |= is_other and before.says({"another"})
+    is_new |= article is NOTHING and items.at(first - 1).low == "one"  # "one white van came"
     marks = word_set("marks") | word_set("colours")
     description = Description(
         year=next((item.get("number") for item in before if item.get("number") in YEARS), None),
@@ -142,7 +145,7 @@ def read_group(items: Words, place: int) -> tuple[int, int, Item, Description]:
         bodies=bodies,
         is_own=owner == "own" or mine,
         is_theirs=owner in {"its", "one"},
-        is_other=is_other,
+        is_other=is_other or theirs,
         words=" ".join(item.low for item in items.cut(place, last + 1)),
         span=items.span(place, last),
         is_definite=not is_new,
