@@ -133,8 +133,9 @@ def read_group(items: Words, place: int) -> tuple[int, int, Item, Description]:
     is_other = owner == "other" or any(item.get("pronoun") == "other" for item in before)
     owned = items.at(first - 1).low == "'s"  # "the woman's Ford", "my wife's Honda"
     who = items.cut(first - 4, first - 1)
-    mine = owned and (who.says({"my", "our"}) or who.at(len(who) - 1).get("insured") == "Self")
-    theirs = owned and (who.cut(len(who) - 2).says({"your"}) or who.at(len(who) - 1).get("insured") == "Other")
+    side, yours = who.at(len(who) - 1).get("insured"), who.cut(len(who) - 2).says({"your"})
+    mine = owned and not yours and (who.says({"my", "our"}) or side == "Self")
+    theirs = owned and (yours or side == "Other")
     is_new = article.get("determiner") in {"a", "some"} or (article is NOTHING and bool(names) and not owned)
     is_new |= is_other and before.says({"another"})
     is_new |= article is NOTHING and items.at(first - 1).low == "one"  # "one white van came"

@@ -192,7 +192,8 @@ class _Casting:
         """What speaks for a vehicle that was spoken of before, against a new one [nats]."""
         known = vehicle.description
         if known.is_own and not vehicle.is_known:
-            is_first = mention.is_new or self.structures[at].items[mention.first].low in {"this", "these"}
+            article = self.structures[at].items[mention.first]
+            is_first = mention.is_new or article.get("determiner") != "the" or article.low in {"this", "these"}
             return _NOBODYS if not is_first and not self.is_own_told and not described.is_other else -1.0
         if known.contradicts(described) or (known.number is not None and not vehicle.is_known and not described.names):
             return -9.0

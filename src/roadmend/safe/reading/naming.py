@@ -124,8 +124,10 @@ def mentions_of(items: Words, known: Collection[str] = ()) -> Iterator[Mention]:
 
 
 def _is_denied(items: Words, mention: Mention) -> bool:
-    """Whether a vehicle is said not to have been there: "no other car"."""
-    return mention.number is None and "no" in {items.at(mention.first).low, items.at(mention.first - 1).low}
+    """Whether a vehicle is said not to have been there: "no other car", "not a motorcycle"."""
+    lead = items.at(mention.first - 1).low
+    is_else = lead == "not" and mention.description is not None and not mention.is_person
+    return mention.number is None and (is_else or "no" in {items.at(mention.first).low, lead})
 
 
 def _number(items: Words, place: int) -> int | None:

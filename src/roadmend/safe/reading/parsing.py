@@ -177,8 +177,9 @@ class _SentenceReader:
                 return self._before(at), governed
             behind = next((each for each in self.tree.children(at, "attr") if self._group(each) is not None), None)
             is_thing = self._group(child) is None and not self.items[child].is_a("pronoun")
+            is_thing |= self.items[child].low == "it" and behind is not None and self._is_new(behind)
             if is_thing and behind is not None and self.tree[at].tag == "AUX":
-                return self._named(behind, Role.SUBJECT, kind), governed  # "Oncoming was a van"
+                return self._named(behind, Role.SUBJECT, kind), governed  # "Oncoming was a van", "It was a van"
             self.referents.is_road = self._group(child) is None and self._is_road(child)
             return self._named(child, Role.SUBJECT, kind), governed
         if arc.relation in {"relcl", "acl"}:
@@ -229,6 +230,11 @@ class _SentenceReader:
         """Whether a word is a road's, or a name that no table knows and no vehicle has."""
         item = self.items[place]
         return item.is_a("road", "lane", "junction", "ramp", "curve", "driveway") or (item.is_name and not item.kinds)
+
+    def _is_new(self, place: int) -> bool:
+        """Whether a vehicle is named of which the text did not speak before."""
+        group = self._group(place)
+        return group is not None and group.mention is not None and group.mention.is_new
 
     def _is_weather(self, subject: int, at: int) -> bool:
         """Whether "it" stands for nothing: "it was dark", "it was raining"."""

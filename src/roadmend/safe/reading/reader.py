@@ -39,7 +39,7 @@ from roadmend.safe.reading.ways import read_ways
 
 _NEAR_TIE = 2.0  # [nats] by which a second choice may be behind the first to be tried
 _MOST_TRIED = 8  # pronouns
-_CONTACT = 2.0  # [nats] that two vehicles touched, for a crash is told
+_TOUCHED = 1.0  # [nats] for each vehicle that touched another, for a crash is told
 _CLEARLY = 0.7  # [nats] by which it has to make the better scene
 
 _Claims = tuple[tuple[AnyClaim, ...], tuple[ContactClaim, ...], tuple[PostedLimit, ...]]
@@ -107,7 +107,8 @@ def _best(
         doubt = sum(
             rankings[at][min(pick, len(rankings[at]) - 1)][1] for at, pick in picks.items() if at < len(rankings)
         )
-        return fit(found[0], text.count) + _CONTACT * bool(found[1]) - doubt, rankings, text, found
+        touched = {place for each in found[1] for place in (each.striking, each.struck)}
+        return fit(found[0], text.count) + _TOUCHED * len(touched) - doubt, rankings, text, found
 
     picks: dict[int, int] = {}
     best = read(picks)

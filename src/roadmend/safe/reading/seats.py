@@ -113,7 +113,7 @@ def _sitter(structure: Structure, top: int, at: int | None) -> NounGroup | None:
 
 def _operates(structure: Structure, at: int) -> bool:
     verb = structure.items[at].verb
-    return verb is not None and verb.lemma in _OPERATES
+    return verb is not None and verb.lemma in _OPERATES and verb.kind != "follow"  # "I drive behind an Astra"
 
 
 def _is_elsewhere(structure: Structure, top: int) -> bool:
