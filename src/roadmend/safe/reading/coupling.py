@@ -47,7 +47,8 @@ def _take(items: Words, one: Mention, other: Mention, described: Description) ->
     """Give the writer or the other one what stands in brackets or behind a colon: "I (Tacoma)", "OV (also a pickup)"."""
     lead = items.at(one.last + 1).low
     between = items.cut(one.last + 2, other.first)
-    closes = items.at(other.last + 1).low in {")", ","} if lead == "(" else one.first == 0 and lead in {":", "="}
+    follows = items.at(other.last + 1).low
+    closes = follows in {")", ","} if lead == "(" else one.first == 0 and (lead in {":", "="} or lead == "," == follows)
     if not closes or len(between) > 1 or (between and between[0].low not in word_set("apposition")):
         return
     if one.kind is MentionKind.SELF:

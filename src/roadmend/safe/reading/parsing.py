@@ -198,7 +198,9 @@ class _SentenceReader:
             return above.subject, governed
         behind = next(iter(self.tree.children(at, "attr", "dobj")), None)
         comes = kind in _COMES and verb is not None and verb.lemma not in {"drive", "operate"}
-        if behind is not None and self._group(behind) is not None and (self.tree[at].tag == "AUX" or comes):
+        if behind is not None and self._group(behind) is not None and (
+            self.tree[at].tag == "AUX" or comes or self.items[at].low == "theres"
+        ):
             return self._named(behind, Role.SUBJECT, kind), governed  # "To my right was a van", "Out rolls a van"
         return self._before(at), governed
 
