@@ -10,6 +10,7 @@ from roadmend.safe.reading.naming import Mention, MentionKind
 from roadmend.safe.reading.tokens import Sentence, Words
 
 _APPOSITION = 6  # words at most between two names of one vehicle
+_OPENING = 2  # words at most before "me: a Ford"
 _SEAT = 8  # words between a numbered driver and the car that she or he sits in
 
 
@@ -48,7 +49,13 @@ def _take(items: Words, one: Mention, other: Mention, described: Description) ->
     lead = items.at(one.last + 1).low
     between = items.cut(one.last + 2, other.first)
     follows = items.at(other.last + 1).low
-    closes = follows in {")", ","} if lead == "(" else one.first == 0 and (lead in {":", "="} or lead == "," == follows)
+    if items.cut(0, one.first).has("preposition", "ahead", "behind", "beside"):
+        return  # "ahead of me: a sedan"
+    closes = (
+        follows in {")", ","}
+        if lead == "("
+        else one.first <= _OPENING and (lead in {":", "="} or lead == "," == follows)
+    )
     if not closes or len(between) > 1 or (between and between[0].low not in word_set("apposition")):
         return
     if one.kind is MentionKind.SELF:

@@ -163,7 +163,9 @@ def _numbered(items: Words, place: int) -> Mention | None:
     label, following = items.at(at), items.at(at + 1)
     number = _number(items, at)
     if number is None and len(label.text) == 1 and label.text.isupper() and len(head.low) > 1:
-        is_article = following.is_a("name", "body", "descriptor") and (head.text.isupper() or label.low == "a" and at == place + 2)
+        is_article = following.is_a("name", "body", "descriptor") and (
+            head.text.isupper() or label.low == "a" and at == place + 2
+        )
         number = _LETTERS.get(label.low) if not is_article else None
     apart = len(head.low) == 1 and label.span.start - head.span.end > 1
     if number is None or following.is_a("lane", "time", "mph") or head.get("thing") == "u" or apart:
@@ -182,7 +184,12 @@ def _numbered(items: Words, place: int) -> Mention | None:
 def _lettered(items: Words, place: int, known: Collection[str]) -> Mention | None:
     """A letter alone, where a text calls its vehicles by letters: "B is a Sierra", "into the rear of A"."""
     item, before, after = items[place], items.at(place - 1), items.at(place + 1)
-    if item.low not in _LETTERS or item.text not in known or before.is_a("road", "thing", "person", "part", "insured") or before.low == "-":
+    if (
+        item.low not in _LETTERS
+        or item.text not in known
+        or before.is_a("road", "thing", "person", "part", "insured")
+        or before.low == "-"
+    ):
         return None
     ends = after.low in {"", "'s", ",", ";", ")", ":", "'"} or after.is_a("auxiliary", "verb", "bound")
     is_person = after.get("person") == "driver"

@@ -198,8 +198,10 @@ class _SentenceReader:
             return above.subject, governed
         behind = next(iter(self.tree.children(at, "attr", "dobj")), None)
         comes = kind in _COMES and verb is not None and verb.lemma not in {"drive", "operate"}
-        if behind is not None and self._group(behind) is not None and (
-            self.tree[at].tag == "AUX" or comes or self.items[at].low == "theres"
+        if (
+            behind is not None
+            and self._group(behind) is not None
+            and (self.tree[at].tag == "AUX" or comes or self.items[at].low == "theres")
         ):
             return self._named(behind, Role.SUBJECT, kind), governed  # "To my right was a van", "Out rolls a van"
         return self._before(at), governed
@@ -394,6 +396,6 @@ class _SentenceReader:
         clause.head = Words(self.items[at] for at in places if self._group(at) is None)
         end = self.items[places[-1]].span.end
         clause.span = Span(min(self.items[places[0]].span.start, end), end)
-        if clause.head or clause.others:
+        if clause.head or clause.others or subject.part is not None:
             yield clause
             self.referents.focus = subject if subject.vehicles else self.referents.focus

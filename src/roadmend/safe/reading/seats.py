@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from roadmend.safe.reading.cast import Description
 from roadmend.safe.reading.clauses import STRIKES
 from roadmend.safe.reading.groups import NounGroup
+from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.naming import Mention, MentionKind
 from roadmend.safe.reading.structure import Structure
 
@@ -59,6 +60,7 @@ def _seat(seats: Seats, structure: Structure, mention: Mention, described: Descr
     if who is None or who is mention:
         return
     is_me = who.kind is MentionKind.SELF and described.is_theirs and not structure.items[who.first].is_a("insured")
+    is_me &= structure.items.at(who.last + 1).low not in word_set("and")  # "me and Jake, in his Ford"
     numbered = who.number is not None and lead.low != "with" and not mention.number
     if (who.kind in PEOPLE and not is_me) or numbered:
         seats.partner[id(who)] = mention
