@@ -164,7 +164,7 @@ def _numbered(items: Words, place: int) -> Mention | None:
     number = _number(items, at)
     if number is None and len(label.text) == 1 and label.text.isupper() and len(head.low) > 1:
         is_article = following.is_a("name", "body", "descriptor") and (
-            head.text.isupper() or label.low == "a" and at == place + 2
+            head.text.isupper() or (label.low == "a" and at == place + 2)
         )
         number = _LETTERS.get(label.low) if not is_article else None
     apart = len(head.low) == 1 and label.span.start - head.span.end > 1

@@ -77,6 +77,9 @@ def _person(structure: Structure, mention: Mention, top: int) -> NounGroup | Non
     if at is not None and arc.head == at and arc.relation in {"dobj", "attr"}:
         is_named = arc.relation == "attr" and mention.is_new
         return structure.subject(at) if is_named or _operates(structure, at) else None
+    beside = structure.group(mention.first - 2) if lead.low == "in" else None
+    if beside is not None and beside.mention is not None and beside.mention.kind is MentionKind.PERSON:
+        return beside  # "that girl in the Focus", however the parser reads it
     return _sitter(structure, top, at) if lead.low in _IN and not _is_elsewhere(structure, top) else None
 
 

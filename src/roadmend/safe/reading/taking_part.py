@@ -29,7 +29,8 @@ def taking_part(text: Text, claims: Sequence[AnyClaim], contacts: Sequence[Conta
     touched = {place for each in contacts for place in (each.striking, each.struck)} - {*_told_again(text, contacts)}
     vehicles = text.spoken.roll.vehicles
     numbered = {vehicle.place for vehicle in vehicles if vehicle.description.number is not None}
-    away = {place for clause in text.clauses for place in _kept_out(clause)} - touched
+    away = {place for clause in text.clauses for place in _outside(clause)} - touched
+    away |= {place for clause in text.clauses for place in _missed(clause)} - touched - numbered
     if _is_watched(text) and len(vehicles) > 2 and not touched & {*text.spoken.roll.own()}:
         away |= {*text.spoken.roll.own()}
     likely = [each for each in vehicles if each.place not in away] or vehicles
@@ -56,21 +57,21 @@ def _told(summary: str, touched: int) -> int:
     return int(touched < 2 and _NO_OTHER.search(summary) is not None)
 
 
-def _kept_out(clause: Clause) -> Iterator[int]:
-    """Vehicles of which a clause says that they were not struck, were missed, or had no part in it."""
-    who, what = clause.subject.vehicles, clause.object.vehicles if clause.object is not None else ()
-    touches = clause.kind in STRIKES | {"collide"}
-    is_named = clause.subject.span.start >= clause.sentence.span.start
-    if (
-        len(who) == 1
-        and is_named
-        and (clause.words.has("outside") or (touches and clause.tail.cut(0, 4).says(_NOTHING)))
-    ):
-        yield from who
-    if clause.kind == "avoid" and clause.lemma != "evade" and clause.is_passive:
-        yield from (place for lead, actor in clause.others if lead.low == "by" for place in actor.vehicles)
-    elif clause.kind == "avoid" or (clause.is_denied and touches and not clause.is_passive):
-        yield from what
+def _outside(clause: Clause) -> tuple[int, ...]:
+    """Of which vehicle a clause says that it had no part in the crash."""
+    who, touches = clause.subject.vehicles, clause.kind in STRIKES | {"collide"}
+    is_named = len(who) == 1 and clause.subject.span.start >= clause.sentence.span.start
+    nothing = touches and clause.tail.cut(0, 4).says(_NOTHING)  # "made contact with nothing"
+    return who if is_named and (nothing or clause.words.has("outside")) else ()
+
+
+def _missed(clause: Clause) -> tuple[int, ...]:
+    """Which vehicles a clause says were, or did, all but strike another."""
+    if clause.kind == "avoid" and clause.is_passive:
+        return tuple(place for lead, actor in clause.others if lead.low == "by" for place in actor.vehicles)
+    denied = clause.is_denied and clause.kind in STRIKES | {"collide"} and not clause.is_passive
+    missed = clause.kind == "avoid" or denied
+    return clause.object.vehicles if missed and clause.object is not None else ()
 
 
 def _is_watched(text: Text) -> bool:
