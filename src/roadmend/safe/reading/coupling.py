@@ -18,7 +18,8 @@ def couple(items: Words, row: Sequence[Mention]) -> None:
     """Give two names of one vehicle that stand side by side one description: "Vehicle 1, a 2004 Honda Civic"."""
     for one, other in itertools.pairwise(row):
         bracketed = items.at(other.first - 1).low == "(" and items.at(other.last + 1).low == ")"
-        if bracketed and one.description is not None and items[other.first].is_a("insured"):
+        is_side = items[other.first].is_a("insured") or (other.kind is MentionKind.SELF and other.first == other.last)
+        if bracketed and one.description is not None and is_side:
             is_self = other.kind is MentionKind.SELF
             one.description = replace(one.description, is_own=one.description.is_own or is_self)
             other.kind, other.twin = MentionKind.NAMED, one  # "a Hilux (claimant) that was entering"

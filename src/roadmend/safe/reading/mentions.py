@@ -83,7 +83,9 @@ class _Casting:
         numbers = sorted({each.number for each in named if each.number is not None})
         if len(numbers) == 1 and numbers[0] > 1:  # "Truck 4" is no report's number
             for mention in named:
-                mention.description = replace(mention.description or Description(), number=None)
+                described = mention.description or Description()
+                is_told = described.names or described.bodies
+                mention.description = replace(described, number=None) if is_told else None
             return
         for number in numbers:
             mine = [each.description for each in named if each.number == number and each.description is not None]
@@ -216,6 +218,8 @@ class _Casting:
             told += _NAMED_NOW
         lead = vehicle.latest < at and not known.is_own and (vehicle.is_headline or self._is_lead(vehicle))
         news = bool(described.names) or not vehicle.is_known or vehicle.is_headline
+        rest = self.structures[at].sentence.paragraph > self.structures[vehicle.latest].sentence.paragraph
+        news |= body is not None and rest and len(self.vehicles) > 1
         told += _TOLD_AGAIN * (lead and not known.names and news)
         numbered = [each for each in self.vehicles if each.description.number is not None]
         if known.number is not None and not vehicle.is_known and sum(not each.is_known for each in numbered) == 1:
