@@ -73,6 +73,7 @@ class _Casting:
                     if vehicle is not None:
                         self._note(at, mention, vehicle, is_title=is_title)
         self._drop_witness()
+        self._be_two()
         self._lead_in()
         self._describe_alike()
         self._put_in_order()
@@ -114,7 +115,11 @@ class _Casting:
             for row in self.found
             for each in row
         )
-        if drives and (speaks or mine):
+        numbered = {each.number for each in mine} & {each.description.number for each in self.vehicles} - {None}
+        if numbered:  # "vehicle A (me)"
+            self.own = next(each for each in self.vehicles if each.description.number in numbered)
+            self.own.description = replace(self.own.description, is_own=True)
+        elif drives and (speaks or mine):
             self.own = MentionedVehicle(len(self.vehicles), Description(is_own=True, words=""))
             self.vehicles.append(self.own)
 
@@ -322,6 +327,12 @@ class _Casting:
                 if mine and (group.part is not None or (verb is not None and verb.kind in STRIKES | {"collide"})):
                     return True
         return False
+
+    def _be_two(self) -> None:
+        """Make places for vehicles that a text names only together: "two pickups met"."""
+        alike = next((each.bodies for row in self.found for each in row if each.bodies), ())
+        if alike and not self.vehicles:
+            self.vehicles = [MentionedVehicle(place, Description(bodies=alike)) for place in range(2)]
 
     def _lead_in(self) -> None:
         """Let somebody without a vehicle who strikes one of two be the other's driver."""

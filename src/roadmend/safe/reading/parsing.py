@@ -318,7 +318,8 @@ class _SentenceReader:
 
     def _named(self, place: int, role: Role, kind: str) -> Actor:
         """The actor at a place, with those that "and" joins to it; nobody where no vehicle is named there."""
-        group = self._group(place) or self.structure.within(place)
+        beside = (self._group(each) for each in self.tree.children(place, "appos"))  # "the third, a semi, hit it"
+        group = self._group(place) or self.structure.within(place) or next(filter(None, beside), None)
         if group is None and self.items[place].low in self.referents.people:
             vehicle = self.referents.people[self.items[place].low]
             self.referents.recent.append(vehicle)
