@@ -78,7 +78,9 @@ def _is_bare_model(items: Words, place: int) -> bool:
     item, before, after = items.at(place), items.at(place - 1), items.at(place + 1)
     if item.low not in word_set("models_in_small_letters") or not item.text.istitle():
         return False
-    if before.is_a("preposition", "name", "compass") or (before.is_name and before.low not in word_set("colours")):
+    if before.is_a("preposition", "name", "compass") or (
+        before.text.istitle() and before.low not in word_set("colours")
+    ):
         return False
     acts = ("verb", "auxiliary", "bound", "part", "hand", "parked", "stationary")
     does = after.is_a(*acts) or after.get("person") == "driver" or after.low in word_set("after_model")

@@ -224,7 +224,7 @@ class _Casting:
         lead = vehicle.latest < at and not known.is_own and (vehicle.is_headline or self._is_lead(vehicle))
         news = bool(described.names) or not vehicle.is_known or vehicle.is_headline
         rest = self.structures[at].sentence.paragraph > self.structures[vehicle.latest].sentence.paragraph
-        news |= body is not None and rest and len(self.vehicles) > 1
+        news |= body is not None and known.body()[0] is body and rest and len(self.vehicles) > 1
         told += _TOLD_AGAIN * (lead and not known.names and news)
         numbered = [each for each in self.vehicles if each.description.number is not None]
         if known.number is not None and not vehicle.is_known and sum(not each.is_known for each in numbered) == 1:
