@@ -1,5 +1,6 @@
 """Who touched whom, in which order, and with which sides."""
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -22,12 +23,28 @@ _SURE, _TOLD, _GUESSED = 0.93, 0.55, 0.7
 def read_contacts(text: Text) -> tuple[ContactClaim, ...]:
     """The contacts of a text, in their order, each pair once."""
     found: dict[frozenset[int], ContactClaim] = {}
-    for clause in text.clauses:
-        for contact in _of_clause(clause, text.count):
+    for before, clause in itertools.pairwise((None, *text.clauses)):
+        if clause is None:
+            continue
+        for contact in (*_of_clause(clause, text.count), *_ends_met(before, clause)):
             pair = frozenset({contact.striking, contact.struck})
             found[pair] = joined(found[pair], contact) if pair in found else contact
     strong = [each for each in found.values() if each.confidence > 0.5] or list(found.values())
     return tuple(replace(each, order=place) for place, each in enumerate(strong))
+
+
+def _ends_met(one: Clause | None, other: Clause) -> Iterator[ContactClaim]:
+    """A contact of two parts side by side: "Passat front / Hilux right door", "my front, his rear"."""
+    if one is None or one.sentence is not other.sentence or one.verb or other.verb:
+        return
+    ends = [(each.subject.vehicles, each.subject.part) for each in (one, other)]
+    apart = any(item.low not in word_set("between_ends") for item in (*one.words, *other.words))
+    if apart or any(len(vehicles) != 1 or part is None for vehicles, part in ends) or ends[0][0] == ends[1][0]:
+        return
+    if ends[1][1] is not None and ends[1][1].side is Side.FRONT:
+        ends.reverse()  # who strikes does so with the front, as a rule
+    (striking, mine), (struck, theirs) = ends
+    yield _contact(other, striking[0], struck[0], mine, theirs, _GUESSED)
 
 
 def joined(one: ContactClaim, other: ContactClaim) -> ContactClaim:

@@ -4,11 +4,13 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 
+from roadmend.safe.reading.cast import Description
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.naming import Mention, MentionKind
 from roadmend.safe.reading.tokens import Sentence, Words
 
 _APPOSITION = 6  # words at most between two names of one vehicle
+_OPENING = 2  # words at most before "me: a Ford"
 _SEAT = 8  # words between a numbered driver and the car that she or he sits in
 
 
@@ -16,10 +18,18 @@ def couple(items: Words, row: Sequence[Mention]) -> None:
     """Give two names of one vehicle that stand side by side one description: "Vehicle 1, a 2004 Honda Civic"."""
     for one, other in itertools.pairwise(row):
         bracketed = items.at(other.first - 1).low == "(" and items.at(other.last + 1).low == ")"
-        if bracketed and one.description is not None and items[other.first].is_a("insured"):
+        is_side = items[other.first].is_a("insured") or (other.kind is MentionKind.SELF and other.first == other.last)
+        if bracketed and one.description is not None and is_side:
             is_self = other.kind is MentionKind.SELF
             one.description = replace(one.description, is_own=one.description.is_own or is_self)
             other.kind, other.twin = MentionKind.NAMED, one  # "a Hilux (claimant) that was entering"
+    for one, other in itertools.pairwise(row):
+        if one.description is None and other.description is not None and other.number is None:
+            _take(items, one, other, other.description)
+    for mention in row:
+        after = items.cut(mention.last + 1, mention.last + 3)
+        if mention.description is not None and after.at(0).low == "," and after.at(1).low in {"mine", "ours"}:
+            mention.description = replace(mention.description, is_own=True)  # "Tundra, mine"
     for one, other in itertools.pairwise([each for each in row if each.description is not None]):
         between = items.cut(one.last + 1, other.first)
         if one.description is None or other.description is None or (one.number and other.number):
@@ -33,6 +43,26 @@ def couple(items: Words, row: Sequence[Mention]) -> None:
             continue
         one.description = other.description = one.description.merged(other.description)
         other.is_new, other.twin = one.is_new, one
+
+
+def _take(items: Words, one: Mention, other: Mention, described: Description) -> None:
+    """Give the writer or the other one what stands in brackets or behind a colon: "I (Tacoma)", "OV (also a pickup)"."""
+    lead = items.at(one.last + 1).low
+    between = items.cut(one.last + 2, other.first)
+    follows = items.at(other.last + 1).low
+    if items.cut(0, one.first).has("preposition", "ahead", "behind", "beside"):
+        return  # "ahead of me: a sedan"
+    closes = (
+        follows in {")", ","}
+        if lead == "("
+        else one.first <= _OPENING and (lead in {":", "="} or lead == "," == follows)
+    )
+    if not closes or len(between) > 1 or (between and between[0].low not in word_set("apposition")):
+        return
+    if one.kind is MentionKind.SELF:
+        other.description = replace(described, is_own=True)
+    elif one.kind is MentionKind.OTHER:
+        one.description, one.is_new, other.twin = replace(described, is_other=True), True, one
 
 
 def _is_placed(items: Words, between: Words, one: Mention, other: Mention) -> bool:

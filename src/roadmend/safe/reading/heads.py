@@ -10,7 +10,7 @@ from roadmend.safe.reading.tokens import NOTHING, Item, Words
 
 YEARS = range(1920, 2100)
 TRAITS = ("bound", "oncoming", "parked", "stationary")
-_ROAD_NUMBER = re.compile(r"[a-z]{1,2}\d{1,3}")
+_ROAD_NUMBER = re.compile(r"(?:[a-eh-ik-npr-s]|us|sr|cr|fm|rm|sh|st|dk|dw)\d{1,3}")
 _REACH = 6  # words before a noun in which its article is looked for
 _CLASSED = 0.9  # confidence from which a word for a body is more than "car" or "truck"
 _FILL = 4  # words between the parts of a name
@@ -20,6 +20,8 @@ def is_head(items: Words, place: int, known: Collection[str] = ()) -> bool:
     """Whether a word names a vehicle or its kind here; a name that is known from elsewhere in the text does."""
     item, before, after = items.at(place), items.at(place - 1), items.at(place + 1)
     if item.low in known and item.is_name and not after.is_a("road", "lane"):
+        return True
+    if _is_bare_model(items, place):
         return True
     if item.is_a("body"):
         return _is_body(items, place)
@@ -42,6 +44,7 @@ def is_head(items: Words, place: int, known: Collection[str] = ()) -> bool:
     )
     lead = items.at(place - 2) if before.low == "the" else before
     on_it = (lead.low in word_set("road_leads") and after.low != "'s") or after.is_a("bound", "compass", "ramp", "road")
+    on_it &= not items.at(place - 2).is_a("person")  # "the driver of C30"
     if is_number and on_it:
         return False  # "the A4", "I-40"
     if not all(sense.is_everyday for sense in senses) and not item.is_a("verb", "bound", "weather"):
@@ -68,6 +71,20 @@ def is_head(items: Words, place: int, known: Collection[str] = ()) -> bool:
         return True
     is_shown = item.is_name and not item.text.isupper()
     return led and is_shown and not item.is_a("number", "preposition", "hand", "bound", "compass", "lane", "road")
+
+
+def _is_bare_model(items: Words, place: int) -> bool:
+    """Whether a model that is another word, too, does what vehicles do: "Explorer turned across", "so Sonata stopped"."""
+    item, before, after = items.at(place), items.at(place - 1), items.at(place + 1)
+    if item.low not in word_set("models_in_small_letters") or not item.text.istitle():
+        return False
+    if before.is_a("preposition", "name", "compass") or (
+        before.text.istitle() and before.low not in word_set("colours")
+    ):
+        return False
+    acts = ("verb", "auxiliary", "bound", "part", "hand", "parked", "stationary")
+    does = after.is_a(*acts) or after.get("person") == "driver" or after.low in word_set("after_model")
+    return does and not (after.is_name and after.is_a("road", "lane", "junction", "compass"))
 
 
 def _is_body(items: Words, place: int) -> bool:
@@ -117,9 +134,13 @@ def read_group(items: Words, place: int) -> tuple[int, int, Item, Description]:
     owner = article.get("pronoun")
     is_other = owner == "other" or any(item.get("pronoun") == "other" for item in before)
     owned = items.at(first - 1).low == "'s"  # "the woman's Ford", "my wife's Honda"
-    mine = owned and items.cut(first - 4, first - 1).says({"my", "our"})
+    who = items.cut(first - 4, first - 1)
+    side, yours = who.at(len(who) - 1).get("insured"), who.cut(len(who) - 2).says({"your"})
+    mine = owned and not yours and (who.says({"my", "our"}) or side == "Self")
+    theirs = owned and (yours or side == "Other")
     is_new = article.get("determiner") in {"a", "some"} or (article is NOTHING and bool(names) and not owned)
     is_new |= is_other and before.says({"another"})
+    is_new |= article is NOTHING and items.at(first - 1).low == "one"  # "one white van came"
     marks = word_set("marks") | word_set("colours")
     description = Description(
         year=next((item.get("number") for item in before if item.get("number") in YEARS), None),
@@ -127,7 +148,7 @@ def read_group(items: Words, place: int) -> tuple[int, int, Item, Description]:
         bodies=bodies,
         is_own=owner == "own" or mine,
         is_theirs=owner in {"its", "one"},
-        is_other=is_other,
+        is_other=is_other or theirs,
         words=" ".join(item.low for item in items.cut(place, last + 1)),
         span=items.span(place, last),
         is_definite=not is_new,

@@ -73,6 +73,7 @@ class _Casting:
                     if vehicle is not None:
                         self._note(at, mention, vehicle, is_title=is_title)
         self._drop_witness()
+        self._be_two()
         self._lead_in()
         self._describe_alike()
         self._put_in_order()
@@ -83,7 +84,9 @@ class _Casting:
         numbers = sorted({each.number for each in named if each.number is not None})
         if len(numbers) == 1 and numbers[0] > 1:  # "Truck 4" is no report's number
             for mention in named:
-                mention.description = replace(mention.description or Description(), number=None)
+                described = mention.description or Description()
+                is_told = described.names or described.bodies
+                mention.description = replace(described, number=None) if is_told else None
             return
         for number in numbers:
             mine = [each.description for each in named if each.number == number and each.description is not None]
@@ -112,7 +115,11 @@ class _Casting:
             for row in self.found
             for each in row
         )
-        if drives and (speaks or mine):
+        numbered = {each.number for each in mine} & {each.description.number for each in self.vehicles} - {None}
+        if numbered:  # "vehicle A (me)"
+            self.own = next(each for each in self.vehicles if each.description.number in numbered)
+            self.own.description = replace(self.own.description, is_own=True)
+        elif drives and (speaks or mine):
             self.own = MentionedVehicle(len(self.vehicles), Description(is_own=True, words=""))
             self.vehicles.append(self.own)
 
@@ -192,7 +199,8 @@ class _Casting:
         """What speaks for a vehicle that was spoken of before, against a new one [nats]."""
         known = vehicle.description
         if known.is_own and not vehicle.is_known:
-            is_first = mention.is_new or self.structures[at].items[mention.first].low in {"this", "these"}
+            article = self.structures[at].items[mention.first]
+            is_first = mention.is_new or article.get("determiner") != "the" or article.low in {"this", "these"}
             return _NOBODYS if not is_first and not self.is_own_told and not described.is_other else -1.0
         if known.contradicts(described) or (known.number is not None and not vehicle.is_known and not described.names):
             return -9.0
@@ -215,6 +223,8 @@ class _Casting:
             told += _NAMED_NOW
         lead = vehicle.latest < at and not known.is_own and (vehicle.is_headline or self._is_lead(vehicle))
         news = bool(described.names) or not vehicle.is_known or vehicle.is_headline
+        rest = self.structures[at].sentence.paragraph > self.structures[vehicle.latest].sentence.paragraph
+        news |= body is not None and known.body()[0] is body and rest and len(self.vehicles) > 1
         told += _TOLD_AGAIN * (lead and not known.names and news)
         numbered = [each for each in self.vehicles if each.description.number is not None]
         if known.number is not None and not vehicle.is_known and sum(not each.is_known for each in numbered) == 1:
@@ -317,6 +327,12 @@ class _Casting:
                 if mine and (group.part is not None or (verb is not None and verb.kind in STRIKES | {"collide"})):
                     return True
         return False
+
+    def _be_two(self) -> None:
+        """Make places for vehicles that a text names only together: "two pickups met"."""
+        alike = next((each.bodies for row in self.found for each in row if each.bodies), ())
+        if alike and not self.vehicles:
+            self.vehicles = [MentionedVehicle(place, Description(bodies=alike)) for place in range(2)]
 
     def _lead_in(self) -> None:
         """Let somebody without a vehicle who strikes one of two be the other's driver."""

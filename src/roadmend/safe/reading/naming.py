@@ -67,13 +67,22 @@ class Mention:
 
 
 def names_in(sentences: Iterable[Words]) -> frozenset[str]:
-    """The makes and models by which a text calls its vehicles somewhere."""
-    return frozenset(
-        items[place].low
-        for items in sentences
-        for place in range(len(items))
-        if items[place].is_a("name") and items[place].low.isalpha() and is_head(items, place)
-    )
+    """The makes and models by which a text calls its vehicles somewhere, and all letters where it does so by a letter."""
+    found: set[str] = set()
+    for items in sentences:
+        for place, item in enumerate(items):
+            if item.is_a("name") and _is_telling(items, place) and is_head(items, place):
+                found.add(item.low)
+            mention = _numbered(items, place)
+            if mention is not None and items[mention.last].low in _LETTERS:
+                found |= {"A", "B", "C"}
+    return frozenset(found)
+
+
+def _is_telling(items: Words, place: int) -> bool:
+    """Whether a name is one wherever it stands: a word, or the figures of a model behind its make: "XC60"."""
+    name = items[place].low
+    return name.isalpha() or (items.at(place - 1).is_a("name") and not name.isdigit())
 
 
 def mentions_of(items: Words, known: Collection[str] = ()) -> Iterator[Mention]:
@@ -85,7 +94,12 @@ def mentions_of(items: Words, known: Collection[str] = ()) -> Iterator[Mention]:
     """
     place = 0
     while place < len(items):
-        mention = _numbered(items, place) or _described(items, place, known) or _pronoun(items, place)
+        mention = (
+            _numbered(items, place)
+            or _lettered(items, place, known)
+            or _described(items, place, known)
+            or _pronoun(items, place)
+        )
         if mention is None:
             place += 1
             continue
@@ -110,8 +124,10 @@ def mentions_of(items: Words, known: Collection[str] = ()) -> Iterator[Mention]:
 
 
 def _is_denied(items: Words, mention: Mention) -> bool:
-    """Whether a vehicle is said not to have been there: "no other car"."""
-    return mention.number is None and "no" in {items.at(mention.first).low, items.at(mention.first - 1).low}
+    """Whether a vehicle is said not to have been there: "no other car", "not a motorcycle"."""
+    lead = items.at(mention.first - 1).low
+    is_else = lead == "not" and mention.description is not None and not mention.is_person
+    return mention.number is None and (is_else or "no" in {items.at(mention.first).low, lead})
 
 
 def _number(items: Words, place: int) -> int | None:
@@ -132,7 +148,7 @@ def _numbered(items: Words, place: int) -> Mention | None:
         aside = (
             items.at(place - 1).low in {":", "/", "$"}
             or items.at(at + 1).low in {":", "/"}
-            or items.at(at + 1).is_a("name")
+            or (items.at(at + 1).is_a("name") and head.low != "#")
         )
         aside |= items.at(place - 1).is_a("thing", "number", "person")
         if not aside and not items.at(at + 1).is_a("lane", "mph", "time", "number"):
@@ -147,7 +163,10 @@ def _numbered(items: Words, place: int) -> Mention | None:
     label, following = items.at(at), items.at(at + 1)
     number = _number(items, at)
     if number is None and len(label.text) == 1 and label.text.isupper() and len(head.low) > 1:
-        number = _LETTERS.get(label.low) if not following.is_a("name", "body", "descriptor") else None
+        is_article = following.is_a("name", "body", "descriptor") and (
+            head.text.isupper() or (label.low == "a" and at == place + 2)
+        )
+        number = _LETTERS.get(label.low) if not is_article else None
     apart = len(head.low) == 1 and label.span.start - head.span.end > 1
     if number is None or following.is_a("lane", "time", "mph") or head.get("thing") == "u" or apart:
         return None
@@ -160,6 +179,24 @@ def _numbered(items: Words, place: int) -> Mention | None:
     bodies = ((head.get("body"), head.span),) if head.low == "cmv" else ()
     described = Description(number=number, bodies=bodies, span=items.span(place, at))
     return Mention(start, at, MentionKind.NAMED, traits=traits, description=described, is_person=is_person)
+
+
+def _lettered(items: Words, place: int, known: Collection[str]) -> Mention | None:
+    """A letter alone, where a text calls its vehicles by letters: "B is a Sierra", "into the rear of A"."""
+    item, before, after = items[place], items.at(place - 1), items.at(place + 1)
+    if (
+        item.low not in _LETTERS
+        or item.text not in known
+        or before.is_a("road", "thing", "person", "part", "insured")
+        or before.low == "-"
+    ):
+        return None
+    ends = after.low in {"", "'s", ",", ";", ")", ":", "'"} or after.is_a("auxiliary", "verb", "bound")
+    is_person = after.get("person") == "driver"
+    if not (ends or is_person) or (item.low == "a" and after.is_a("verb") and not before.is_a("preposition")):
+        return None
+    described = Description(number=_LETTERS[item.low], span=item.span)
+    return Mention(place, place + is_person, MentionKind.NAMED, description=described, is_person=is_person)
 
 
 def _more_numbers(items: Words, place: int) -> Mention | None:
@@ -230,7 +267,8 @@ def _pronoun(items: Words, place: int) -> Mention | None:
     if item.low == "her" and after.is_a("part", "flank", "hand", "lane", "road"):
         kind = "its"
     if kind in {"it", "one", "its"} and item.low not in {"this", "that"}:
-        return Mention(place, place, MentionKind(kind), is_person=kind == "one" or item.low in {"his", "her"})
+        owns = kind == "its" and after.get("thing") == "vehicle" and len(after.low) > 1  # "the front of his vehicle"
+        return Mention(place, place + owns, MentionKind(kind), is_person=kind == "one" or item.low in {"his", "her"})
     if item.get("thing") == "vehicles" and before.is_a("determiner"):
         return Mention(place - 1, place, MentionKind.BOTH)
     if (item.is_a("thing") and len(item.low) > 3) or (item.low == "one" and before.low in word_set("colours")):

@@ -177,8 +177,9 @@ class _SentenceReader:
                 return self._before(at), governed
             behind = next((each for each in self.tree.children(at, "attr") if self._group(each) is not None), None)
             is_thing = self._group(child) is None and not self.items[child].is_a("pronoun")
+            is_thing |= self.items[child].low == "it" and behind is not None and self._is_new(behind)
             if is_thing and behind is not None and self.tree[at].tag == "AUX":
-                return self._named(behind, Role.SUBJECT, kind), governed  # "Oncoming was a van"
+                return self._named(behind, Role.SUBJECT, kind), governed  # "Oncoming was a van", "It was a van"
             self.referents.is_road = self._group(child) is None and self._is_road(child)
             return self._named(child, Role.SUBJECT, kind), governed
         if arc.relation in {"relcl", "acl"}:
@@ -197,7 +198,11 @@ class _SentenceReader:
             return above.subject, governed
         behind = next(iter(self.tree.children(at, "attr", "dobj")), None)
         comes = kind in _COMES and verb is not None and verb.lemma not in {"drive", "operate"}
-        if behind is not None and self._group(behind) is not None and (self.tree[at].tag == "AUX" or comes):
+        if (
+            behind is not None
+            and self._group(behind) is not None
+            and (self.tree[at].tag == "AUX" or comes or self.items[at].low == "theres")
+        ):
             return self._named(behind, Role.SUBJECT, kind), governed  # "To my right was a van", "Out rolls a van"
         return self._before(at), governed
 
@@ -229,6 +234,11 @@ class _SentenceReader:
         """Whether a word is a road's, or a name that no table knows and no vehicle has."""
         item = self.items[place]
         return item.is_a("road", "lane", "junction", "ramp", "curve", "driveway") or (item.is_name and not item.kinds)
+
+    def _is_new(self, place: int) -> bool:
+        """Whether a vehicle is named of which the text did not speak before."""
+        group = self._group(place)
+        return group is not None and group.mention is not None and group.mention.is_new
 
     def _is_weather(self, subject: int, at: int) -> bool:
         """Whether "it" stands for nothing: "it was dark", "it was raining"."""
@@ -308,7 +318,8 @@ class _SentenceReader:
 
     def _named(self, place: int, role: Role, kind: str) -> Actor:
         """The actor at a place, with those that "and" joins to it; nobody where no vehicle is named there."""
-        group = self._group(place) or self.structure.within(place)
+        beside = (self._group(each) for each in self.tree.children(place, "appos"))  # "the third, a semi, hit it"
+        group = self._group(place) or self.structure.within(place) or next(filter(None, beside), None)
         if group is None and self.items[place].low in self.referents.people:
             vehicle = self.referents.people[self.items[place].low]
             self.referents.recent.append(vehicle)
@@ -386,6 +397,6 @@ class _SentenceReader:
         clause.head = Words(self.items[at] for at in places if self._group(at) is None)
         end = self.items[places[-1]].span.end
         clause.span = Span(min(self.items[places[0]].span.start, end), end)
-        if clause.head or clause.others:
+        if clause.head or clause.others or subject.part is not None:
             yield clause
             self.referents.focus = subject if subject.vehicles else self.referents.focus

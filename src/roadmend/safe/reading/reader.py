@@ -4,8 +4,6 @@ Text, sentences, clauses, claims, and one scene that satisfies them: see ``token
 that make claims (``ways``, ``manoeuvres``, ``contacts``, ``roads``, ``lanes``, ``limits``, ``surroundings``), and ``scene``.
 """
 
-import itertools
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -17,7 +15,7 @@ from roadmend.safe.reading.contacts import read_contacts
 from roadmend.safe.reading.coupling import couple, let_speak
 from roadmend.safe.reading.facts import Text, claim, of_vehicle
 from roadmend.safe.reading.groups import groups_of
-from roadmend.safe.reading.impacts import STRUCK, read_impacts
+from roadmend.safe.reading.impacts import read_impacts
 from roadmend.safe.reading.lanes import read_lanes
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.limits import PostedLimit, claim_limits, read_limits
@@ -33,22 +31,17 @@ from roadmend.safe.reading.scene import fit
 from roadmend.safe.reading.structure import Structure
 from roadmend.safe.reading.surroundings import read_surroundings
 from roadmend.safe.reading.syntax import parse
+from roadmend.safe.reading.taking_part import taking_part
 from roadmend.safe.reading.tokens import Sentence, read_sentences
 from roadmend.safe.reading.transcripts import join_answers
 from roadmend.safe.reading.ways import read_ways
 
 _NEAR_TIE = 2.0  # [nats] by which a second choice may be behind the first to be tried
 _MOST_TRIED = 8  # pronouns
-_CONTACT = 2.0  # [nats] that two vehicles touched, for a crash is told
+_TOUCHED = 1.0  # [nats] for each vehicle that touched another, for a crash is told
 _CLEARLY = 0.7  # [nats] by which it has to make the better scene
 
 _Claims = tuple[tuple[AnyClaim, ...], tuple[ContactClaim, ...], tuple[PostedLimit, ...]]
-
-_ALONE = re.compile(
-    r"\b(?:single|one|1)[- ](?:vehicle|veh|car|unit)\b[- ]?(?:traffic )?"
-    r"(?:crash|accident|event|collision|incident|pdo|rollover|wreck|run|tc|mva|inj)",
-    re.IGNORECASE,
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +85,7 @@ def read_claims(summary: str) -> SummaryClaims | None:
         return None
     text, claims, contacts, limits = _best(summary, sentences, structures, spoken)
     cast = tuple(_member(vehicle) for vehicle in spoken.roll.vehicles)
-    return SummaryClaims(text, cast, claims, limits, _kept(text, claims, contacts), _others(text))
+    return SummaryClaims(text, cast, claims, limits, taking_part(text, claims, contacts), _others(text))
 
 
 def _best(
@@ -107,7 +100,8 @@ def _best(
         doubt = sum(
             rankings[at][min(pick, len(rankings[at]) - 1)][1] for at, pick in picks.items() if at < len(rankings)
         )
-        return fit(found[0], text.count) + _CONTACT * bool(found[1]) - doubt, rankings, text, found
+        touched = {place for each in found[1] for place in (each.striking, each.struck)}
+        return fit(found[0], text.count) + _TOUCHED * len(touched) - doubt, rankings, text, found
 
     picks: dict[int, int] = {}
     best = read(picks)
@@ -194,52 +188,3 @@ def _others(text: Text) -> tuple[str, ...]:
     strikes = [clause for clause in text.clauses if clause.is_real and clause.kind in STRIKES | {"collide"}]
     words = [item for clause in strikes for item in (*clause.head, *clause.tail[:5])]
     return tuple(sorted({item.get("walker") for item in words if item.is_a("walker")}))
-
-
-def _kept(text: Text, claims: Sequence[AnyClaim], contacts: Sequence[ContactClaim]) -> tuple[int, ...]:
-    """Vehicles that took part: those with a number, and those that touched another."""
-    touched = {place for each in contacts for place in (each.striking, each.struck)} - {*_told_again(text, contacts)}
-    vehicles = text.spoken.roll.vehicles
-    numbered = {vehicle.place for vehicle in vehicles if vehicle.description.number is not None}
-    watched = any(
-        each.items.says({"happened", "witnessed"})
-        and each.items.says({"me", "us"})
-        and each.items.has("ahead", "behind")
-        for each in text.sentences
-    )  # "it happened right ahead of me": the writer was not in it
-    if watched and len(vehicles) > 2 and not touched & {*text.spoken.roll.own()}:
-        vehicles = [each for each in vehicles if not each.description.is_own]
-    keep = numbered if len(numbered) > 1 else numbered | touched
-    if (
-        not keep
-    ):  # nobody touched anybody: who hit a fence alone is told apart from who only came to help, or was missed
-        alone_hit = {each.place for each in vehicles if _hit_something(each.place, claims)}
-        missed = {who for each in text.clauses if each.kind == "avoid" and each.object for who in each.object.vehicles}
-        keep = alone_hit or {vehicle.place for vehicle in vehicles[:2]} - (missed - {vehicles[0].place})
-    alone = _ALONE.search(text.summary) is not None
-    if alone and len(numbered) == 1:
-        keep = {min(numbered)}
-    elif alone:
-        keep = {min(vehicles, key=lambda each: (not each.description.names, not each.description.bodies)).place}
-    for clause in text.clauses:
-        who = clause.subject.vehicles
-        if len(who) == 1 and who[0] not in touched and clause.words.has("outside"):
-            keep.discard(who[0])
-    return tuple(sorted(keep)) or (0,)
-
-
-def _hit_something(place: int, claims: Sequence[AnyClaim]) -> bool:
-    """Whether a text says that a vehicle struck something that is no vehicle."""
-    path = of_vehicle(place, STRUCK)
-    return any(isinstance(each, Claim) and each.path == path for each in claims)
-
-
-def _told_again(text: Text, contacts: Sequence[ContactClaim]) -> Iterator[int]:
-    """Vehicles of the first lines of a news story that its later lines tell again: of one body, in one contact."""
-    bodies = [vehicle.description.body()[0] for vehicle in text.spoken.roll.vehicles]
-    for first, again in itertools.combinations(contacts, 2):
-        same = first.struck == again.struck and first.striking < again.striking
-        if same and bodies[first.striking] is bodies[again.striking] is not None:
-            described = text.spoken.roll.vehicles[again.striking].description
-            if not described.is_other and described.number is None:
-                yield first.striking

@@ -18,6 +18,7 @@ Ranking = tuple[tuple[int, float], ...]
 
 _PLURAL = frozenset({"were", "are", "both", "had both"})
 _DOUBT = 3.0  # [nats] how far behind the best a vehicle may be to be looked at by the solver
+_CLOSE = 1.0  # [nats] how near the best another may be for "the guy with the sign" to tell nobody's gender
 _WEIGHTS = {  # [nats]
     "rank": -0.7,  # for each vehicle that was spoken of since
     "unheard": -1.6,  # not spoken of so far
@@ -82,8 +83,10 @@ class Referents:
         """
         word = items.cut(mention.first, mention.last + 1).first("gender")
         gender = word.get("gender") if word is not None else ""
+        before = len(self.rankings)
         vehicles = mention.vehicles or self._meant(mention, items, role, subject, kind, gender)
-        if len(vehicles) == 1 and gender:
+        is_sure = len(self.rankings) == before or all(doubt > _CLOSE for _, doubt in self.rankings[-1][1:])
+        if len(vehicles) == 1 and gender and is_sure:
             self.genders.setdefault(vehicles[0], gender)
         actor = Actor(vehicles, None, mention.is_person, mention.span, gender)
         if vehicles:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from roadmend.safe.reading.cast import Description
 from roadmend.safe.reading.clauses import STRIKES
 from roadmend.safe.reading.groups import NounGroup
+from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.naming import Mention, MentionKind
 from roadmend.safe.reading.structure import Structure
 
@@ -59,6 +60,7 @@ def _seat(seats: Seats, structure: Structure, mention: Mention, described: Descr
     if who is None or who is mention:
         return
     is_me = who.kind is MentionKind.SELF and described.is_theirs and not structure.items[who.first].is_a("insured")
+    is_me &= structure.items.at(who.last + 1).low not in word_set("and")  # "me and Jake, in his Ford"
     numbered = who.number is not None and lead.low != "with" and not mention.number
     if (who.kind in PEOPLE and not is_me) or numbered:
         seats.partner[id(who)] = mention
@@ -75,6 +77,9 @@ def _person(structure: Structure, mention: Mention, top: int) -> NounGroup | Non
     if at is not None and arc.head == at and arc.relation in {"dobj", "attr"}:
         is_named = arc.relation == "attr" and mention.is_new
         return structure.subject(at) if is_named or _operates(structure, at) else None
+    beside = structure.group(mention.first - 2) if lead.low == "in" else None
+    if beside is not None and beside.mention is not None and beside.mention.kind is MentionKind.PERSON:
+        return beside  # "that girl in the Focus", however the parser reads it
     return _sitter(structure, top, at) if lead.low in _IN and not _is_elsewhere(structure, top) else None
 
 
@@ -113,7 +118,7 @@ def _sitter(structure: Structure, top: int, at: int | None) -> NounGroup | None:
 
 def _operates(structure: Structure, at: int) -> bool:
     verb = structure.items[at].verb
-    return verb is not None and verb.lemma in _OPERATES
+    return verb is not None and verb.lemma in _OPERATES and verb.kind != "follow"  # "I drive behind an Astra"
 
 
 def _is_elsewhere(structure: Structure, top: int) -> bool:

@@ -178,7 +178,8 @@ def _cut(text: str, start: int, end: int) -> Iterator[list[Token]]:
 def _in_full(word: str, *, is_first: bool) -> str:
     """A word in small letters, as it is written in full and without a slip of the pen: "sittin" for "sitting"."""
     low = word.lower()
-    full = shorthand().get(low, low)
+    is_model = word.istitle() and not is_first and low in names()  # a Renault Trafic
+    full = low if is_model else shorthand().get(low, low)
     is_cut = full.endswith("in") and len(full) > _CUT and f"{full}g" in senses() and full not in senses()
     if is_cut or full in senses() or full in names() or full in table_words():
         return f"{full}g" if is_cut else full
@@ -239,6 +240,8 @@ def _longest(tokens: Sequence[Token], place: int) -> tuple[int, Senses]:
             continue  # "a head-on collision" is not ahead
         if length > 1 and len(key) < _JOINED and not all(token.is_glued for token in taken[1:]):
             continue
+        if length > 1 and taken[-1].low == "s" and place + length < len(tokens) and tokens[place + length].low == "/":
+            continue  # "pickup s/b": no pickups
         kinds = dict(senses().get(key, {}) or _loose_verb(taken))
         named = names().get(key, ()) if key and _may_be_name(taken) else ()
         if length == 1 and not named and not kinds and key.endswith("s") and len(key) > _JOINED:
