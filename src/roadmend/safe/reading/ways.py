@@ -10,6 +10,7 @@ from roadmend.safe.reading.clauses import STRIKES, Clause
 from roadmend.safe.reading.facts import Text, claim, crash_places, direction, of_vehicle, weakened
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.manoeuvres import turn_of
+from roadmend.safe.reading.naming import Mention
 from roadmend.safe.reading.tokens import Item, Words
 
 _NOT_GOING = frozenset({*STRIKES, "collide", "turn", "uturn", "reverse", "after", "flip"})
@@ -34,17 +35,22 @@ def _told(text: Text) -> Iterator[Claim]:
     afterwards = crash_places(text.clauses)
     sides = [side for each in text.sentences if each.items.cut(0, 4).has("driveway") for side in _sides(each.items)]
     turned: set[tuple[int, tuple[int, ...]]] = set()  # who is said to turn, by sentence
+    beside = list(_beside_mentions(text))
+    owners = {each.where.start: each.path for each in beside if each.where is not None}
     for place, clause in enumerate(text.clauses):
         who = (clause.sentence.index, clause.subject.vehicles)
         before = text.clauses[place - 1] if place else clause
         stood = before.kind in {"stop", "park"} and before.sentence is clause.sentence
-        yield from _of_clause(clause, is_after=afterwards[place], has_turned=who in turned, stood=stood)
+        for each in _of_clause(clause, is_after=afterwards[place], has_turned=who in turned, stood=stood):
+            start = each.where.start if each.where is not None else -1
+            if owners.get(start, each.path) == each.path or not each.path.endswith("initial_position"):
+                yield each
         if turn_of(clause) is not None:
             turned.add(who)
         yield from _from_driveway(clause, sides)
     yield from _by_sun(text)
     yield from _of_place(text)
-    yield from _beside_mentions(text)
+    yield from beside
     for mention in itertools.chain(*text.spoken.mentions):
         for trait in mention.traits if len(mention.vehicles) == 1 else ():
             if (way := direction(trait)) is not None:
@@ -135,18 +141,21 @@ def _meaning(clause: Clause, items: Words, place: int, *, is_head: bool) -> tupl
 
 
 def _beside_mentions(text: Text) -> Iterator[Claim]:
-    """Directions directly after the name of a vehicle: "struck another sedan, eastbound on Main"."""
+    """Directions directly after the name of a vehicle: "struck another sedan, eastbound on Main", "V1 DIR: E"."""
+    ended: Mention | None = None  # with which the sentence before closes
     for sentence, mentions in zip(text.sentences, text.spoken.mentions, strict=True):
         items = sentence.items
-        for mention in mentions:
-            at = mention.last + 1
-            while items.at(at).low in word_set("beside_fillers"):
+        opened = [(ended, 0)] if ended is not None else []
+        for mention, start in [*((each, each.last + 1) for each in mentions), *opened]:
+            at, is_form = start, False
+            while items.at(at).low in word_set("beside_fillers") or (is_form and items.at(at).low == ":"):
                 at += 1
             item, after = items.at(at), items.at(at + 1)
             way = direction(item) if item.is_a("bound") and not item.low.endswith(("ward", "wards")) else None
             if len(mention.vehicles) == 1 and way is not None and not after.is_a("lane", "road", "lanekind"):
                 path = of_vehicle(mention.vehicles[0], "initial_position")
                 yield claim(path, way, 0.85, "it is said to travel that way", item)
+        ended = next((each for each in mentions if each.last == len(items) - 1), None)
 
 
 def _unclaimed(text: Text, claims: Sequence[Claim]) -> Iterator[Claim]:
