@@ -11,7 +11,7 @@ from roadmend.safe.reading.facts import Text, claim, crash_places, direction, of
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.manoeuvres import turn_of
 from roadmend.safe.reading.naming import Mention
-from roadmend.safe.reading.tokens import Item, Words
+from roadmend.safe.reading.tokens import Item, Sentence, Words
 
 _NOT_GOING = frozenset({*STRIKES, "collide", "turn", "uturn", "reverse", "after", "flip"})
 _SKIPPED = ("hand", "lanekind", "number", "ordinal", "determiner", "descriptor", "pronoun", "path", "stationary")
@@ -147,11 +147,13 @@ def _beside_mentions(text: Text) -> Iterator[Claim]:
         items = sentence.items
         opened = [(ended, 0)] if ended is not None else []
         for mention, start in [*((each, each.last + 1) for each in mentions), *opened]:
-            at, is_form = start, False
-            while items.at(at).low in word_set("beside_fillers") or (is_form and items.at(at).low == ":"):
+            at = start
+            while items.at(at).low in word_set("beside_fillers"):
                 at += 1
-            item, after = items.at(at), items.at(at + 1)
-            way = direction(item) if item.is_a("bound") and not item.low.endswith(("ward", "wards")) else None
+            is_form = items.at(at).low in word_set("form_ways") and items.at(at + 1).low == ":"
+            item, after = items.at(at + 2 * is_form), items.at(at + 2 * is_form + 1)
+            named = item.is_a("bound") and not item.low.endswith(("ward", "wards"))
+            way = direction(item) if named or is_form else None
             if len(mention.vehicles) == 1 and way is not None and not after.is_a("lane", "road", "lanekind"):
                 path = of_vehicle(mention.vehicles[0], "initial_position")
                 yield claim(path, way, 0.85, "it is said to travel that way", item)
@@ -178,9 +180,19 @@ def _unclaimed(text: Text, claims: Sequence[Claim]) -> Iterator[Claim]:
             listed = sentence.items.cut(place - 3, place).has("number") and sentence.items.has("lane")
             if listed or {sentence.items.at(at).is_a("lane") for at in counted} == {True, False}:
                 continue  # "two lanes southbound", "one lane going south and two coming north"
-            for vehicle in open_:
+            near = _spoken_of(text, sentence, place)
+            for vehicle in [near] if near in open_ else open_:
                 path = of_vehicle(vehicle, "initial_position")
-                yield claim(path, way, 0.6, "the text speaks of that direction", item)
+                sure = 0.75 if near == vehicle else 0.6
+                yield claim(path, way, sure, "the text speaks of that direction", item)
+
+
+def _spoken_of(text: Text, sentence: Sentence, place: int) -> int | None:
+    """The vehicle of which a sentence speaks last before a word; its only one, where it speaks of none before."""
+    spoken = text.spoken.mentions[sentence.index]
+    mentions = [each for each in spoken if sentence.items[each.first].low not in word_set("object_pronouns")]
+    near = [each for each in mentions if each.last < place][-1:] or (mentions if len(mentions) == 1 else [])
+    return near[0].vehicles[0] if near and len(near[0].vehicles) == 1 else None
 
 
 def _explained(items: Words, place: int) -> tuple[str, float] | None:
