@@ -1,5 +1,6 @@
 """What the parts of the reader share: the claims they make of the summary, and the directions of its words."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -7,6 +8,7 @@ from typing import Any
 from roadmend.safe.claims import Claim, ClaimSource, DirectionClaim, Span, WayRelation
 from roadmend.safe.dsl import Position
 from roadmend.safe.reading.clauses import STRIKES, Clause
+from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.mentions import Spoken
 from roadmend.safe.reading.tokens import Item, Sentence
 
@@ -72,6 +74,14 @@ def _touches(clause: Clause) -> bool:
     one, several = clause.kind in STRIKES, clause.kind == "collide" and len(clause.subject.vehicles) > 1
     with_other = clause.object is not None and (one or clause.kind == "collide")
     return with_other or several or (one and (clause.is_passive or bool(clause.others)))
+
+
+def rest_of(sentence: Sentence) -> float:
+    """The place in the summary from which a sentence tells where a vehicle was in the end; infinite where it does not."""
+    told = (each for each in sentence.items if each.verb is not None and each.verb.kind == "after")
+    ends = [each.span.start for each in told if each.verb is not None and each.verb.lemma in word_set("rests")]
+    ends += [each.span.start for each in sentence.items if each.low in word_set("at_rest")]
+    return min(ends, default=math.inf)
 
 
 def weakened(confidence: float, *, is_after: bool) -> float:

@@ -7,7 +7,7 @@ from roadmend.safe.claims import Claim, Span
 from roadmend.safe.compass import opposite
 from roadmend.safe.dsl import Position
 from roadmend.safe.reading.clauses import STRIKES, Clause
-from roadmend.safe.reading.facts import Text, claim, crash_places, direction, of_vehicle, weakened
+from roadmend.safe.reading.facts import TOWARDS, Text, claim, crash_places, direction, of_vehicle, rest_of, weakened
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.manoeuvres import turn_of
 from roadmend.safe.reading.naming import Mention
@@ -48,6 +48,7 @@ def _told(text: Text) -> Iterator[Claim]:
         if turn_of(clause) is not None:
             turned.add(who)
         yield from _from_driveway(clause, sides)
+        yield from _between(clause)
     yield from _by_sun(text)
     yield from _of_place(text)
     yield from beside
@@ -59,20 +60,23 @@ def _told(text: Text) -> Iterator[Claim]:
 
 
 def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool, stood: bool) -> Iterator[Claim]:
+    rest = rest_of(clause.sentence)
     faces = clause.lemma == "face" and (not is_after or stood or bool(clause.governed & {"stop", "park"}))
-    for item in clause.tail.cut(0, 3) if faces else ():
+    for item in clause.tail.cut(0, 3) if faces and clause.span.end < rest else ():
         for vehicle in clause.subject.vehicles:
             if (way := direction(item)) is not None:
                 yield claim(of_vehicle(vehicle, "initial_position"), way, 0.9, "it is said to face that way", item)
     for items, is_head in ((clause.head, True), (clause.tail, False)):
         for place, item in enumerate(items):
             way = direction(item)
-            if way is None or (clause.is_denied and clause.kind not in {"stop", "avoid"}):
+            if way is None or (clause.is_denied and clause.kind not in {"stop", "avoid"}) or item.span.start > rest:
                 continue
             what, confidence = _meaning(clause, items, place, is_head=is_head) or ("", 0.0)
             turn = turn_of(clause)
             before = any(each.low in {"had", "had been"} for each in clause.head)  # "where I had been going south"
             turned_here = turn is not None and clause.kind != "turn" and turn[2].end <= item.span.start
+            if what in {"initial_position", "heading_on"} and _is_meant(clause.sentence.items, item):
+                what = "destination"
             if (
                 ((has_turned and not before) or turned_here)
                 and not is_head
@@ -85,6 +89,27 @@ def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool, stood: bool)
                 path = of_vehicle(vehicle, "initial_position" if turned_round else what)
                 sure = weakened(confidence, is_after=is_after)
                 yield claim(path, opposite(way) if turned_round else way, sure, _REASONS[what], item)
+
+
+def _between(clause: Clause) -> Iterator[Claim]:
+    """A way between two of the four, "traveling northeast": it may be called either."""
+    rest, words = rest_of(clause.sentence), clause.words
+    goes = clause.kind in {"", "travel", "approach", "continue"} and not clause.is_denied
+    for place, item in enumerate(words if goes else ()):
+        letters = item.get("compass") or ""
+        told = len(letters) > 1 and item.span.start < rest and words.at(place + 1).low not in word_set("not_a_way")
+        for vehicle, letter in itertools.product(clause.subject.vehicles if told else (), letters):
+            path = of_vehicle(vehicle, "initial_position")
+            yield claim(path, TOWARDS[letter], 0.6, "it is said to travel about that way", item)
+
+
+def _is_meant(items: Words, item: Item) -> bool:
+    """Whether a way is the one after a turn of which the sentence tells: "left turn to go wb", "a right to head north"."""
+    place = items.index(item)
+    verb = items.at(place - 1).verb
+    goes = verb is not None and verb.kind == "travel" and verb.form == "base" and items.at(place - 2).low == "to"
+    turns = any(each.is_a("lanekind", "hand") or (each.verb is not None and each.verb.kind == "turn") for each in items)
+    return goes and turns
 
 
 def _is_aim(clause: Clause, items: Words, place: int) -> bool:
@@ -170,6 +195,7 @@ def _unclaimed(text: Text, claims: Sequence[Claim]) -> Iterator[Claim]:
             lead, way = sentence.items.at(place - 1), direction(item)
             goes = item.is_a("bound") or lead.low in word_set("goes_that_way") or lead.get("verb") is not None
             goes &= not _is_of_name(sentence.items, place)
+            goes &= item.span.start < rest_of(sentence) and not _is_meant(sentence.items, item)
             if way is None or not goes or (item.span.start, item.span.end) in spans or item.is_a("ends"):
                 continue
             if sentence.items.at(place + 1).low in word_set("not_a_way") or sentence.items.cut(place - 6, place).has(
