@@ -76,6 +76,15 @@ def _touches(clause: Clause) -> bool:
     return with_other or several or (one and (clause.is_passive or bool(clause.others)))
 
 
+def spoken_of(text: Text, sentence: Sentence, where: Span) -> int | None:
+    """The vehicle of which a sentence speaks last before a place; its only one, where it speaks of none before."""
+    spoken = text.spoken.mentions[sentence.index]
+    mentions = [each for each in spoken if sentence.items[each.first].low not in word_set("object_pronouns")]
+    before = [each for each in mentions if sentence.items[each.first].span.start < where.start]
+    near = before[-1:] or (mentions if len(mentions) == 1 else [])
+    return near[0].vehicles[0] if near and len(near[0].vehicles) == 1 else None
+
+
 def rest_of(sentence: Sentence) -> float:
     """The place in the summary from which a sentence tells where a vehicle was in the end; infinite where it does not."""
     told = (each for each in sentence.items if each.verb is not None and each.verb.kind == "after")

@@ -7,11 +7,11 @@ from roadmend.safe.claims import Claim, Span
 from roadmend.safe.compass import opposite
 from roadmend.safe.dsl import Position
 from roadmend.safe.reading.clauses import STRIKES, Clause
-from roadmend.safe.reading.facts import TOWARDS, Text, claim, crash_places, direction, of_vehicle, rest_of, weakened
+from roadmend.safe.reading.facts import TOWARDS, Text, claim, crash_places, direction, of_vehicle, rest_of, spoken_of, weakened
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.manoeuvres import turn_of
 from roadmend.safe.reading.naming import Mention
-from roadmend.safe.reading.tokens import Item, Sentence, Words
+from roadmend.safe.reading.tokens import Item, Words
 
 _NOT_GOING = frozenset({*STRIKES, "collide", "turn", "uturn", "reverse", "after", "flip"})
 _SKIPPED = ("hand", "lanekind", "number", "ordinal", "determiner", "descriptor", "pronoun", "path", "stationary")
@@ -206,19 +206,11 @@ def _unclaimed(text: Text, claims: Sequence[Claim]) -> Iterator[Claim]:
             listed = sentence.items.cut(place - 3, place).has("number") and sentence.items.has("lane")
             if listed or {sentence.items.at(at).is_a("lane") for at in counted} == {True, False}:
                 continue  # "two lanes southbound", "one lane going south and two coming north"
-            near = _spoken_of(text, sentence, place)
+            near = spoken_of(text, sentence, item.span)
             for vehicle in [near] if near in open_ else open_:
                 path = of_vehicle(vehicle, "initial_position")
                 sure = 0.75 if near == vehicle else 0.6
                 yield claim(path, way, sure, "the text speaks of that direction", item)
-
-
-def _spoken_of(text: Text, sentence: Sentence, place: int) -> int | None:
-    """The vehicle of which a sentence speaks last before a word; its only one, where it speaks of none before."""
-    spoken = text.spoken.mentions[sentence.index]
-    mentions = [each for each in spoken if sentence.items[each.first].low not in word_set("object_pronouns")]
-    near = [each for each in mentions if each.last < place][-1:] or (mentions if len(mentions) == 1 else [])
-    return near[0].vehicles[0] if near and len(near[0].vehicles) == 1 else None
 
 
 def _explained(items: Words, place: int) -> tuple[str, float] | None:
