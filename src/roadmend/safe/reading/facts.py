@@ -69,7 +69,8 @@ def crash_places(clauses: Sequence[Clause]) -> dict[int, bool]:
 
 
 def _touches(clause: Clause) -> bool:
-    if not clause.is_real or not clause.subject.vehicles:
+    struck = clause.object is not None and bool(clause.object.vehicles)
+    if not clause.is_real or not (clause.subject.vehicles or struck):
         return False
     one, several = clause.kind in STRIKES, clause.kind == "collide" and len(clause.subject.vehicles) > 1
     with_other = clause.object is not None and (one or clause.kind == "collide")
