@@ -14,7 +14,7 @@ from roadmend.safe.reading.tokens import Item, Sentence
 
 TOWARDS = {"N": Position.S2N, "S": Position.N2S, "E": Position.W2E, "W": Position.E2W}
 AXES = {"NS": frozenset({Position.S2N, Position.N2S}), "EW": frozenset({Position.W2E, Position.E2W})}
-_GOES = frozenset({"travel", "turn", "approach", "emerge", "continue", "change_lane", "overtake", "follow", "drift"})
+GOES = frozenset({"travel", "turn", "approach", "emerge", "continue", "change_lane", "overtake", "follow", "drift"})
 _AFTERWARDS = 0.86  # of its confidence is left to what is told after the crash
 
 
@@ -58,7 +58,7 @@ def direction(item: Item) -> Position | None:
 def crash_places(clauses: Sequence[Clause]) -> dict[int, bool]:
     """By place of a clause: whether vehicles have touched before it; what a text begins with is told again afterwards."""
     begins = (
-        each.sentence.index for each in clauses if each.subject.vehicles and (each.kind in _GOES or _touches(each))
+        each.sentence.index for each in clauses if each.subject.vehicles and (each.kind in GOES or _touches(each))
     )
     first = next(begins, 0)
     touched, found = False, {}

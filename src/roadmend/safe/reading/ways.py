@@ -11,6 +11,7 @@ from roadmend.safe.reading.facts import TOWARDS, Text, claim, crash_places, dire
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.manoeuvres import turn_of
 from roadmend.safe.reading.naming import Mention
+from roadmend.safe.reading.places import read_places
 from roadmend.safe.reading.tokens import Item, Words
 
 _NOT_GOING = frozenset({*STRIKES, "collide", "turn", "uturn", "reverse", "after", "flip"})
@@ -51,6 +52,7 @@ def _told(text: Text) -> Iterator[Claim]:
         yield from _between(clause)
     yield from _by_sun(text)
     yield from _of_place(text)
+    yield from read_places(text)
     yield from beside
     for mention in itertools.chain(*text.spoken.mentions):
         for trait in mention.traits if len(mention.vehicles) == 1 else ():

@@ -1,0 +1,100 @@
+"""Ways that a text tells by what lies where: places whose side it explains, and the way in which a bystander looks."""
+
+from collections.abc import Iterator, Mapping
+
+from roadmend.safe.claims import Claim
+from roadmend.safe.compass import opposite, turned
+from roadmend.safe.dsl import Position, Side
+from roadmend.safe.reading.facts import GOES, Text, claim, direction, of_vehicle, spoken_of
+from roadmend.safe.reading.lexicon import word_set
+from roadmend.safe.reading.tokens import Sentence, Words
+
+_REACH = 6  # words between a place and the side on which it lies
+_HANDS = {"Left": Side.RIGHT, "Right": Side.LEFT}  # who comes from one hand goes to the other
+
+
+def read_places(text: Text) -> Iterator[Claim]:
+    """The claims of a text about ways that rest on where its places lie and where its writer looks."""
+    lie = _places(text)
+    looks = _looks(text)
+    for sentence in text.sentences:
+        yield from _by_place(text, sentence, lie)
+        if looks is not None:
+            yield from _by_watcher(text, sentence, looks)
+
+
+def _places(text: Text) -> Mapping[str, Position]:
+    """By a place's name: the way that leads there: "the village, which is south of us", "the mill is at the north end"."""
+    found: dict[str, Position] = {}
+    for sentence in text.sentences:
+        items = sentence.items
+        for place, item in enumerate(items):
+            way = direction(item)
+            if way is None or not item.is_a("compass") or not _tells_side(items, place):
+                continue
+            near = next((at for at in range(place - 1, place - _REACH, -1) if _is_place(items, at)), None)
+            if near is not None:
+                found.setdefault(items[near].low, way)
+    return found
+
+
+def _tells_side(items: Words, place: int) -> bool:
+    """Whether a compass point says where something lies: "which is south", "(east)", "so south", "at the north end"."""
+    lead, before, after = items.at(place - 1), items.at(place - 2), items.at(place + 1)
+    explains = lead.get("auxiliary") == "be" or lead.low == "'s"
+    told = lead.low in {"(", "so"} or lead.low in word_set("that_is") or (explains and before.is_a("relative"))
+    is_side = lead.low.endswith("the") and after.low in {"end", "side", "edge", "of", ""}
+    return told or (is_side and (before.is_a("preposition") or lead.is_a("preposition")))
+
+
+def _is_place(items: Words, at: int) -> bool:
+    """Whether a word names a place: one that no table knows, or that of a yard or a house, behind an article."""
+    item, before = items.at(at), items.cut(at - 2, at)
+    led = before.has("determiner", "pronoun") or item.is_name or item.low in word_set("town_ways")
+    is_plain = item.low.isalpha() and len(item.low) > 1 and item.kinds.keys() <= {"driveway", "verb"}
+    return is_plain and led and (not item.is_a("verb") or items.at(at - 1).is_a("determiner"))
+
+
+def _by_place(text: Text, sentence: Sentence, lie: Mapping[str, Position]) -> Iterator[Claim]:
+    """Who goes to a place, or comes from it."""
+    items = sentence.items
+    for place, item in enumerate(items):
+        way = lie.get(item.low)
+        goes = any(each.verb is not None and each.verb.kind in GOES for each in items[:place])
+        leads = [each.low for each in items.cut(place - 4, place)]
+        comes = any(each in word_set("leads_from") for each in leads)
+        heads = any(each in word_set("leads_to") for each in leads) or item.low in word_set("town_ways")
+        who = spoken_of(text, sentence, item.span) if way is not None and goes and comes is not heads else None
+        if way is not None and who is not None:
+            turns = any(each.verb is not None and each.verb.kind == "turn" for each in items[:place])
+            path = of_vehicle(who, "destination" if turns and heads else "initial_position")
+            yield claim(path, opposite(way) if comes else way, 0.75, f"the text tells where the {item.low} lies", item)
+
+
+def _looks(text: Text) -> Position | None:
+    """The way in which the writer looks or walks, where the text tells one."""
+    ways = {
+        way
+        for sentence in text.sentences
+        for place, item in enumerate(sentence.items)
+        if (way := direction(item)) is not None
+        and any(each.get("pronoun") == "self" for each in sentence.items[:place])
+        and sentence.items.cut(place - _REACH, place).says(word_set("bystanders_do"))
+    }
+    return ways.pop() if len(ways) == 1 else None
+
+
+def _by_watcher(text: Text, sentence: Sentence, looks: Position) -> Iterator[Claim]:
+    """Ways as a bystander tells them: "from our left", "coming toward me", "the same way I was walking"."""
+    items = sentence.items
+    for place, item in enumerate(items):
+        way, mine = None, items.cut(place - 2, place)
+        if item.is_a("hand") and items.at(place - 1).low in {"my", "our"} and mine.says({"from"}):
+            way = turned(looks, _HANDS[item.get("hand")])
+        elif item.is_a("oncoming") and item.low.endswith((" me", " us")):
+            way = opposite(looks)
+        elif item.is_a("same_way") and items.cut(place, place + 5).says({"i", "we", "me", "us"}):
+            way = looks
+        who = spoken_of(text, sentence, items[max(0, place - 2)].span) if way is not None else None
+        if who is not None:
+            yield claim(of_vehicle(who, "initial_position"), way, 0.8, "as the writer looks", item)
