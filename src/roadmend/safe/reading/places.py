@@ -60,13 +60,14 @@ def _by_place(text: Text, sentence: Sentence, lie: Mapping[str, Position]) -> It
     items = sentence.items
     for place, item in enumerate(items):
         way = lie.get(item.low)
-        goes = any(each.verb is not None and each.verb.kind in GOES for each in items[:place])
+        led = items.cut(0, place)
+        goes = led.says(word_set("goes_that_way")) or any(each.verb and each.verb.kind in GOES | {"do"} for each in led)
         leads = [each.low for each in items.cut(place - 4, place)]
         comes = any(each in word_set("leads_from") for each in leads)
         heads = any(each in word_set("leads_to") for each in leads) or item.low in word_set("town_ways")
         who = spoken_of(text, sentence, item.span) if way is not None and goes and comes is not heads else None
         if way is not None and who is not None:
-            turns = any(each.verb is not None and each.verb.kind == "turn" for each in items[:place])
+            turns = any(each.verb is not None and each.verb.kind == "turn" for each in led)
             path = of_vehicle(who, "destination" if turns and heads else "initial_position")
             yield claim(path, opposite(way) if comes else way, 0.75, f"the text tells where the {item.low} lies", item)
 
