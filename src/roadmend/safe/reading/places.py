@@ -1,13 +1,15 @@
-"""Ways that a text tells by what lies where: places whose side it explains, and the way in which a bystander looks."""
+"""Ways that a text tells by what lies where: places whose side it explains, where its writer looks, and the sun."""
 
-from collections.abc import Iterator, Mapping
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
 
 from roadmend.safe.claims import Claim
 from roadmend.safe.compass import opposite, turned
 from roadmend.safe.dsl import Position, Side
+from roadmend.safe.reading.clauses import Clause
 from roadmend.safe.reading.facts import GOES, Text, claim, direction, of_vehicle, spoken_of
 from roadmend.safe.reading.lexicon import word_set
-from roadmend.safe.reading.tokens import Sentence, Words
+from roadmend.safe.reading.tokens import Item, Sentence, Words
 
 _REACH = 6  # words between a place and the side on which it lies
 _HANDS = {"Left": Side.RIGHT, "Right": Side.LEFT}  # who comes from one hand goes to the other
@@ -15,6 +17,10 @@ _HANDS = {"Left": Side.RIGHT, "Right": Side.LEFT}  # who comes from one hand goe
 
 def read_places(text: Text) -> Iterator[Claim]:
     """The claims of a text about ways that rest on where its places lie and where its writer looks."""
+    yield from _by_sun(text)
+    sides = [side for each in text.sentences if each.items.cut(0, 4).has("driveway") for side in _sides(each.items)]
+    for clause in text.clauses:
+        yield from _from_driveway(clause, sides)
     lie = _places(text)
     looks = _looks(text)
     for sentence in text.sentences:
@@ -44,7 +50,7 @@ def _tells_side(items: Words, place: int) -> bool:
     explains = lead.get("auxiliary") == "be" or lead.low == "'s"
     told = lead.low in {"(", "so"} or lead.low in word_set("that_is") or (explains and before.is_a("relative"))
     is_side = lead.low.endswith("the") and after.low in {"end", "side", "edge", "of", ""}
-    return told or (is_side and (before.is_a("preposition") or lead.is_a("preposition")))
+    return told or (is_side and before.low != "from" and (before.is_a("preposition") or lead.is_a("preposition")))
 
 
 def _is_place(items: Words, at: int) -> bool:
@@ -52,7 +58,12 @@ def _is_place(items: Words, at: int) -> bool:
     item, before = items.at(at), items.cut(at - 2, at)
     led = before.has("determiner", "pronoun") or item.is_name or item.low in word_set("town_ways")
     is_plain = item.low.isalpha() and len(item.low) > 1 and item.kinds.keys() <= {"driveway", "verb"}
-    return is_plain and led and (not item.is_a("verb") or items.at(at - 1).is_a("determiner"))
+    return (
+        is_plain
+        and led
+        and not items.at(at + 1).is_a("road")
+        and (not item.is_a("verb") or items.at(at - 1).is_a("determiner"))
+    )
 
 
 def _by_place(text: Text, sentence: Sentence, lie: Mapping[str, Position]) -> Iterator[Claim]:
@@ -99,3 +110,47 @@ def _by_watcher(text: Text, sentence: Sentence, looks: Position) -> Iterator[Cla
         who = spoken_of(text, sentence, items[max(0, place - 2)].span) if way is not None else None
         if who is not None:
             yield claim(of_vehicle(who, "initial_position"), way, 0.8, "as the writer looks", item)
+
+
+def _from_driveway(clause: Clause, sides: Sequence[Item]) -> Iterator[Claim]:
+    """Who comes out of a driveway on the east side of a street heads west."""
+    words = clause.words
+    place = next((place for place, item in enumerate(words) if item.is_a("driveway")), None)
+    backs = any(item.verb is not None and item.verb.kind == "reverse" for item in words)
+    if place is None or backs or clause.kind not in {"emerge", "travel", "depart"}:
+        return
+    if words.cut(place - 3, place).says({"into", "to", "toward"}):
+        return
+    for item in _sides(words) or sides:
+        way = direction(item)
+        for vehicle in clause.subject.vehicles[:1] if way is not None else ():
+            path = of_vehicle(vehicle, "initial_position")
+            yield claim(path, way and opposite(way), 0.85, f"it comes from the {item.low} side", item)
+
+
+def _sides(items: Words) -> list[Item]:
+    """Sides of a road that are named: "on the east side"."""
+    pairs = itertools.pairwise(items)
+    return [one for one, after in pairs if one.is_a("compass") and direction(one) and after.low in {"side", "edge"}]
+
+
+def _by_sun(text: Text) -> Iterator[Claim]:
+    """Who has the sun in his eyes in the morning heads east; who has it on his right then heads north."""
+    low = text.summary.lower()
+    early, late = (any(word in low for word in word_set(name)) for name in ("early_sun", "late_sun"))
+    sunward = Position.W2E if early else Position.E2W
+    for clause in text.clauses if early is not late else ():
+        words = clause.sentence.items
+        sun = next((at for at, item in enumerate(words) if item.is_a("weather") and "sun" in item.low), None)
+        if sun is None:
+            continue
+        ahead = words.says({"eyes", "ahead", "blinded", "facing"}) or any("eyes" in item.low for item in words)
+        behind = any(item.low in {"behind", "back"} for item in words)
+        hand = words.cut(sun, sun + 10).first("hand")
+        ways = {sunward if ahead else opposite(sunward)} if ahead is not behind else set()
+        if hand is not None and not ways and clause.kind in GOES | {""}:
+            ways = {turned(sunward, Side.LEFT if hand.get("hand") == "Right" else Side.RIGHT)}
+        near = spoken_of(text, clause.sentence, words[sun].span)
+        who = clause.subject.vehicles[:1] or (() if near is None or hand is None else (near,))
+        for vehicle, way in itertools.product(who, ways):
+            yield claim(of_vehicle(vehicle, "initial_position"), way, 0.66, "the sun tells its way", clause.span)

@@ -5,9 +5,18 @@ from collections.abc import Iterator, Sequence
 
 from roadmend.safe.claims import Claim, Span
 from roadmend.safe.compass import opposite
-from roadmend.safe.dsl import Position
 from roadmend.safe.reading.clauses import STRIKES, Clause
-from roadmend.safe.reading.facts import TOWARDS, Text, claim, crash_places, direction, of_vehicle, rest_of, spoken_of, weakened
+from roadmend.safe.reading.facts import (
+    TOWARDS,
+    Text,
+    claim,
+    crash_places,
+    direction,
+    of_vehicle,
+    rest_of,
+    spoken_of,
+    weakened,
+)
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.manoeuvres import turn_of
 from roadmend.safe.reading.naming import Mention
@@ -34,7 +43,6 @@ def read_ways(text: Text) -> Iterator[Claim]:
 
 def _told(text: Text) -> Iterator[Claim]:
     afterwards = crash_places(text.clauses)
-    sides = [side for each in text.sentences if each.items.cut(0, 4).has("driveway") for side in _sides(each.items)]
     turned: set[tuple[int, tuple[int, ...]]] = set()  # who is said to turn, by sentence
     beside = list(_beside_mentions(text))
     owners = {each.where.start: each.path for each in beside if each.where is not None}
@@ -48,9 +56,7 @@ def _told(text: Text) -> Iterator[Claim]:
                 yield each
         if turn_of(clause) is not None:
             turned.add(who)
-        yield from _from_driveway(clause, sides)
         yield from _between(clause)
-    yield from _by_sun(text)
     yield from _of_place(text)
     yield from read_places(text)
     yield from beside
@@ -264,28 +270,6 @@ def _of_lane(clause: Clause, items: Words, place: int, lead: str, *, is_lane: bo
     return "initial_position", 0.9 if kind not in _NOT_GOING else 0.6
 
 
-def _from_driveway(clause: Clause, sides: Sequence[Item]) -> Iterator[Claim]:
-    """Who comes out of a driveway on the east side of a street heads west."""
-    words = clause.words
-    place = next((place for place, item in enumerate(words) if item.is_a("driveway")), None)
-    backs = any(item.verb is not None and item.verb.kind == "reverse" for item in words)
-    if place is None or backs or clause.kind not in {"emerge", "travel", "depart"}:
-        return
-    if words.cut(place - 3, place).says({"into", "to", "toward"}):
-        return
-    for item in _sides(words) or sides:
-        way = direction(item)
-        for vehicle in clause.subject.vehicles[:1] if way is not None else ():
-            path = of_vehicle(vehicle, "initial_position")
-            yield claim(path, way and opposite(way), 0.85, f"it comes from the {item.low} side", item)
-
-
-def _sides(items: Words) -> list[Item]:
-    """Sides of a road that are named: "on the east side"."""
-    pairs = itertools.pairwise(items)
-    return [one for one, after in pairs if one.is_a("compass") and direction(one) and after.low in {"side", "edge"}]
-
-
 def _of_place(text: Text) -> Iterator[Claim]:
     """Where the crash was: "the crash occurred in the northbound lanes of a divided road"."""
     for sentence, mentions in zip(text.sentences, text.spoken.mentions, strict=True):
@@ -297,17 +281,3 @@ def _of_place(text: Text) -> Iterator[Claim]:
         ):
             path = of_vehicle(vehicle, "initial_position")
             yield claim(path, direction(bound[0]), 0.68, "the crash was on that side of the road", bound[0])
-
-
-def _by_sun(text: Text) -> Iterator[Claim]:
-    """Who has the sun in his eyes in the morning heads east."""
-    low = text.summary.lower()
-    early, late = (any(word in low for word in word_set(name)) for name in ("early_sun", "late_sun"))
-    for clause in text.clauses if early is not late else ():
-        words = clause.sentence.items
-        sun = words.has("weather") and any(item.is_a("weather") and "sun" in item.low for item in words)
-        ahead = words.says({"eyes", "ahead", "blinded", "facing"}) or any("eyes" in item.low for item in words)
-        behind = any(item.low in {"behind", "back"} for item in words)
-        for vehicle in clause.subject.vehicles[:1] if sun and ahead is not behind else ():
-            way = Position.W2E if early is ahead else Position.E2W
-            yield claim(of_vehicle(vehicle, "initial_position"), way, 0.66, "the sun tells its way", clause.span)
