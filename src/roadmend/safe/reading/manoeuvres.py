@@ -140,7 +140,7 @@ def _noun_turn(clause: Clause, items: Words, place: int) -> tuple[Side, float, S
 
 
 def _is_no_turn(items: Words, place: int) -> bool:
-    return items.cut(place, place + 3).says(word_set("not_a_turn"))
+    return items.cut(place, place + 3).says(word_set("not_a_turn")) or items.at(place - 1).low in word_set("hardly")
 
 
 def _is_of_bend(clause: Clause, place: int) -> bool:
@@ -151,8 +151,8 @@ def _is_of_bend(clause: Clause, place: int) -> bool:
 def _is_bare(clause: Clause, place: int) -> bool:
     """Whether a hand after "made a" is itself the turn: "making a left onto", "wanted the left at 12th"."""
     after: Item = clause.tail.at(place + 1)
-    if clause.lemma == "look" or clause.tail.at(place - 1).low in word_set("hardly"):
-        return False  # "looked to the left", "hung a little left before"
+    if clause.lemma == "look":
+        return False  # "looked to the left"
     if (clause.kind == "intend" or clause.lemma == "pull") and (
         clause.lemma == "go" or not clause.tail.at(place - 1).is_a("determiner")
     ):
