@@ -215,9 +215,9 @@ def _unclaimed(text: Text, claims: Sequence[Claim]) -> Iterator[Claim]:
             if listed or {sentence.items.at(at).is_a("lane") for at in counted} == {True, False}:
                 continue  # "two lanes southbound", "one lane going south and two coming north"
             near = spoken_of(text, sentence, item.span)
-            for vehicle in [near] if near in open_ else open_:
+            for vehicle in open_:
                 path = of_vehicle(vehicle, "initial_position")
-                sure = 0.75 if near == vehicle else 0.6
+                sure = 0.75 if near == vehicle else 0.55 if near in open_ else 0.6
                 yield claim(path, way, sure, "the text speaks of that direction", item)
 
 
