@@ -102,7 +102,11 @@ def turn_of(clause: Clause) -> tuple[Side, float, Span] | None:
         if _is_no_turn(clause.tail, place) or clause.tail.at(place + 1).is_a("lane") or _is_of_bend(clause, place):
             break
         if item.is_a("hand") and (clause.kind == "turn" or (_is_bare(clause, place))):
-            away = clause.lemma in word_set("swerves") and place > 1 and clause.tail.at(place + 1).low not in word_set("turn_targets")
+            away = (
+                clause.lemma in word_set("swerves")
+                and place > 1
+                and clause.tail.at(place + 1).low not in word_set("turn_targets")
+            )
             return Side(item.get("hand")), 0.7 if away else 0.96, Span(clause.span.start, item.span.end)
     for place, item in enumerate(clause.tail.cut(0, 2) if clause.lemma in {"go", "head", "pull"} else ()):
         onto = clause.tail.at(place - 1).low == "the" and clause.tail.at(place + 1).low in {

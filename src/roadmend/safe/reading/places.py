@@ -107,7 +107,11 @@ def _by_watcher(text: Text, sentence: Sentence, looks: Position) -> Iterator[Cla
             way = opposite(looks)
         elif item.is_a("same_way") and items.cut(place, place + 5).says({"i", "we", "me", "us"}):
             way = looks
-        who = spoken_of(text, sentence, items[place - 2 if item.is_a("hand") else place].span) if way is not None else None
+        who = (
+            spoken_of(text, sentence, items[place - 2 if item.is_a("hand") else place].span)
+            if way is not None
+            else None
+        )
         if who is not None:
             yield claim(of_vehicle(who, "initial_position"), way, 0.8, "as the writer looks", item)
 
