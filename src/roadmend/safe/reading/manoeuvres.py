@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from roadmend.safe.claims import Claim, Span
 from roadmend.safe.dsl import Action, Manoeuvre, Side
 from roadmend.safe.reading.clauses import STRIKES, Clause
-from roadmend.safe.reading.facts import Text, claim, crash_places, of_vehicle, weakened
+from roadmend.safe.reading.facts import Text, claim, crash_places, of_vehicle, rest_of, spoken_of, weakened
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.tokens import Item, Words
 
@@ -16,7 +16,7 @@ _SHORT = {"l": "Left", "lt": "Left", "lh": "Left", "r": "Right", "rt": "Right", 
 _OF_ANOTHER = 0.8  # of its confidence is left to what a sentence says of nobody whom it names
 _STRAYS = frozenset({"drift", "approach", "depart", "travel", "change_lane"})
 _IN_LANE = frozenset({"travel", "stop", "", "slow", "approach", "intend"})
-_TURNING = frozenset({"turn", "do", "intend"})
+_TURNING = frozenset({"turn", "do", "intend", "begin"})
 _MAY_TURN = _IN_LANE | {"do", "begin", "fail", "continue", "emerge"}
 
 
@@ -25,10 +25,12 @@ def read_manoeuvres(text: Text) -> Iterator[Claim]:
     afterwards = crash_places(text.clauses)
     for place, clause in enumerate(text.clauses):
         is_own = clause.subject.span.start >= clause.sentence.span.start
-        for what, value, confidence, reason, span in () if clause.is_denied else _of_clause(clause):
+        denied = clause.is_denied or clause.head.has("negation") or clause.span.end > rest_of(clause.sentence)
+        for what, value, confidence, reason, span in () if denied else _of_clause(clause):
             sure = weakened(confidence if is_own else _OF_ANOTHER * confidence, is_after=afterwards[place])
+            near = spoken_of(text, clause.sentence, span) if isinstance(value, Action) else None
             if not (afterwards[place] and value is Manoeuvre.RUN_OFF):
-                for vehicle in clause.subject.vehicles:
+                for vehicle in clause.subject.vehicles or (() if near is None else (near,)):
                     yield claim(of_vehicle(vehicle, what), value, sure, reason, span)
     for mention in itertools.chain(*text.spoken.mentions):
         for trait in mention.traits if mention.vehicles else ():
@@ -97,10 +99,15 @@ def turn_of(clause: Clause) -> tuple[Side, float, Span] | None:
     ):
         if clause.tail.cut(0, place).says({"change", "lane change"}):
             break  # "made an unsafe lane change to the right"
-        if _is_no_turn(clause.tail, place) or clause.tail.at(place + 1).is_a("lane"):
+        if _is_no_turn(clause.tail, place) or clause.tail.at(place + 1).is_a("lane") or _is_of_bend(clause, place):
             break
         if item.is_a("hand") and (clause.kind == "turn" or (_is_bare(clause, place))):
-            return Side(item.get("hand")), 0.96, Span(clause.span.start, item.span.end)
+            away = (
+                clause.lemma in word_set("swerves")
+                and place > 1
+                and clause.tail.at(place + 1).low not in word_set("turn_targets")
+            )
+            return Side(item.get("hand")), 0.7 if away else 0.96, Span(clause.span.start, item.span.end)
     for place, item in enumerate(clause.tail.cut(0, 2) if clause.lemma in {"go", "head", "pull"} else ()):
         onto = clause.tail.at(place - 1).low == "the" and clause.tail.at(place + 1).low in {
             "onto",
@@ -113,6 +120,8 @@ def turn_of(clause: Clause) -> tuple[Side, float, Span] | None:
             return Side(item.get("hand")), 0.85, item.span
     if clause.kind == "after":
         return None
+    if clause.kind == "intend" and clause.is_passive:
+        return None  # "she thought that a left turn was intended"
     items = clause.head if clause.kind in STRIKES | {"see", "drift"} else clause.words
     return next((found for place in range(len(items)) if (found := _noun_turn(clause, items, place))), None)
 
@@ -135,12 +144,19 @@ def _noun_turn(clause: Clause, items: Words, place: int) -> tuple[Side, float, S
 
 
 def _is_no_turn(items: Words, place: int) -> bool:
-    return items.cut(place, place + 3).says(word_set("not_a_turn"))
+    return items.cut(place, place + 3).says(word_set("not_a_turn")) or items.at(place - 1).low in word_set("hardly")
+
+
+def _is_of_bend(clause: Clause, place: int) -> bool:
+    """Whether it is a road that turns: "a curve, turning right for northbound traffic"."""
+    return clause.tail.at(place + 1).low == "for" and clause.sentence.items.has("curve")
 
 
 def _is_bare(clause: Clause, place: int) -> bool:
     """Whether a hand after "made a" is itself the turn: "making a left onto", "wanted the left at 12th"."""
     after: Item = clause.tail.at(place + 1)
+    if clause.lemma == "look":
+        return False  # "looked to the left"
     if (clause.kind == "intend" or clause.lemma == "pull") and (
         clause.lemma == "go" or not clause.tail.at(place - 1).is_a("determiner")
     ):

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 from roadmend.safe.claims import Claim, Span
 from roadmend.safe.dsl import Compass, Control, RoadType, Side
-from roadmend.safe.reading.clauses import Clause
+from roadmend.safe.reading.clauses import STRIKES, Clause
 from roadmend.safe.reading.facts import Text, claim, of_vehicle
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.manoeuvres import turn_of
@@ -204,7 +204,8 @@ def _single_on_stem(text: Text) -> Iterator[Claim]:
     """Who stops at a sign of a T comes along its stem; so does who runs off at the end of a road, alone."""
     for clause in text.clauses:
         signed = clause.words.first("stop_sign", "yield_sign")
-        if clause.kind in {"stop", "emerge"} and signed is not None and len(clause.subject.vehicles) == 1:
+        heeds = clause.kind not in STRIKES | {"see", "say", "after", "collide"} and clause.is_real
+        if heeds and signed is not None and len(clause.subject.vehicles) == 1:
             path = of_vehicle(clause.subject.vehicles[0], "on_stem")
             yield claim(path, value=True, confidence=0.75, reason="it stops at the sign", where=signed)
     if text.count == 1:

@@ -5,11 +5,22 @@ from collections.abc import Iterator, Sequence
 
 from roadmend.safe.claims import Claim, Span
 from roadmend.safe.compass import opposite
-from roadmend.safe.dsl import Position
 from roadmend.safe.reading.clauses import STRIKES, Clause
-from roadmend.safe.reading.facts import Text, claim, crash_places, direction, of_vehicle, weakened
+from roadmend.safe.reading.facts import (
+    TOWARDS,
+    Text,
+    claim,
+    crash_places,
+    direction,
+    of_vehicle,
+    rest_of,
+    spoken_of,
+    weakened,
+)
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.manoeuvres import turn_of
+from roadmend.safe.reading.naming import Mention
+from roadmend.safe.reading.places import read_places
 from roadmend.safe.reading.tokens import Item, Words
 
 _NOT_GOING = frozenset({*STRIKES, "collide", "turn", "uturn", "reverse", "after", "flip"})
@@ -32,19 +43,23 @@ def read_ways(text: Text) -> Iterator[Claim]:
 
 def _told(text: Text) -> Iterator[Claim]:
     afterwards = crash_places(text.clauses)
-    sides = [side for each in text.sentences if each.items.cut(0, 4).has("driveway") for side in _sides(each.items)]
     turned: set[tuple[int, tuple[int, ...]]] = set()  # who is said to turn, by sentence
+    beside = list(_beside_mentions(text))
+    owners = {each.where.start: each.path for each in beside if each.where is not None}
     for place, clause in enumerate(text.clauses):
         who = (clause.sentence.index, clause.subject.vehicles)
         before = text.clauses[place - 1] if place else clause
         stood = before.kind in {"stop", "park"} and before.sentence is clause.sentence
-        yield from _of_clause(clause, is_after=afterwards[place], has_turned=who in turned, stood=stood)
+        for each in _of_clause(clause, is_after=afterwards[place], has_turned=who in turned, stood=stood):
+            start = each.where.start if each.where is not None else -1
+            if owners.get(start, each.path) == each.path or not each.path.endswith("initial_position"):
+                yield each
         if turn_of(clause) is not None:
             turned.add(who)
-        yield from _from_driveway(clause, sides)
-    yield from _by_sun(text)
+        yield from _between(clause)
     yield from _of_place(text)
-    yield from _beside_mentions(text)
+    yield from read_places(text)
+    yield from beside
     for mention in itertools.chain(*text.spoken.mentions):
         for trait in mention.traits if len(mention.vehicles) == 1 else ():
             if (way := direction(trait)) is not None:
@@ -53,20 +68,23 @@ def _told(text: Text) -> Iterator[Claim]:
 
 
 def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool, stood: bool) -> Iterator[Claim]:
+    rest = rest_of(clause.sentence)
     faces = clause.lemma == "face" and (not is_after or stood or bool(clause.governed & {"stop", "park"}))
-    for item in clause.tail.cut(0, 3) if faces else ():
+    for item in clause.tail.cut(0, 3) if faces and clause.span.end < rest else ():
         for vehicle in clause.subject.vehicles:
             if (way := direction(item)) is not None:
                 yield claim(of_vehicle(vehicle, "initial_position"), way, 0.9, "it is said to face that way", item)
     for items, is_head in ((clause.head, True), (clause.tail, False)):
         for place, item in enumerate(items):
             way = direction(item)
-            if way is None or (clause.is_denied and clause.kind not in {"stop", "avoid"}):
+            if way is None or (clause.is_denied and clause.kind not in {"stop", "avoid"}) or item.span.start > rest:
                 continue
             what, confidence = _meaning(clause, items, place, is_head=is_head) or ("", 0.0)
             turn = turn_of(clause)
             before = any(each.low in {"had", "had been"} for each in clause.head)  # "where I had been going south"
             turned_here = turn is not None and clause.kind != "turn" and turn[2].end <= item.span.start
+            if what in {"initial_position", "heading_on"} and _is_meant(clause.sentence.items, item):
+                what = "destination"
             if (
                 ((has_turned and not before) or turned_here)
                 and not is_head
@@ -79,6 +97,27 @@ def _of_clause(clause: Clause, *, is_after: bool, has_turned: bool, stood: bool)
                 path = of_vehicle(vehicle, "initial_position" if turned_round else what)
                 sure = weakened(confidence, is_after=is_after)
                 yield claim(path, opposite(way) if turned_round else way, sure, _REASONS[what], item)
+
+
+def _between(clause: Clause) -> Iterator[Claim]:
+    """A way between two of the four, "traveling northeast": it may be called either."""
+    rest, words = rest_of(clause.sentence), clause.words
+    goes = clause.kind in {"", "travel", "approach", "continue"} and not clause.is_denied
+    for place, item in enumerate(words if goes else ()):
+        letters = item.get("compass") or ""
+        told = len(letters) > 1 and item.span.start < rest and words.at(place + 1).low not in word_set("not_a_way")
+        for vehicle, letter in itertools.product(clause.subject.vehicles if told else (), letters):
+            path = of_vehicle(vehicle, "initial_position")
+            yield claim(path, TOWARDS[letter], 0.6, "it is said to travel about that way", item)
+
+
+def _is_meant(items: Words, item: Item) -> bool:
+    """Whether a way is the one after a turn of which the sentence tells: "left turn to go wb", "a right to head north"."""
+    place = items.index(item)
+    verb = items.at(place - 1).verb
+    goes = verb is not None and verb.kind == "travel" and verb.form == "base" and items.at(place - 2).low == "to"
+    turns = any(each.is_a("lanekind", "hand") or (each.verb is not None and each.verb.kind == "turn") for each in items)
+    return goes and turns
 
 
 def _is_aim(clause: Clause, items: Words, place: int) -> bool:
@@ -135,18 +174,23 @@ def _meaning(clause: Clause, items: Words, place: int, *, is_head: bool) -> tupl
 
 
 def _beside_mentions(text: Text) -> Iterator[Claim]:
-    """Directions directly after the name of a vehicle: "struck another sedan, eastbound on Main"."""
+    """Directions directly after the name of a vehicle: "struck another sedan, eastbound on Main", "V1 DIR: E"."""
+    ended: Mention | None = None  # with which the sentence before closes
     for sentence, mentions in zip(text.sentences, text.spoken.mentions, strict=True):
         items = sentence.items
-        for mention in mentions:
-            at = mention.last + 1
+        opened = [(ended, 0)] if ended is not None else []
+        for mention, start in [*((each, each.last + 1) for each in mentions), *opened]:
+            at = start
             while items.at(at).low in word_set("beside_fillers"):
                 at += 1
-            item, after = items.at(at), items.at(at + 1)
-            way = direction(item) if item.is_a("bound") and not item.low.endswith(("ward", "wards")) else None
+            is_form = items.at(at).low in word_set("form_ways") and items.at(at + 1).low == ":"
+            item, after = items.at(at + 2 * is_form), items.at(at + 2 * is_form + 1)
+            named = item.is_a("bound") and not item.low.endswith(("ward", "wards"))
+            way = direction(item) if named or is_form else None
             if len(mention.vehicles) == 1 and way is not None and not after.is_a("lane", "road", "lanekind"):
                 path = of_vehicle(mention.vehicles[0], "initial_position")
                 yield claim(path, way, 0.85, "it is said to travel that way", item)
+        ended = next((each for each in mentions if each.last == len(items) - 1), None)
 
 
 def _unclaimed(text: Text, claims: Sequence[Claim]) -> Iterator[Claim]:
@@ -159,6 +203,7 @@ def _unclaimed(text: Text, claims: Sequence[Claim]) -> Iterator[Claim]:
             lead, way = sentence.items.at(place - 1), direction(item)
             goes = item.is_a("bound") or lead.low in word_set("goes_that_way") or lead.get("verb") is not None
             goes &= not _is_of_name(sentence.items, place)
+            goes &= item.span.start < rest_of(sentence) and not _is_meant(sentence.items, item)
             if way is None or not goes or (item.span.start, item.span.end) in spans or item.is_a("ends"):
                 continue
             if sentence.items.at(place + 1).low in word_set("not_a_way") or sentence.items.cut(place - 6, place).has(
@@ -169,9 +214,11 @@ def _unclaimed(text: Text, claims: Sequence[Claim]) -> Iterator[Claim]:
             listed = sentence.items.cut(place - 3, place).has("number") and sentence.items.has("lane")
             if listed or {sentence.items.at(at).is_a("lane") for at in counted} == {True, False}:
                 continue  # "two lanes southbound", "one lane going south and two coming north"
+            near = spoken_of(text, sentence, item.span)
             for vehicle in open_:
                 path = of_vehicle(vehicle, "initial_position")
-                yield claim(path, way, 0.6, "the text speaks of that direction", item)
+                sure = 0.75 if near == vehicle else 0.55 if near in open_ else 0.6
+                yield claim(path, way, sure, "the text speaks of that direction", item)
 
 
 def _explained(items: Words, place: int) -> tuple[str, float] | None:
@@ -223,28 +270,6 @@ def _of_lane(clause: Clause, items: Words, place: int, lead: str, *, is_lane: bo
     return "initial_position", 0.9 if kind not in _NOT_GOING else 0.6
 
 
-def _from_driveway(clause: Clause, sides: Sequence[Item]) -> Iterator[Claim]:
-    """Who comes out of a driveway on the east side of a street heads west."""
-    words = clause.words
-    place = next((place for place, item in enumerate(words) if item.is_a("driveway")), None)
-    backs = any(item.verb is not None and item.verb.kind == "reverse" for item in words)
-    if place is None or backs or clause.kind not in {"emerge", "travel", "depart"}:
-        return
-    if words.cut(place - 3, place).says({"into", "to", "toward"}):
-        return
-    for item in _sides(words) or sides:
-        way = direction(item)
-        for vehicle in clause.subject.vehicles[:1] if way is not None else ():
-            path = of_vehicle(vehicle, "initial_position")
-            yield claim(path, way and opposite(way), 0.85, f"it comes from the {item.low} side", item)
-
-
-def _sides(items: Words) -> list[Item]:
-    """Sides of a road that are named: "on the east side"."""
-    pairs = itertools.pairwise(items)
-    return [one for one, after in pairs if one.is_a("compass") and direction(one) and after.low in {"side", "edge"}]
-
-
 def _of_place(text: Text) -> Iterator[Claim]:
     """Where the crash was: "the crash occurred in the northbound lanes of a divided road"."""
     for sentence, mentions in zip(text.sentences, text.spoken.mentions, strict=True):
@@ -256,17 +281,3 @@ def _of_place(text: Text) -> Iterator[Claim]:
         ):
             path = of_vehicle(vehicle, "initial_position")
             yield claim(path, direction(bound[0]), 0.68, "the crash was on that side of the road", bound[0])
-
-
-def _by_sun(text: Text) -> Iterator[Claim]:
-    """Who has the sun in his eyes in the morning heads east."""
-    low = text.summary.lower()
-    early, late = (any(word in low for word in word_set(name)) for name in ("early_sun", "late_sun"))
-    for clause in text.clauses if early is not late else ():
-        words = clause.sentence.items
-        sun = words.has("weather") and any(item.is_a("weather") and "sun" in item.low for item in words)
-        ahead = words.says({"eyes", "ahead", "blinded", "facing"}) or any("eyes" in item.low for item in words)
-        behind = any(item.low in {"behind", "back"} for item in words)
-        for vehicle in clause.subject.vehicles[:1] if sun and ahead is not behind else ():
-            way = Position.W2E if early is ahead else Position.E2W
-            yield claim(of_vehicle(vehicle, "initial_position"), way, 0.66, "the sun tells its way", clause.span)
