@@ -119,6 +119,33 @@ def test_of_prices_that_are_kept_no_lead_is_told():
     assert content["provenance"]["kept"][0]["methods"] == ["rule", "adreft"]
 
 
+def test_what_was_kept_of_one_policy_alone_is_called_with_it():
+    def study(made, **policies):
+        each = {policy: {"random": found} for policy, found in policies.items()}
+        return {
+            "provenance": dict(made),
+            "techniques": ["random"],
+            "families": [],
+            "runs": 1,
+            "budget": 1,
+            "policies": each,
+        }
+
+    whole = study(MADE, modular={"none": 1, "adreft": 2}, neural={"none": 3, "adreft": 4})
+    second = study(LATER, neural={"adreft": 5})
+    keep_robustness(second, whole, ORDER)
+    assert list(second["policies"]) == ["modular", "neural"]
+    assert second["provenance"]["kept"] == [
+        {"commit": MADE["commit"], "command": MADE["command"], "methods": ["none", "modular: adreft"]}
+    ]
+    third = study({**LATER, "commit": "3" * 16}, modular={"adreft": 6})
+    keep_robustness(third, second, ORDER)
+    assert [(entry["commit"], entry["methods"]) for entry in third["provenance"]["kept"]] == [
+        (MADE["commit"], ["none"]),
+        (LATER["commit"], ["neural: adreft"]),
+    ]
+
+
 def controls_of(made=MADE, cases=4, bound=True, **delta_e):
     shuffled = {name: {"violations": cases, "successes": cases, "delta_e": value} for name, value in delta_e.items()}
     bounds = {"modular": {"informed": {"dose": 1.0}}} if bound else {}

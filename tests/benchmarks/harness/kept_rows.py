@@ -14,6 +14,50 @@ from roadmend.measures.repair import PairedCase, advantage_of
 Content = dict[str, Any]
 
 
+class _Kept:
+    """Who was kept, of which policy, and who was measured anew."""
+
+    def __init__(self) -> None:
+        self._kept: dict[str, list[str]] = {}  # method -> policies
+        self._fresh: dict[str, set[str]] = {}  # method -> policies
+
+    @property
+    def names(self) -> set[str]:
+        """Methods that were kept for some policy."""
+        return {*self._kept}
+
+    def missing(self, policy: str, old: Mapping[str, Any], fresh: Mapping[str, Any], order: Sequence[str]) -> list[str]:
+        """Methods of the order that only the old table has for a policy; from now on they count as kept."""
+        found = [name for name in old if name not in fresh and name in order]
+        for name in fresh:
+            self._fresh.setdefault(name, set()).add(policy)
+        for name in found:
+            policies = self._kept.setdefault(name, [])
+            policies += [policy] * (policy not in policies)
+        return found
+
+    def note(self, content: Content, before: Mapping[str, Any], order: Sequence[str], more: Sequence[str] = ()) -> None:
+        """Write into the provenance which methods were measured by which earlier command.
+
+        A method whose policies were not all measured by one command is called with each policy: "modular: adreft".
+        """
+        made = before["provenance"]
+        earlier = {name: entry for entry in made.get("kept", ()) for name in entry["methods"]}
+        found: dict[tuple[str, str], list[str]] = {}
+        for name in [*_ordered(self._kept, order), *more]:
+            by = {
+                f"{policy}: {name}": earlier.get(f"{policy}: {name}", earlier.get(name, made))
+                for policy in self._kept.get(name, [])
+            } or {name: earlier.get(name, made)}
+            sources = {(entry["commit"], entry["command"]) for entry in by.values()}
+            is_one = len(sources) == 1 and self._fresh.get(name, set()) <= {*self._kept.get(name, [])}
+            for label, entry in {name: next(iter(by.values()))}.items() if is_one else by.items():
+                found.setdefault((entry["commit"], entry["command"]), []).append(label)
+        content["provenance"]["kept"] = [
+            {"commit": commit, "command": command, "methods": names} for (commit, command), names in found.items()
+        ]
+
+
 def keep_cases(
     content: Content,
     cases: Content,
@@ -35,7 +79,7 @@ def keep_cases(
     Raises:
         InputError: the two are not of the same cases.
     """
-    kept: set[str] = set()
+    kept = _Kept()
     for policy, table in cases.items():
         former = cases_before.get(policy, {"names": [], "methods": {}})
         alone = former["methods"].get("none", {"digests": []})["digests"]
@@ -44,8 +88,7 @@ def keep_cases(
         ]:
             mend = "measure all methods again, without --keep"
             raise InputError("--keep", f"the committed table has other cases of the policy {policy}", mend)
-        missing = [name for name in former["methods"] if name not in table["methods"] and name in order]
-        kept.update(missing)
+        missing = kept.missing(policy, former["methods"], table["methods"], order)
         table["methods"] |= {name: former["methods"][name] for name in missing}
         table["methods"] = _ordered(table["methods"], order)
         _take(content["contenders"][policy], before["contenders"][policy], missing)
@@ -63,9 +106,9 @@ def keep_cases(
     content["not_run"] += [
         entry
         for entry in before["not_run"]
-        if entry["method"] in kept and (entry["policy"], entry["method"]) not in known
+        if entry["method"] in kept.names and (entry["policy"], entry["method"]) not in known
     ]
-    _note(content, before, _ordered(dict.fromkeys(kept), order))
+    kept.note(content, before, order)
 
 
 def keep_ordinary(content: Content, before: Mapping[str, Any], order: Sequence[str]) -> None:
@@ -74,13 +117,11 @@ def keep_ordinary(content: Content, before: Mapping[str, Any], order: Sequence[s
     By how much ADReFT leads at a price is known only where both were driven together: of what is kept it is not told.
     Methods that are not in ``order`` are dropped.
     """
-    kept: set[str] = set()
+    kept = _Kept()
 
     def take(fresh: Content, policy: str, old: Mapping[str, Any]) -> None:
         methods = fresh.setdefault(policy, {})
-        missing = [name for name in old if name not in methods and name in order]
-        _take(methods, old, missing)
-        kept.update(missing)
+        _take(methods, old, kept.missing(policy, old, methods, order))
         fresh[policy] = _ordered(methods, order)
 
     for name, policies in before["ordinary"].items():
@@ -90,7 +131,7 @@ def keep_ordinary(content: Content, before: Mapping[str, Any], order: Sequence[s
         take(content["curve"], policy, old)
     for policy, old in before["at_time_lost"].items():
         take(content["at_time_lost"], policy, {name: _without_lead(prices) for name, prices in old.items()})
-    _note(content, before, _ordered(dict.fromkeys(kept), order))
+    kept.note(content, before, order)
 
 
 def keep_controls(content: Content, before: Mapping[str, Any], order: Sequence[str]) -> None:
@@ -99,7 +140,7 @@ def keep_controls(content: Content, before: Mapping[str, Any], order: Sequence[s
     Raises:
         InputError: the two are not of as many cases.
     """
-    kept: set[str] = set()
+    kept = _Kept()
     for policy, kept_before in before["controls"].items():
         found = content["controls"].setdefault(policy, {"shuffled": {}})
         fresh, old = found["shuffled"], kept_before["shuffled"]
@@ -107,13 +148,11 @@ def keep_controls(content: Content, before: Mapping[str, Any], order: Sequence[s
         if len(sizes) > 1:
             mend = "give the same --cases, or measure all methods again, without --keep"
             raise InputError("--keep", f"the committed controls of the policy {policy} are of other cases", mend)
-        missing = [name for name in old if name not in fresh and name in order]
-        _take(fresh, old, missing)
-        kept.update(missing)
+        _take(fresh, old, kept.missing(policy, old, fresh, order))
         found["shuffled"] = _ordered(fresh, order)
     bounds = [policy for policy in before["bound"] if policy not in content["bound"]]
     _take(content["bound"], before["bound"], bounds)
-    _note(content, before, [*_ordered(dict.fromkeys(kept), order), *(["informed bound"] if bounds else [])])
+    kept.note(content, before, order, more=["informed bound"] if bounds else [])
 
 
 def keep_robustness(content: Content, before: Mapping[str, Any], order: Sequence[str]) -> None:
@@ -126,16 +165,15 @@ def keep_robustness(content: Content, before: Mapping[str, Any], order: Sequence
     if any(content[name] != before[name] for name in alike):
         mend = "give the same --budget and families, or run all methods again, without --keep"
         raise InputError("--keep", "the committed study did not search alike", mend)
-    kept: set[str] = set()
+    kept = _Kept()
     for policy, techniques_before in before["policies"].items():
         techniques = content["policies"].setdefault(policy, {})
         for technique, old in techniques_before.items():
             curves = techniques.setdefault(technique, {})
-            missing = [name for name in old if name not in curves and name in order]
-            _take(curves, old, missing)
-            kept.update(missing)
+            _take(curves, old, kept.missing(policy, old, curves, order))
             techniques[technique] = _ordered(curves, order)
-    _note(content, before, _ordered(dict.fromkeys(kept), order))
+    content["policies"] = _ordered(content["policies"], [*before["policies"]])
+    kept.note(content, before, order)
 
 
 def _take(fresh: Content, old: Mapping[str, Any], names: Sequence[str]) -> None:
@@ -172,16 +210,3 @@ def _ordered(methods: Mapping[str, Any], order: Sequence[str]) -> Content:
     """In the order given; what is not in it comes last."""
     places = {name: place for place, name in enumerate(order)}
     return {name: methods[name] for name in sorted(methods, key=lambda each: places.get(each, len(places)))}
-
-
-def _note(content: Content, before: Mapping[str, Any], methods: Sequence[str] | Mapping[str, Any]) -> None:
-    """Write into the provenance which methods were measured by which earlier command."""
-    made = before["provenance"]
-    earlier = {name: entry for entry in made.get("kept", ()) for name in entry["methods"]}
-    found: dict[tuple[str, str], list[str]] = {}
-    for name in methods:
-        entry = earlier.get(name, made)
-        found.setdefault((entry["commit"], entry["command"]), []).append(name)
-    content["provenance"]["kept"] = [
-        {"commit": commit, "command": command, "methods": names} for (commit, command), names in found.items()
-    ]
