@@ -11,7 +11,7 @@ from roadmend.safe.extraction import ExtractionError
 from roadmend.safe.report import load_report
 
 TEXTS = Path(__file__).parent / "crash_texts"
-LEAST = 66.0  # [%] read right in every field; the last 36 of them, which are harder, are read right in 50
+LEAST = 70.0  # [%] read right in every field; the later ones, from 255 on, are harder
 
 
 def test_every_text_has_its_oracle_and_the_other_way_round():
