@@ -45,13 +45,13 @@ def _told(text: Text) -> Iterator[Claim]:
     afterwards = crash_places(text.clauses)
     turned: set[tuple[int, tuple[int, ...]]] = set()  # who is said to turn, by sentence
     beside = list(_beside_mentions(text))
-    owners = {each.where.start: each.path for each in beside if each.where is not None}
+    owners = {each.where.start: each.path for each in beside if isinstance(each.where, Span)}
     for place, clause in enumerate(text.clauses):
         who = (clause.sentence.index, clause.subject.vehicles)
         before = text.clauses[place - 1] if place else clause
         stood = before.kind in {"stop", "park"} and before.sentence is clause.sentence
         for each in _of_clause(clause, is_after=afterwards[place], has_turned=who in turned, stood=stood):
-            start = each.where.start if each.where is not None else -1
+            start = each.where.start if isinstance(each.where, Span) else -1
             if owners.get(start, each.path) == each.path or not each.path.endswith("initial_position"):
                 yield each
         if turn_of(clause) is not None:
