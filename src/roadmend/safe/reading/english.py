@@ -56,7 +56,7 @@ def _loaded() -> tuple["Language", frozenset[str], frozenset[str], _Endings]:
         raise extra_missing(error) from None
     folder = next(each for each in package.iterdir() if each.joinpath("config.cfg").is_file())
     language = spacy.load(str(folder), exclude=_UNUSED)
-    lookups: "Lookups" = language.get_pipe("lemmatizer").lookups  # type: ignore[attr-defined]
+    lookups: Lookups = language.get_pipe("lemmatizer").lookups  # type: ignore[attr-defined]
     listed = frozenset(word for words in lookups.get_table("lemma_index").values() for word in words)
     endings = {(old, new) for rows in lookups.get_table("lemma_rules").values() for old, new in rows if old.isalpha()}
     return language, frozenset(language.vocab.strings), listed, tuple(sorted(endings))
