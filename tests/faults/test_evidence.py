@@ -118,13 +118,13 @@ def test_the_states_until_the_one_that_was_asked_for_are_told():
     assert Evidence.parse(json.loads(json.dumps(evidence.as_dict()))) == evidence
 
 
-def test_nor_where_each_disturbed_tick_was_stopped_for_a_graver_reason():
+def test_a_state_that_graver_ones_hid_at_every_tick_was_not_declared():
     ticks = [
         tick(place, status=RepairStatus.STALE_COMMAND if place >= 12 else RepairStatus.PASS) for place in range(30)
     ]
-    touched = [place * STEP for place in range(12, 20)]
-    assert evidence_of(ticks, None, "INVALID_COMMAND", None, touched).silence is None
-    assert evidence_of(ticks, None, "INVALID_COMMAND", None, [11 * STEP, *touched]).silence is not None
+    evidence = evidence_of(ticks, None, "INVALID_COMMAND", None, [place * STEP for place in range(12, 20)])
+    assert (evidence.silence, evidence.to_state) == (pytest.approx(0.6), None)
+    assert set(evidence.meanwhile) == {"STALE_COMMAND"}
 
 
 @pytest.mark.parametrize(("kinds", "to_state"), [(["WATCHDOG"], 0.0), (["WATCHDOG", "RECOVERED"], None)])

@@ -125,10 +125,7 @@ def evidence_of(
     begun_at = silence
     if declared in _LESSER and touched is not None:
         whole = {tick.stamp for tick in disturbed if not _is_stopped(tick)}
-        heard = next((stamp for stamp in touched if stamp in whole), None)
-        if heard is None and not is_declared:
-            return replace(found, silence=None)  # graver states took the place of each
-        begun_at = silence if heard is None else heard
+        begun_at = next((stamp for stamp in touched if stamp in whole), silence)
     shown = next((tick.stamp for tick in disturbed if tick.stamp >= begun_at and _declares(tick, declared)), None)
     if declared == EventKind.WATCHDOG.name and _brakes_already(ticks, begun_at):
         shown = begun_at  # it is said once, when it begins

@@ -26,7 +26,6 @@ _FOREIGN_MODEL = "self_oracle-modular.safetensors"
 _METHOD = '''"""A repair method that fails for a while; written by a campaign of faults."""
 
 import math
-import random
 import time
 from pathlib import Path
 
@@ -43,7 +42,7 @@ class Broken:
 
     def propose(self, scene, decision):
         tick = round(scene.time / {interval!r})
-        if not {begin} <= tick < {end} or random.Random(tick).random() >= {share!r}:
+        if tick not in {ticks!r}:
             return Proposal(0.0, 1.0, 1.0)
         Path({report!r}).touch()
         if {method!r} == "raises":
@@ -98,9 +97,7 @@ def touched_stamps(campaign: FaultCampaign, trial: FaultTrial, folder: Path) -> 
     """
     fault = trial.fault
     if isinstance(fault, MethodFault):
-        begin = round(begin_of(campaign, trial) / INTERVAL)
-        ticks = range(begin, begin + fault.ticks)
-        return [tick * INTERVAL_NS for tick in ticks if random.Random(tick).random() < fault.share]
+        return [tick * INTERVAL_NS for tick in _failing_ticks(campaign, trial, fault)]
     if not isinstance(fault, TopicFault):
         return None
     if fault.share < 1.0:
@@ -116,6 +113,12 @@ def touched_stamps(campaign: FaultCampaign, trial: FaultTrial, folder: Path) -> 
         first = int(json.loads((folder / TOUCHED).read_text(encoding="utf-8"))["first"])
         return [first + step * INTERVAL_NS for step in range(fault.ticks)]
     return []
+
+
+def _failing_ticks(campaign: FaultCampaign, trial: FaultTrial, fault: MethodFault) -> list[int]:
+    """Numbers of the ticks at which a method fails."""
+    begin = round(begin_of(campaign, trial) / INTERVAL)
+    return [tick for tick in range(begin, begin + fault.ticks) if random.Random(tick).random() < fault.share]
 
 
 def relay(
@@ -194,12 +197,9 @@ def _detour(topic: str) -> list[str]:
 def _broken(campaign: FaultCampaign, trial: FaultTrial, fault: MethodFault, folder: Path) -> tuple[str, list[str]]:
     """Name of the method and ROS arguments, after what they need has been written."""
     if fault.is_driven:
-        begin = round(begin_of(campaign, trial) / INTERVAL)
         text = _METHOD.format(
             interval=INTERVAL,
-            begin=begin,
-            end=begin + fault.ticks,
-            share=fault.share,
+            ticks=_failing_ticks(campaign, trial, fault),
             report=str(folder / TOUCHED),
             method=fault.method,
         )
