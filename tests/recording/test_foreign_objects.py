@@ -98,6 +98,28 @@ class TestDetections:
             objects, _ = reader.read(detections(time, detection("7", x, 0.0)), pose_at(time))
         assert objects.speed[0] == pytest.approx(5.0)
 
+    def test_who_is_seen_again_while_no_time_passes_stands(self):
+        reader = Detections()
+        for x in (30.0, 29.0):
+            objects, _ = reader.read(detections(7.0, detection("7", x, 0.0)), pose_at(7.0))
+        assert (objects.x.tolist(), objects.speed.tolist()) == ([29.0], [0.0])
+
+    def test_without_a_stamp_the_list_is_of_the_moment_of_the_odometry(self):
+        reader = Detections()
+        for time, x in ((5.0, 0.0), (5.1, 0.5), (5.2, 1.0)):
+            objects, _ = reader.read(detections(0.0, detection("7", x, 0.0)), pose_at(time))
+        assert objects.speed[0] == pytest.approx(5.0)
+
+    @pytest.mark.parametrize("broken", [0, 2])
+    def test_a_place_that_is_no_number_is_told_and_spoils_nothing_that_comes_later(self, broken):
+        reader = Detections()
+        for step in range(6):
+            x = math.nan if step == broken else 0.5 * step
+            objects, _ = reader.read(detections(0.1 * step, detection("7", x, 0.0)), pose_at(0.1 * step))
+            if step == broken:
+                assert np.isnan(objects.x).tolist() == [True]
+        assert objects.speed[0] == pytest.approx(5.0)
+
     def test_without_an_id_it_stands_and_counts_at_once(self):
         objects = watch([detection("", 30.0, 1.0), detection("", 40.0, 1.0)])
         assert objects.speed.tolist() == [0.0, 0.0]

@@ -140,7 +140,9 @@ class Detections:
     """vision_msgs/Detection3DArray: boxes without a velocity, which is worked out from where each id was before.
 
     - An object counts from its second sighting on: its first says nothing of its speed, and a wrong one brakes for
-      whoever overtakes. One that nobody follows (an empty id) counts at once, as standing.
+      whoever overtakes. One that nobody follows (an empty id) counts at once, as standing. So does one that is seen
+      again while no time passes by its stamps: to leave it out would be to drive into it.
+    - A list without a stamp is taken to be of the odometry's moment.
     - The frame may be the odometry's or the one that moves with the ego.
     - The heading is that axis of the box which is nearest to the motion; of a box that is about as long as wide, the
       motion itself. Of one that stands, the box's own.
@@ -163,7 +165,7 @@ class Detections:
         frame = message.header.frame_id
         if frame not in {pose.frame, pose.base_frame}:
             raise ValueError(_other_frame(frame, f"{pose.frame} or {pose.base_frame}"))
-        stamp = messages.stamp_of(message.header)
+        stamp = messages.stamp_of(message.header) or pose.stamp
         if stamp < self._stamp:  # a new run, or a replay from the start
             self._tracks.clear()
         self._stamp = stamp
@@ -183,12 +185,14 @@ class Detections:
             cosine, sine = math.cos(base_yaw), math.sin(base_yaw)
             x, y, yaw = base_x + x * cosine - y * sine, base_y + x * sine + y * cosine, yaw + base_yaw
         kind, length, width = _kind_of(one.results), size.x, size.y
-        if not one.id:
+        is_placed = math.isfinite(x + y)  # else the guard tells; it must not spoil what is known of the object
+        if not one.id or not is_placed:
             return FIRST_NAMED + 10_000_000 + index, kind, x, y, yaw, 0.0, length, width
-        track = self._follow(one.id, stamp, x, y)
-        if track.velocity is None:
+        if one.id not in self._tracks:
+            self._tracks[one.id] = _Track(self._number(one.id), stamp, x, y)
             return None
-        vx, vy = track.velocity
+        track = self._follow(self._tracks[one.id], stamp, x, y)
+        vx, vy = track.velocity or (0.0, 0.0)
         pace = math.hypot(vx, vy)
         if pace > STILL and math.isfinite(yaw):
             motion = math.atan2(vy, vx)
@@ -201,13 +205,9 @@ class Detections:
                     length, width = width, length
         return track.number, kind, x, y, yaw, vx * math.cos(yaw) + vy * math.sin(yaw), length, width
 
-    def _follow(self, name: str, stamp: int, x: float, y: float) -> _Track:
-        track = self._tracks.get(name)
-        if track is None:
-            track = self._tracks[name] = _Track(self._number(name), stamp, x, y)
-            return track
+    def _follow(self, track: _Track, stamp: int, x: float, y: float) -> _Track:
         passed = 1e-9 * (stamp - track.stamp)
-        if passed <= 0.0 or not math.isfinite(x + y):
+        if passed <= 0.0:
             return track
         moved = (x - track.x) / passed, (y - track.y) / passed
         share = 1.0 if track.velocity is None else 1.0 - math.exp(-passed / SMOOTHING)
