@@ -13,6 +13,7 @@ from rosbags.highlevel import AnyReader
 
 from roadmend.core.errors import InputError
 from roadmend.recording.definitions import find
+from roadmend.recording.qos import Qos
 from roadmend.recording.reader import BagReader
 from roadmend.recording.recovery import recover
 from roadmend.recording.scan import Scan, ScannedMessage
@@ -201,6 +202,57 @@ def test_a_bag_without_metadata_file_and_with_a_file_missing(tmp_path, make):
     assert recovery.missing == ["metadata.yaml: is missing", "bag_5.mcap: is empty"]
     texts = [message.value.data for message in BagReader(tmp_path / "two").messages()]
     assert texts == ["0", "1", "2", "4", "6", "7", "8", "9", "10", "11"]
+
+
+@pytest.fixture
+def latched(tmp_path, make):
+    """A bag of three files with four events, of which each further file repeats the last two; each write is a chunk."""
+    offer = Qos(depth=2, durability="transient_local")
+    with BagWriter(tmp_path / "bag", BagOptions(max_bagfile_duration=1.0)) as writer:
+        writer.add_topic("/events", TEXT, [offer])
+        writer.add_topic("/stream", TEXT)
+        for number in range(9):
+            writer.write("/stream", number * 400_000_000, make.text(f"tick {number}"))
+            if number % 2 == 0:
+                writer.write("/events", number * 400_000_000 + 1, make.text(f"event {number}"))
+            writer.flush()
+    assert len(list((tmp_path / "bag").glob("*.mcap"))) == 3
+    return tmp_path / "bag"
+
+
+def events_of(path):
+    return [message.value.data for message in BagReader(path).messages(["/events"])]
+
+
+def test_of_a_whole_bag_what_is_repeated_is_known_again(latched, tmp_path):
+    recover(latched, tmp_path / "new")
+    assert events_of(tmp_path / "new") == events_of(latched) == [f"event {number}" for number in (0, 2, 4, 6, 8)]
+    assert BagReader(tmp_path / "new").topics["/events"].count == 5
+
+
+def test_where_the_file_before_is_lost_what_the_next_repeats_is_all_that_there_is(latched, tmp_path):
+    (latched / "bag_0.mcap").write_bytes(b"")
+    recover(latched, tmp_path / "new")
+    assert events_of(tmp_path / "new") == ["event 0", "event 2", "event 4", "event 6", "event 8"]
+
+
+def test_where_the_repeated_are_lost_those_behind_them_are_not_taken_for_them(latched, tmp_path):
+    begin, end = chunks_of(latched / "bag_1.mcap")[0]
+    change(latched / "bag_1.mcap", (begin + end) // 2, bytes(30))
+    recover(latched, tmp_path / "new")
+    assert set(events_of(tmp_path / "new")) >= {"event 0", "event 2", "event 6", "event 8"}
+    (latched / "bag_0.mcap").write_bytes(b"")
+    recover(latched, tmp_path / "both")
+    assert set(events_of(tmp_path / "both")) >= {"event 6", "event 8"}
+
+
+def test_a_byte_that_looks_like_a_chunk_does_not_hide_the_one_behind_it(written, tmp_path):
+    path, messages = written(Compression.NONE)
+    (begin, _), (second, _) = chunks_of(path)[:2]
+    change(path, begin + 1, struct.pack("<Q", 1 << 60))  # so that it looks for the next one
+    change(path, second - 8, b"\x06")  # and finds this one in the bytes before it
+    recover(path, tmp_path / "new")
+    assert set(records_of(tmp_path / "new")) >= set(messages[40:])
 
 
 def foreign(path, encoding, schema_encoding, **options):

@@ -113,6 +113,19 @@ def test_a_late_message_lies_in_the_next_file_and_is_read_in_order(tmp_path, mak
     assert [record.time_ns for record in reader.records()] == [0, 3, 5, SECOND, SECOND + 1]
 
 
+def test_a_late_latched_message_is_not_taken_for_one_that_is_repeated(tmp_path, make):
+    with BagWriter(tmp_path / "bag", BagOptions(max_bagfile_duration=1.0)) as writer:
+        writer.add_topic("/stream", TEXT)
+        writer.add_topic("/events", TEXT, [LATCHED])
+        writer.write("/events", 1, make.text("first"))
+        for time_ns in (0, SECOND):
+            writer.write("/stream", time_ns, make.text("tick"))
+        writer.write("/events", SECOND - 1, make.text("collision"))
+    reader = BagReader(tmp_path / "bag")
+    assert len(reader.files) == 2
+    assert texts(reader, "/events") == ["first", "collision"]
+
+
 @pytest.mark.parametrize(
     ("offers", "held"),
     [

@@ -13,7 +13,7 @@ from roadmend.core.yaml_file import read_yaml
 from roadmend.recording.qos import Qos
 
 METADATA_FILE = "metadata.yaml"
-REPEATED = "roadmend_repeated"  # metadata record of a further file: topic and how many messages at its start repeat
+REPEATED = "roadmend_repeated"  # metadata record of a further file: by topic, which messages repeat earlier ones
 _ROOT = "rosbag2_bagfile_information"
 _VERSION = 9
 _DISTRO = "jazzy"

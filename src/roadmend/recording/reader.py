@@ -3,7 +3,6 @@
 import contextlib
 import heapq
 import struct
-from collections import Counter
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -25,6 +24,7 @@ from roadmend.recording.definitions import ENCODINGS, Definition
 from roadmend.recording.enclosure import Attachment
 from roadmend.recording.layout import FileSummary, TopicSummary
 from roadmend.recording.mcap_file import McapFile
+from roadmend.recording.repeats import Repeats
 
 _RECOVER = "'roadmend bag recover' it, or take another"
 # Whatever the parsers of a corrupt file stumble over.
@@ -85,7 +85,7 @@ class BagReader:
         self.definitions: dict[str, Definition] = {}  # by type name
         self.metadata: dict[str, dict[str, str]] = {}  # records of one name joined, later values win
         self._paths = layout.files_of(path)
-        self._repeated: list[Counter[str]] = []  # for each file, how many messages of a topic repeat earlier ones
+        self._repeated: list[dict[str, Repeats]] = []  # for each file, by topic, which messages repeat earlier ones
         self._codec = Codec()
         for file in self._paths:
             with _reading(file) as reader:
@@ -136,12 +136,11 @@ class BagReader:
                 _push(due, place, others)
 
     def _records_of(self, place: int, topics: Collection[str] | None) -> Iterator[Record]:
-        skip = self._repeated[place].copy()
+        takers = {topic: repeats.taker() for topic, repeats in self._repeated[place].items()}
         with _reading(self._paths[place]) as reader:
             for schema, channel, message in reader.messages(topics):
-                if skip[channel.topic] > 0:
-                    skip[channel.topic] -= 1
-                else:
+                is_repeat = takers.get(channel.topic)
+                if is_repeat is None or not is_repeat(message.log_time, message.sequence):
                     yield Record(channel.topic, schema.name, message.log_time, message.data)
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[DecodedMessage]:
@@ -166,7 +165,7 @@ class BagReader:
             self.metadata.setdefault(metadata.name, {}).update(metadata.metadata)
         repeated = self.metadata.pop(layout.REPEATED, {})
         # A file that is read by itself keeps what it repeats: it is not in any other.
-        self._repeated.append(Counter({topic: int(count) for topic, count in repeated.items() if self.files}))
+        self._repeated.append({topic: Repeats.parse(text) for topic, text in repeated.items() if self.files})
         counts = summary.statistics.channel_message_counts
         for channel in summary.channels.values():
             schema = summary.schemas[channel.schema_id]
@@ -181,8 +180,9 @@ class BagReader:
                 what = f"{channel.topic} has two types, {known.type_name} and {schema.name}"
                 raise InputError(str(path), what, "take another bag")
             self.topics[channel.topic] = replace(known, count=known.count + counts.get(channel.id, 0))
-        for topic, count in self._repeated[-1].items():
-            self.topics[topic] = replace(self.topics[topic], count=self.topics[topic].count - count)
+        for topic, repeats in self._repeated[-1].items():
+            if (known := self.topics.get(topic)) is not None:
+                self.topics[topic] = replace(known, count=max(0, known.count - len(repeats)))
         statistics = summary.statistics
         self.files.append(
             FileSummary(path.name, statistics.message_count, statistics.message_start_time, statistics.message_end_time)

@@ -1,7 +1,9 @@
 """Bringing back what a bag that was cut or damaged still holds, as a new bag."""
 
+import contextlib
+import hashlib
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -9,7 +11,8 @@ from roadmend.core.errors import InputError
 from roadmend.recording import layout
 from roadmend.recording.enclosure import Attachment
 from roadmend.recording.new_bag import new_bag
-from roadmend.recording.scan import NamedTexts, Scan
+from roadmend.recording.repeats import Repeats
+from roadmend.recording.scan import NamedTexts, Scan, ScannedMessage
 from roadmend.recording.writer import BagOptions, BagWriter
 
 RECORD = "roadmend_recovery"  # metadata record of a recovered bag
@@ -34,7 +37,8 @@ class Recovery:
 def recover(path: Path, out: Path, advance: Callable[[int], None] = lambda _count: None) -> Recovery:
     """Write a new bag with everything that can still be read of a bag.
 
-    Every whole message is kept with its bytes, times and number, file by file, in the order in which it was written.
+    Every whole message is kept with its bytes, times and number, file by file, in the order in which it was written. What
+    a further file repeats counts as repeated only where the message before it came back as well.
 
     Args:
         path: a bag's folder, with or without a metadata.yaml, or an .mcap file by itself.
@@ -48,11 +52,12 @@ def recover(path: Path, out: Path, advance: Callable[[int], None] = lambda _coun
     files, missing = files_left(path)
     recovery = Recovery(str(out), missing=missing)
     with new_bag(out, _COPY) as writer:
+        copying = _Copying(writer, recovery)
         for place, file in enumerate(files):
             if place:
                 writer.split()
             try:
-                lines = _copy(file, writer, recovery, advance)
+                lines = copying.copy(file, advance)
             except InputError as error:
                 if len(files) == 1:
                     raise
@@ -104,24 +109,72 @@ def bag_size(path: Path) -> int:
         ) from None
 
 
-def _copy(file: Path, writer: BagWriter, recovery: Recovery, advance: Callable[[int], None]) -> list[str]:
-    """Copy what one file holds; returns lines on what it does not hold any more."""
-    scan = Scan(file, advance)
-    announced: set[str] = set()
-    for item in scan:
-        if isinstance(item, NamedTexts):
-            if item.name != _INSIDE:
-                writer.add_metadata(item.name, item.values)
-        elif isinstance(item, Attachment):
-            writer.add_attachment(item.name, item.media_type, item.data)
-        else:
-            topic = item.topic
-            if topic.name not in announced:
-                writer.add_topic(topic.name, topic.definition.type_name, topic.offers, topic.definition)
-                announced.add(topic.name)
-            writer.write(topic.name, item.time_ns, item.data, item.publish_ns, item.sequence)
-            recovery.messages[topic.name] = recovery.messages.get(topic.name, 0) + 1
-    return scan.report.missing
+class _Copying:
+    """Copies file after file, and tells anew which messages repeat earlier ones: of those some may be lost."""
+
+    def __init__(self, writer: BagWriter, recovery: Recovery) -> None:
+        self._writer = writer
+        self._recovery = recovery
+        self._latched: set[tuple[str, int, bytes]] = set()  # what was copied of topics that files repeat
+
+    def copy(self, file: Path, advance: Callable[[int], None]) -> list[str]:
+        """Copy what one file holds; returns lines on what it does not hold any more.
+
+        Raises:
+            InputError: nothing of it can be read.
+        """
+        scan = Scan(file, advance)
+        announced: set[str] = set()
+        claimed: dict[str, Callable[[int, int], bool]] = {}
+        repeated: dict[str, list[ScannedMessage]] = {}
+        try:
+            for item in scan:
+                if isinstance(item, NamedTexts):
+                    if item.name == layout.REPEATED:
+                        claimed = _takers(item.values)
+                    elif item.name != _INSIDE:
+                        self._writer.add_metadata(item.name, item.values)
+                elif isinstance(item, Attachment):
+                    self._writer.add_attachment(item.name, item.media_type, item.data)
+                else:
+                    if item.topic.name not in announced:
+                        self._announce(item)
+                        announced.add(item.topic.name)
+                    if self._take(item, claimed.get(item.topic.name)):
+                        repeated.setdefault(item.topic.name, []).append(item)
+        finally:
+            if repeated:
+                told = {
+                    topic: str(Repeats(those[0].time_ns, tuple(one.sequence for one in those)))
+                    for topic, those in repeated.items()
+                }
+                self._writer.add_metadata(layout.REPEATED, told)
+        return scan.report.missing
+
+    def _announce(self, message: ScannedMessage) -> None:
+        topic = message.topic
+        self._writer.add_topic(topic.name, topic.definition.type_name, topic.offers, topic.definition)
+
+    def _take(self, item: ScannedMessage, is_claimed: Callable[[int, int], bool] | None) -> bool:
+        """Copy a message; whether it repeats one that was copied before."""
+        topic = item.topic
+        self._writer.write(topic.name, item.time_ns, item.data, item.publish_ns, item.sequence)
+        self._recovery.messages[topic.name] = self._recovery.messages.get(topic.name, 0) + 1
+        if not any(offer.is_latched for offer in topic.offers):
+            return False
+        key = (topic.name, item.sequence, hashlib.sha256(item.data).digest())
+        is_repeat = is_claimed is not None and is_claimed(item.time_ns, item.sequence) and key in self._latched
+        self._latched.add(key)
+        return is_repeat
+
+
+def _takers(values: Mapping[str, str]) -> dict[str, Callable[[int, int], bool]]:
+    """By topic, what tells the messages that repeat earlier ones, as a file has it; nothing where it is damaged."""
+    takers = {}
+    for topic, text in values.items():
+        with contextlib.suppress(ValueError):
+            takers[topic] = Repeats.parse(text).taker()
+    return takers
 
 
 def _natural(path: Path) -> list[tuple[int, str]]:

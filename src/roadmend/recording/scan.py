@@ -30,9 +30,10 @@ from roadmend.recording.reader import CORRUPT
 from roadmend.recording.scan_report import ScanReport
 
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
-_CHUNK_SIGN = re.compile(rb"\x06.{36}(?:\x00{4}|\x04\x00{3}zstd|\x03\x00{3}lz4)", re.DOTALL)
+# Looked for ahead: a byte that only looks like a beginning must not hide the true one a little behind it.
+_CHUNK_SIGN = re.compile(rb"(?=\x06.{36}(?:\x00{4}|\x04\x00{3}zstd|\x03\x00{3}lz4))", re.DOTALL)
 _SEARCH_PIECE = 1 << 20  # [bytes]
-_SIGN_LENGTH = 45  # [bytes] the longest match of the above
+_SIGN_LENGTH = 45  # [bytes] the longest that the above looks at
 _TIME_LIMIT = 1 << 63  # [ns] rosbag2 has no later times
 _FIXED = {int(Opcode.FOOTER): 20, int(Opcode.DATA_END): 4}  # lengths [bytes]
 

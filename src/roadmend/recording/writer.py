@@ -17,6 +17,7 @@ from roadmend.recording.enclosure import Attachment
 from roadmend.recording.errors import RecordingError
 from roadmend.recording.layout import REPEATED, FileSummary, TopicSummary
 from roadmend.recording.qos import Qos
+from roadmend.recording.repeats import Repeats
 
 __all__ = ["BagOptions", "BagWriter", "Compression"]
 
@@ -266,7 +267,8 @@ class BagWriter:
             self._file.add_attachment(attachment)
         repeated = {name: topic.latched for name, topic in self._topics.items() if topic.latched}
         if repeated:
-            self._file.add_metadata(REPEATED, {name: str(len(held)) for name, held in repeated.items()})
+            told = {name: Repeats(time_ns, tuple(number for _, number in held)) for name, held in repeated.items()}
+            self._file.add_metadata(REPEATED, {name: str(each) for name, each in told.items()})
         for name in known:
             self._file.add_channel(name, self._topics[name].definition, self._topics[name].offers)
         for name, held in repeated.items():
