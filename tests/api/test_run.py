@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from roadmend import EventKind, InputError, RoadmendError, run, sample_scenario
@@ -50,6 +51,13 @@ def test_a_bag_says_who_drove_and_holds_the_run(scenario, theirs, tmp_path):
     plan = read_plan(reader, told["policy"])
     assert plan.scenario == scenario
     assert recorded_result(BagTicks(reader), plan).digest == result.digest
+
+
+def test_numbers_of_numpy_are_numbers_in_the_bag_too(scenario, theirs, tmp_path):
+    _, repairs = theirs
+    run(scenario, "modular", repairs.Near, repair_parameters={"distance": np.float32(12.5)}, bag=tmp_path / "bag")
+    told = BagReader(tmp_path / "bag").metadata["roadmend"]
+    assert json.loads(told["method_parameters"]) == {"distance": 12.5}
 
 
 def test_of_an_object_the_bag_tells_no_defaults(scenario, theirs, tmp_path):

@@ -5,6 +5,7 @@ import json
 
 import pytest
 
+from roadmend.cli import corpus
 from roadmend.cli.main import main
 from roadmend.world.corpus import load_corpus, save_corpus
 
@@ -111,6 +112,15 @@ def test_counts_are_shown(folder, capsys):
     assert shown["digest"] == load_corpus(folder / "first.jsonl").digest
     assert main(["corpus", "show", "--corpus", str(folder / "first.jsonl")]) == 0
     assert "S4" in capsys.readouterr().out
+
+
+def test_families_of_installed_packages_are_counted_too(folder, capsys):
+    loaded = load_corpus(folder / "first.jsonl")
+    cases = [dataclasses.replace(case, family="mine:Crossing") for case in loaded.cases]
+    counts = corpus._content(dataclasses.replace(loaded, cases=cases))["families"]
+    assert counts["mine:Crossing"]["test"]["successes"] == 3
+    corpus._show(dataclasses.replace(loaded, cases=cases))
+    assert "mine:Crossing" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import pytest
 
 from roadmend.cli import run
 from roadmend.cli.main import main
-from roadmend.core.errors import InputError
+from roadmend.core.errors import InputError, RoadmendError
 from roadmend.world.families import sample_scenario
 from roadmend.world.scenario_file import load_scenario, save_scenario
 
@@ -110,13 +110,15 @@ def egos(tmp_path, monkeypatch, capsys):
     path = tmp_path / "town.sumocfg"
     path.write_text('<configuration><net-file value="town.net.xml"/></configuration>')
 
-    def of(*arguments, refused=()):
+    def of(*arguments, refused=(), failed=()):
         started = []
 
         def start(options):
             scenario = load_scenario(options.scenario)
             if scenario.seed in refused:
                 raise InputError("ego.route", "is of no use", "choose another seed")
+            if scenario.seed in failed:
+                raise RoadmendError("SUMO ended")
             started.append((options, scenario))
             return came()
 
@@ -151,6 +153,13 @@ def test_the_exit_code_tells_whether_anything_was_driven(egos, refused, expected
     assert said == [f"roadmend: {tmp_path / 'town.sumocfg'}: ego.route: is of no use; choose another seed"] * len(
         refused
     )
+
+
+def test_an_ego_that_fails_on_the_way_costs_the_others_nothing(egos):
+    code, started, said = egos("--egos", 3, failed=(1,))
+    assert (code, [scenario.seed for _, scenario in started]) == (1, [0, 2])
+    assert said == ["roadmend: SUMO ended"]
+    assert egos("--egos", 2, failed=(0, 1))[0] == 1
 
 
 def test_one_ego_that_cannot_be_driven_is_bad_input(egos):

@@ -194,6 +194,14 @@ def test_what_is_no_action_is_refused(make, action):
         env.step(np.array(action))
 
 
+@pytest.mark.parametrize(("lane_change", "action"), [(False, [0.3, -1.0]), (True, [0.3])])
+def test_an_action_has_as_many_numbers_as_the_action_space(make, lane_change, action):
+    env = make(scenarios=sample_scenario("S3", 3), lane_change=lane_change)
+    env.reset()
+    with pytest.raises(InputError, match=r"is no action; give (one|two) number"):
+        env.step(np.array(action))
+
+
 @pytest.mark.parametrize(
     ("settings", "said"),
     [

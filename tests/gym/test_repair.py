@@ -57,6 +57,14 @@ def test_a_method_of_ones_own_and_the_price_of_a_change():
     assert infos[-1]["result"]["method"].endswith(":Always")
 
 
+def test_the_learners_action_is_still_held_against_the_action_space():
+    env = RepairWrapper(DriveEnv(sample_scenario("S3", 3)), "rss")
+    env.reset()
+    with pytest.raises(InputError, match="is no action; give one number"):
+        env.step(np.array([0.3, -1.0]))
+    env.close()
+
+
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*is different from the unwrapped version")  # it is the wrapper that is checked
 def test_gymnasium_finds_nothing_wrong():

@@ -9,6 +9,7 @@ from roadmend.core.errors import InputError
 from roadmend.recording.foreign_commands import PEDALS
 from roadmend.recording.foreign_objects import OBJECT_READERS, EgoOutline
 from roadmend.recording.foreign_shadow import ForeignTopics, run_foreign_shadow
+from roadmend.recording.messages import stamp_of
 from roadmend.recording.reader import BagReader
 from roadmend.repair.registry import make_repairer
 
@@ -51,6 +52,17 @@ def test_what_a_repair_node_did_then_is_what_was_done(tmp_path):
     summary, _ = shadow(record(tmp_path / "repaired", repaired=lambda step: then[step // 5]))
     assert summary.interventions_then == summary.interventions_now == bare.interventions_now
     assert summary.agreement == 1.0 > bare.agreement
+
+
+def test_an_answer_has_the_stamp_of_its_command_to_the_nanosecond(tmp_path):
+    bag = record(tmp_path / "bag", begin=1_753_000_000.1234567)  # by the clock on the wall
+    assert main(["bag", "shadow", str(bag), "--repair", "rss", *OPTIONS, "--out", str(tmp_path / "shadow")]) == 0
+    reader = BagReader(tmp_path / "shadow")
+    stamps = {
+        topic: {stamp_of(message.value.header) for message in reader.messages([topic])}
+        for topic in ("/drive/accel", "/shadow/repair/state")
+    }
+    assert stamps["/drive/accel"] == stamps["/shadow/repair/state"]
 
 
 def test_with_nobody_in_the_way_only_the_start_differs(tmp_path):

@@ -100,6 +100,6 @@ def _described(
         return known
     values = dict(parameters or {})
     if name_of(given):  # what its class would be made with by default says nothing of an object
-        values = found.entry.parameters().model_dump() | values
+        values = found.entry.parameters(**values).model_dump(mode="json")  # of numpy's numbers as well
         known[f"{role}_parameters"] = json.dumps(values)
     return known | {f"{role}_{name}": value for name, value in described(found, made, values).items()}

@@ -243,4 +243,6 @@ def bag_convert(bag: Path, storage: str | None, out: Path | None, *, as_json: bo
 def _name(bag: Path) -> str:
     """What a bag is called, by its folder, its metadata.yaml or its .mcap."""
     path = bag.resolve()
-    return path.parent.name if path.name == "metadata.yaml" else path.stem
+    if path.name == "metadata.yaml":
+        return path.parent.name
+    return path.name if path.is_dir() else path.stem  # names of folders may have points

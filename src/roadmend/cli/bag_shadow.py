@@ -77,7 +77,7 @@ def shadow_bag(bag: Path, choice: RepairChoice, out: Path) -> ShadowSummary:
 
         def write(tick: BagTick, repair: Repair) -> None:
             copy.until(tick.stamp)
-            episode.repair(tick.stamp * 1e-9, repair, choice.method)
+            episode.answer(tick.stamp, tick.stamp, repair, choice.method)
             waiting.update(f"{tick.stamp * 1e-9:.0f} s")
 
         summary = run_shadow(ticks, repairer, write)
@@ -105,7 +105,7 @@ def shadow_foreign_bag(
 
         def write(time_ns: int, answer: Answer) -> None:
             copy.until(time_ns)
-            episode.repair(time_ns * 1e-9, answer.repair, choice.method)
+            episode.answer(time_ns, answer.stamp, answer.repair, choice.method)
 
         summary = run_foreign_shadow(reader, topics_, repairer, ego.vehicle, PEDALS, write)
         copy.until(float("inf"))

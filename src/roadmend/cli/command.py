@@ -9,9 +9,8 @@ from typing import Any
 
 import click
 
-from roadmend.core.errors import RoadmendError
 from roadmend.core.interrupt import InterruptedWorkError
-from roadmend.core.resources import config_folder
+from roadmend.core.resources import clone_folder
 
 _CALLED_AS = "ROADMEND_CALLED_AS"  # set by the script at the root of a clone: the word by which it was called
 
@@ -83,7 +82,4 @@ def called_as() -> str:
 
 def is_clone() -> bool:
     """Whether this is a clone of the project, and not what pip has installed."""
-    try:
-        return (config_folder().parent / "roadmend").is_file()
-    except RoadmendError:
-        return False
+    return clone_folder() is not None

@@ -303,8 +303,15 @@ def _content(loaded: Corpus) -> dict[str, Any]:
         "command": loaded.command,
         "dropped": loaded.dropped,
         "cases": len(loaded.cases),
-        "families": {family: {split: _count(loaded.select(family, split)) for split in SPLITS} for family in FAMILIES},
+        "families": {
+            family: {split: _count(loaded.select(family, split)) for split in SPLITS} for family in _families_of(loaded)
+        },
     }
+
+
+def _families_of(loaded: Corpus) -> list[str]:
+    """Ours, whether they have cases or not, and those of installed packages that do."""
+    return [*dict.fromkeys([*FAMILIES, *(case.family for case in loaded.cases)])]
 
 
 def _count(cases: list[Case]) -> dict[str, Any]:
@@ -336,7 +343,7 @@ def _show(loaded: Corpus) -> None:
         "impact",
     )
     table = Table(*titles, box=None, pad_edge=False, header_style="bold")
-    for family in FAMILIES:
+    for family in _families_of(loaded):
         for split in SPLITS:
             counts = _count(loaded.select(family, split))
             if not counts["violations"] and not counts["successes"]:

@@ -154,7 +154,7 @@ def run(given: RunOptions) -> int:
     except InputError as error:
         raise _placed(error, given) from None
     results: list[RunResult] = []
-    faults: list[InputError] = []
+    faults: list[RoadmendError] = []
     with scratch_folder("roadmend-") as folder:
         for number, scenario in enumerate(chosen):
             stem = given.scenario.stem if given.scenario is not None else scenario.name
@@ -189,6 +189,10 @@ def run(given: RunOptions) -> int:
                 if results:
                     print_results(results, as_json=given.as_json)
                 raise
+            except RoadmendError as error:  # of one ego: the others have their results, or get them
+                if len(chosen) == 1:
+                    raise
+                faults.append(error)
     if results or given.as_json:
         print_results(results, as_json=given.as_json)
     for each in faults:
@@ -203,7 +207,7 @@ def run(given: RunOptions) -> int:
             if trouble:
                 raise RoadmendError(trouble)
     if not results:
-        return 2
+        return 2 if all(isinstance(each, InputError) for each in faults) else 1
     return 1 if faults else 0
 
 

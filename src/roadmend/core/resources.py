@@ -6,6 +6,12 @@ from pathlib import Path
 from roadmend.core.errors import RoadmendError
 
 
+def clone_folder() -> Path | None:
+    """The root of the clone of the project that this runs from; None where pip has installed it."""
+    root = Path(__file__).parents[3]
+    return root if (root / "config").is_dir() and (root / "roadmend").is_file() else None
+
+
 def config_folder() -> Path:
     """The folder config/ of the project.
 

@@ -94,6 +94,7 @@ class DriveEnv(gymnasium.Env[Observation, np.ndarray]):
         self.observation_space = observation_space(objects)
         self.action_space = spaces.Box(-1.0, 1.0, (2 if lane_change else 1,), np.float32)
         self.method = "none"  # who repairs, in results; the wrapper says it
+        self.taken = self.action_space.shape  # of the actions that come here; a wrapper's are its own affair
         self._simulation: Simulation | None = None
         self._tick: Tick | None = None
 
@@ -149,7 +150,7 @@ class DriveEnv(gymnasium.Env[Observation, np.ndarray]):
         """
         if self._simulation is None:
             raise ResetNeeded("roadmend/Drive-v0: the episode is over, or none has begun; call reset()")
-        command, left = command_of(action), self._observer.left
+        command, left = command_of(action, self.taken), self._observer.left
         self._builder.command(self.tick, command)
         try:
             self._tick = tick = self._simulation.step(command)

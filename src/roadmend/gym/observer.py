@@ -67,18 +67,22 @@ class LearnedPolicy:
         return Decision(command_of(self._act(self._observer.see(scene))), Trajectory.empty())
 
 
-def command_of(action: np.ndarray) -> Command:
+def command_of(action: np.ndarray, shape: tuple[int, ...] | None = None) -> Command:
     """What an action tells the vehicle.
 
     Args:
         action: throttle - brake, -1 to 1; and perhaps a second number, above 0 where the route's next lane change shall
             begin. Without it, it begins as soon as it may.
+        shape: that it must have; either of the two if None.
 
     Raises:
         InputError: it is no such action.
     """
     numbers = np.asarray(action, dtype=np.float64)
-    if numbers.shape not in {(1,), (2,)} or not np.all(np.abs(numbers) <= 1.0):
+    if numbers.shape not in ({(1,), (2,)} if shape is None else {shape}) or not np.all(np.abs(numbers) <= 1.0):
         what = f"{np.array2string(numbers, precision=3, threshold=4)} is no action"
-        raise InputError("roadmend/Drive-v0", what, "give one number, throttle - brake, or two, each in -1 .. 1")
+        count = {(1,): "one number, throttle - brake,", (2,): "two numbers, throttle - brake and lane change,"}.get(
+            shape or (), "one number, throttle - brake, or two,"
+        )
+        raise InputError("roadmend/Drive-v0", what, f"give {count} each in -1 .. 1")
     return Command.from_action(float(numbers[0]), change_lane=len(numbers) == 1 or float(numbers[1]) > 0.0)

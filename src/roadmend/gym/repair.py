@@ -56,6 +56,7 @@ class RepairWrapper(gymnasium.Wrapper[Observation, np.ndarray, Observation, np.n
         self._repairer = repairer_of(repair, parameters, seed)
         self._price = price
         self._drive.method = self._repairer.name
+        self._drive.taken = (2,)  # a method may hold a lane change back where the learner has no say in it
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -67,7 +68,7 @@ class RepairWrapper(gymnasium.Wrapper[Observation, np.ndarray, Observation, np.n
 
     def step(self, action: np.ndarray) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Drive one tick on the repaired action; see ``DriveEnv.step``."""
-        command = command_of(action)
+        command = command_of(action, self.action_space.shape)
         repair = self._repairer.step(self._drive.tick.scene, Decision(command, _NO_PLAN))
         self._drive.note(repair)
         final = repair.command

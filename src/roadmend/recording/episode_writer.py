@@ -51,8 +51,14 @@ class EpisodeWriter:
 
     def repair(self, time: float, repair: Repair, method: str) -> None:
         """What a repair method answered at ``time`` [s]."""
-        self._command(topics.REPAIR_COMMAND, time, repair.command)
-        self.put(topics.REPAIR_STATE, time, messages.repair_message_of(repair, method, messages.header_of(time)))
+        stamp = round(time * messages.NANOSECONDS)
+        self.answer(stamp, stamp, repair, method)
+
+    def answer(self, time_ns: int, stamp: int, repair: Repair, method: str) -> None:
+        """What a repair method answered to the tick of ``stamp`` [ns], to the nanosecond; ``time_ns`` is its log time."""
+        header = messages.header_at(stamp)
+        self._put(topics.REPAIR_COMMAND, time_ns, messages.command_message_of(repair.command, header))
+        self._put(topics.REPAIR_STATE, time_ns, messages.repair_message_of(repair, method, header))
 
     def event(self, event: Event) -> None:
         """Something that happened to the episode."""
@@ -74,11 +80,14 @@ class EpisodeWriter:
             time: of its tick [s].
             message: as a ``MessageType`` makes it.
         """
+        self._put(topic, round(time * messages.NANOSECONDS), message)
+
+    def _put(self, topic: str, time_ns: int, message: Any) -> None:
         name = topic if topic.startswith("/") else f"{self._namespace}/{topic}"
         if name not in self._known:
             self._known.add(name)
             self._writer.add_topic(name, type_of(message), [topics.OFFERS.get(topic, topics.STREAM)])
-        self._writer.write(name, round(time * messages.NANOSECONDS), encode(message))
+        self._writer.write(name, time_ns, encode(message))
 
     def _command(self, topic: str, time: float, command: Command) -> None:
         self.put(topic, time, messages.command_message_of(command, messages.header_of(time)))

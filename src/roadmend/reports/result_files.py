@@ -8,16 +8,27 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from roadmend import __version__
 from roadmend.core.markdown import table_text
+from roadmend.core.resources import clone_folder
 from roadmend.core.whole_file import write_texts
+
+_UNKNOWN = "unknown"
 
 
 def provenance(command: str) -> dict[str, Any]:
-    """The command, the commit and the machine behind a figure."""
+    """The command, the commit and the machine behind a figure.
+
+    The commit is that of roadmend, wherever the user stands: ``dirty`` says whether its files differ from it. Of an
+    installed package there is its version instead.
+    """
+    root = clone_folder()
+    changes = ("status", "--porcelain", "--untracked-files=no", "--", ":!README.md", ":!tests/benchmarks")
+    commit = _git(root, "rev-parse", "HEAD") if root else f"roadmend {__version__}"
     return {
         "command": command,
-        "commit": _git("rev-parse", "HEAD"),
-        "dirty": bool(_git("status", "--porcelain", "--untracked-files=no", "--", ":!README.md", ":!tests/benchmarks")),
+        "commit": commit,
+        "dirty": bool(root and commit != _UNKNOWN and _git(root, *changes)),
         "machine": {
             "processor": _processor(),
             "cores": os.cpu_count(),
@@ -58,19 +69,25 @@ def origin(made: Mapping[str, Any]) -> str:
     machine = made["machine"]
     changed = " (changed)" if made["dirty"] else ""
     line = (
-        f"Made by `{made['command']}` at commit {made['commit'][:12]}{changed} on {machine['processor']}, "
+        f"Made by `{made['command']}` {_at(made['commit'])}{changed} on {machine['processor']}, "
         f"{machine['cores']} cores, Python {machine['python']}."
     )
     for entry in made.get("kept", ()):
-        line += f" Kept from `{entry['command']}` at commit {entry['commit'][:12]}: {', '.join(entry['methods'])}."
+        line += f" Kept from `{entry['command']}` {_at(entry['commit'])}: {', '.join(entry['methods'])}."
     return line
 
 
-def _git(*arguments: str) -> str:
+def _at(commit: str) -> str:
+    return f"with {commit}" if commit.startswith("roadmend ") else f"at commit {commit[:12]}"
+
+
+def _git(root: Path, *arguments: str) -> str:
+    """What git says; without git, or in a clone without its history, that it is unknown."""
     try:
-        return subprocess.run(["git", *arguments], capture_output=True, text=True, check=True).stdout.strip()
+        words = ["git", "-C", str(root), *arguments]
+        return subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip()
     except (OSError, subprocess.CalledProcessError):
-        return "unknown"
+        return _UNKNOWN
 
 
 def _processor() -> str:

@@ -1,0 +1,43 @@
+"""What made a figure, told by its file."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from roadmend import __version__
+from roadmend.core.resources import clone_folder
+from roadmend.reports import result_files
+
+
+@pytest.fixture
+def elsewhere(tmp_path, monkeypatch):
+    """A user's own repository, in which the user stands."""
+    for words in (["init", "-q"], ["-c", "user.name=u", "-c", "user.email=u@u", "commit", "-qm", "m", "--allow-empty"]):
+        subprocess.run(["git", *words], cwd=tmp_path, check=True)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def head(folder):
+    done = subprocess.run(["git", "rev-parse", "HEAD"], cwd=folder, capture_output=True, text=True, check=True)
+    return done.stdout.strip()
+
+
+def test_the_commit_is_that_of_the_project_wherever_the_user_stands(elsewhere):
+    made = result_files.provenance("roadmend evaluate")
+    assert made["commit"] == head(clone_folder()) != head(elsewhere)
+    assert f"at commit {made['commit'][:12]}" in result_files.origin(made)
+
+
+def test_of_an_installed_package_its_version_is_told(elsewhere, monkeypatch):
+    monkeypatch.setattr(result_files, "clone_folder", lambda: None)
+    made = result_files.provenance("roadmend evaluate")
+    assert (made["commit"], made["dirty"]) == (f"roadmend {__version__}", False)
+    assert f"`roadmend evaluate` with roadmend {__version__} on" in result_files.origin(made)
+
+
+def test_of_a_clone_without_its_history_nothing_is_made_up(elsewhere, monkeypatch):
+    monkeypatch.setattr(result_files, "clone_folder", lambda: Path("/nowhere"))
+    made = result_files.provenance("roadmend evaluate")
+    assert (made["commit"], made["dirty"]) == ("unknown", False)
