@@ -8,6 +8,7 @@ import pytest
 from roadmend.cli import corpus
 from roadmend.cli.main import main
 from roadmend.world.corpus import load_corpus, save_corpus
+from roadmend.world.families import FAMILIES
 
 PLAN = """
 most_campaigns: 1
@@ -114,13 +115,14 @@ def test_counts_are_shown(folder, capsys):
     assert "S4" in capsys.readouterr().out
 
 
-def test_families_of_installed_packages_are_counted_too(folder, capsys):
+def test_families_of_installed_packages_are_counted_too(folder, monkeypatch, capsys):
+    monkeypatch.setattr("roadmend.world.corpus._family", lambda _: FAMILIES["S4"])  # as if a package had brought it
     loaded = load_corpus(folder / "first.jsonl")
-    cases = [dataclasses.replace(case, family="mine:Crossing") for case in loaded.cases]
+    cases = [dataclasses.replace(case, family="Crossing") for case in loaded.cases]
     counts = corpus._content(dataclasses.replace(loaded, cases=cases))["families"]
-    assert counts["mine:Crossing"]["test"]["successes"] == 3
+    assert counts["Crossing"]["test"]["successes"] == 3
     corpus._show(dataclasses.replace(loaded, cases=cases))
-    assert "mine:Crossing" in capsys.readouterr().out
+    assert "Crossing" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

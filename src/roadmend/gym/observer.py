@@ -81,8 +81,10 @@ def command_of(action: np.ndarray, shape: tuple[int, ...] | None = None) -> Comm
     numbers = np.asarray(action, dtype=np.float64)
     if numbers.shape not in ({(1,), (2,)} if shape is None else {shape}) or not np.all(np.abs(numbers) <= 1.0):
         what = f"{np.array2string(numbers, precision=3, threshold=4)} is no action"
-        count = {(1,): "one number, throttle - brake,", (2,): "two numbers, throttle - brake and lane change,"}.get(
-            shape or (), "one number, throttle - brake, or two,"
-        )
+        counts: dict[tuple[int, ...] | None, str] = {
+            None: "one number, throttle - brake, or two,",
+            (1,): "one number, throttle - brake,",
+        }
+        count = counts.get(shape, "two numbers, throttle - brake and lane change,")
         raise InputError("roadmend/Drive-v0", what, f"give {count} each in -1 .. 1")
     return Command.from_action(float(numbers[0]), change_lane=len(numbers) == 1 or float(numbers[1]) > 0.0)
