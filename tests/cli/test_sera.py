@@ -40,6 +40,13 @@ def test_search_finds_in_words_and_under_filters(bank, capsys):
     assert "weather: there is no 'hail'" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("command", [["bank", "search"], ["recommend"]])
+def test_brackets_in_a_pattern_are_no_styles(bank, capsys, command):
+    words = "cut-in [/x] [s3]"
+    assert main(["sera", *command, "--bank", str(bank), "--pattern", words, "-k", "1"]) == 0
+    assert words in capsys.readouterr().out
+
+
 def test_an_export_comes_back_as_the_same_bank(bank, tmp_path, capsys):
     lines, again = tmp_path / "all.jsonl", tmp_path / "again.bank"
     assert main(["sera", "bank", "export", "--bank", str(bank), "--out", str(lines)]) == 0

@@ -90,6 +90,9 @@ def test_a_road_may_have_a_stem_and_alternatives(load):
         ({"vehicles": [{"number": 1, "manoeuvre": "backing out"}]}, "manoeuvre"),
         ({"vehicels": []}, "vehicels"),
         ({"collisions": [{"striking": 1, "struck": 1}]}, "itself"),
+        ({"collisions": [{"striking": 1, "struck": "2"}]}, "'2' would be an object"),
+        ({"collisions": [{"striking": " V 2", "struck": 1}]}, "a vehicle is its number alone"),
+        ({"collisions": [{"striking": 1, "struck": 22}]}, "collision 1 is of vehicle 22"),
         ({"collisions": [{"striking": 1, "struck": 2, "striking_part": "antenna"}]}, "striking_part"),
         ({"collisions": [{"striking": 1, "struck": 2, "striking_part": "front-rear"}]}, "striking_part"),
     ],
@@ -97,6 +100,12 @@ def test_a_road_may_have_a_stem_and_alternatives(load):
 def test_what_is_none_is_refused_with_its_place(load, changes, words):
     with pytest.raises(InputError, match=words):
         load(**changes)
+
+
+@pytest.mark.parametrize("roads", [[None], ["Roundabout"], "Straight"])
+def test_an_alternative_that_is_no_road_is_refused(load, roads):
+    with pytest.raises(InputError, match=r"oracle\.alternatives\.road_type"):
+        load(oracle={"alternatives": {"road_type": roads, "env.weather": ["Clear"]}})
 
 
 def test_a_folder_without_records_is_refused(tmp_path):

@@ -13,7 +13,7 @@ from roadmend.safe.construction import draw_scenario
 from roadmend.safe.openscenario import export_scenario
 from roadmend.world.families import sample_scenario
 from roadmend.world.network import find_binary
-from roadmend.world.scenario import Brake, CutIn, Drift, Pedestrian, SumoConfiguration, Trigger
+from roadmend.world.scenario import Brake, CutIn, Drift, Pedestrian, Scenario, SumoConfiguration, Trigger
 
 from .crashes import ALL, HEAD_ON, crash, role, vehicle
 from .lone import LONE, onlooker
@@ -113,6 +113,34 @@ def test_people_on_foot_and_foreign_traffic_are_refused(tmp_path):
     with pytest.raises(InputError, match="its own traffic"):
         export_scenario(scenario.model_copy(update={"network": SumoConfiguration(path="x.sumocfg")}), tmp_path)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda content: content["ego"].update(route=["forwards"]), r"ego\.route\[0\]"),
+        (lambda content: content["ego"].update(route=[]), r"ego\.route"),
+        (lambda content: content["ego"].update(lane=7), r"ego\.lane"),
+        (lambda content: content["actors"][0].update(route=["backwards"]), r"actors\[0\]\.route\[0\]"),
+        (lambda content: content["actors"][0].update(lane=7), r"actors\[0\]\.lane"),
+    ],
+)
+def test_what_no_simulation_would_take_is_refused(change, words, tmp_path):
+    content = draw_scenario(role(HEAD_ON), 0).model_dump()
+    change(content)
+    with pytest.raises(InputError, match=words):
+        export_scenario(Scenario.model_validate(content), tmp_path)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("time", "begins"), [(3.0, 5.0), (7.0, 7.0)])
+def test_who_enters_later_than_its_manoeuvre_is_due_begins_it_on_entry(time, begins, tmp_path):
+    scenario = draw_scenario(role(HEAD_ON), 0)
+    script = [Brake(when=Trigger(time=time))]
+    late = scenario.actors[0].model_copy(update={"depart": 5.0, "manoeuvres": script})
+    story = etree.parse(export_scenario(scenario.model_copy(update={"actors": [late]}), tmp_path)[0])
+    times = story.findall(".//Event[@name='v2-1']//SimulationTimeCondition")
+    assert [float(each.get("value")) for each in times] == [begins]
 
 
 def test_a_folder_that_cannot_be_written_is_one_line(tmp_path):

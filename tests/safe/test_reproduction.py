@@ -5,11 +5,13 @@ import pytest
 from roadmend.core.outcome import EventKind
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
+from roadmend.safe.dsl import DescribedCollision
+from roadmend.safe.likeness import Likeness
 from roadmend.safe.reproduction import NEAREST, REPRODUCED, reproduce
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario_file import load_scenario, save_scenario
 
-from .crashes import ALL, HEAD_ON, role
+from .crashes import ALL, HEAD_ON, crash, role, vehicle
 from .lone import LONE, onlooker
 
 
@@ -38,6 +40,12 @@ def test_a_vehicle_that_crashes_alone_does_so_before_the_ego():
     assert (found.vehicle, found.own.is_reproduced) == (None, True)
     assert found.scenario.name == "sample-onlooker-reproduced-modular"
     assert found.trial.film.ego_name == "ego"
+
+
+def test_who_turns_round_is_played_as_the_reading_has_it():
+    turns = vehicle(action="Turn Left", manoeuvre="U-turn")
+    found = reproduce(role(crash("Straight", vehicle(), turns, collisions=[DescribedCollision(1, 2)])), "modular", 36)
+    assert Likeness.DESTINATION not in found.own.failed, found.outcome
 
 
 def test_a_budget_that_runs_out_says_how_near_it_came():

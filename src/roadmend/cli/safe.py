@@ -220,7 +220,8 @@ def build(given: SafeOptions, samples: int) -> int:
 
     PATHS are crash reports (folders with a summary.txt), files of the scenario language, or folders of either. What a
     report leaves open is drawn from the seed and stands in each scenario under 'origin'. Scenarios of earlier calls stay
-    in the folder; --json names those of this one. Exit code 1 if a report gave none.
+    in the folder, but for those of the same names, which another seed builds anew; --json names those of this one. Exit
+    code 1 if a report gave none.
     """
     cases = open_cases(given.paths)
     results = work_through(
@@ -341,7 +342,7 @@ def reproduce(
     return 0
 
 
-@click.command(cls=ExampleCommand, examples=["roadmend safe export built/crash-v1-1.yaml --out exported"])
+@click.command(cls=ExampleCommand, examples=["roadmend safe export built/scenarios/crash-v1-1.yaml --out exported"])
 @click.argument("scenario", type=FILE)
 @click.option("--out", required=True, type=FOLDER, help="Folder for the files.")
 @JSON

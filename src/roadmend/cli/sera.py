@@ -6,12 +6,11 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import click
-from rich.table import Table
 
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.language_options import LanguageChoice, language_options, show_usage
 from roadmend.cli.options import FILE, JSON, PATH, WORKERS, options_of
-from roadmend.cli.output import counting, show_rows, wide_console
+from roadmend.cli.output import counting, show_rows
 from roadmend.cli.sera_options import (
     BANK,
     EMBEDDER,
@@ -173,18 +172,18 @@ def recommend(given: RecommendOptions) -> None:
 
 
 def _show_selection(content: dict[str, Any]) -> None:
-    console = wide_console()
-    table = Table("pattern", "score", "name", "words", box=None, pad_edge=False, header_style="bold")
-    for each in content["refined"]:
-        table.add_row(each["pattern"], f"{each['score']:.3f}", each["name"], each["words"])
-    console.print(table)
+    show_rows(
+        [
+            ("pattern", "score", "name", "words"),
+            *((each["pattern"], f"{each['score']:.3f}", each["name"], each["words"]) for each in content["refined"]),
+        ]
+    )
     for swap in content["swaps"]:
-        console.print(f"{swap['out']} -> {swap['into']}: {swap['reason']}")
-    measures = Table("selection", *content["measures"]["initial"], box=None, pad_edge=False, header_style="bold")
-    for name, values in content["measures"].items():
-        measures.add_row(
-            name, *(f"{value:.3f}" if isinstance(value, float) else str(value) for value in values.values())
-        )
-    console.print(measures)
+        click.echo(f"{swap['out']} -> {swap['into']}: {swap['reason']}")
+    measures = [
+        (name, *(f"{value:.3f}" if isinstance(value, float) else str(value) for value in values.values()))
+        for name, values in content["measures"].items()
+    ]
+    show_rows([("selection", *content["measures"]["initial"]), *measures])
     if content["missing"]:
-        console.print(f"{content['missing']} places stay empty: the bank has no more that pass")
+        click.echo(f"{content['missing']} places stay empty: the bank has no more that pass")

@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import click
-from rich.table import Table
 
 from roadmend.cli.command import ExampleCommand, Group
 from roadmend.cli.options import FILE, JSON, only_own, options_of
-from roadmend.cli.output import stages, wide_console
+from roadmend.cli.output import show_rows, stages
 from roadmend.cli.sera_options import BANK, EMBEDDER, PATTERN, filter_options, filters_of
 from roadmend.core.errors import InputError
 from roadmend.sera.bank import Bank, Built, Report, build_bank
@@ -186,10 +185,11 @@ def show(bank_file: Path, *, as_json: bool) -> None:
     if as_json:
         click.echo(json.dumps(content, indent=2))
         return
-    table = Table("what", "scenarios", box=None, pad_edge=False, header_style="bold")
-    for group, found in counts.items():
-        table.add_row(group, ", ".join(f"{number} {name}" for name, number in found.most_common()) or "-")
-    wide_console().print(table)
+    rows = [
+        (group, ", ".join(f"{number} {name}" for name, number in found.most_common()) or "-")
+        for group, found in counts.items()
+    ]
+    show_rows([("what", "scenarios"), *rows])
     click.echo(f"{content['scenarios']} scenarios, {content['index_bytes'] / 1e6:.1f} MB of index")
 
 
@@ -249,9 +249,7 @@ def search(
     if as_json:
         click.echo(json.dumps(found, indent=2))
         return
-    table = Table("pattern", "score", "name", "words", box=None, pad_edge=False, header_style="bold")
-    for each in found:
-        table.add_row(each["pattern"], f"{each['score']:.3f}", each["name"], each["words"])
-    wide_console().print(table)
+    rows = [(each["pattern"], f"{each['score']:.3f}", each["name"], each["words"]) for each in found]
+    show_rows([("pattern", "score", "name", "words"), *rows])
     if not found:
         click.echo("nothing fits: the bank is empty, or nothing passes the filters")

@@ -55,6 +55,11 @@ def role_title(number: int | None) -> str:
     return "onlooker" if number is None else f"vehicle {number}"
 
 
+def plain_name(text: str) -> str:
+    """A text as scenarios and their files are called by: characters that a name may not have become '-'."""
+    return re.sub(r"[^A-Za-z0-9_.\-]", "-", text)
+
+
 def draw_scenario(role: CrashRole, index: int, seed: int = 0) -> world.Scenario:
     """Draw what a report leaves open; the same report, role, index and seed give the same scenario.
 
@@ -76,7 +81,7 @@ def build_scenario(role: CrashRole, drawn: Parameters, name: str, seed: int) -> 
     Args:
         role: the report, and who is the ego in it; one who looks on only where one vehicle crashes alone.
         drawn: a point of :func:`roadmend.safe.open_questions.open_questions`.
-        name: of the scenario; characters that a name may not have become '-'.
+        name: of the scenario, see ``plain_name``.
         seed: of the simulator.
 
     Raises:
@@ -96,7 +101,7 @@ def build_scenario(role: CrashRole, drawn: Parameters, name: str, seed: int) -> 
     else:
         stage = MeetingStage(role.crash, role.ego, crash, layout, drawn, friction)
     return world.Scenario(
-        name=re.sub(r"[^A-Za-z0-9_.\-]", "-", name),
+        name=plain_name(name),
         seed=seed,
         time_limit=EDGE_OF_LIFE,
         network=layout.network,

@@ -11,7 +11,8 @@ whom, with which part, coming from and going to where, and on which road::
 ``from`` is the direction of travel before the crash and ``to`` the one that the vehicle meant to take, as points of the
 compass; a T-intersection may have a ``stem``. What is null is not known, and not asked of anybody. A record may also
 carry the scenario that a careful reader takes from the report, as ``oracle``; of it, the judge goes by the alternatives
-of the road's type alone. Who strikes or is struck and is no vehicle stands there in words, such as "object: tree".
+of the road's type alone. Who strikes or is struck is one of the vehicles, by its number, or stands there in words, such
+as "object: tree".
 """
 
 import re
@@ -19,7 +20,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -45,6 +46,7 @@ _THINGS = {
 _Road = Literal["Straight", "Curve", "Intersection", "T-intersection", "Merging"]
 _Heading = Literal["E", "NE", "N", "NW", "W", "SW", "S", "SE"]
 _Number = Annotated[int, Field(ge=1, strict=True)]
+_IN_QUOTES = re.compile(r"\W*(?:v|vehicle)?\W*\d[\d\W]*", re.IGNORECASE)  # a vehicle of the record, as a text
 
 
 class RecordedManoeuvre(StrEnum):
@@ -223,6 +225,9 @@ class _CollisionFields(_Fields):
     def _of_two(self) -> "_CollisionFields":
         if self.striking is not None and self.striking == self.struck:
             raise ValueError(f"vehicle {self.striking} cannot collide with itself")
+        for each in (self.striking, self.struck):
+            if isinstance(each, str) and _IN_QUOTES.fullmatch(each):
+                raise ValueError(f"{each!r} would be an object; a vehicle is its number alone, without quotes")
         return self
 
     def collision(self) -> RecordedCollision | None:
@@ -257,11 +262,19 @@ class _CrashFields(_Fields):
         numbers = [each.number for each in self.vehicles]
         if len({*numbers}) != len(numbers):
             raise ValueError("one number is given to two vehicles")
+        for place, each in enumerate(self.collisions, 1):
+            for number in (each.striking, each.struck):
+                if isinstance(number, int) and number not in numbers:
+                    raise ValueError(f"collision {place} is of vehicle {number}, which is none of the vehicles")
         return self
 
 
+class _AlternativeFields(BaseModel):
+    road_type: list[_Road] = Field(default_factory=list)
+
+
 class _OracleFields(BaseModel):
-    alternatives: dict[str, list[Any]] = Field(default_factory=dict)
+    alternatives: _AlternativeFields = _AlternativeFields()
 
 
 class _RecordFile(_Fields):
@@ -272,7 +285,7 @@ class _RecordFile(_Fields):
 
     def record(self, name: str) -> CrashRecord:
         crash = self.crash
-        also = self.oracle.alternatives.get("road_type", []) if self.oracle is not None else []
+        also = self.oracle.alternatives.road_type if self.oracle is not None else []
         collisions = [each.collision() for each in crash.collisions]
         manoeuvres = {each.number: each.manoeuvre for each in crash.vehicles}
         impacts = [each.impact(manoeuvres) for each in crash.collisions]

@@ -115,5 +115,7 @@ def _vehicle(number: int, vehicle: DescribedVehicle) -> RecordedVehicle:
     heading = float(HEADING[vehicle.initial_position])
     to = None
     if isinstance(vehicle.action, Action):
-        to = math.remainder(heading + TURN[vehicle.action], 360.0)
+        # Who turns round goes back the way it came, though the language knows that as a turn to the left.
+        turn = 180.0 if vehicle.manoeuvre is Manoeuvre.U_TURN else TURN[vehicle.action]
+        to = math.remainder(heading + turn, 360.0)
     return RecordedVehicle(number, heading, to, manoeuvre)

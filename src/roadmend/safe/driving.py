@@ -1,8 +1,9 @@
 """What is done with crash reports, cut into jobs: one scenario to build or to drive, or one crash to reproduce."""
 
+import hashlib
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import RoadmendError
 from roadmend.core.journal import Key, entry_key
 from roadmend.measures.driver import driver_key
-from roadmend.safe.construction import CrashRole, draw_scenario
+from roadmend.safe.construction import CrashRole, draw_scenario, plain_name
 from roadmend.safe.reproduction import reproduce
 from roadmend.safe.trial import CrashTestEpisode, run_trial
 from roadmend.world.scenario import Scenario
@@ -82,6 +83,7 @@ class CrashTestResult:
         physical: whether everybody moved as vehicles can; None if nothing ran.
         episodes: that were driven.
         seconds: wall clock, building and driving.
+        digests: of these files as they were written, by file; another seed or budget gives others of the same names.
     """
 
     report: str
@@ -95,6 +97,7 @@ class CrashTestResult:
     physical: bool | None = None
     episodes: int = 0
     seconds: float = 0.0
+    digests: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def text(self) -> str:
@@ -113,11 +116,21 @@ def do(job: CrashTestJob) -> CrashTestResult:
     )
     try:
         done = _WORK[job.task](job, blank)
+        files = [file for file in (done.scenario, done.picture) if file]
+        done = replace(done, digests={file: digest_of(job.out / file) for file in files})
     except RoadmendError as error:
         done = replace(blank, note=str(error))
     except Exception as error:  # noqa: BLE001 - a fault of ours must not end the work on all other reports
         done = replace(blank, note=" ".join(f"{type(error).__name__}: {error}".split()))
     return replace(done, seconds=done.seconds or time.perf_counter() - begin)
+
+
+def digest_of(file: Path) -> str:
+    """SHA-256 of a file's content, hexadecimal; empty where there is none to read."""
+    try:
+        return hashlib.sha256(file.read_bytes()).hexdigest()
+    except OSError:
+        return ""
 
 
 def _build(job: CrashTestJob, blank: CrashTestResult) -> CrashTestResult:
@@ -157,7 +170,7 @@ def _driven(job: CrashTestJob, blank: CrashTestResult, scenario: Scenario, trial
     """The result of an episode, its scenario and picture written."""
     picture = ""
     if job.draw is not None:
-        picture = f"{PICTURES}/{scenario.name}-{job.policy}.png"
+        picture = f"{PICTURES}/{scenario.name}-{plain_name(job.policy)}.png"
         job.draw(scenario, trial, job.out / picture)
     return replace(
         blank, scenario=_save(job, scenario), picture=picture, driven=trial.summary, physical=trial.is_physical

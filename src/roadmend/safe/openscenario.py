@@ -20,6 +20,7 @@ from roadmend.world.network import network_file
 from roadmend.world.obstacle import Obstacle
 from roadmend.world.opendrive import write_opendrive
 from roadmend.world.road_network import RoadNetwork, read_network
+from roadmend.world.route_builder import build_route
 from roadmend.world.scenario import (
     Brake,
     CutIn,
@@ -36,6 +37,7 @@ from roadmend.world.scenario import (
     Vehicle,
 )
 from roadmend.world.steering import line_through
+from roadmend.world.traffic_file import traffic_xml
 
 EGO = "ego"
 _MINOR_VERSION = 2
@@ -78,7 +80,8 @@ def export_scenario(scenario: Scenario, folder: Path) -> tuple[Path, Path]:
         The two files.
 
     Raises:
-        InputError: the scenario has traffic of its own or people on foot, or the folder cannot be written.
+        InputError: the scenario has traffic of its own or people on foot, or cannot be run since it names an edge, lane
+            or place that is not there; or the folder cannot be written.
         SimulationError: netconvert cannot write the network.
     """
     if isinstance(scenario.network, SumoConfiguration):
@@ -87,9 +90,12 @@ def export_scenario(scenario: Scenario, folder: Path) -> tuple[Path, Path]:
         if isinstance(actor, Pedestrian):
             raise InputError(f"actors[{place}]", "people on foot are not exported", "leave them out")
     path = network_file(scenario.network)
+    network = read_network(path)
+    build_route(network, scenario)  # both refuse what a simulation would
+    traffic_xml(scenario, network)
     roads, story = folder / f"{scenario.name}.xodr", folder / f"{scenario.name}.xosc"
     write_opendrive(path, roads)
-    described = _Description(scenario, read_network(path)).build(roads.name)
+    described = _Description(scenario, network).build(roads.name)
     with written_beside(story) as beside:
         described.write_xml(str(beside))
     return story, roads
@@ -274,7 +280,7 @@ def _trajectory(vehicle: Vehicle, follow: Follow, name: str) -> xosc.FollowTraje
 
 def _trigger(vehicle: Vehicle, when: Trigger, name: str) -> xosc.ValueTrigger | xosc.EntityTrigger:
     if when.time is not None:
-        return _at(vehicle.depart + when.time if when.time < vehicle.depart else when.time)
+        return _at(max(when.time, vehicle.depart))  # counted from the episode's start, but who is not there waits
     assert when.ego_distance is not None
     near = xosc.RelativeDistanceCondition(
         when.ego_distance, xosc.Rule.lessThan, xosc.RelativeDistanceType.euclidianDistance, EGO, freespace=False

@@ -8,11 +8,12 @@ from pathlib import Path
 
 from pydantic import TypeAdapter
 
+from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal, Key
 from roadmend.safe.cases import CrashCase
-from roadmend.safe.construction import roles_of
-from roadmend.safe.driving import CrashTestJob, CrashTestResult, Drawing, Task, do
+from roadmend.safe.construction import plain_name, roles_of
+from roadmend.safe.driving import CrashTestJob, CrashTestResult, Drawing, Task, digest_of, do
 
 _WORK = ".work"  # folder for finished jobs in the output
 _FORMAT = "roadmend-safe-work/3"
@@ -30,15 +31,31 @@ def plan(
     seed: int = 0,
     draw: Drawing | None = None,
 ) -> list[CrashTestJob]:
-    """The jobs: the ego takes every role of every case in turn."""
+    """The jobs: the ego takes every role of every case in turn.
+
+    Raises:
+        InputError: two cases or two policies would write over each other's files.
+    """
+    readable = [(case.name, case.crash) for case in cases if case.crash is not None]
+    _check_names("case", [name for name, _ in readable])
+    _check_names("policy", policies)
     return [
         CrashTestJob(task, role, policy, seed, index, budget, out, draw)
         for policy in policies
-        for case in cases
-        if case.crash is not None
-        for role in roles_of(case.name, case.crash)
+        for name, crash in readable
+        for role in roles_of(name, crash)
         for index in range(samples)
     ]
+
+
+def _check_names(noun: str, given: Iterable[str]) -> None:
+    """Raise InputError where two would write over each other's files, which are called by both."""
+    found: dict[str, str] = {}
+    for each in given:
+        name = plain_name(each)
+        other = found.setdefault(name, each)
+        if other != each:
+            raise InputError(f"{noun} {each}", f"is called {name!r} in names of files, as {other} is", "rename one")
 
 
 def do_all(jobs: Sequence[CrashTestJob], out: Path, workers: int, told: Callable[[int], None]) -> list[CrashTestResult]:
@@ -69,6 +86,6 @@ def do_all(jobs: Sequence[CrashTestJob], out: Path, workers: int, told: Callable
 
 
 def _is_done(journal: Journal, key: Key, out: Path) -> bool:
-    """Whether a result is there, and the files that it names are."""
+    """Whether a result is there, and the files that it names are as they were: the judge goes by them."""
     kept = journal.get(key)
-    return kept is not None and all((out / kept[name]).is_file() for name in ("scenario", "picture") if kept[name])
+    return kept is not None and all(digest_of(out / file) == digest for file, digest in kept["digests"].items())

@@ -1,12 +1,21 @@
 """What a scenario's map says of a place on it, and where a vehicle's way leads."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from roadmend.world.network import network_file
 from roadmend.world.road_network import read_network
-from roadmend.world.scenario import IntersectionNetwork, Network, OnRampNetwork, OpenRoadNetwork, Scenario, Vehicle
+from roadmend.world.scenario import (
+    Follow,
+    IntersectionNetwork,
+    Network,
+    OnRampNetwork,
+    OpenRoadNetwork,
+    Scenario,
+    Vehicle,
+)
 
 ACCESS_LENGTH = 60.0  # [m] up to which an arm is an access to a property and no road
 _AT_JUNCTION = 50.0  # [m] from a junction's middle within which a place belongs to it
@@ -62,21 +71,28 @@ def beside_its_way(scenario: Scenario, actor: str, x: float, y: float) -> float:
     return min((_beside(each[min(vehicle.lane, len(each) - 1)].shape, x, y) for each in lanes), key=abs)
 
 
-def heading_at_end(scenario: Scenario, actor: str | None) -> list[float]:
+def heading_at_end(scenario: Scenario, actor: str | None, *, of_route: bool = False) -> list[float]:
     """Headings [rad] that describe where a vehicle goes: at the end of its way, and in a bend at the middle of it too.
+
+    Its way is its route or, where it follows a line of its own, that line: a U-turn leads back.
 
     Args:
         scenario: what was run.
         actor: name of a vehicle; None for the ego.
+        of_route: whether its line is not asked for, since that leads where it did not mean to go.
     """
     vehicles = {each.id: each for each in scenario.actors if isinstance(each, Vehicle)}
     if actor is not None and actor not in vehicles:
         return [math.nan]
+    manoeuvres = [] if actor is None or of_route else vehicles[actor].manoeuvres
+    follow = next((each for each in reversed(manoeuvres) if isinstance(each, Follow)), None)
+    if follow is not None:
+        return [_heading(*follow.points[-2:]) + (math.pi if follow.backwards else 0.0)]
     route = scenario.ego.route if actor is None else vehicles[actor].route
     shape = read_network(network_file(scenario.network)).edges[route[-1]].car_lanes[0].shape
     headings = [_heading(shape[-2], shape[-1])]
     if len(route) == 1:
-        headings = [_heading(shape[0], shape[1]), _heading(*shape[(len(shape) - 1) // 2 :][:2]), *headings]
+        headings = [_heading(*shape[(len(shape) - 1) // 2 :][:2]), *headings]
     return headings
 
 
@@ -91,5 +107,5 @@ def _beside(shape: np.ndarray, x: float, y: float) -> float:
     return math.copysign(float(gaps[nearest]), float(left))
 
 
-def _heading(begin: np.ndarray, end: np.ndarray) -> float:
+def _heading(begin: Sequence[float] | np.ndarray, end: Sequence[float] | np.ndarray) -> float:
     return math.atan2(float(end[1] - begin[1]), float(end[0] - begin[0]))

@@ -49,7 +49,7 @@ def check_destination(run: Run, record: CrashRecord, number: int, last: int | No
     if vehicle.destination is None or not len(run.film.track(name)):
         return ""
     backwards = math.pi if vehicle.reverses else 0.0
-    headings = heading_at_end(run.scenario, None if name == run.film.ego_name else name)
+    headings = heading_at_end(run.scenario, None if name == run.film.ego_name else name, of_route=last is not None)
     if last is not None:
         track = run.film.track(name)
         headings = [*headings, *track[track[:, 0] <= last][-1:, 3]]

@@ -1,0 +1,46 @@
+"""A call goes on where an earlier one ended, and only where the files are still those that it made."""
+
+from pathlib import Path
+
+import pytest
+
+from roadmend.core.errors import InputError
+from roadmend.safe.cases import CrashCase
+from roadmend.safe.driving import Task
+from roadmend.safe.planning import do_all, plan
+from roadmend.world.scenario_file import load_scenario
+
+from .crashes import HEAD_ON
+
+
+def build(out, seed):
+    """The seeds of the scenarios that the results of a call name, and how many jobs an earlier call had done."""
+    told = []
+    jobs = plan(Task.BUILD, [CrashCase("head-on", HEAD_ON)], [""], out, samples=1, seed=seed)
+    results = do_all(jobs, out, 1, told.append)
+    return [load_scenario(out / result.scenario).seed for result in results], told[0]
+
+
+def test_a_call_with_another_seed_does_not_leave_its_scenarios_to_the_first_one(tmp_path):
+    assert build(tmp_path, 1) == ([1, 1], 0)
+    assert build(tmp_path, 1) == ([1, 1], 2)
+    assert build(tmp_path, 2) == ([2, 2], 0)
+    assert build(tmp_path, 1) == ([1, 1], 0)
+    assert build(tmp_path, 1) == ([1, 1], 2)
+    next((tmp_path / "scenarios").iterdir()).unlink()
+    assert build(tmp_path, 1) == ([1, 1], 1)
+
+
+@pytest.mark.parametrize("names", [("事故一", "事故二"), ("crash 1", "crash-1")])
+def test_reports_whose_files_would_have_one_name_are_refused(names, tmp_path):
+    cases = [CrashCase(name, HEAD_ON) for name in names]
+    with pytest.raises(InputError, match=f"case {names[1]}: is called .* as {names[0]} is"):
+        plan(Task.BUILD, cases, [""], tmp_path)
+    assert len(plan(Task.BUILD, [cases[0], CrashCase(names[1], None)], [""], tmp_path)) == 2
+
+
+def test_policies_whose_files_would_have_one_name_are_refused(tmp_path):
+    cases = [CrashCase("head-on", HEAD_ON)]
+    with pytest.raises(InputError, match=r"policy a-b\.safetensors: is called"):
+        plan(Task.TEST, cases, ["a/b.safetensors", "a-b.safetensors"], tmp_path)
+    assert plan(Task.TEST, cases, ["modular", "modular"], Path("out"))
