@@ -1,11 +1,13 @@
 """Recorded exchanges: written, read back, replayed, and nothing beyond."""
 
 import contextlib
+import json
 
 import pytest
 
 from roadmend.core.errors import InputError
 from roadmend.language.chat import (
+    AnswerError,
     ChatMessage,
     ChatRole,
     Image,
@@ -14,6 +16,7 @@ from roadmend.language.chat import (
     RefusalError,
     Reply,
     Request,
+    UnavailableError,
 )
 from roadmend.language.exchange import RecordingModel, ReplayModel, dump_exchanges, load_exchanges
 
@@ -61,6 +64,64 @@ def test_what_failed_fails_again(recording):
         ReplayModel(recording).ask(BAD)
 
 
+class Failing:
+    def __init__(self, error):
+        self.error = error
+
+    def ask(self, request):
+        raise self.error
+
+
+class OwnError(AnswerError):
+    """Of a model of somebody's own."""
+
+
+@pytest.mark.parametrize(
+    ("kind", "again"),
+    [
+        (AnswerError, AnswerError),
+        (RefusalError, RefusalError),
+        (UnavailableError, UnavailableError),
+        (NotRecordedError, NotRecordedError),
+        (LanguageError, LanguageError),
+        (OwnError, AnswerError),
+    ],
+)
+def test_of_the_kind_that_it_failed_with(kind, again, tmp_path):
+    recorder = RecordingModel(Failing(kind("cut off")))
+    with pytest.raises(kind):
+        recorder.ask(GOOD)
+    path = tmp_path / "case.exchanges.jsonl"
+    path.write_text(dump_exchanges(recorder.exchanges))
+    with pytest.raises(LanguageError, match="cut off") as caught:
+        ReplayModel(path).ask(GOOD)
+    assert type(caught.value) is again
+
+
+@pytest.mark.parametrize("kind", [{}, {"kind": "Unheard"}])
+def test_a_recording_without_the_kind_or_with_a_later_one_is_read(kind, tmp_path):
+    path = tmp_path / "case.exchanges.jsonl"
+    old = {"digest": GOOD.digest(), "request": {}, "reply": None, "error": "cut off"}
+    path.write_text(json.dumps(old | kind) + "\n")
+    with pytest.raises(LanguageError, match="cut off") as caught:
+        ReplayModel(path).ask(GOOD)
+    assert type(caught.value) is LanguageError
+
+
+def test_what_ends_a_line_to_unicode_does_not_in_a_recording(tmp_path):
+    class Odd:
+        def ask(self, request):
+            return Reply("a\u2028b\u2029c\u0085d\x0be\x1cf\r\ng", "odd")
+
+    recorder = RecordingModel(Odd())
+    recorder.ask(GOOD)
+    path = tmp_path / "case.exchanges.jsonl"
+    path.write_text(dump_exchanges(recorder.exchanges), encoding="utf-8")
+    assert load_exchanges(path) == tuple(recorder.exchanges)
+    path.write_text("")
+    assert load_exchanges(path) == ()
+
+
 @pytest.mark.parametrize("other", [request("other"), request("good", b"2"), Request("answer", GOOD.messages, {})])
 def test_a_request_that_was_not_recorded(recording, other):
     with pytest.raises(NotRecordedError):
@@ -73,5 +134,9 @@ def test_recordings_that_are_none(tmp_path):
     with pytest.raises(InputError, match="no such file"):
         ReplayModel(tmp_path / "missing.jsonl")
     (tmp_path / "x.exchanges.jsonl").write_text('{"digest": 1}\n')
+    with pytest.raises(InputError, match="line 1: is no exchange"):
+        ReplayModel(tmp_path)
+    broken = {"digest": "1", "request": {}, "reply": None, "error": "no", "kind": ["AnswerError"]}
+    (tmp_path / "x.exchanges.jsonl").write_text(json.dumps(broken) + "\n")
     with pytest.raises(InputError, match="line 1: is no exchange"):
         ReplayModel(tmp_path)

@@ -132,6 +132,11 @@ class TestWhatIsNotTaken:
         assert all(isinstance(message["content"], str) for message in sent[-1]["messages"])
         assert PICTURES in record
 
+    def test_a_picture_that_is_not_taken_says_nothing_of_the_next_one(self):
+        reply, sent, _ = ask(turned_down("Invalid image: image/bmp"), completion(RED), completion(RED), times=2)
+        assert ["image_url" in shown(body) for body in sent] == [True, False, True]
+        assert reply.left_out == ()
+
     def test_a_request_without_pictures_lacks_none(self):
         words = Request("answer", REQUEST.messages[:2], SCHEMA)
         reply, _, _ = ask(Picky(images="no images"), request=words)
@@ -236,6 +241,13 @@ def test_two_answers_are_none():
 def test_text_without_an_answer_is_handed_on_to_be_refused():
     assert ask(completion("I do not know {that}."))[0].text == "I do not know {that}."
     assert ask(completion("{" * 100_000))[0].text.startswith("{{")
+
+
+@pytest.mark.timeout(30)
+@pytest.mark.parametrize("text", ["<title>", "<title"])
+def test_a_page_of_marks_without_an_end_is_looked_at_once(text):
+    with pytest.raises(AnswerError, match="a page for people"):
+        ask(text.encode() * 200_000)  # from each of them to the end it would outlast the tests
 
 
 HTML = b"<!DOCTYPE html><html><head><title>502\n Bad Gateway</title></head><body>nginx</body></html>"

@@ -166,6 +166,10 @@ class TestSettings:
             ("timeout: 0", "field timeout"),
             ("attempts: 0", "field attempts"),
             ("base_url: ftp://x", "field base_url"),
+            ("base_url: http://localhost:80o0/v1", "field base_url.* is no address.*such as http://localhost:8000/v1"),
+            ("base_url: http://localhost:99999/v1", "field base_url.* is no address"),
+            (f"base_url: 'http://user:{KEY}:8000/v1'", "field base_url.* is no address"),
+            ("base_url: http:///v1", "field base_url.* is no address"),
         ],
     )
     def test_broken_files(self, tmp_path, text, complaint):
@@ -174,6 +178,10 @@ class TestSettings:
         with pytest.raises(InputError, match=complaint) as caught:
             read_openai_settings(file, {"OPENAI_API_KEY": KEY})
         assert KEY not in str(caught.value)
+
+    def test_a_wrong_port_in_the_environment(self):
+        with pytest.raises(InputError, match=r"environment: field base_url.* is no address"):
+            read_openai_settings(None, {"OPENAI_API_KEY": KEY, "OPENAI_BASE_URL": "http://localhost:80o0/v1"})
 
     def test_a_missing_file(self, tmp_path):
         with pytest.raises(InputError, match="no such file"):

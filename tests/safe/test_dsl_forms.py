@@ -2,6 +2,7 @@
 
 import json
 import tracemalloc
+from datetime import date
 
 import pytest
 from hypothesis import given, settings
@@ -154,6 +155,11 @@ def changed(**changes):
         (changed(impacts=[{"striking": 1, "object": "Cow"}]), r"field impacts\[0\].object: .*Animal"),
         (changed(impacts=[{"striking": 1, "roadside": "Front"}]), r"field impacts\[0\].roadside"),
         (changed(impacts={}), "impacts"),
+        (changed(num_lanes=16**270), r"field num_lanes: \d{57}\.\.\. is no number"),
+        (changed(vehicles=[changed()["vehicles"][1] | {"action": [[16**270, 0]]}]), r"action\[0\]: .* is no point"),
+        (changed(road_type={date(2020, 1, 1): 1}), r"field road_type: \{datetime.*is none of"),
+        (changed(**{"x-when": date(2020, 1, 1)}), 'field x-when: holds .*"2020-01-01"; write it in quotes'),
+        (changed(env={"time": None, "weather": None, "x-a": {date(2020, 1, 1): 1}}), "field env.x-a: holds"),
     ],
 )
 def test_data_is_checked(content, complaint):

@@ -1,11 +1,14 @@
 """Reports on disk, whole and broken."""
 
+import errno
 import io
+from pathlib import Path
 
 import pytest
 from PIL import Image
 
 from roadmend.core.errors import InputError
+from roadmend.safe.cases import gather_cases
 from roadmend.safe.report import MAX_SUMMARY, find_reports, load_report
 
 
@@ -85,6 +88,29 @@ def test_finding_reports(folder):
     with pytest.raises(InputError, match=r"case: has the name of .*case; rename one of them"):
         find_reports(folder, folder.parent)
     assert find_reports(folder.parent / "other.txt") == (folder.parent / "other.txt",)
+
+
+def test_a_folder_that_may_not_be_read_is_named(folder, monkeypatch):
+    closed = folder.parent / "closed"
+    closed.mkdir()
+    is_file, listed = Path.is_file, Path.iterdir
+
+    def refused(path):
+        raise PermissionError(errno.EACCES, "Permission denied", str(path))
+
+    # As root, which may read everything, no folder would do.
+    monkeypatch.setattr(Path, "iterdir", lambda path: refused(path) if path == closed else listed(path))
+    complaint = r"closed: cannot be read \(Permission denied\); make it readable"
+    for call in (find_reports, load_report, lambda path: gather_cases([path])):
+        with pytest.raises(InputError, match=complaint):
+            call(closed)
+    for call in (find_reports, lambda path: gather_cases([path])):
+        with pytest.raises(InputError, match=complaint):
+            call(folder.parent)
+    monkeypatch.setattr(Path, "iterdir", listed)
+    monkeypatch.setattr(Path, "is_file", lambda path: refused(path) if path.parent == folder else is_file(path))
+    with pytest.raises(InputError, match=r"summary.txt: cannot be read"):  # one may list it and go no further
+        find_reports(folder.parent)
 
 
 def test_no_reports(folder):

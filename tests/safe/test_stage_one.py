@@ -213,7 +213,7 @@ def test_an_endpoint_without_pictures_is_asked_with_the_summary_alone():
 
     extraction, requests = run(blind)
     assert [bool(images(body)) for body in requests] == [True, False, False, False, False]
-    assert extraction.sketch.startswith("not read: the endpoint takes no pictures")
+    assert extraction.sketch.startswith("not read: the endpoint did not take the picture")
     assert dump_data(extraction.scenario) == TRUTH
 
 
@@ -282,6 +282,9 @@ def test_a_wrong_meta_message_is_asked_for_again():
         (scenario(vehicles=[TRUTH["vehicles"][0] | {"model": "Tank"}]), r"field vehicles\[0\].model"),
         (scenario(env={"time": "Daytime"}), "field env.weather"),
         (scenario(road_type="Straight"), "field stem_direction"),
+        (scenario(**{"x-sources": [1, 2]}), "field x-sources was not asked for"),
+        (scenario(env=TRUTH["env"] | {"x-note": "wet"}), "field x-note"),
+        (scenario(vehicles=[each | {"x-colour": {}} for each in TRUTH["vehicles"]]), "field x-colour"),
     ],
     ids=[
         "broken JSON",
@@ -295,6 +298,9 @@ def test_a_wrong_meta_message_is_asked_for_again():
         "unknown model",
         "missing field",
         "contradiction",
+        "field of one's own",
+        "field of one's own of the environment",
+        "field of one's own of a vehicle",
     ],
 )
 def test_answers_that_cannot_be_encoded_are_asked_for_again_within_the_bound(answer, complaint):
@@ -327,6 +333,7 @@ def test_meta_messages_that_cannot_be_encoded(meta, complaint):
         ({"verdict": "Fail", "problems": ["num_lanes is 4"]}, "num_lanes is 4"),
         ({"verdict": "Fail", "problems": []}, "no reason"),
         ({"verdict": "Maybe", "problems": []}, "neither Pass nor Fail"),
+        ({"verdict": ["Pass"], "problems": []}, "neither Pass nor Fail"),
         ("Pass", "broken JSON"),
     ],
 )
@@ -364,6 +371,20 @@ def test_a_run_is_replayed_from_its_exchanges(tmp_path):
     (tmp_path / "case.exchanges.jsonl").write_text(dump_exchanges(extraction.exchanges))
     again = LanguageExtractor(ReplayModel(tmp_path), StageOneOptions()).extract(REPORT)
     assert again == extraction
+
+
+@pytest.mark.parametrize("failed", [completion(""), completion("{", choice={"finish_reason": "length"})])
+def test_so_is_one_in_which_an_attempt_failed(failed, tmp_path):
+    brain = Brain(answers=[(200, {}, failed), scenario()], verdicts=[PASS, (200, {}, failed), PASS])
+    extraction, _ = run(brain)
+    assert brain.asked.count("scenario") == 3
+    (tmp_path / "case.exchanges.jsonl").write_text(dump_exchanges(extraction.exchanges))
+    assert LanguageExtractor(ReplayModel(tmp_path), StageOneOptions()).extract(REPORT) == extraction
+
+
+def test_another_report_is_not_in_a_recording(tmp_path):
+    extraction, _ = run(Brain())
+    (tmp_path / "case.exchanges.jsonl").write_text(dump_exchanges(extraction.exchanges))
     other = CrashReport("other", "V1 hit V2.")
     with pytest.raises(ExtractionError, match="recording has no"):
         LanguageExtractor(ReplayModel(tmp_path), StageOneOptions()).extract(other)

@@ -9,9 +9,9 @@ from roadmend.core.errors import InputError
 from roadmend.core.json_text import parse_json
 from roadmend.language.chat import AnswerError
 
-_THOUGHTS = re.compile(r"<(think|thinking|thought|reasoning)>.*?</\1>", re.DOTALL | re.IGNORECASE)
-_END_OF_THOUGHTS = re.compile(r"</(?:think|thinking|thought|reasoning)>", re.IGNORECASE)
-_FENCE = re.compile(r"```[\w+-]*[ \t]*\n(.*?)\n?[ \t]*```", re.DOTALL)
+# Marks are looked for one by one: a pattern of a begin, anything and an end looks through the rest from every begin.
+_MARK_OF_THOUGHTS = re.compile(r"<(/?)(think|thinking|thought|reasoning)>", re.IGNORECASE | re.ASCII)
+_FENCE, _BEGIN_OF_FENCE = "```", re.compile(r"```[\w+-]*[ \t]*\n")
 _PLACES = 200  # in a text where an object may begin, at most
 _DECODER = json.JSONDecoder()
 
@@ -43,15 +43,33 @@ def json_in(text: str, schema: Mapping[str, Any]) -> str:
 
 
 def _without_thoughts(text: str) -> str:
-    # Some servers take the opening mark away, since it stands in the template of the prompt.
-    return _END_OF_THOUGHTS.split(_THOUGHTS.sub("", text))[-1]
+    marks = [(*mark.span(), bool(mark[1]), mark[2].lower()) for mark in _MARK_OF_THOUGHTS.finditer(text)]
+    last_ends = {name: begin for begin, _, is_end, name in marks if is_end}
+    parts: list[str] = []
+    place, thinking = 0, ""
+    for begin, end, is_end, name in marks:
+        if not thinking and not is_end and last_ends.get(name, -1) > begin:
+            parts.append(text[place:begin])
+            thinking = name
+        elif is_end and thinking in {name, ""}:
+            if not thinking:
+                # Some servers take the opening mark away, since it stands in the template of the prompt.
+                parts.clear()
+            place, thinking = end, ""
+    return "".join(parts) + text[place:]
 
 
 def _fenced(text: str) -> Iterator[tuple[str, dict[str, Any]]]:
-    for match in _FENCE.finditer(text):
-        content = _object(match[1])
+    begin = _BEGIN_OF_FENCE.search(text)
+    while begin is not None:
+        end = text.find(_FENCE, begin.end())
+        if end < 0:
+            return
+        part = text[begin.end() : end].strip()
+        content = _object(part)
         if content is not None:
-            yield match[1].strip(), content
+            yield part, content
+        begin = _BEGIN_OF_FENCE.search(text, end + len(_FENCE))
 
 
 def _bare(text: str) -> Iterator[tuple[str, dict[str, Any]]]:

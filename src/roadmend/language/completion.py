@@ -10,6 +10,7 @@ from roadmend.core.json_text import parse_json
 from roadmend.language.chat import AnswerError, RefusalError, UnavailableError
 
 _SHOWN = 200  # [characters] of what an endpoint says
+_LOOKED_THROUGH = 5000  # [characters] of a page, for the patterns below look through the rest from every begin
 _TITLE = re.compile(r"<title[^>]*>(.*?)</title>", re.IGNORECASE | re.DOTALL)
 _MARKUP = re.compile(r"<[^>]*>")
 FILTERED = "content_filter"  # an endpoint's word for an answer, or a question, that it withholds
@@ -122,7 +123,8 @@ def _count(value: Any) -> int:
 def one_line(text: str) -> str:
     """What an endpoint says, short and on one line; of a page for people its title or its words."""
     if text.lstrip().startswith("<"):
-        title = _TITLE.search(text)
-        text = title[1] if title else _MARKUP.sub(" ", text[:5000])
+        page = text[:_LOOKED_THROUGH]
+        title = _TITLE.search(page)
+        text = title[1] if title else _MARKUP.sub(" ", page)
     text = " ".join(text.split())
     return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 3]}..."

@@ -2,6 +2,7 @@
 
 import base64
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -35,8 +36,13 @@ _OF_IMAGES = (
     "payload too large",
     "entity too large",
 )
+# Such words are of a picture, or of pictures together, and say nothing of the next ones.
+_OF_ONE_PICTURE = re.compile(
+    r"too (large|big|many)|at most [1-9]|\b(exceed|format|mime|media.type|size|dimension|resolution|pixel|corrupt)"
+    r"|\b(decode|decoding)\b|\b(identify|load|process|invalid|unsupported) image\b"
+)
 _OF_ROLES = ("system role", "system message", "roles must alternate", "alternate user/assistant")
-_NO_PICTURE = "[A picture belongs here. The endpoint takes none, so go by the text alone.]"
+_NO_PICTURE = "[A picture belongs here. The endpoint does not take it, so go by the text alone.]"
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +52,7 @@ class EndpointHabits:
     Attributes:
         form: how it can be told the form of the answer.
         images: whether pictures may be sent.
+        these_images: whether those of the request at hand may be; it says nothing of other requests.
         temperature: whether it may be set.
         limit: name of the parameter that bounds the answer; None for no bound.
         alternates: whether roles have to alternate between user and assistant, with no system among them.
@@ -53,6 +60,7 @@ class EndpointHabits:
 
     form: AnswerForm = AnswerForm.JSON_SCHEMA
     images: bool = True
+    these_images: bool = True
     temperature: bool = True
     limit: str | None = "max_completion_tokens"
     alternates: bool = False
@@ -66,8 +74,8 @@ class EndpointHabits:
             max_tokens: bound of the answer, where one is asked for.
         """
         said = complaint.lower()
-        if self.images and has_images(request) and any(word in said for word in _OF_IMAGES):
-            return replace(self, images=False)
+        if self._sends_images and has_images(request) and any(word in said for word in _OF_IMAGES):
+            return replace(self, these_images=False) if _OF_ONE_PICTURE.search(said) else replace(self, images=False)
         if self.form in _LAXER and any(word in said for word in _OF_FORM):
             return replace(self, form=_LAXER[self.form])
         if self.temperature and "temperature" in said:
@@ -77,6 +85,15 @@ class EndpointHabits:
         if not self.alternates and any(word in said for word in _OF_ROLES):
             return replace(self, alternates=True)
         return None
+
+    @property
+    def lasting(self) -> "EndpointHabits":
+        """What is to be remembered for other requests."""
+        return replace(self, these_images=True)
+
+    @property
+    def _sends_images(self) -> bool:
+        return self.images and self.these_images
 
     def body(self, request: Request, max_tokens: int | None) -> dict[str, Any]:
         """The fields of a request to the endpoint, its model apart."""
@@ -100,7 +117,7 @@ class EndpointHabits:
     def left_out(self, request: Request) -> tuple[str, ...]:
         """What of a request is not sent as it was meant."""
         lacks = []
-        if not self.images and has_images(request):
+        if not self._sends_images and has_images(request):
             lacks.append(PICTURES)
         if self.form is not AnswerForm.JSON_SCHEMA:
             lacks.append("the schema as a parameter")
@@ -109,7 +126,7 @@ class EndpointHabits:
         return tuple(lacks)
 
     def _message(self, message: ChatMessage) -> dict[str, Any]:
-        parts = [part if isinstance(part, str) or self.images else _NO_PICTURE for part in message.parts]
+        parts = [part if isinstance(part, str) or self._sends_images else _NO_PICTURE for part in message.parts]
         texts = [part for part in parts if isinstance(part, str)]
         if len(texts) == len(parts):  # a plain text is what every endpoint takes
             return {"role": message.role.value, "content": "\n\n".join(texts)}

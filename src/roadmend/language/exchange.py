@@ -1,6 +1,7 @@
 """Exchanges with a language model on record, kept with every result; and a model that answers from a record."""
 
 import hashlib
+import io
 import json
 import threading
 from collections import defaultdict, deque
@@ -13,7 +14,19 @@ from roadmend.core.bounded_file import read_bytes, read_text
 from roadmend.core.bounds import TEXT
 from roadmend.core.errors import InputError
 from roadmend.core.json_text import parse_json
-from roadmend.language.chat import ChatModel, LanguageError, NotRecordedError, Reply, Request
+from roadmend.language.chat import (
+    AnswerError,
+    ChatModel,
+    LanguageError,
+    NotRecordedError,
+    RefusalError,
+    Reply,
+    Request,
+    UnavailableError,
+)
+
+# What can fail, by the names that recordings have for it; who asks goes on after one, and gives up after another.
+_KINDS = {kind.__name__: kind for kind in (AnswerError, RefusalError, UnavailableError, NotRecordedError)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,12 +38,14 @@ class Exchange:
         request: as plain data.
         reply: None where there was none.
         error: what went wrong then.
+        kind: of that error; None where it has none of its own, and in recordings that are older than this field.
     """
 
     digest: str
     request: Mapping[str, Any]
     reply: Reply | None
     error: str | None = None
+    kind: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +109,8 @@ class RecordingModel:
         try:
             reply = self.model.ask(request)
         except LanguageError as error:
-            self.exchanges.append(Exchange(request.digest(), request.as_record(), None, str(error)))
+            kind = next((name for name, kind in _KINDS.items() if isinstance(error, kind)), None)
+            self.exchanges.append(Exchange(request.digest(), request.as_record(), None, str(error), kind))
             raise
         self.exchanges.append(Exchange(request.digest(), request.as_record(), reply))
         return reply
@@ -112,13 +128,15 @@ def load_exchanges(path: Path) -> tuple[Exchange, ...]:
         InputError: the file cannot be read or a line of it is no exchange.
     """
     mend = "give a recording of exchanges"
-    lines = read_text(path, TEXT, mend).splitlines()
+    # Not splitlines: what ends a line to Unicode stands within an answer as it is.
+    lines = io.StringIO(read_text(path, TEXT, mend))
     exchanges = []
     for number, line in enumerate(lines, start=1):
         try:
             content = parse_json(line, f"{path}, line {number}")
             reply = None if content["reply"] is None else _reply(content["reply"])
-            exchanges.append(Exchange(content["digest"], content["request"], reply, content["error"]))
+            kind = content.get("kind") if content.get("kind") in _KINDS else None
+            exchanges.append(Exchange(content["digest"], content["request"], reply, content["error"], kind))
         except (InputError, KeyError, TypeError):
             raise InputError(f"{path}, line {number}", "is no exchange", mend) from None
     return tuple(exchanges)
@@ -160,7 +178,7 @@ class ReplayModel:
 
         Raises:
             NotRecordedError: this was never asked, or not as often.
-            LanguageError: the recorded exchange failed.
+            LanguageError: the recorded exchange failed; of the kind that it failed with.
         """
         digest = request.digest()
         with self.lock:
@@ -172,5 +190,6 @@ class ReplayModel:
                 "it belongs to other reports, or to another version of the prompts"
             )
         if exchange.reply is None:
-            raise LanguageError(exchange.error or "the recorded exchange failed")
+            kind = _KINDS.get(exchange.kind or "", LanguageError)
+            raise kind(exchange.error or "the recorded exchange failed")
         return exchange.reply

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
+import httpx2
 import openai
-from pydantic import ConfigDict, Field, SecretStr
+from pydantic import ConfigDict, Field, SecretStr, field_validator
 
 from roadmend.core.bounds import REPLY, Bounds
 from roadmend.core.errors import InputError
@@ -48,6 +49,18 @@ class OpenAISettings(Parameters):
     max_tokens: int | None = Field(default=None, ge=1, description="of one answer; None leaves it to the endpoint")
     input_price: float | None = Field(default=None, ge=0, description="[US dollars per million tokens]")
     output_price: float | None = Field(default=None, ge=0, description="[US dollars per million tokens]")
+
+    @field_validator("base_url")
+    @classmethod
+    def _is_address(cls, value: str) -> str:
+        """What the client would stumble over; without its words, for there may be a password in the address."""
+        try:
+            host, port = httpx2.URL(value).host, urlsplit(value).port
+        except (httpx2.InvalidURL, ValueError):
+            host, port = "", None
+        if not host or port == 0:
+            raise ValueError("is no address with a host and perhaps a port, such as http://localhost:8000/v1")
+        return value
 
     @property
     def place(self) -> str:
@@ -190,7 +203,7 @@ class OpenAIModel:
                 _LOGGER.info("%s: %s; asked again without", self.settings.place, told)
                 habits = lesser
                 continue
-            self.habits = habits
+            self.habits = habits.lasting
             return response.content, response.headers.get("content-type", ""), habits
 
     def _cost(self, given: int, made: int) -> float | None:

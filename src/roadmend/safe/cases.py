@@ -10,7 +10,7 @@ from roadmend.safe.dsl import CrashScenario
 from roadmend.safe.dsl_file import load_crash_scenario
 from roadmend.safe.embedded import EmbeddedExtractor
 from roadmend.safe.extraction import Extraction
-from roadmend.safe.report import LANGUAGE_SUFFIXES, CrashReport, case_of, find_reports, load_report
+from roadmend.safe.report import LANGUAGE_SUFFIXES, CrashReport, case_of, find_reports, load_report, looking_through
 
 _EVIDENCE = ".evidence"  # what 'roadmend safe extract' writes beside a scenario
 
@@ -43,7 +43,7 @@ def gather_cases(paths: Sequence[Path]) -> list[CrashCase]:
     ``.txt``, else of the scenario language.
 
     Raises:
-        InputError: a path holds nothing of the kind, or two cases have one name.
+        InputError: a path holds nothing of the kind, a folder cannot be read, or two cases have one name.
     """
     cases: dict[str, CrashCase] = {}
     for path in paths:
@@ -55,17 +55,21 @@ def gather_cases(paths: Sequence[Path]) -> list[CrashCase]:
 
 
 def _cases_of(path: Path) -> list[CrashCase]:
-    if path.is_file() and path.suffix.lower() != ".txt":
-        return [_from_language(path)]
-    if path.is_dir():
-        files = [
-            each
-            for each in sorted(path.iterdir())
-            if each.suffix in LANGUAGE_SUFFIXES and not each.stem.endswith(_EVIDENCE)
-        ]
-        if files and not any(each.is_dir() or each.suffix.lower() == ".txt" for each in path.iterdir()):
-            return [_from_language(each) for each in files]
+    with looking_through():
+        files = _of_language(path)
+    if files:
+        return [_from_language(each) for each in files]
     return [_from_report(each) for each in find_reports(path)]
+
+
+def _of_language(path: Path) -> list[Path]:
+    """The files of the scenario language that a path stands for; none where it is, or may hold, a report."""
+    if path.is_file() and path.suffix.lower() != ".txt":
+        return [path]
+    entries = sorted(path.iterdir()) if path.is_dir() else []
+    if any(each.is_dir() or each.suffix.lower() == ".txt" for each in entries):
+        return []
+    return [each for each in entries if each.suffix in LANGUAGE_SUFFIXES and not each.stem.endswith(_EVIDENCE)]
 
 
 def _from_language(path: Path) -> CrashCase:

@@ -1,7 +1,7 @@
 """A scenario as plain data, the shape that JSON and YAML share, and back, strictly."""
 
 import json
-import math
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from enum import StrEnum
 from typing import Any, TypeVar
@@ -139,7 +139,14 @@ class _Parser:
         for name in needed:
             if name not in content:
                 raise self.fail(_join(field, name), "is missing", "write null where the report does not say")
-        return content, {str(name): value for name, value in content.items() if str(name).startswith(EXTRA_PREFIX)}
+        extras = {str(name): value for name, value in content.items() if str(name).startswith(EXTRA_PREFIX)}
+        for name, value in extras.items():
+            try:
+                json.dumps(value)
+            except TypeError:
+                what = f"holds what JSON does not have: {_shown(value)}"
+                raise self.fail(_join(field, name), what, "write it in quotes, as a text") from None
+        return content, extras
 
     def word(self, content: Mapping[str, Any], parent: str, name: str, words: type[Word]) -> Word | None:
         value = content.get(name)
@@ -154,9 +161,7 @@ class _Parser:
 
     def number(self, content: Mapping[str, Any], parent: str, name: str) -> float | None:
         value = content.get(name)
-        if value is not None and (
-            not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value)
-        ):
+        if value is not None and not _is_number(value):
             raise self.fail(_join(parent, name), f"{_shown(value)} is no number", "give a number, or null")
         return value
 
@@ -241,10 +246,7 @@ class _Parser:
         points = []
         for index, point in enumerate(content):
             pair = list(point) if isinstance(point, Sequence) and not isinstance(point, str) else []
-            if len(pair) != 2 or not all(
-                isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-                for value in pair
-            ):
+            if len(pair) != 2 or not all(map(_is_number, pair)):
                 raise self.fail(f"{field}[{index}]", f"{_shown(point)} is no point", "give [x, y] in metres")
             points.append((float(pair[0]), float(pair[1])))
         return tuple(points)
@@ -291,6 +293,14 @@ def _join(parent: str, name: str) -> str:
     return f"{parent}.{name}" if parent else name
 
 
+def _is_number(value: object) -> bool:
+    """Whether it is a finite number; a whole one may be beyond all others, in hexadecimal digits say."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
+
+
 def _shown(value: object) -> str:
-    text = json.dumps(value, default=str)
+    try:
+        text = json.dumps(value, default=str)
+    except TypeError:  # a name that YAML has and JSON has not, such as a date
+        text = str(value)
     return text if len(text) <= 60 else f"{text[:57]}..."

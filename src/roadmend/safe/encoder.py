@@ -42,13 +42,19 @@ def encode_scenario(text: str) -> CrashScenario:
     """Turn an answer into a scenario: the information encoder.
 
     Raises:
-        AnswerError: a field is missing, unknown, or has a value that the language does not have.
+        AnswerError: a field is missing, unknown, not asked for, or has a value that the language does not have.
     """
     fields = _object(text, {"analysis", "scenario"})
     try:
-        return parse_data(fields["scenario"], "the answer")
+        scenario = parse_data(fields["scenario"], "the answer")
     except InputError as error:
         raise AnswerError(f"{error.where}: {error.what}") from None
+    # Fields of a user's own may hold anything; the schema asks for none, and nothing speaks for or against one.
+    extras = (scenario.extras, scenario.environment.extras, *(vehicle.extras for vehicle in scenario.vehicles))
+    own = [name for each in extras for name in each]
+    if own:
+        raise AnswerError(f"the answer: field {own[0][:60]} was not asked for")
+    return scenario
 
 
 def encode_verdict(text: str) -> tuple[str, list[str]]:
@@ -59,7 +65,7 @@ def encode_verdict(text: str) -> tuple[str, list[str]]:
     """
     fields = _object(text, {"verdict", "problems"})
     verdict, problems = fields["verdict"], fields["problems"]
-    if verdict not in {"Pass", "Fail"} or not isinstance(problems, list):
+    if not isinstance(verdict, str) or verdict not in {"Pass", "Fail"} or not isinstance(problems, list):
         raise AnswerError(f"verdict {verdict!r} is neither Pass nor Fail")
     return verdict, [str(problem) for problem in problems]
 

@@ -113,4 +113,5 @@ class Extractor(Protocol):
 
         Raises:
             ExtractionError: no scenario came out.
+            ForeignError: code from outside that it asks failed.
         """

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from roadmend.core.errors import InputError, RoadmendError
+from roadmend.core.errors import ForeignError, InputError, RoadmendError
 from roadmend.core.journal import entry_key
 from roadmend.core.json_text import read_json
 from roadmend.core.whole_file import write_text
@@ -58,7 +58,7 @@ def extract_reports(
         workers: threads.
 
     Raises:
-        InputError: the folder cannot be written.
+        InputError: the folder cannot be written, or the extractor lacks something that every report needs.
     """
     with ThreadPoolExecutor(workers) as pool:
         tasks = [pool.submit(_extract_one, path, extractor, settings, out) for path in paths]
@@ -86,6 +86,8 @@ def _extract_one(path: Path, extractor: Extractor, settings: Sequence[str], out:
         if error.exchanges:
             write_text(out / f"{case}{ENDING}", dump_exchanges(error.exchanges))
         return Extracted(case, None, f"{path}: {error}", (), is_new=True, usage=usage_of(error.exchanges))
+    except ForeignError as error:  # a backend of the user's own may well answer about the other reports
+        return Extracted(case, None, f"{path}: {error}", (), is_new=True)
     return keep_extraction(extraction, case, key, out)
 
 

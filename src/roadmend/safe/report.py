@@ -2,6 +2,8 @@
 
 import hashlib
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -45,13 +47,28 @@ class CrashReport:
 LANGUAGE_SUFFIXES = {".json", ".yaml", ".yml"}  # of files of the scenario language
 
 
+@contextmanager
+def looking_through() -> Iterator[None]:
+    """While folders are looked through: what the system refuses becomes one line.
+
+    Raises:
+        InputError: there is one of which the user may not see what it holds.
+    """
+    try:
+        yield
+    except OSError as error:
+        what = f"cannot be read ({error.strerror})"
+        raise InputError(str(error.filename), what, "make it readable, or move it elsewhere") from None
+
+
 def find_reports(*paths: Path) -> tuple[Path, ...]:
     """The reports at some paths: each itself, or what a folder of reports holds.
 
     Raises:
-        InputError: there is none at one of them, or two have one name, by which files are called.
+        InputError: there is none at one of them, a folder cannot be read, or two have one name, which files go by.
     """
-    reports = tuple(report for path in paths for report in _reports_at(path))
+    with looking_through():
+        reports = tuple(report for path in paths for report in _reports_at(path))
     seen: dict[str, Path] = {}
     for report in reports:
         name = case_of(report)
@@ -97,9 +114,10 @@ def load_report(path: Path) -> CrashReport:
     """Read one report.
 
     Raises:
-        InputError: the summary is missing, empty, too long, or no text.
+        InputError: the summary is missing, empty, too long, or no text, or the folder cannot be read.
     """
-    summary = path if path.is_file() else _summary_of(path)
+    with looking_through():
+        summary = path if path.is_file() else _summary_of(path)
     if summary is None:
         raise InputError(str(path), "has no summary", "put the text of the report into summary.txt")
     text = _read_text(summary)

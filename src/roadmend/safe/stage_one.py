@@ -121,7 +121,7 @@ def _sketch(report: CrashReport, model: RecordingModel) -> str:
         return "there is none"
     replies = [exchange.reply for exchange in model.exchanges if exchange.reply is not None]
     if any(PICTURES in reply.left_out for reply in replies):
-        return "not read: the endpoint takes no pictures, the model was asked with the summary alone"
+        return "not read: the endpoint did not take the picture, the model was asked with the summary alone"
     return "read: sent to the model beside the summary"
 
 

@@ -1,6 +1,7 @@
 """A SUMO network as read from its .net.xml: lanes with shapes, and the connections between them."""
 
 import functools
+import itertools
 from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
@@ -119,7 +120,23 @@ def _read(path: Path, _modified: int) -> RoadNetwork:
         states.extend(phase.get("state", "") for phase in element.iterfind("phase"))
     if not any(edge.car_lanes for edge in edges.values() if edge.function == "normal"):
         raise InputError(str(path), "the network has no lane for cars", "add roads and build it again with netconvert")
-    return RoadNetwork(path, edges, connections, phases)
+    network = RoadNetwork(path, edges, connections, phases)
+    _check_connections(network)
+    return network
+
+
+def _check_connections(network: RoadNetwork) -> None:
+    """Raise ValueError where one leads to a lane, or over one, that its edge does not have or that is nowhere."""
+    for connection in itertools.chain.from_iterable(network.connections.values()):
+        name = f"the connection from {connection.from_edge!r} to {connection.to_edge!r}"
+        edge = network.edges.get(connection.to_edge)
+        if edge is not None and not 0 <= connection.to_lane < len(edge.lanes):
+            raise ValueError(f"{name} leads to lane {connection.to_lane}, which is not there")
+        try:
+            if connection.via:
+                network.lane(connection.via)
+        except (KeyError, IndexError, ValueError):
+            raise ValueError(f"{name} leads over {connection.via!r}, which is not there") from None
 
 
 def _junctions(element: ET.Element) -> tuple[str, ...]:
@@ -132,11 +149,14 @@ def _junctions(element: ET.Element) -> tuple[str, ...]:
 
 def _lane(element: ET.Element) -> Lane:
     points = [point.split(",") for point in element.attrib["shape"].split()]
+    shape = np.array([[float(point[0]), float(point[1])] for point in points])
+    if len(shape) < 2 or not np.isfinite(shape).all():
+        raise ValueError(f"lane {element.attrib['id']!r} has no shape of two points or more")  # nor does SUMO take it
     allow, disallow = element.get("allow", "").split(), element.get("disallow", "").split()
     for_cars = bool({"passenger", "all"} & set(allow)) if allow else not ({"passenger", "all"} & set(disallow))
     return Lane(
         id=element.attrib["id"],
-        shape=np.array([[float(point[0]), float(point[1])] for point in points]),
+        shape=shape,
         length=float(element.attrib["length"]),
         speed_limit=float(element.attrib["speed"]),
         width=float(element.get("width", _DEFAULT_LANE_WIDTH)),

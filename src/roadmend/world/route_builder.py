@@ -263,12 +263,18 @@ def _trace(
             links = _links(network, edges[edge], lane_number, edges[edge + 1])
             connection = next(link for link in links if link.to_lane == chain.lanes[place + 1])
             pending.append((length, connection))
-            via = connection.via
+            via, passed = connection.via, set[str]()
             while via:
+                if via in passed:
+                    what = f"the way from {edges[edge].id!r} through its junction comes back to {via!r}"
+                    raise InputError(str(network.path), what, "build the network again with netconvert")
+                passed.add(via)
                 append(network.lane(via))
                 edge_id, _, number = via.rpartition("_")
                 inner = network.connections.get((edge_id, int(number)), [])
                 via = next((link.via for link in inner if link.to_edge == connection.to_edge), "")
+    if len(points) < 2:
+        raise InputError("ego.route", f"{edges[chain.first].id!r} has no length", "choose another edge")
     shape = np.array(points)
     stage = Stage(np.ascontiguousarray(shape[:, 0]), np.ascontiguousarray(shape[:, 1]), np.array(limits))
     return stage, begins, zones

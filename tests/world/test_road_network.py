@@ -1,0 +1,75 @@
+"""Networks that SUMO did not write: each is refused in a line before anything is built on it."""
+
+import pytest
+
+from roadmend.core.errors import InputError
+from roadmend.world.road_network import read_network
+from roadmend.world.route_builder import build_route
+from roadmend.world.scenario import Ego, NetworkFile, Scenario
+
+EDGE = '<edge id="{0}" function="{1}"><lane id="{0}_0" index="0" speed="13.9" length="50" shape="{2}"/></edge>'
+INTO, INSIDE, OUT = "0,0 50,0", "50,0 60,0", "60,0 110,0"
+CONNECTIONS = (
+    '<connection from="a" to="b" fromLane="0" toLane="0" via=":n_0_0" dir="s" state="M"/>'
+    '<connection from=":n_0" to="b" fromLane="0" toLane="0" dir="s" state="M"/>'
+)
+
+
+@pytest.fixture
+def network(tmp_path):
+    def write(into=INTO, inside=INSIDE, out=OUT, crossing="55,-5 55,5", connections=CONNECTIONS):
+        edges = [
+            ("a", "normal", into),
+            (":n_0", "internal", inside),
+            ("b", "normal", out),
+            (":n_c0", "crossing", crossing),
+        ]
+        text = "".join(EDGE.format(*each) for each in edges)
+        (tmp_path / "n.net.xml").write_text(f"<net>{text}{connections}</net>")
+        return tmp_path / "n.net.xml"
+
+    return write
+
+
+def route_on(path):
+    scenario = Scenario(name="n", network=NetworkFile(path=str(path)), ego=Ego(route=["a", "b"]))
+    return build_route(read_network(path), scenario).route
+
+
+def test_a_sound_one(network):
+    (stage,) = route_on(network()).stages
+    assert (stage.x[0], stage.x[-1]) == (0.0, 110.0)
+
+
+@pytest.mark.parametrize("place", ["into", "inside", "out", "crossing"])
+@pytest.mark.parametrize("shape", ["", "1,1", "nan,0 50,0", "0,0 inf,0"])
+def test_a_lane_without_a_line(place, shape, network):
+    with pytest.raises(InputError, match=r"n\.net\.xml: is no SUMO network \(lane '.*_0' has no shape of two points"):
+        read_network(network(**{place: shape}))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "complaint"),
+    [
+        ('via=":n_0_0"', 'via=":none_0_0"', r"from 'a' to 'b' leads over ':none_0_0', which is not there"),
+        ('via=":n_0_0"', 'via=":n_0_7"', "leads over ':n_0_7'"),
+        ('via=":n_0_0"', 'via="word"', "leads over 'word'"),
+        ('toLane="0"', 'toLane="3"', "leads to lane 3, which is not there"),
+        ('toLane="0"', 'toLane="-1"', "leads to lane -1"),
+    ],
+)
+def test_a_connection_to_nowhere(old, new, complaint, network):
+    with pytest.raises(InputError, match=complaint):
+        read_network(network(connections=CONNECTIONS.replace(old, new, 1)))
+
+
+@pytest.mark.timeout(20)
+def test_a_way_that_never_leaves_a_junction(network):
+    around = CONNECTIONS.replace('from=":n_0" to="b"', 'from=":n_0" to="b" via=":n_0_0"')
+    with pytest.raises(InputError, match=r"n\.net\.xml: the way from 'a' through its junction comes back to ':n_0_0'"):
+        route_on(network(connections=around))
+
+
+def test_a_route_without_a_length(network):
+    with pytest.raises(InputError, match=r"ego\.route: 'a' has no length"):
+        route_on(network("0,0 0,0", "0,0 0,0", "0,0 0,0"))
