@@ -49,3 +49,11 @@ def test_the_tracker_stays_on_its_branch_where_the_route_crosses_itself():
     for ahead in range(21, 61):
         tracker.observe(float(ahead), 0.5)
         assert tracker.places[0][0] == pytest.approx(ahead, abs=1e-6)
+
+
+def test_who_turns_up_far_from_the_last_place_is_looked_for_on_the_whole_route():
+    tracker = RouteTracker(Route("t", 4.7, 1.85, 900.0, 60.0, (straight(0.0, 900.0), straight(3.2, 900.0)), (), ()))
+    tracker.observe(10.0, 0.0)
+    for x, y, nearest in ((200.0, 0.4, 0), (870.0, 3.0, 1), (5.0, 0.0, 0)):
+        assert tracker.observe(x, y) == nearest
+        assert tracker.places[0] == pytest.approx((x, y))

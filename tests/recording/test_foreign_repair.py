@@ -110,6 +110,66 @@ def test_a_command_that_ends_stops_the_vehicle():
     assert answer.message.accel.linear.x == -4.0
 
 
+def stamp_of(message):
+    return 1e-9 * messages.stamp_of(message.header)
+
+
+@pytest.mark.parametrize("wanted", [0.7, -4.0])  # the latter is the brake of the stop: it would pass as it came
+def test_a_stop_in_place_of_a_late_command_is_as_old_as_it_says(wanted):
+    stack = Stack()
+    stack.drive(1.0)
+    asked = acceleration(0.97, wanted, 0.2)  # 0.03 s old when it arrives
+    stack.repair.take_command(asked, 1.0)
+    for late in (0.35, 0.4, 3.0):
+        stop = stack.repair.overdue(1.0 + late)
+        assert stop.message.accel.linear.x == -4.0
+        assert stop.message.accel.linear.y == 0.2
+        assert stamp_of(stop.message) == pytest.approx(0.97 + late)
+        assert stop.message.header.frame_id == "base_link"
+        assert 1e-9 * stop.stamp == pytest.approx(0.97 + late)
+    assert stamp_of(asked) == pytest.approx(0.97)  # messages are values
+
+
+def test_so_is_one_in_place_of_our_own_command():
+    stack = Stack(form=PedalForm)
+    asked = messages.command_message_of(Command(0.4, 0.0), header(5.0))
+    stack.repair.take_command(asked, 1.0)
+    assert stamp_of(stack.repair.overdue(1.5).message) == pytest.approx(5.5)
+
+
+def test_time_goes_on_for_the_rule_while_commands_are_missing():
+    stack = Stack(stands_at=24.0)
+    stack.drive(1.0)
+    stack.drive(1.3, 1.0, silent=("command",))
+    assert stack.repair.overdue(1.29).repair.triggers  # somebody is near
+    braking = []
+    for step in range(20):
+        time = 1.3 + 0.05 * step
+        stack.ego(time)
+        stack.repair.take_objects(detections(time), time)  # and now nobody
+        braking.append(bool(stack.repair.overdue(time).repair.triggers))
+    assert braking[0]  # held for a while
+    assert not braking[-1]
+
+
+def test_a_command_that_comes_after_all_is_answered_as_ever_though_stops_were_stamped_later():
+    stack = Stack()
+    stack.drive(1.0)
+    stack.drive(1.5, 1.0, silent=("command",))
+    assert stack.repair.overdue(1.49) is not None
+    asked = acceleration(1.3, 0.7)
+    answer = stack.repair.take_command(asked, 1.5)
+    assert answer.message is asked
+    assert answer.repair.status is RepairStatus.PASS
+
+
+def test_a_stop_for_a_command_from_before_the_repairer_is_stamped_like_any_other():
+    stack = Stack(method="")
+    stack.command(1.0)
+    stack.repair.use(make_repairer("rss"))
+    assert stamp_of(stack.repair.overdue(1.5).message) == pytest.approx(1.5)
+
+
 def test_where_all_ends_the_stop_says_so():
     stack = Stack()
     stack.drive(1.0)
@@ -243,6 +303,7 @@ def test_a_planned_trajectory_is_taken_and_then_nothing_is_assumed():
     answer = stack.drive(2.0, 1.0)  # it comes no more
     assert answer.repair.reason.endswith(NOT_TOLD)
     assert answer.repair.intervened
+    assert stack.repair.assumption == NOT_TOLD
 
 
 def test_a_trajectory_in_another_frame_is_not_used_and_named():

@@ -97,6 +97,15 @@ def test_it_is_a_trajectory_that_the_guard_takes():
     assert is_usable_plan(plan.interval, plan.x, plan.y, plan.yaw, plan.speed)
 
 
+def test_where_plans_end_that_were_there_for_a_while_the_route_is_found_again():
+    motion = AssumedMotion()
+    motion.reset(curved_route(radius=20.0))
+    motion.trajectory(ego_at(x=-45.0))
+    plan = motion.trajectory(ego_at(x=20.0, y=80.0, yaw=0.5 * math.pi))  # 145 m on, of which a plan was there
+    assert motion.assumption is Assumption.ALONG_ROUTE
+    np.testing.assert_allclose(plan.x, 20.0, atol=1e-6)
+
+
 def test_a_new_episode_forgets_the_route():
     motion = AssumedMotion()
     motion.reset(straight_route())

@@ -206,6 +206,11 @@ def test_the_tick_of_a_reset_is_still_repaired():
         Proposal(0.9, 0.5, -1.5),
         Proposal(0.1, 0.5, 1.5),
         lambda: None,
+        Proposal(0.1, 0.5, 0.8, triggers=(3,)),
+        Proposal(0.1, 0.5, 0.8, triggers=(RepairTrigger(-1, 0.3),)),
+        Proposal(0.1, 0.5, 0.8, worth="much"),
+        Proposal(0.1, 0.5, 0.8, reason=None),
+        Proposal(0.1, 0.5, 0.8, hold_back=np.ones(2)),
     ],
 )
 def test_rss_decides_where_the_method_fails(answer):
@@ -216,6 +221,19 @@ def test_rss_decides_where_the_method_fails(answer):
     free = step(guarded(Scripted(answer)))
     assert free.status == RepairStatus.MODEL_FAULT
     assert not free.intervened
+
+
+def test_numbers_of_other_libraries_become_plain_ones():
+    told = [RepairTrigger(np.uint32(7), np.float32(0.5))]
+    method = Scripted(
+        Proposal(np.float32(0.75), np.float32(0.5), np.float32(-0.5), told, "because", np.float32(0.25), np.bool_(True))
+    )
+    repair = step(guarded(method), command=Command(0.4, 0.0, True))
+    assert repair.held_back is True
+    assert repair.triggers == (RepairTrigger(7, 0.5),)
+    numbers = (repair.score, repair.threshold, repair.repair_action, repair.command.brake, repair.worth)
+    assert numbers == (0.75, 0.5, -0.5, 0.5, 0.25)
+    assert {type(number) for number in numbers} == {float}
 
 
 def test_a_method_that_cannot_be_reset_is_a_fault_until_it_can():
@@ -349,6 +367,65 @@ def test_a_warm_up_leaves_no_trace():
     repairer.reset(straight_route())
     assert step(repairer).status == RepairStatus.RESET
     assert step(repairer, time=0.05).status == RepairStatus.PASS
+
+
+def let_pass(method, repairer, until, time=0.0):
+    """Let the method answer every tick to ``until`` [s], with nobody around."""
+    method.answer = QUIET
+    while (time := time + 0.5) < until:
+        step(repairer, time=time)
+    return until
+
+
+NEAR = [Box(7, 9.0, 0.0)]
+
+
+@pytest.mark.parametrize("gap", [0.7, 60.0])
+def test_what_the_rule_braked_for_at_one_fault_is_forgotten_at_a_later_one(gap):
+    method = Scripted(fail)
+    repairer = guarded(method)
+    assert step(repairer, NEAR).final_action < -0.6
+    later = let_pass(method, repairer, until=gap)
+    method.answer = fail
+    repair = step(repairer, time=later)
+    assert repair.status == RepairStatus.MODEL_FAULT
+    assert not repair.intervened
+    assert repair.triggers == ()
+
+
+@pytest.mark.parametrize("gap", [0.7, 60.0])
+def test_nor_does_it_make_a_later_controlled_stop_harder(gap):
+    method = Scripted()
+    repairer = guarded(method)
+    assert repairer.controlled_stop(RepairStatus.STALE_COMMAND, scene=scene_of(NEAR)).command.brake > 0.9
+    later = let_pass(method, repairer, until=gap)
+    stop = repairer.controlled_stop(RepairStatus.STALE_COMMAND, scene=scene_of([], later))
+    assert stop.command.brake == 0.5
+    assert "rss" not in stop.reason
+
+
+def test_a_stop_after_the_clock_was_set_back_knows_nothing_of_the_time_before():
+    repairer = guarded()
+    repairer.controlled_stop(RepairStatus.STALE_COMMAND, scene=scene_of(NEAR, 65.0))
+    assert repairer.controlled_stop(RepairStatus.STALE_COMMAND, scene=scene_of([], 5.0)).command.brake == 0.5
+
+
+@pytest.mark.parametrize(("pause", "resets"), [(0.0, 0), (0.05, 0), (0.25, 0), (-0.05, 0), (0.35, 1), (-0.35, 1)])
+def test_the_rule_keeps_its_memory_over_a_pause_as_short_as_its_hold(pause, resets):
+    repairer = spied()
+    for time in (1.0, 1.0 + pause):
+        repairer.controlled_stop(RepairStatus.STALE_COMMAND, scene=scene_of([], time))
+    assert repairer._rule.resets == resets
+
+
+def test_a_rule_that_cannot_forget_leaves_the_stop_that_is_bounded():
+    repairer = spied(Proposal(0.9, 0.5, -1.0))
+    repairer.controlled_stop(RepairStatus.STALE_COMMAND, scene=scene_of([], 1.0))
+    repairer._rule.reset = lambda route: fail()
+    for time in (9.0, 9.05):
+        stop = repairer.controlled_stop(RepairStatus.STALE_COMMAND, scene=scene_of([], time))
+        assert stop.command.brake == 0.5
+        assert "without rss" in stop.reason
 
 
 class Spy(Scripted):

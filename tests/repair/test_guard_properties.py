@@ -8,8 +8,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from roadmend.core.command import Command, Decision, Trajectory
-from roadmend.core.repair import Proposal, RepairStatus
+from roadmend.core.repair import Proposal, RepairStatus, RepairTrigger
 from roadmend.core.scene import OBJECT, EgoState, ObjectList, Scene
+from roadmend.recording import messages
+from roadmend.recording.codec import encode
 from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.sanitise import sanitise_command
 
@@ -22,12 +24,17 @@ odd = st.sampled_from([math.nan, math.inf, -math.inf, -0.0, 1e-300, 1e300, -1e30
 pedals = st.one_of(st.floats(0.0, 1.0), odd, st.floats())
 commands = st.builds(Command, pedals, pedals, st.booleans())
 places = st.one_of(st.floats(-80.0, 80.0), odd, st.floats())
+things = st.sampled_from([None, 3, "much", (3,), math.nan, 10**400])
+triggers = st.builds(RepairTrigger, st.integers(0, 9) | st.integers() | things, st.floats(0.0, 1.0) | odd | things)
 proposals = st.builds(
     Proposal,
     st.one_of(st.floats(0.0, 1.0), st.floats()),
     st.one_of(st.floats(0.0, 1.0), st.floats()),
     st.one_of(st.floats(-1.0, 1.0), odd, st.floats()),
-    hold_back=st.booleans(),
+    triggers=st.one_of(st.just(()), st.tuples(triggers), things),
+    reason=st.one_of(st.just(""), st.sampled_from(["because", "\ud800"]), things),
+    worth=st.one_of(st.none(), st.floats(-1.0, 1.0), odd, things),
+    hold_back=st.booleans() | things,
 )
 answers = st.one_of(proposals, st.sampled_from([None, "brake", ValueError("out of tune"), ZeroDivisionError()]))
 
@@ -110,6 +117,9 @@ def check(repair, command, stop, count):
     assert repair.status in set(RepairStatus)
     assert 0 <= repair.dropped_objects <= count
     assert "\n" not in repair.reason
+    header = messages.header_at(0)
+    assert encode(messages.command_message_of(repair.command, header))
+    assert encode(messages.repair_message_of(repair, "told", header))
 
 
 @QUIET

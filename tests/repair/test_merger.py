@@ -1,11 +1,12 @@
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from roadmend.core.command import Command
-from roadmend.core.repair import Proposal
+from roadmend.core.repair import Proposal, RepairTrigger
 from roadmend.repair.merger import merge, proposal_fault
 
 GRID = [step / 10 for step in range(-10, 11)]
@@ -90,3 +91,47 @@ def test_whatever_has_no_fault_is_finite_or_has_no_opinion(score, threshold, act
         assert math.isfinite(action)
         assert math.isfinite(score) == math.isfinite(threshold)
         assert math.isfinite(score) or action == 1.0
+
+
+TOLD = {
+    "triggers": [
+        None,
+        3,
+        "7",
+        {7: 0.3},
+        (3,),
+        (None,),
+        (RepairTrigger(7, 0.3), RepairTrigger(-1, 0.3)),
+        (RepairTrigger(2**32, 0.3),),
+        (RepairTrigger(7.0, 0.3),),
+        (RepairTrigger("7", 0.3),),
+        (RepairTrigger(7, None),),
+        (RepairTrigger(7, "0.3"),),
+        (RepairTrigger(7, 10**400),),
+        *((RepairTrigger(7, bad),) for bad in BAD),
+    ],
+    "worth": ["much", [0.3], *BAD],
+    "reason": [None, 3, b"because", "\ud800"],
+    "hold_back": [None, 1, math.nan, np.ones(2)],
+}
+
+
+@pytest.mark.parametrize(("field", "value"), [(field, value) for field, values in TOLD.items() for value in values])
+@pytest.mark.parametrize("opinion", [(0.3, 0.5, -0.5), (math.nan, math.nan, 1.0)])
+def test_what_no_message_can_hold_is_a_fault_that_names_the_field(opinion, field, value):
+    assert field in proposal_fault(Proposal(*opinion, **{field: value}))
+
+
+@pytest.mark.parametrize(
+    "told",
+    [
+        {"triggers": (RepairTrigger(0, 0.0), RepairTrigger(2**32 - 1, -1e300))},
+        {"triggers": [RepairTrigger(np.uint32(7), np.float32(0.3))]},
+        {"worth": -0.2},
+        {"worth": np.float32(0.3)},
+        {"reason": "Straße 7 ahead"},
+        {"hold_back": np.bool_(True)},
+    ],
+)
+def test_what_a_message_can_hold_is_none(told):
+    assert proposal_fault(Proposal(0.3, 0.5, -0.5, **told)) == ""

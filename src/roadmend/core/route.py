@@ -11,6 +11,8 @@ from roadmend.core.jit import compiled
 
 Floats = NDArray[np.float64]
 
+LEAP = 15.0  # [m] farther than anybody comes in a tick, and well within what is searched around the last place
+
 
 class RightOfWay(IntEnum):
     """Who goes first in a conflict zone; mirrors roadmend_msgs/Route.RULE_*."""
@@ -145,16 +147,22 @@ class Route:
 
 
 class RouteTracker:
-    """Where on its route somebody is, from their poses in their order alone: a route may cross itself."""
+    """Where on its route somebody is, from their poses in their order alone: a route may cross itself.
+
+    Who turns up LEAP or more away from the last pose was not followed in between, and is looked for on the whole route.
+    """
 
     def __init__(self, route: Route) -> None:
         self.route = route
+        self._last = (math.nan, math.nan)  # [m]
         self.places: tuple[tuple[float, float], ...] = ()  # arc length [m], offset [m] (left positive), one a stage
 
     def observe(self, x: float, y: float) -> int:
         """Take in the next position [m], in the frame of the map; returns the index of the nearest stage."""
         stages = self.route.stages
-        if self.places:
+        is_followed = math.dist(self._last, (x, y)) < LEAP
+        self._last = (x, y)
+        if is_followed:
             known = zip(stages, self.places, strict=True)
             self.places = tuple(stage.project(x, y, position) for stage, (position, _) in known)
         else:

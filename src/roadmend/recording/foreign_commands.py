@@ -91,10 +91,11 @@ class AccelerationForm:
     def read(self, message: Any) -> Command:
         """Throttle or brake in the share of the vehicle's full ones."""
         wanted = message.accel.linear.x
+        if not math.isfinite(wanted):
+            return Command(math.nan, 0.0)
         if wanted < 0.0:
             return Command(0.0, min(1.0, -wanted / self._pedals.full_brake))
-        share = wanted / self._pedals.full_throttle
-        return Command(min(1.0, share) if math.isfinite(share) else math.nan, 0.0)
+        return Command(min(1.0, wanted / self._pedals.full_throttle), 0.0)
 
     def write(self, command: Command, header: Any, asked: Any | None) -> Any:
         """The acceleration that the pedals stand for; exactly the one that was asked for where they are the same."""

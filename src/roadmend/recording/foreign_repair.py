@@ -65,7 +65,8 @@ class ForeignRepair:
         self._asked: Any | None = None  # the last command's message
         self._arrivals: dict[str, float] = {}  # [s] of the last usable message of each input
         self._faults: dict[str, str] = {}  # why the last message of an input was not usable
-        self._stamp = -1  # [ns] of the last tick
+        self._stamp = -1  # [ns] of the last command's tick
+        self._assumption = str(self._motion.assumption)  # for the last tick
         self._started = False
 
     def use(self, repairer: GuardedRepairer) -> None:
@@ -118,42 +119,48 @@ class ForeignRepair:
         """Answer a command that arrived at ``now`` [s]; None as long as there is no repairer."""
         self._asked = message
         self._arrived(COMMAND, now)
+        self._stamp = self._tick_of(messages.stamp_of(message.header))
         if self._repairer is None:
             return None
-        self._stamp = self._tick_of(messages.stamp_of(message.header))
         command = self._form.read(message)
         missing = self._late_inputs(now)
         if missing or self._pose is None or self._seen is None:
             status = RepairStatus.STALE_OBJECTS if self._started else RepairStatus.STARTING
             decision = Decision(command, Trajectory.empty())
-            return self._answer(self._repairer.controlled_stop(status, missing, None, decision))
+            return self._answer(self._repairer.controlled_stop(status, missing, None, decision), self._stamp, message)
         ego = self._pose.ego
         note = self._faults.get(TRAJECTORY, "")
         if self._trajectory is not None and self._is_fresh(TRAJECTORY, now):
             decision = Decision(command, self._trajectory)
+            self._assumption = ""
         else:
             decision = self._motion.decide(ego, command)
-            note = f"{note}; {self._motion.assumption}" if note else str(self._motion.assumption)
+            self._assumption = str(self._motion.assumption)
         scene = Scene(1e-9 * self._stamp, ego, self._seen.objects, self._seen.signals)
         repair = self._repairer.step(scene, decision)
         self._started = True
-        return self._answer(replace(repair, reason="; ".join(filter(None, (repair.reason, note)))))
+        reason = "; ".join(filter(None, (repair.reason, note, self._assumption)))
+        return self._answer(replace(repair, reason=reason), self._stamp, message)
 
     def overdue(self, now: float) -> Answer | None:
-        """What to send at ``now`` [s] in place of a command that is late; None while none is, and before the first."""
+        """What to send at ``now`` [s] in place of a command that is late; None while none is, and before the first.
+
+        Its stamp is the last command's and the time since: a vehicle that takes no old commands must take this one.
+        """
         arrived = self._arrivals.get(COMMAND)
-        if arrived is None or self._repairer is None or now - arrived <= self._patience:
+        if arrived is None or self._asked is None or self._repairer is None or now - arrived <= self._patience:
             return None
+        stamp = self._stamp + round((now - arrived) * messages.NANOSECONDS)
         missing = self._late_inputs(now)
         reason = f"no command for {now - arrived:.2f} s"
         if missing or self._pose is None or self._seen is None:
-            return self._answer(
-                self._repairer.controlled_stop(
-                    RepairStatus.STALE_OBJECTS if self._started else RepairStatus.STARTING, f"{reason}; {missing}"
-                )
-            )
-        scene = Scene(1e-9 * self._stamp, self._pose.ego, self._seen.objects, self._seen.signals)
-        return self._answer(self._repairer.controlled_stop(RepairStatus.STALE_COMMAND, reason, scene))
+            status = RepairStatus.STALE_OBJECTS if self._started else RepairStatus.STARTING
+            repair = self._repairer.controlled_stop(status, f"{reason}; {missing}")
+        else:
+            scene = Scene(1e-9 * stamp, self._pose.ego, self._seen.objects, self._seen.signals)
+            repair = self._repairer.controlled_stop(RepairStatus.STALE_COMMAND, reason, scene)
+        header = replace(self._asked.header, stamp=messages.stamp_message_of(max(0, stamp)))
+        return self._answer(repair, stamp, replace(self._asked, header=header))
 
     def silent(self, now: float) -> dict[str, str]:
         """The needed inputs that are late at ``now`` [s], and why as far as that is known here."""
@@ -165,7 +172,7 @@ class ForeignRepair:
     @property
     def assumption(self) -> str:
         """What was assumed for the last tick for want of a planned trajectory; empty where there was one."""
-        return "" if TRAJECTORY in self._arrivals else str(self._motion.assumption)
+        return self._assumption
 
     def _arrived(self, part: str, now: float) -> None:
         self._arrivals[part] = now
@@ -200,6 +207,6 @@ class ForeignRepair:
             stamp = self._pose.stamp
         return self._stamp + STEP_NS if 0 <= self._stamp - stamp < REPEATED_NS else stamp
 
-    def _answer(self, repair: Repair) -> Answer:
-        header = messages.header_at(max(0, self._stamp))
-        return Answer(self._stamp, repair, self._form.write(repair.command, header, self._asked))
+    def _answer(self, repair: Repair, stamp: int, asked: Any) -> Answer:
+        header = messages.header_at(max(0, stamp))
+        return Answer(stamp, repair, self._form.write(repair.command, header, asked))

@@ -14,7 +14,7 @@ from roadmend.core.scene import Scene
 from roadmend.repair.merger import merge, proposal_fault
 from roadmend.repair.method import RepairMethod
 from roadmend.repair.none import NO_OPINION
-from roadmend.repair.parameters import GuardParameters
+from roadmend.repair.parameters import GuardParameters, RssParameters
 from roadmend.repair.rss import RssRepair
 from roadmend.repair.sanitise import is_usable_ego, is_usable_plan, mark_usable, sanitise_command
 
@@ -30,6 +30,7 @@ GRAVITY = (  # from the least grave to the gravest; a repair reports the gravest
     RepairStatus.STARTING,
 )
 _EMPTY = Trajectory.empty()
+_RULE_PAUSE = RssParameters().hold  # [s] what the rule remembers counts no longer than an intervention is held
 
 
 def gravest(*held: RepairStatus) -> RepairStatus:
@@ -54,6 +55,7 @@ class GuardedRepairer:
         self._method_fault = ""
         self.first_fault = ""  # why the method, ever since it was made, first could not answer; not that it was slow
         self._time = math.nan  # [s] stamp of the last tick; NaN before the first of an episode
+        self._ruled = math.nan  # [s] stamp of the last tick that the rule judged; NaN before the first of an episode
         self._keep = np.zeros(64, dtype=np.bool_)
 
     def reset(self, route: Route) -> None:
@@ -103,7 +105,7 @@ class GuardedRepairer:
                 brake = max(brake, command.brake)
             if scene is not None and self._route is not None and is_usable_ego(scene.ego, scene.time):
                 stop = Command(0.0, brake)
-                rule = self._rule.propose(self._usable(scene)[0], Decision(stop, _EMPTY))
+                rule = self._ask_rule(self._usable(scene)[0], Decision(stop, _EMPTY), self._route)
                 if not proposal_fault(rule) and merge(stop, rule) is not stop:
                     proposal = rule
                     brake = -rule.action
@@ -133,9 +135,20 @@ class GuardedRepairer:
         except Exception as error:  # noqa: BLE001 -- faults of the method are answered tick by tick
             self._method_fault = f"{self.name} could not be reset: {error!r}"
         try:
-            self._rule.reset(self._route)
+            self._reset_rule(self._route)
         except Exception as error:  # noqa: BLE001
             self._method_fault += f" rss could not be reset: {error!r}"
+
+    def _reset_rule(self, route: Route) -> None:
+        self._rule.reset(route)
+        self._ruled = math.nan
+
+    def _ask_rule(self, scene: Scene, decision: Decision, route: Route) -> Proposal:
+        """The rule's proposal. It is asked only now and then: whom and where it saw some while ago is long past."""
+        if abs(scene.time - self._ruled) > _RULE_PAUSE:
+            self._reset_rule(route)
+        self._ruled = scene.time
+        return self._rule.propose(scene, decision)
 
     def _usable(self, scene: Scene) -> tuple[Scene, int]:
         """The scene with its usable objects only, and how many were dropped."""
@@ -197,7 +210,7 @@ class GuardedRepairer:
             status = gravest(status, RepairStatus.MODEL_FAULT)
             notes.append(fault)
             try:
-                proposal = self._rule.propose(scene, decision)
+                proposal = self._ask_rule(scene, decision, self._route)
                 fault = proposal_fault(proposal)
             except Exception as error:  # noqa: BLE001 -- the guard's guard is a stop
                 fault = repr(error)
@@ -214,15 +227,15 @@ class GuardedRepairer:
         return Repair(
             final,
             status,
-            proposal.score,
-            proposal.threshold,
+            float(proposal.score),
+            float(proposal.threshold),
             action,
-            proposal.action,
+            float(proposal.action),
             final is not asked,
             dropped,
-            proposal.triggers,
+            tuple(proposal.triggers),
             "; ".join(notes),
-            proposal.worth,
+            None if proposal.worth is None else float(proposal.worth),
             held_back=command.change_lane and not final.change_lane,
         )
 
