@@ -55,3 +55,19 @@ def test_a_run_gives_json_and_tables_and_the_next_one_drives_nothing(tmp_path, c
     assert "Informed bound" in (tmp_path / "out" / "adreft-controls.md").read_text()
     monkeypatch.setattr(control_jobs, "control", lambda _job: pytest.fail("was driven again"))
     assert run_group(controls, "controls", words) == 0
+
+
+def test_a_method_that_there_is_not_is_refused_before_anything_is_driven(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(bench_controls, "run_controls", lambda *_: pytest.fail("was driven"))
+    words = ["--methods", "rule, rsss", "--work", str(tmp_path / "work")]
+    assert run_group(controls, "controls", words) == 2
+    assert "--methods: there is no 'rsss'; choose from none, random_paper" in capsys.readouterr().err
+
+
+def test_methods_may_be_separated_by_commas_and_spaces(tmp_path, capsys, monkeypatch):
+    asked = []
+    monkeypatch.setattr(bench_controls, "resolve", lambda *given: asked.append(given[-1]) or ([], []))
+    words = ["--policy", "modular", "--methods", "rule, rss", "--no-bound", "--workers", "1"]
+    assert run_group(controls, "controls", [*words, "--work", str(tmp_path / "work"), "--json"]) == 0
+    assert asked == [["rule", "rss"]]
+    assert " --methods rule,rss " in json.loads(capsys.readouterr().out)["provenance"]["command"]

@@ -27,7 +27,7 @@ def figures_of(settings, lost, fixed):
 
 def test_every_combination_of_a_curve_is_a_setting():
     plan = read_plan(PLANS / "adreft.yaml")
-    settings = curve_settings(plan, config_folder(), "modular", "rule")
+    settings = curve_settings(plan, config_folder(), "modular", ["rule"])
     assert len(settings) == 5
     assert len({setting.title for setting in settings}) == 5
     assert {setting.parameters["time_to_collision"] for setting in settings} == {1.0, 1.5, 2.0, 3.0, 4.0}
@@ -35,7 +35,7 @@ def test_every_combination_of_a_curve_is_a_setting():
 
 
 def test_the_best_within_the_price_is_chosen_and_shown_where_it_was_not_chosen():
-    settings = curve_settings(read_plan(PLANS / "adreft.yaml"), config_folder(), "modular", "governor")
+    settings = curve_settings(read_plan(PLANS / "adreft.yaml"), config_folder(), "modular", ["governor"])
     curves = points_of(settings, figures_of(settings, [9.0, 4.0, 1.9, 0.5, 0.1], [90.0, 80.0, 40.0, 60.0, 10.0]))
     assert [point["time_lost"] for point in curves["governor"]] == [0.1, 0.5, 1.9, 4.0, 9.0]
     asked = []
@@ -51,7 +51,7 @@ def test_the_best_within_the_price_is_chosen_and_shown_where_it_was_not_chosen()
 
 
 def test_a_price_that_no_setting_keeps_to_has_none():
-    settings = curve_settings(read_plan(PLANS / "adreft.yaml"), config_folder(), "modular", "governor")
+    settings = curve_settings(read_plan(PLANS / "adreft.yaml"), config_folder(), "modular", ["governor"])
     curves = points_of(settings, figures_of(settings, [9.0] * 5, [90.0] * 5))
 
     def drive(_shown, chosen):
@@ -62,7 +62,7 @@ def test_a_price_that_no_setting_keeps_to_has_none():
 
 
 def test_what_is_shown_has_the_model_of_the_policy_as_what_was_chosen():
-    settings = curve_settings(read_plan(PLANS / "adreft.yaml"), config_folder(), "neural", "adreft")
+    settings = curve_settings(read_plan(PLANS / "adreft.yaml"), config_folder(), "neural", ["adreft"])
     curves = points_of(settings, figures_of(settings, [1.0] * len(settings), [50.0] * len(settings)))
     asked = []
 
@@ -120,3 +120,26 @@ def test_other_random_drives_than_the_tables_can_be_asked_for_but_not_mixed_with
     for mixed in (["--keep"], ["--curve-count", "1"]):
         assert run_group(ordinary, "ordinary", [*words, "--first", "7", *mixed]) == 2
         assert "--first: --keep and --curve-count go with the table's drives; leave them out" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--methods", "rule, rsss"], "--methods: there is no 'rsss'; choose from none, random_paper"),
+        (["--methods", "rss", "--count", "20", "--keep"], "--keep: the committed figures are of --count 200, not 20"),
+    ],
+)
+def test_what_cannot_be_measured_or_kept_is_refused_before_anything_is_driven(words, said, capsys, monkeypatch):
+    monkeypatch.setattr(bench_ordinary, "drive_all", lambda *_: pytest.fail("was driven"))
+    assert run_group(ordinary, "ordinary", [*words, "--committed", str(PLANS)]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_methods_may_be_separated_by_commas_and_spaces(tmp_path, capsys, monkeypatch):
+    asked = []
+    monkeypatch.setattr(bench_ordinary, "resolve", lambda *given: asked.append(given[-1]) or ([], []))
+    monkeypatch.setattr(bench_ordinary, "drive_all", lambda *_: {"modular": {}})
+    words = ["--policy", "modular", "--methods", "rule, rss", "--count", "1", "--work", str(tmp_path), "--json"]
+    assert run_group(ordinary, "ordinary", words) == 0
+    assert asked == [["rule", "rss"]]
+    assert json.loads(capsys.readouterr().out)["provenance"]["command"].endswith("--methods rule,rss --count 1")

@@ -6,7 +6,9 @@ from dataclasses import replace
 import pytest
 
 from harness.benchmark_content import build_content, case_table
-from harness.kept_rows import keep_cases, keep_controls, keep_ordinary, keep_robustness
+from harness.benchmark_files import read_json
+from harness.kept_rows import check_sizes, keep_cases, keep_controls, keep_ordinary, keep_robustness
+from harness.options import PLANS
 from roadmend.core.errors import InputError
 from roadmend.reports.result_files import origin
 from tests.benchmarks.made_up import MADE, measured
@@ -94,29 +96,94 @@ def test_other_cases_are_refused():
         keep_cases(fresh, fresh_cases, whole, cases, DIGESTS, ORDER)
 
 
+def drives(time_lost, count=979, collisions=21):
+    return {"drives": count, "collisions_bare": collisions, "time_lost": time_lost}
+
+
 def test_of_prices_that_are_kept_no_lead_is_told():
     point = {"delta_e": 50.0, "lead": {"delta_e": 3.0, "interval": [1.0, 5.0]}}
     before = {
         "provenance": MADE,
-        "ordinary": {"random": {"modular": {"none": 1, "rule": 2, "adreft": 3}}},
+        "ordinary": {"random": {"modular": {"none": drives(1), "rule": drives(2), "adreft": drives(3)}}},
         "curve": {"modular": {"rule": [1], "adreft": [2]}},
         "at_time_lost": {"modular": {"rule": {"1": None, "2": point}}},
     }
     content = {
         "provenance": dict(LATER),
-        "ordinary": {"random": {"modular": {"none": 1, "adreft": 4}}, "given": {"modular": {"adreft": 5}}},
+        "ordinary": {
+            "random": {"modular": {"none": drives(1), "adreft": drives(4)}},
+            "given": {"modular": {"adreft": drives(5, 4)}},
+        },
         "curve": {},
         "at_time_lost": {"modular": {"adreft": {"1": None, "2": point}}},
     }
     keep_ordinary(content, before, ORDER)
     assert content["ordinary"] == {
-        "random": {"modular": {"none": 1, "rule": 2, "adreft": 4}},
-        "given": {"modular": {"adreft": 5}},
+        "random": {"modular": {"none": drives(1), "rule": drives(2), "adreft": drives(4)}},
+        "given": {"modular": {"adreft": drives(5, 4)}},
     }
     assert content["curve"] == before["curve"]
     assert content["at_time_lost"]["modular"]["rule"] == {"1": None, "2": {**point, "lead": None}}
     assert content["at_time_lost"]["modular"]["adreft"]["2"]["lead"] == point["lead"]
     assert content["provenance"]["kept"][0]["methods"] == ["rule", "adreft"]
+
+
+@pytest.mark.parametrize(("count", "collisions"), [(98, 21), (979, 20)])
+def test_ordinary_drives_of_another_number_or_end_are_no_company(count, collisions):
+    before = {
+        "provenance": MADE,
+        "ordinary": {"random": {"modular": {"none": drives(1), "adreft": drives(3)}}},
+        "curve": {},
+        "at_time_lost": {},
+    }
+    fresh = {
+        "provenance": dict(LATER),
+        "ordinary": {"random": {"modular": {"none": drives(1, count, collisions)}}},
+        "curve": {},
+        "at_time_lost": {},
+    }
+    with pytest.raises(InputError, match="figures of modular on random are of other drives"):
+        keep_ordinary(fresh, before, ORDER)
+
+
+ORDINARY = "./roadmend bench ordinary"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "--count 20",
+        "--futures 5",
+        "--networks 1 --drives 2",
+        "--networks 2 --drives 3",
+        "--curve-count 5 --curve-cases 10",
+        "--curve-count 10 --curve-cases 20",
+        "--curve-count 10 --curve-cases 10 --table-cases 3",
+    ],
+)
+def test_what_was_measured_on_less_is_not_mixed_with_the_committed_figures(words):
+    committed = read_json(PLANS / "adreft-ordinary.json")
+    with pytest.raises(InputError, match=r"--keep: the committed figures are of --\S+ \S+, not \d+"):
+        check_sizes(f"{ORDINARY} --methods rss {words} --keep", committed)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "",
+        "--networks 2 --drives 2",
+        "--curve-count 10 --curve-cases 10",
+        "--table-cases 3",
+        "--sumocfg a.sumocfg --drives 9",
+    ],
+)
+def test_the_committed_figures_can_be_kept_beside_as_much_and_beside_what_they_have_not(words):
+    committed = read_json(PLANS / "adreft-ordinary.json")
+    check_sizes(f"{ORDINARY} --methods rss {words} --keep", committed)
+    alone = {policy: {"none": dict(rows["none"])} for policy, rows in committed["ordinary"]["random"].items()}
+    fresh = {"provenance": dict(LATER), "ordinary": {"random": alone}, "curve": {}, "at_time_lost": {}}
+    keep_ordinary(fresh, committed, [*committed["titles"]])
+    assert fresh["ordinary"] == committed["ordinary"]
 
 
 def test_what_was_kept_of_one_policy_alone_is_called_with_it():

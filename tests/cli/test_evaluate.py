@@ -5,9 +5,14 @@ import json
 import pytest
 
 from roadmend.cli.main import main
+from roadmend.core.errors import SimulationError
 from roadmend.measures import evaluation
 from roadmend.world.families import sample_scenario
 from roadmend.world.scenario_file import save_scenario
+
+
+def fail(why):
+    raise SimulationError(why)
 
 
 @pytest.fixture
@@ -62,3 +67,23 @@ def test_two_scenarios_of_one_name_are_refused(scenarios, tmp_path, capsys):
     (scenarios / "again.yaml").write_text((scenarios / "0.yaml").read_text())
     assert main(["evaluate", str(scenarios), "--out", str(tmp_path / "out")]) == 2
     assert "has the name" in capsys.readouterr().err
+
+
+def test_the_command_that_is_told_is_the_one_that_made_the_figures(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(evaluation, "run_episode", lambda *_: fail("stopped"))
+    given = ["--family", "S3", "--count", "2", "--seed", "7", "--policy", "neural", "--futures", "0", "--no-tuned"]
+    main(["evaluate", *given, "--repair", "rss", "--out", str(tmp_path / "out"), "--workers", "1", "--json"])
+    told = json.loads(capsys.readouterr().out)["provenance"]["command"]
+    assert told == (
+        "./roadmend evaluate --policy neural --repair rss --family S3 --count 2 --seed 7 --futures 0 --no-tuned"
+    )
+
+
+def test_what_is_named_twice_is_driven_and_counted_once(tmp_path, capsys, monkeypatch):
+    driven = []
+    monkeypatch.setattr(evaluation, "run_episode", lambda scenario, *_: driven.append(scenario.name) or fail("stopped"))
+    twice = ["--family", "S3", "--family", "S3", "--policy", "modular", "--policy", "modular"]
+    words = ["evaluate", *twice, "--repair", "rss", "--count", "2", "--workers", "1", "--json"]
+    main([*words, "--out", str(tmp_path / "out")])
+    assert sorted(driven) == ["S3-0"] * 3 + ["S3-1"] * 3  # alone, with random repair and with the method
+    assert len(json.loads(capsys.readouterr().out)["faults"]) == 6

@@ -10,6 +10,8 @@ import pytest
 from PIL import Image
 
 from roadmend.cli.main import main
+from roadmend.networks.checkpoint import find_model
+from roadmend.training.adreft.adjusting import adjust
 
 SAMPLES = Path(__file__).parents[2] / "bags" / "samples"
 QUICK = [
@@ -50,11 +52,18 @@ def lessons(monkeypatch):
 
 
 def test_the_cycle_end_to_end_from_the_sample_bags_and_once_more(tmp_path, capsys, lessons):
-    out = tmp_path / "cycle"
+    out, teacher, settings_file = tmp_path / "cycle", tmp_path / "teacher.safetensors", tmp_path / "few-shot.yaml"
+    shutil.copy(find_model("precaution-modular", "adreft-"), teacher)
+    settings_file.write_text(f"repair: {teacher}\n", encoding="utf-8")
     command = ["sera", "cycle", "--bags", str(SAMPLES / "collision"), "--out", str(out), "--epochs", "2", *QUICK]
+    command += ["--config", str(settings_file)]
     assert main([*command, "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert json.loads((out / "cycle.json").read_text(encoding="utf-8")) == told
+    assert told["provenance"]["command"].startswith(
+        f"./roadmend sera cycle --policy neural --bags {SAMPLES / 'collision'}"
+    )
+    assert f" --config {settings_file} --epochs 2" in told["provenance"]["command"]
     first, last = told["generations"]
     assert first["patterns"] == ["collision in the exit lane: the ego drives on, a car cuts in"]
     assert len(first["selected"]) == 2
@@ -81,6 +90,19 @@ def test_the_cycle_end_to_end_from_the_sample_bags_and_once_more(tmp_path, capsy
     assert "generation 0: 1 incidents, 1 patterns, 2 scenarios" in printed
     assert "no epoch was better than the policy as it was" in printed
     assert len(lessons) == 1  # nothing is done twice
+
+    adjust(teacher, teacher, 0.6, {}, "")
+    assert main(command) == 0
+    assert len(lessons) == 2  # another teacher under the same name, from the same scenarios
+    assert lessons[1][1] == scenarios
+
+
+def test_a_teacher_that_there_is_not_is_refused_before_anything_is_driven(tmp_path, capsys):
+    file = tmp_path / "few-shot.yaml"
+    file.write_text("repair: nobody\n", encoding="utf-8")
+    assert main(["sera", "cycle", "--out", str(tmp_path / "out"), "--config", str(file)]) == 2
+    assert "roadmend ships no adreft-nobody.safetensors" in capsys.readouterr().err
+    assert [*tmp_path.iterdir()] == [file]
 
 
 @pytest.mark.parametrize(

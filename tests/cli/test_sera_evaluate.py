@@ -85,6 +85,8 @@ def test_what_is_known_is_left_out_under_whatever_name(tmp_path, capsys):
     assert main(["sera", "evaluate", *given, "--out", str(tmp_path / "out"), "--workers", "1"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["left_out"] == 1
+    options = f"--scenarios 1 --first-seed 5 --disjoint-from {known} --record none"
+    assert told["provenance"]["command"] == f"./roadmend sera evaluate --policy modular --repair none {options}"
     assert [one["family"] for one in told["episodes"]] == ["S1", "S2", "S3", "S5"]
 
 

@@ -8,8 +8,10 @@ from roadmend.measures import evaluation, registry
 from roadmend.measures.evaluation import Driven, EvaluationTrial, drive_trial, trials_of
 from roadmend.measures.evaluation_figures import evaluate, evaluation_rows, meanings
 from roadmend.measures.registry import Column, Measure
+from roadmend.repair.registry import METHODS
 from roadmend.world.families import sample_scenario
 
+from .failing import ENTRY, SAID
 from .results import episode
 
 SCENARIOS = [sample_scenario("S3", seed) for seed in range(4)]
@@ -73,6 +75,7 @@ def test_every_method_is_tried_once_with_the_trivial_ones():
     trials = trials_of(SCENARIOS[:1], ["modular"], ["rss", "none"])
     assert [trial.method for trial in trials] == ["none", "random", "rss"]
     assert len({trial.key for trial in trials}) == 3
+    assert trials_of(SCENARIOS[:1], ["modular", "modular"], ["rss", "rss"]) == trials
 
 
 @pytest.mark.parametrize("error", [ValueError("on\npurpose"), KeyError("x")])
@@ -84,3 +87,10 @@ def test_what_goes_wrong_in_an_episode_is_one_line(error, monkeypatch):
     fault = drive_trial(EvaluationTrial(SCENARIOS[0], "modular", "none", "x")).fault
     assert fault.startswith(f"{SCENARIOS[0].name}, policy modular, none: {type(error).__name__}: ")
     assert "\n" not in fault
+
+
+def test_an_episode_in_which_the_method_failed_has_no_result(monkeypatch):
+    monkeypatch.setitem(METHODS, "failing", ENTRY)
+    told = drive_trial(EvaluationTrial(SCENARIOS[0], "modular", "failing", "x"))
+    assert told.result is None
+    assert told.fault == f"{SCENARIOS[0].name}, policy modular, failing: RoadmendError: {SAID}"

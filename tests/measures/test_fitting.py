@@ -68,9 +68,12 @@ def test_a_policy_by_its_model_file_is_known_by_its_digest(tmp_path):
     assert fitting("rss", str(other)) == {}
 
 
-def test_a_model_file_that_is_named_stays():
-    given = str(models_folder() / "adreft-modular.safetensors")
-    assert "model" not in fitting(given, "neural")
+@pytest.mark.parametrize("kind", ["adreft", "self_oracle"])
+@pytest.mark.parametrize("policy", ["modular", "neural"])
+def test_a_model_file_that_is_named_stays(kind, policy):
+    given = str(models_folder() / f"{kind}-modular.safetensors")
+    assert "model" not in fitting(given, policy)
+    assert f"model {given}, made for modular" in account_of(given, "neural")
 
 
 def test_a_policy_that_there_is_not_is_refused():

@@ -60,4 +60,21 @@ def test_who_collides_early_wins_no_time_by_it():
     crashed = drive("COLLISION", duration=2.0, distance=10.0, blame=Blame.FRONT)
     found = ordinary_figures([(drive(), crashed), (drive(), drive(duration=21.0))])
     assert found.time_lost == pytest.approx(5.0)
-    assert found.new_collisions == 1
+    assert (found.new_collisions, found.cut_short) == (1, 1)
+
+
+@pytest.mark.parametrize("end", ["OFF_ROUTE", "ABORTED", "COLLISION"])
+def test_nor_does_who_leaves_the_lane_or_gives_up_and_no_way_is_lost_by_it(end):
+    found = ordinary_figures(
+        [
+            (drive(), drive(end, duration=15.0)),
+            (drive(), drive(duration=21.0)),
+            (drive(), drive("TIMEOUT", duration=23.0)),
+            (drive("TIMEOUT", 60.0, 500.0), drive(end, 10.0, 50.0)),
+            (drive("TIMEOUT", 60.0, 500.0), drive("GOAL", 55.0, 450.0)),
+            (drive(end), drive(end, duration=5.0)),  # as it was alone: nothing is cut
+        ]
+    )
+    assert found.time_lost == found.time_lost_median == pytest.approx(10.0)
+    assert found.distance_lost == pytest.approx(10.0)
+    assert (found.drives, found.cut_short) == (6, 2)

@@ -1,6 +1,7 @@
 """A model that decides otherwise is the same networks, and says what it was made from."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from roadmend.core.errors import InputError
 from roadmend.networks.checkpoint import find_model, load_checkpoint
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.training.adreft.adjusting import adjust
+from roadmend.training.adreft.successor import save_successor
 
 SHIPPED = find_model("modular", "adreft-")
 
@@ -37,6 +39,7 @@ def test_threshold_and_rules_change_and_the_networks_stay(tmp_path, capsys):
         (None, {"size": 3}, "there is no 'size'"),
         (None, {"adapter": [3]}, "there is no 'adapter'"),
         (None, {"hold": 99.0}, "hold"),
+        (None, {"weighing": None}, "weighing: the adapter of adreft-modular.safetensors foresees collisions"),
     ],
 )
 def test_what_makes_no_model_is_refused_and_nothing_is_written(tmp_path, threshold, changes, said):
@@ -50,3 +53,24 @@ def test_nobody_presses_without_a_need_monitor(tmp_path):
     with pytest.raises(InputError, match="needs a model with a need monitor"):
         adjust(find_model("precaution-modular", "adreft-"), out, None, {"pressing": 0.2}, "")
     assert not out.exists()
+
+
+def test_an_adapter_that_gives_values_gets_no_prices(tmp_path):
+    prices = AdreftModel.load(SHIPPED).configuration.weighing.model_dump(mode="json")
+    paper = find_model("modular", "ablations/adreft_paper-")
+    with pytest.raises(InputError, match=r"weighing: the adapter of adreft_paper-modular\.safetensors gives values"):
+        adjust(paper, tmp_path / "x.safetensors", None, {"weighing": prices}, "")
+
+
+def test_a_model_may_take_its_own_place_and_stays_where_it_cannot(tmp_path):
+    own = tmp_path / "own.safetensors"
+    shutil.copy(SHIPPED, own)
+    whole = own.read_bytes()
+    assert main(["train", "adjust", str(own), "--set", "weighing=null", "--out", str(own)]) == 2
+    parent = load_checkpoint(own)
+    configuration = AdreftModel.load(own).configuration
+    with pytest.raises(InputError, match="train the model again"):
+        save_successor(own, parent, parent.tensors, configuration.model_copy(update={"weighing": None}))
+    assert own.read_bytes() == whole
+    assert main(["train", "adjust", str(own), "--threshold", "0.6", "--out", str(own)]) == 0
+    assert AdreftModel.load(own).threshold == 0.6

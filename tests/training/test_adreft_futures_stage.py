@@ -117,6 +117,17 @@ def test_an_interruption_changes_no_bit_and_a_start_does(tmp_path):
     assert any(not np.array_equal(whole[name], further[name]) for name in whole)
 
 
+def test_a_state_is_not_gone_on_with_from_another_start(tmp_path):
+    first = stage_of(tmp_path, 1, "first.safetensors").run()
+    second = stage_of(tmp_path, 2, "second.safetensors").run()
+    begun = stage_of(tmp_path, 2, start=first).run()
+    again = stage_of(tmp_path, 2, start=first).run()
+    assert all(np.array_equal(begun[name], again[name]) for name in begun)
+    for other in (second, None):
+        with pytest.raises(InputError, match="was begun with another 'start'"):
+            stage_of(tmp_path, 2, start=other)
+
+
 def test_a_batch_of_little_weight_counts_little(tmp_path):
     moments = worlds()
     stage = stage_of(tmp_path, 1, moments=moments)

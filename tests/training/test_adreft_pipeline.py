@@ -2,7 +2,10 @@
 
 import importlib
 import sys
+from dataclasses import asdict
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 import yaml
 
@@ -11,13 +14,21 @@ from roadmend.networks.checkpoint import load_checkpoint
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.adreft.weighing import Weighing
-from roadmend.training.adreft.configuration import PracticeSection
+from roadmend.training.adreft import pipeline
+from roadmend.training.adreft.calibration import monitor_quality
+from roadmend.training.adreft.configuration import PracticeSection, TrainingConfiguration
+from roadmend.training.adreft.futures_practice import FuturesPractice
+from roadmend.training.adreft.network import AdreftNetwork, save_model, tensors_of
+from roadmend.training.adreft.pipeline import Pipeline
+from roadmend.training.adreft.rollouts_tuning import RolloutsTuning
+from roadmend.training.adreft.stage import RepairedPolicy, TrainingSubject
 from roadmend.training.closed_loop import evaluate_cases, summarise
 from roadmend.world import corpus as corpus_module
 from roadmend.world.corpus import save_corpus
 from roadmend.world.families import FAMILIES
 
 from .blind import ENTRY, blind_corpus
+from .cases import Drawn
 
 SMALL = {"tokenizer": "paper", "hidden": 32, "layers": 1, "feed_forward": 32, "monitor": [32], "adapter": [32]}
 LEARNING = {
@@ -262,6 +273,28 @@ def test_fine_tuning_by_rollouts_goes_on_from_a_model_and_moves_its_adapter_alon
     assert first.header["metrics"]["rollouts"] == []
     moved = {name.split(".")[0] for name in first.tensors if (first.tensors[name] != second.tensors[name]).any()}
     assert moved <= {"adapter"}
+
+
+def test_the_monitor_is_told_of_at_the_threshold_that_the_model_gets(tmp_path, monkeypatch):
+    configuration = TrainingConfiguration.model_validate({**FUTURES, "rollouts": {"rounds": 1}})
+    model, start = configuration.model.configuration(), tmp_path / "start.safetensors"
+    save_model(start, model, tensors_of(AdreftNetwork(model)), 0.5)
+    scores, critical = np.array([0.6, 0.3, 0.3, 0.1]), np.array([1.0, 1.0, 0.0, 0.0])
+    frames = SimpleNamespace(critical=critical, critical_weight=np.ones(4), action=np.zeros(4))
+    monkeypatch.setattr(Pipeline, "_frames", lambda *_: frames)
+    monkeypatch.setattr(Pipeline, "_look", lambda *_: [])
+    monkeypatch.setattr(FuturesPractice, "calibrate", lambda _self, _networks, touched=None: 0.2 if touched else 0.5)
+    monkeypatch.setattr(FuturesPractice, "judge", lambda *_: {})
+    monkeypatch.setattr(RolloutsTuning, "run", lambda _self, networks, _threshold: (networks, []))
+    monkeypatch.setattr(pipeline, "monitor_scores", lambda *_: scores)
+    cases = (Drawn("S3", 1, is_violation=True), Drawn("S3", 2))
+    subject = TrainingSubject(RepairedPolicy("blind", "", "", cases), cases)
+    training = Pipeline(configuration, subject, seed=0, device="cpu", mapper=map, work=tmp_path)
+    trained = training.run(tmp_path / "out.safetensors", start=start)
+    assert trained.threshold == 0.2
+    assert trained.monitor == monitor_quality(scores, critical > 0.5, 0.2)
+    assert trained.monitor != monitor_quality(scores, critical > 0.5, 0.5)
+    assert load_checkpoint(tmp_path / "out.safetensors").header["metrics"]["monitor"] == asdict(trained.monitor)
 
 
 def test_without_precaution_only_the_monitor_decides(train, tmp_path):

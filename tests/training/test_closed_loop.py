@@ -2,9 +2,11 @@
 
 import pytest
 
-from roadmend.core.errors import InputError
+from roadmend.core.errors import InputError, RoadmendError
 from roadmend.measures.case_result import CaseResult
+from roadmend.repair.registry import METHODS
 from roadmend.training.closed_loop import evaluate_cases, summarise
+from tests.measures.failing import ENTRY, SAID
 from tests.measures.results import episode
 
 from .cases import Drawn
@@ -40,6 +42,13 @@ def test_results_are_reported_as_they_come():
 def test_what_cannot_be_is_said_before_anything_runs(policy, method, parameters):
     with pytest.raises(InputError):
         evaluate_cases(CASES, policy, method, parameters)
+
+
+def test_what_the_guard_does_for_a_method_that_failed_is_not_counted(monkeypatch):
+    monkeypatch.setitem(METHODS, "failing", ENTRY)
+    with pytest.raises(RoadmendError) as raised:
+        evaluate_cases(CASES[:1], "modular", "failing")
+    assert str(raised.value) == SAID
 
 
 def test_a_stop_is_no_fix_and_a_late_success_no_degradation():

@@ -15,7 +15,7 @@ from roadmend.policies.neural_kinds import KINDS
 from roadmend.policies.neural_tokens import COLUMNS
 from roadmend.training.dagger import Training
 from roadmend.training.demonstrations import gather, ordinary_lesson
-from roadmend.training.imitation import NeuralNetwork, batches, fit, losses_of, measure, two_hot
+from roadmend.training.imitation import NeuralNetwork, batches, fit, losses_of, measure, split, two_hot
 from roadmend.training.imitation_configuration import ImitationConfiguration, Round, read_imitation_configuration
 from roadmend.training.samples import UNASKED, Samples, load_samples, samples_digest
 
@@ -84,6 +84,32 @@ def test_the_loss_falls_and_the_error_with_it(samples):
     after = measure(network, samples, rows, 64, CPU)
     assert after.action < 0.8 * before.action
     assert after.error < 0.8 * before.error
+
+
+@pytest.mark.parametrize("held_out", [0.05, 0.1, 0.2, 0.5])
+@pytest.mark.parametrize("families", [1, 2, 5])
+def test_of_every_family_the_share_that_was_asked_for_is_held_out(held_out, families):
+    seeds = 40
+    total = seeds * families
+    samples = Samples(
+        np.zeros((total, COLUMNS), dtype=np.float16),
+        np.ones(total, dtype=np.int16),
+        np.zeros(total, dtype=np.float32),
+        np.full(total, UNASKED, dtype=np.int8),
+        np.arange(total, dtype=np.int32),
+        ("GOAL",) * total,
+    )
+    learned, held = split(samples, held_out, families)
+    assert sorted([*learned, *held]) == [*range(total)]
+    assert np.bincount(held % families, minlength=families).tolist() == [round(held_out * seeds)] * families
+
+
+def test_where_no_episode_is_held_out_no_loss_is_told(tmp_path):
+    said = []
+    few = TINY.model_copy(update={"held_out": 0.05, "rounds": TINY.rounds[:1]})
+    model = Training(few, 3, tmp_path / "few", 1, "cpu", "test", lambda what, *_: said.append(what)).run()
+    assert load_checkpoint(model, "neural").header["metrics"]["held_out"] is None
+    assert said[-1] == "round 0: learning, no episode held out"
 
 
 def test_nothing_is_learned_about_lane_changes_that_nobody_asked_for(samples):

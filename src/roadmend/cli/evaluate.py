@@ -9,6 +9,7 @@ from typing import Any
 
 import click
 
+from roadmend.cli.call import call_again
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import METHOD_NAME, POLICIES, TUNED
 from roadmend.cli.options import FILE, JSON, PATH, RESULT_FOLDER, WORKERS
@@ -116,9 +117,8 @@ def evaluate(
         driven = run_trials(trials, journal, workers, lambda done: progress.update(task, completed=done))
     figures = figures_of(driven)
     faults = [each.fault for each in driven if each.fault]
-    said = [f"--policy {policy}" for policy in policies] + [f"--repair {method}" for method in methods]
     content: dict[str, Any] = {
-        "provenance": provenance(f"./roadmend evaluate {' '.join(said)}"),
+        "provenance": provenance(call_again(always=("policies", "methods"))),
         "policies": figures,
         "fitting": accounts,
         "faults": faults,
@@ -198,4 +198,5 @@ def _scenarios(asked: _Asked) -> list[Scenario]:
         limit = TIME_LIMIT if asked.time_limit is None else asked.time_limit
         return drawn_scenarios(asked.sumocfg, drives, WARM_UP if asked.warm_up is None else asked.warm_up, limit)
     drawn = range(first, first + (20 if asked.count is None else asked.count))
-    return [sample_scenario(family, number) for family in asked.families or FAMILIES for number in drawn]
+    families = dict.fromkeys(asked.families or FAMILIES)  # each once: to drive one again tells nothing new
+    return [sample_scenario(family, number) for family in families for number in drawn]

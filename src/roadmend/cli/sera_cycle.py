@@ -8,6 +8,7 @@ from typing import Annotated, Any, cast
 
 import click
 
+from roadmend.cli.call import call_again
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import POLICY, REPAIR
 from roadmend.cli.language_options import LanguageChoice, language_options
@@ -29,8 +30,9 @@ from roadmend.measures.driver import driver_key
 from roadmend.measures.driving import DrivingMeasures
 from roadmend.measures.fitting import fitting
 from roadmend.measures.summary import summarise, summary_rows
-from roadmend.networks.checkpoint import find_model
+from roadmend.networks.checkpoint import find_model, load_checkpoint
 from roadmend.policies.neural import load_model
+from roadmend.repair.adreft.model import KIND
 from roadmend.reports.cycle_page import cycle_chart, cycle_page, measure_rows
 from roadmend.reports.result_files import origin, provenance, write_report
 from roadmend.sera.analysis import BagAnalysis, find_bags, read_incidents
@@ -39,7 +41,7 @@ from roadmend.sera.cycle import Cycle, CycleOptions, Generation, PolicyEvaluatio
 from roadmend.sera.describe import entry_of
 from roadmend.sera.evaluation_episode import EvaluatedEpisode, EvaluationJob, Record, drive_jobs
 from roadmend.sera.evaluation_set import disjoint, known_in
-from roadmend.training.few_shot_settings import FewShotSettings
+from roadmend.training.few_shot_settings import FewShotSettings, repair_model
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario import Scenario
 
@@ -131,7 +133,7 @@ def _measured(jobs: Sequence[EvaluationJob], found: Sequence[EvaluatedEpisode], 
         if episode.result is not None and episode.measures is not None
     ]
     return {
-        "provenance": provenance(f"./roadmend sera evaluate --policy {first.policy} --repair {first.method}"),
+        "provenance": provenance(call_again(always=("policy", "method"))),
         "policy": first.policy,
         "method": first.method,
         "left_out": left_out,
@@ -231,6 +233,8 @@ def cycle(given: CycleSettings) -> int:
     model = find_model(given.policy)
     load_model(model)
     few_shot = given.few_shot.read()
+    repair = repair_model(few_shot)
+    teacher = "" if repair is None else load_checkpoint(repair, KIND).digest
     first = tuple(find_bags(given.bags)) if given.bags else ()
     whole_set = given.chosen.read()
     opened = open_backend(given.language, given.out)
@@ -243,7 +247,7 @@ def cycle(given: CycleSettings) -> int:
 
         bank_path = given.bank_file or _built_bank(given.out, given.bank_scenarios, told)
         evaluated = disjoint(whole_set, known_in([bank_path]))
-        steps = _LocalSteps(evaluated, few_shot, given.seed, given.out, given.workers, told)
+        steps = _LocalSteps(evaluated, few_shot, teacher, given.seed, given.out, given.workers, told)
         options = CycleOptions(
             given.generations,
             given.count,
@@ -260,7 +264,7 @@ def cycle(given: CycleSettings) -> int:
             for generation in runs.run(str(model)):
                 found.append(generation)
                 progress.update(whole, completed=len(found))
-                content = _content(found, given.out, given.generations)
+                content = _content(found, given.out)
     _write(content, given.out)
     if given.as_json:
         click.echo(json.dumps(content, indent=2))
@@ -273,17 +277,25 @@ class _LocalSteps:
     """The steps of a cycle, over processes of this machine."""
 
     def __init__(
-        self, scenarios: Sequence[Scenario], settings: FewShotSettings, seed: int, out: Path, workers: int, told: Told
+        self,
+        scenarios: Sequence[Scenario],
+        settings: FewShotSettings,
+        teacher: str,
+        seed: int,
+        out: Path,
+        workers: int,
+        told: Told,
     ) -> None:
         self._scenarios = scenarios
         self._settings = settings
+        self._teacher = teacher  # digest of the model that repairs the demonstrations: a name may mean another one
         self._seed = seed
         self._out = out
         self._workers = workers
         self._told = told
 
     def identity(self, policy: str) -> str:
-        return entry_key(["roadmend.training.few_shot"], driver_key(policy, _METHOD))
+        return entry_key(["roadmend.training.few_shot"], driver_key(policy, _METHOD), self._teacher)
 
     def evaluate(self, policy: str) -> PolicyEvaluation:
         driver, folder = driver_key(policy, _METHOD), self._out / "bags"
@@ -334,13 +346,13 @@ def _built_bank(out: Path, count: int, told: Told) -> Path:
     return path
 
 
-def _content(found: Sequence[Generation], out: Path, wanted: int) -> dict[str, Any]:
+def _content(found: Sequence[Generation], out: Path) -> dict[str, Any]:
     generations = [asdict(generation) for generation in found]
     for each in generations:
         each["policy"] = _place(Path(each["policy"]), out)
         if each["tuned"] is not None:
             each["tuned"]["model"] = _place(each["tuned"]["model"], out)
-    return {"provenance": provenance(f"./roadmend sera cycle --generations {wanted}"), "generations": generations}
+    return {"provenance": provenance(call_again(always=("policy", "generations"))), "generations": generations}
 
 
 def _place(model: Path, out: Path) -> str:

@@ -8,10 +8,11 @@ from itertools import product
 from typing import Any
 
 from roadmend.core.episode_result import EpisodeResult
-from roadmend.core.errors import RoadmendError, SimulationError
+from roadmend.core.errors import SimulationError
 from roadmend.core.fanout import fan_out
 from roadmend.core.interfaces import Policy
 from roadmend.core.journal import Journal, Key, entry_key
+from roadmend.measures.answering import Answering
 from roadmend.measures.driver import driver_key
 from roadmend.measures.fitting import fitting
 from roadmend.measures.need import run_with_need
@@ -65,7 +66,7 @@ def trials_of(
     *,
     is_tuned: bool = True,
 ) -> list[EvaluationTrial]:
-    """Every policy with every method, and with the trivial ones, in every scenario.
+    """Every policy with every method, and with the trivial ones, in every scenario; what is named twice counts once.
 
     Args:
         scenarios: to drive.
@@ -78,7 +79,7 @@ def trials_of(
         InputError: there is no such policy, model file or method, or a model cannot be read.
     """
     trials = []
-    for policy, method in product(policies, dict.fromkeys([*TRIVIAL, *methods])):
+    for policy, method in product(dict.fromkeys(policies), dict.fromkeys([*TRIVIAL, *methods])):
         parameters = fitting(method, policy) if is_tuned and method not in TRIVIAL else {}
         key = driver_key(policy, method, parameters)
         trials += [EvaluationTrial(scenario, policy, method, key, futures, parameters) for scenario in scenarios]
@@ -135,15 +136,13 @@ def drive_with(
     """
     scenario = trial.scenario
     try:
-        policy, repairer = make_driver(), make_guarded()
+        policy, repairer = make_driver(), Answering(make_guarded())
         if trial.futures:
             result = run_with_need(scenario, policy, repairer, trial.futures)
         else:
             result = run_episode(scenario, policy, repairer)
         if not result.is_finite:
             raise SimulationError("a pose or a command was not a number")  # noqa: TRY301
-        if repairer.first_fault:  # what the guard's rule did in its place is nothing that the method has earned
-            raise RoadmendError(repairer.first_fault)  # noqa: TRY301
     except Exception as error:  # noqa: BLE001 - the others shall go on, and this one is reported
         text = " ".join(f"{type(error).__name__}: {error}".split())
         return Driven(trial, fault=f"{scenario.name}, policy {trial.policy}, {trial.told_as}: {text}")

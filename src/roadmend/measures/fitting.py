@@ -59,9 +59,10 @@ def fitting(method: str, policy: str) -> dict[str, Any]:
     if found.is_foreign or not driver.label:
         return {}
     fitted = dict(_tuned(found.label, driver))
-    if found.label in _PREFIXES and found.given == found.label:  # a model file that was named stays
+    if found.label in _PREFIXES:
         fitted.pop("model", None)
-        if _has_model(driver.label, _PREFIXES[found.label]):
+        is_named = found.given != found.label  # a model file that was named stays
+        if not is_named and _has_model(driver.label, _PREFIXES[found.label]):
             fitted["model"] = driver.label
     return fitted
 

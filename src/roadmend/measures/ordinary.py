@@ -1,13 +1,19 @@
-"""What repair costs where nothing was wrong: drives in which the policy alone does not collide by its own fault."""
+"""What repair costs where nothing was wrong: drives in which the policy alone does not collide by its own fault.
+
+A drive that goes on to the goal or the time limit without repair, and with it ends before - in a collision, off the lane,
+or given up - has won no time and lost no way by it. It is counted as cut short, and in neither loss.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import fmean, median
 
 from roadmend.core.episode_result import EpisodeResult
+from roadmend.core.outcome import EventKind
 from roadmend.measures.need_verdict import NEEDLESS
 
 TOUCH = 0.2  # [s] of full command from which a drive counts as touched
+_WHOLE = (EventKind.GOAL, EventKind.TIMEOUT)  # ends of drives whose time and way can be compared
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,11 +22,9 @@ class OrdinaryFigures:
 
     drives: int  # in which the policy alone does not violate
     untouched: float | None  # [%] of them whose dose is below TOUCH, and in which no lane change was held back
-    time_lost: (
-        float | None
-    )  # [%] mean over those that the policy alone brings to the goal, and that do not end early now
+    time_lost: float | None  # [%] mean over those that the policy alone brings to the goal, if not cut short now
     time_lost_median: float | None  # [%] likewise, the median
-    distance_lost: float | None  # [%] mean over those that the time limit ends
+    distance_lost: float | None  # [%] mean over those that the time limit ends, if not cut short now
     needless_dose_per_hour: (
         float | None
     )  # [s/h] in spells whose need is below NEEDLESS; None where it was not looked at
@@ -30,17 +34,15 @@ class OrdinaryFigures:
     collisions_bare: int  # of all drives, by the ego's own fault, the policy left alone
     collisions: int  # likewise, with the method
     new_collisions: int  # by the ego's own fault where the policy alone has none
+    cut_short: int  # of those that go on to the goal or the time limit alone: now end before, whosever fault it is
 
 
 def ordinary_figures(pairs: Sequence[tuple[EpisodeResult, EpisodeResult]]) -> OrdinaryFigures:
     """The figures of the same drives, each by the policy alone and with the method."""
     calm = [(bare, own) for bare, own in pairs if not bare.final.at_fault]
-    to_goal = [own.duration / bare.duration - 1.0 for bare, own in calm if bare.reached_goal and not own.collided]
-    in_time = [
-        1.0 - own.distance / bare.distance
-        for bare, own in calm
-        if bare.timed_out and bare.distance > 0.0 and not own.collided
-    ]
+    whole = [(bare, own) for bare, own in calm if bare.outcome in _WHOLE and own.outcome in _WHOLE]
+    to_goal = [own.duration / bare.duration - 1.0 for bare, own in whole if bare.reached_goal]
+    in_time = [1.0 - own.distance / bare.distance for bare, own in whole if bare.timed_out and bare.distance > 0.0]
     hours = sum(own.duration for _, own in calm) / 3600.0
     kilometres = sum(own.distance for _, own in calm) / 1000.0
     spells = [spell for _, own in calm for spell in own.spells]
@@ -60,6 +62,7 @@ def ordinary_figures(pairs: Sequence[tuple[EpisodeResult, EpisodeResult]]) -> Or
         sum(bare.final.at_fault for bare, _ in pairs),
         sum(own.final.at_fault for _, own in pairs),
         sum(own.final.at_fault for _, own in calm),
+        sum(bare.outcome in _WHOLE for bare, _ in calm) - len(whole),
     )
 
 

@@ -50,7 +50,7 @@ class Steps(Protocol):
     """What a cycle has others do."""
 
     def identity(self, policy: str) -> str:
-        """A digest of the policy."""
+        """A digest of the policy, and of what it is tuned with beside scenarios and settings."""
 
     def evaluate(self, policy: str) -> PolicyEvaluation:
         """Drive the evaluation set; quick where that has been done."""

@@ -10,6 +10,7 @@ from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import RoadmendError, SimulationError
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal, Key, entry_key
+from roadmend.measures.answering import Answering
 from roadmend.measures.driving import DrivingMeasures
 from roadmend.measures.fitting import fitting
 from roadmend.measures.measured_run import EpisodeObserver, measured_run
@@ -65,7 +66,7 @@ def evaluate(job: EvaluationJob) -> EvaluatedEpisode:
     try:
         return _evaluate(job)
     except RoadmendError as error:
-        return EvaluatedEpisode(fault=str(error))
+        return EvaluatedEpisode(fault=f"{job.scenario.name}: {error}")
     except Exception as error:  # noqa: BLE001 - the others shall go on, and this one is reported
         return EvaluatedEpisode(fault=" ".join(f"{job.scenario.name}: {type(error).__name__}: {error}".split()))
 
@@ -80,14 +81,13 @@ def _evaluate(job: EvaluationJob) -> EvaluatedEpisode:
     if not bag.exists():  # else of an earlier call with the same key: what is there is whole
         with new_bag(bag) as writer:
             if _record(job, writer).digest != result.digest:
-                raise SimulationError(f"{job.scenario.name}: the run that was recorded differs from the one before")
+                raise SimulationError("the run that was recorded differs from the one before")
     return EvaluatedEpisode(result, measures, bag.name)
 
 
 def _drive(job: EvaluationJob, *observers: EpisodeObserver) -> tuple[EpisodeResult, DrivingMeasures]:
-    return measured_run(
-        job.scenario, make_policy(job.policy), make_repairer(job.method, fitting(job.method, job.policy)), *observers
-    )
+    repairer = Answering(make_repairer(job.method, fitting(job.method, job.policy)))
+    return measured_run(job.scenario, make_policy(job.policy), repairer, *observers)
 
 
 def _record(job: EvaluationJob, writer: BagWriter) -> EpisodeResult:

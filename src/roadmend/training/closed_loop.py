@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any, Protocol
 
 from roadmend.core.fanout import Mapper, fan_out
+from roadmend.measures.answering import Answering
 from roadmend.measures.case_result import CaseResult
 from roadmend.measures.repair import delta_e, figures_of
 from roadmend.policies.registry import make_policy
@@ -84,6 +85,7 @@ def evaluate_cases(
     Raises:
         InputError: there is no such policy or method, a parameter or a scenario is unusable.
         SimulationError: SUMO failed, or a worker process died.
+        RoadmendError: the method could not answer, so that the guard's rule did.
     """
     make_policy(policy)
     make_repairer(method, parameters)  # a fault in what was given is said before the first process starts
@@ -97,7 +99,7 @@ def evaluate_cases(
 
 
 def _evaluate(case: EpisodeCase, *, policy: str, method: str, parameters: Mapping[str, Any]) -> CaseResult:
-    episode = run_episode(case.scenario(), make_policy(policy), make_repairer(method, parameters))
+    episode = run_episode(case.scenario(), make_policy(policy), Answering(make_repairer(method, parameters)))
     return CaseResult(case.name, case.family, case.is_violation, episode)
 
 

@@ -112,13 +112,12 @@ class Training:
         samples = Samples.join(parts)
         with SummaryWriter(str(self.folder / "tensorboard" / f"round-{number}")) as board:
 
-            def note(epoch: int, learned: Losses, held: Losses) -> None:
+            def note(epoch: int, learned: Losses, held: Losses | None) -> None:
                 for name, losses in (("training", learned), ("held out", held)):
-                    for key, value in asdict(losses).items():
+                    for key, value in asdict(losses).items() if losses is not None else ():
                         board.add_scalar(f"{key}/{name}", value, epoch)
-                self.report(
-                    f"round {number}: learning, {held.action:.3f} + {held.change:.4f} nat", epoch + 1, step.epochs
-                )
+                how = "no episode held out" if held is None else f"{held.action:.3f} + {held.change:.4f} nat"
+                self.report(f"round {number}: learning, {how}", epoch + 1, step.epochs)
 
             held = fit(
                 network, samples, configuration, step, self.seed * 1000 + number, torch.device(self.device), note
@@ -134,7 +133,7 @@ class Training:
             },
             "data_digest": samples_digest(samples),
             "metrics": {
-                "held_out": asdict(held),
+                "held_out": None if held is None else asdict(held),
                 "scenes": len(samples),
                 "last_outcomes": dict(sorted(outcomes.items())),
             },

@@ -21,12 +21,12 @@ from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper, fan_out
 from roadmend.measures.driving import DrivingMeasures
 from roadmend.measures.measured_run import measured_run
-from roadmend.networks.checkpoint import Checkpoint, Tensors, find_model, load_checkpoint, save_checkpoint
+from roadmend.networks.checkpoint import Checkpoint, Tensors, load_checkpoint, save_checkpoint
 from roadmend.policies.neural import NeuralPolicy, load_model
 from roadmend.repair.adreft.model import KIND
 from roadmend.repair.registry import make_repairer
 from roadmend.training.demonstrations import Lesson, gather, ordinary_lesson
-from roadmend.training.few_shot_settings import FewShotSettings, ordinary_seeds
+from roadmend.training.few_shot_settings import FewShotSettings, ordinary_seeds, repair_model
 from roadmend.training.imitation import NeuralNetwork, batches, learn, load_network, tensors_of
 from roadmend.training.samples import Samples, samples_digest
 from roadmend.training.tuning_guard import TunedCandidate, TuningGuard, TuningTrial, mixture
@@ -134,15 +134,6 @@ def replay_lessons(model: Path, settings: FewShotSettings) -> list[Lesson]:
         ordinary_lesson(family, seed, model, settings.expert_share, settings.noise, settings.every, repair)
         for family, seed in ordinary_seeds(settings.replay_seed, settings.replay)
     ]
-
-
-def repair_model(settings: FewShotSettings) -> Path | None:
-    """Model of ADReFT that repairs the demonstrations; None where the expert is left alone.
-
-    Raises:
-        InputError: there is no such model.
-    """
-    return find_model(settings.repair, "adreft-") if settings.repair else None
 
 
 @dataclass

@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 
 from roadmend.core.parameters import Parameters
 from roadmend.core.settings import read_settings
+from roadmend.networks.checkpoint import find_model
 from roadmend.world.families import FAMILIES
 
 
@@ -55,6 +56,15 @@ class FewShotSettings(Parameters):
 def ordinary_seeds(first: int, count: int) -> list[tuple[str, int]]:
     """Families and seeds of ordinary scenarios, ``count`` of each family."""
     return [(family, first + number) for number in range(count) for family in FAMILIES]
+
+
+def repair_model(settings: FewShotSettings) -> Path | None:
+    """Model of ADReFT that repairs the demonstrations; None where the expert is left alone.
+
+    Raises:
+        InputError: there is no such model.
+    """
+    return find_model(settings.repair, "adreft-") if settings.repair else None
 
 
 def read_few_shot_settings(path: Path) -> FewShotSettings:

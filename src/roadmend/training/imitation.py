@@ -149,10 +149,19 @@ def measure(
     return Losses(*(totals[:3] / max(totals[3], 1.0)).tolist())
 
 
-def split(samples: Samples, held_out: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Rows to learn from and rows to measure on; an episode is wholly on one side."""
+def split(samples: Samples, held_out: float, families: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rows to learn from and rows to measure on; an episode is wholly on one side, in later rounds too.
+
+    Of every family one episode in so many is held out, the families by turns so that few episodes show some of it.
+
+    Args:
+        samples: of episodes that go through all families with one seed after another.
+        held_out: share of the episodes to measure on.
+        families: how many there are.
+    """
     period = max(2, round(1.0 / held_out))
-    kept = samples.episodes % period == period - 1
+    seeds, family = np.divmod(samples.episodes, families)
+    kept = (seeds + family * period // families) % period == period - 1
     return np.flatnonzero(~kept), np.flatnonzero(kept)
 
 
@@ -185,22 +194,22 @@ def fit(
     step: Round,
     seed: int,
     device: torch.device,
-    report: Callable[[int, Losses, Losses], None],
-) -> Losses:
+    report: Callable[[int, Losses, Losses | None], None],
+) -> Losses | None:
     """Train through the epochs of one round; ``report`` gets each epoch's number and its two losses.
 
     Returns:
-        The losses on the held-out episodes at the end.
+        The losses on the held-out episodes at the end; None where there are too few episodes to hold one out.
     """
     generator = np.random.default_rng(seed)
-    rows, held = split(samples, configuration.held_out)
+    rows, held = split(samples, configuration.held_out, len(configuration.families))
     optimizer = torch.optim.AdamW(network.parameters(), lr=step.learning_rate, weight_decay=configuration.weight_decay)
     total = step.epochs * -(-len(rows) // configuration.batch)
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, total, 0.02 * step.learning_rate)
-    last = Losses(0.0, 0.0, 0.0)
+    last: Losses | None = None
     for epoch in range(step.epochs):
         chosen = batches(samples, rows, configuration.batch, generator, device)
         learned = learn(network, optimizer, schedule, chosen, configuration.change_weight)
-        last = measure(network, samples, held, configuration.batch, device)
+        last = measure(network, samples, held, configuration.batch, device) if len(held) else None
         report(epoch, learned, last)
     return last

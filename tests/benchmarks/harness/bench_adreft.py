@@ -18,11 +18,10 @@ from harness.benchmark_tables import headline
 from harness.beside import beside
 from harness.contenders import BenchmarkPlan, read_plan, watched_method
 from harness.kept_rows import keep_cases
-from harness.options import CACHED_WORK, COMMITTED, PLANS
+from harness.options import CACHED_WORK, COMMITTED, PLANS, known_names, listed_names
 from harness.policy_benchmarks import Choice, find_benchmarks
 from roadmend.cli.options import WORKERS
 from roadmend.cli.output import counting, show_rows
-from roadmend.core.errors import InputError
 from roadmend.core.journal import Journal
 from roadmend.core.resources import config_folder
 from roadmend.reports.result_files import provenance
@@ -123,13 +122,13 @@ def adreft(
     if verify and (fresh_seed is not None or robustness or split != "test"):
         raise click.UsageError("--verify goes with the committed cases only")
     if keep and not robustness:  # monitors of methods that are not measured now are kept as well
-        asked = _list(methods, [*plan.methods], plan.methods, "--methods")
+        asked = listed_names(methods, [*plan.methods], plan.methods, "--methods")
         named = {name: watched_method(plan, name) for name in plan.monitors}
         plan = plan.model_copy(update={"monitors": [name for name, method in named.items() if method in asked]})
     choice = Choice(
-        _names(policies or plan.policies, plan.policies, "--policy"),
-        _list(methods, _usual_methods(plan, committed, quick=quick, verify=verify), plan.methods, "--methods"),
-        _list(families, FAMILIES, FAMILIES, "--families"),
+        known_names(policies or plan.policies, plan.policies, "--policy"),
+        listed_names(methods, _usual_methods(plan, committed, quick=quick, verify=verify), plan.methods, "--methods"),
+        listed_names(families, FAMILIES, FAMILIES, "--families"),
         cases if cases is not None or not quick else plan.quick.cases,
         split,
         fresh_seed,
@@ -308,15 +307,3 @@ def _command(choice: Choice, corpora: Path | None, *, verify: bool) -> str:
     parts += ["--keep"] * bool(context.params["keep"])
     parts += ["--no-cost"] * ("cost" in given and not context.params["cost"])
     return " ".join(parts + ["--verify"] * verify)
-
-
-def _list(text: str | None, default: Sequence[str] | dict[str, Any], known: Any, where: str) -> tuple[str, ...]:
-    return _names([part.strip() for part in text.split(",")] if text is not None else [*default], known, where)
-
-
-def _names(chosen: Sequence[str], known: Any, where: str) -> tuple[str, ...]:
-    """In the order of what is known, each once."""
-    for name in chosen:
-        if name not in known:
-            raise InputError(where, f"there is no {name!r}", f"choose from {', '.join(known)}")
-    return tuple(name for name in known if name in chosen)

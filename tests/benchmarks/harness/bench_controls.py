@@ -16,7 +16,7 @@ from harness.contenders import read_plan, resolve
 from harness.control_jobs import FORMAT, ControlJob, ControlResult, run_controls
 from harness.grid import Setting
 from harness.kept_rows import keep_controls
-from harness.options import CACHED_WORK, COMMITTED, PLANS
+from harness.options import CACHED_WORK, COMMITTED, PLANS, listed_names
 from harness.policy_benchmarks import select
 from harness.table import Table, number, span
 from roadmend.cli.options import JSON, WORKERS, options_of
@@ -33,6 +33,7 @@ from roadmend.world.network import cache_folder
 
 CONTENT = "roadmend-controls/1"
 STEM = "adreft-controls"
+METHODS = "rule,rss,predictive,adreft,precaution"
 HARD = 6.0  # [m/s] impact speed from which a violation is told apart
 
 
@@ -45,9 +46,7 @@ class ControlOptions:
     ]
     methods: Annotated[
         str,
-        click.option(
-            "--methods", default="rule,rss,predictive,adreft,precaution", show_default=True, help="With commas."
-        ),
+        click.option("--methods", default=METHODS, show_default=True, help="With commas."),
     ]
     cases: Annotated[
         int | None,
@@ -73,6 +72,7 @@ class ControlOptions:
 def controls(given: ControlOptions, *, as_json: bool) -> None:
     """Hold each method against its own braking at random times, in other futures, and against the informed bound."""
     plan, config = read_plan(PLANS / "adreft.yaml"), config_folder()
+    names = listed_names(given.methods, (), plan.methods, "--methods")
     work = given.work or cache_folder() / "benchmarks" / "controls"
     content: dict[str, Any] = {
         "format": CONTENT,
@@ -97,7 +97,7 @@ def controls(given: ControlOptions, *, as_json: bool) -> None:
 
         for policy in given.policies or tuple(plan.policies):
             cases = select(corpus_of(policy), [*FAMILIES], given.cases, "test")
-            contenders, _ = resolve(plan, config, policy, given.methods.split(","))
+            contenders, _ = resolve(plan, config, policy, [*names])
             content["controls"][policy] = {"shuffled": {}}
             for contender in contenders:
                 setting = Setting.of(contender)
@@ -232,6 +232,6 @@ def _bound_table(content: Mapping[str, Any]) -> Table:
 
 def _command(given: ControlOptions) -> str:
     parts = ["./roadmend bench controls", *(f"--policy {policy}" for policy in given.policies)]
-    parts += [f"--methods {given.methods}"] if given.methods != "rule,rss,predictive,adreft,precaution" else []
+    parts += [f"--methods {''.join(given.methods.split())}"] if given.methods != METHODS else []
     parts += [f"--cases {given.cases}"] if given.cases else []
     return " ".join(parts + ["--no-bound"] * (not given.bound) + ["--keep"] * given.keep)

@@ -13,8 +13,8 @@ from harness.benchmark_files import read_json
 from harness.beside import renew
 from harness.contenders import BenchmarkPlan, read_plan, resolve
 from harness.grid import TABLE_SEED, Figures, Setting, alone, drive_all, random_drives
-from harness.kept_rows import keep_ordinary
-from harness.options import CACHED_WORK, COMMITTED, PLANS
+from harness.kept_rows import check_sizes, keep_ordinary
+from harness.options import CACHED_WORK, COMMITTED, PLANS, listed_names
 from harness.ordinary_tables import ordinary_tables
 from harness.price_curve import Ground, add_leads, at_time_lost, curve_settings, points_of
 from roadmend.cli.options import JSON, WORKERS, options_of
@@ -143,7 +143,10 @@ def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
         raise click.UsageError("--first: --keep and --curve-count go with the table's drives; leave them out")
     plan, config = read_plan(PLANS / "adreft.yaml"), config_folder()
     policies = given.policies or tuple(plan.policies)
-    names = given.methods.split(",") if given.methods else plan.ordinary
+    names = listed_names(given.methods, plan.ordinary, plan.methods, "--methods")
+    before = read_json(given.committed / f"{STEM}.json") if given.keep else None
+    if before is not None:  # before hours of driving, not after them
+        check_sizes(_command(given), before)
     work = given.work or cache_folder() / "benchmarks" / "ordinary"
     content: dict[str, Any] = {
         "format": FORMAT,
@@ -165,9 +168,12 @@ def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
                 found = {method: figure["ordinary"] for method, figure in figures[policy].items()}
                 content["ordinary"].setdefault(name, {})[policy] = found
             if given.curve_count:
-                content["curve"][policy], content["at_time_lost"][policy] = _curves(plan, policy, given, work, progress)
-    if given.keep:
-        keep_ordinary(content, read_json(given.committed / f"{STEM}.json"), [*plan.methods])
+                chosen = None if given.methods is None else names
+                content["curve"][policy], content["at_time_lost"][policy] = _curves(
+                    plan, policy, chosen, given, work, progress
+                )
+    if before is not None:
+        keep_ordinary(content, before, [*plan.methods])
     tables = ordinary_tables(content)
     if given.out is not None:
         text = "\n\n".join(table.markdown(3) for table in tables)
@@ -201,14 +207,19 @@ def _sets(given: OrdinaryOptions, work: Path, progress: Progress) -> dict[str, l
 
 
 def _curves(
-    plan: BenchmarkPlan, policy: str, given: OrdinaryOptions, work: Path, progress: Progress
+    plan: BenchmarkPlan,
+    policy: str,
+    methods: Sequence[str] | None,
+    given: OrdinaryOptions,
+    work: Path,
+    progress: Progress,
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """The points of every method's curve, and the best at each price."""
 
     def drive(ground: Ground, settings: Sequence[Setting]) -> tuple[Figures, Figures]:
         return ground.drive(settings, work, given.workers, progress, f"{len(settings)} settings")
 
-    settings = curve_settings(plan, config_folder(), policy, given.methods)
+    settings = curve_settings(plan, config_folder(), policy, methods)
     curves = points_of(settings, drive(Ground.choosing(policy, given.curve_count, given.curve_cases), settings))
     shown = Ground.showing(policy, given.count, given.table_cases)
     found = at_time_lost(curves, settings, shown, drive)
@@ -221,7 +232,7 @@ def _curves(
 def _command(given: OrdinaryOptions) -> str:
     """The command again, without places on this machine."""
     parts = ["./roadmend bench ordinary", *(f"--policy {policy}" for policy in given.policies)]
-    parts += [f"--methods {given.methods}"] if given.methods else []
+    parts += [f"--methods {''.join(given.methods.split())}"] if given.methods else []
     parts += [f"--count {given.count}"] if given.count != 200 else []
     parts += [f"--first {given.first}"] if given.first != TABLE_SEED else []
     parts += [f"--networks {given.networks}"] if given.networks else []

@@ -13,6 +13,7 @@ from roadmend.cli.output import counting
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.fanout import fan_out
 from roadmend.core.outcome import EventKind
+from roadmend.measures.answering import Answering
 from roadmend.measures.intervals import wilson
 from roadmend.policies.registry import POLICIES, make_policy
 from roadmend.repair.registry import METHODS, make_repairer
@@ -60,7 +61,7 @@ def _work(job: _Job) -> _Report:
 
 def _episode(job: _Job) -> EpisodeResult:
     scenario = sample_scenario(job.family, job.seed)
-    return run_episode(scenario, make_policy(job.policy), make_repairer(job.method))
+    return run_episode(scenario, make_policy(job.policy), Answering(make_repairer(job.method)))
 
 
 @click.command()

@@ -10,7 +10,7 @@ import click
 from harness.crash_reading import read_crashes
 from harness.figures import Figures
 from harness.safe_extraction import measure_registers
-from harness.safe_rows import SURE
+from harness.safe_rows import SURE, right_of
 from harness.scoring import load_oracles, majority, score
 from roadmend.cli.options import JSON, WORKERS
 from roadmend.cli.output import counting
@@ -80,7 +80,7 @@ def _rows(sets: Mapping[str, Mapping[str, Any]]) -> Sequence[Sequence[str]]:
         low, high = (100 * side for side in wilson(round(found["overall"] * cases / 100), cases))
         shares = [f"{found[key]:.1f}" for key in ("road", "actors", "env", "overall")]
         surest = next(each for each in found["calibration"] if each["low"] == SURE)
-        right = "-" if surest["right"] is None else f"{100 * surest['right']:.1f} % of {surest['count']}"
+        right = right_of(surest)
         rows.append(
             [name, str(cases), *shares, f"{low:.1f} .. {high:.1f}", f"{found['majority']['overall']:.1f}", right]
         )

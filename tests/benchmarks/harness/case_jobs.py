@@ -18,10 +18,10 @@ from roadmend.core.repair import Repair
 from roadmend.core.route import Route
 from roadmend.core.scene import Scene
 from roadmend.core.tick import Tick
+from roadmend.measures.answering import Answering
 from roadmend.measures.case_result import CaseResult
 from roadmend.measures.monitor import Confusion
 from roadmend.policies.registry import make_policy
-from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.registry import make_repairer
 from roadmend.world.corpus import Case
 from roadmend.world.runner import run_episode
@@ -80,7 +80,7 @@ class Onlookers:
 
     name = "onlookers"
 
-    def __init__(self, monitors: Sequence[GuardedRepairer], alone: GuardedRepairer) -> None:
+    def __init__(self, monitors: Sequence[Repairer], alone: Repairer) -> None:
         self._monitors = monitors
         self._alone = alone
         self.alarms: list[list[bool]] = [[] for _ in monitors]
@@ -112,17 +112,20 @@ def run_job(job: CaseJob) -> Outcome:
 
 def _repair(job: CaseJob) -> tuple[dict[str, Any], ...]:
     case, (contender,) = job.case, job.contenders
-    repairer = job.repairer or make_repairer(contender.method, contender.parameters, case_seed(case))
+    repairer = job.repairer or _method(contender, case)
     episode = run_episode(case.scenario(), make_policy(contender.policy), repairer)
     if not episode.is_finite:
         raise SimulationError("a pose or a command was not a number")
     return (CaseResult(case.name, case.family, case.is_violation, episode).dump(),)
 
 
+def _method(contender: Contender, case: Case) -> Repairer:
+    return Answering(make_repairer(contender.method, contender.parameters, case_seed(case)))
+
+
 def _monitor(job: CaseJob, labels: CriticalFrames) -> tuple[dict[str, Any], ...]:
     case = job.case
-    monitors = [make_repairer(each.method, each.parameters, case_seed(case)) for each in job.contenders]
-    onlookers = Onlookers(monitors, make_repairer("none"))
+    onlookers = Onlookers([_method(each, case) for each in job.contenders], make_repairer("none"))
     times: list[float] = []
     distances: list[float] = []
 

@@ -12,6 +12,7 @@ from roadmend.core.interfaces import Repairer
 from roadmend.core.journal import Journal, Key, entry_key
 from roadmend.core.outcome import EventKind
 from roadmend.core.tick import INTERVAL
+from roadmend.measures.answering import Answering
 from roadmend.measures.driver import driver_key
 from roadmend.measures.need import HORIZON
 from roadmend.policies.registry import make_policy
@@ -69,6 +70,7 @@ def run_controls(jobs: Sequence[ControlJob], journal: Journal, mapper: Mapper) -
     Raises:
         InputError: the journal cannot be written.
         SimulationError: a worker process died, or SUMO failed.
+        RoadmendError: a method could not answer.
     """
     known = [journal.get(job.key) for job in jobs]
     fresh = mapper(control, [job for job, kept in zip(jobs, known, strict=True) if kept is None])
@@ -87,6 +89,7 @@ def control(job: ControlJob) -> ControlResult:
     Raises:
         InputError: the scenario cannot be run.
         SimulationError: SUMO failed.
+        RoadmendError: the method could not answer, so that the guard's rule did.
     """
     return _informed(job) if job.setting is None else _shuffled(job, job.setting)
 
@@ -95,7 +98,7 @@ def _shuffled(job: ControlJob, setting: Setting) -> ControlResult:
     case, scenario = job.case, job.case.scenario()
 
     def method() -> Repairer:
-        return make_repairer(setting.method, setting.parameters, case_seed(case))
+        return Answering(make_repairer(setting.method, setting.parameters, case_seed(case)))
 
     result, blocks, waits = blocks_of(scenario, make_policy(job.policy), method())
     wanted = EventKind.GOAL if case.is_violation else EventKind.COLLISION

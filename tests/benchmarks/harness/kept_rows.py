@@ -4,6 +4,7 @@ A whole table takes hours, a method alone minutes. What is kept was measured on 
 again and tells whether the world or a method has moved since.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -12,6 +13,7 @@ from roadmend.core.errors import InputError
 from roadmend.measures.repair import PairedCase, advantage_of
 
 Content = dict[str, Any]
+_SIZES = re.compile(r"--(count|networks|drives|futures|curve-count|curve-cases|table-cases) (\d+)")
 
 
 class _Kept:
@@ -111,11 +113,39 @@ def keep_cases(
     kept.note(content, before, order)
 
 
+def check_sizes(command: str, before: Mapping[str, Any]) -> None:
+    """Whether a command measures ordinary drives and prices on as much as those did that made the earlier figures.
+
+    Raises:
+        InputError: it does not.
+    """
+    own = _sizes(command)
+    for made in (before["provenance"], *before["provenance"].get("kept", ())):
+        for name, size in _sizes(made["command"]).items():
+            if own.get(name, size) != size:
+                mend = "give the same, or measure all methods again, without --keep"
+                raise InputError("--keep", f"the committed figures are of --{name} {size}, not {own[name]}", mend)
+
+
+def _sizes(command: str) -> dict[str, str]:
+    """By option, how much a command measured of what it measured at all."""
+    given = dict(_SIZES.findall(command))
+    found = {name: given.get(name, default) for name, default in (("count", "200"), ("futures", "0"))}
+    if "networks" in given:
+        found |= {name: given[name] for name in ("networks", "drives")}
+    if "curve-count" in given:
+        found |= {name: given.get(name, "all") for name in ("curve-count", "curve-cases", "table-cases")}
+    return found
+
+
 def keep_ordinary(content: Content, before: Mapping[str, Any], order: Sequence[str]) -> None:
     """Add to what ordinary drives and prices came to what an earlier measurement has besides.
 
     By how much ADReFT leads at a price is known only where both were driven together: of what is kept it is not told.
     Methods that are not in ``order`` are dropped.
+
+    Raises:
+        InputError: the two are not of the same drives.
     """
     kept = _Kept()
 
@@ -126,7 +156,12 @@ def keep_ordinary(content: Content, before: Mapping[str, Any], order: Sequence[s
 
     for name, policies in before["ordinary"].items():
         for policy, old in policies.items():
-            take(content["ordinary"].setdefault(name, {}), policy, old)
+            fresh = content["ordinary"].setdefault(name, {})
+            rows = [*fresh.get(policy, {}).values(), *old.values()]
+            if len({(row["drives"], row["collisions_bare"]) for row in rows}) > 1:
+                mend = "give the same drives, or measure all methods again, without --keep"
+                raise InputError("--keep", f"the committed figures of {policy} on {name} are of other drives", mend)
+            take(fresh, policy, old)
     for policy, old in before["curve"].items():
         take(content["curve"], policy, old)
     for policy, old in before["at_time_lost"].items():

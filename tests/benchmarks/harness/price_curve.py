@@ -90,17 +90,16 @@ def _cases(policy: str, split: str, most: int | None) -> tuple[Scenario, ...]:
     return tuple(case.scenario() for case in select(corpus_of(policy), [*FAMILIES], most, split))
 
 
-def curve_settings(plan: BenchmarkPlan, config: Path, policy: str, only: str | None) -> list[Setting]:
+def curve_settings(plan: BenchmarkPlan, config: Path, policy: str, only: Sequence[str] | None) -> list[Setting]:
     """The settings of every curve of the plan, perhaps of some methods only.
 
     Raises:
         InputError: a parameter is unusable.
     """
-    wanted = None if only is None else only.split(",")
     settings = []
     for curve in plan.curves:
         contenders, _ = resolve(plan, config, policy, [curve.method])
-        if wanted is not None and curve.method not in wanted:
+        if only is not None and curve.method not in only:
             continue
         for contender in contenders:
             settings += [

@@ -100,7 +100,7 @@ def _extraction(content: Mapping[str, Any]) -> Iterator[_Line]:
             title = (
                 f"fields given with a confidence of {SURE} or more that are right, {group.replace('_', ' ')}, text only"
             )
-            yield title, f"{100 * surest['right']:.1f} % of {surest['count']}", _NOT_MEASURED
+            yield title, right_of(surest), _NOT_MEASURED
 
     for name, ablation in content["ablations"].items():
         for group, found in ablation.get("extraction", {}).items():
@@ -110,6 +110,12 @@ def _extraction(content: Mapping[str, Any]) -> Iterator[_Line]:
                 f"{cells} %",
                 _NOT_MEASURED,
             )
+
+
+def right_of(readings: Mapping[str, Any]) -> str:
+    """Share of some readings that are right, and how many they are; a dash where there are none."""
+    right = readings["right"]
+    return _NOT_MEASURED if right is None else f"{100 * right:.1f} % of {readings['count']}"
 
 
 def _scored(found: Mapping[str, Any], name: str) -> str:

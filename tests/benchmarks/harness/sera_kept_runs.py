@@ -12,8 +12,8 @@ from roadmend.networks.checkpoint import load_checkpoint
 from roadmend.policies.neural import load_model
 from roadmend.repair.adreft.model import KIND
 from roadmend.training.demonstrations import Lesson, gather
-from roadmend.training.few_shot import Labour, drive_once, few_shot_repair, repair_model
-from roadmend.training.few_shot_settings import FewShotSettings
+from roadmend.training.few_shot import Labour, drive_once, few_shot_repair
+from roadmend.training.few_shot_settings import FewShotSettings, repair_model
 from roadmend.training.samples import Samples, load_samples, save_samples
 from roadmend.world.scenario import Scenario
 

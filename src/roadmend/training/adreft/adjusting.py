@@ -28,12 +28,17 @@ def adjust(model: Path, out: Path, threshold: float | None, changes: Mapping[str
         InputError: the model cannot be read, the new file not written, or a change is none or out of range.
     """
     checkpoint = load_checkpoint(model, KIND)
-    before = read_configuration(str(model), checkpoint.header).model_dump(mode="json")
+    configuration = read_configuration(str(model), checkpoint.header)
+    before = configuration.model_dump(mode="json")
     known = sorted({*Deciding.model_fields} - {*_FIXED})
     for name in changes:
         if name not in known:
             raise InputError("--set", f"there is no {name!r}", f"choose from {', '.join(known)}")
     changed = check_settings({**before, **changes}, ModelConfiguration, "--set", "see config/training/adreft.yaml")
+    foresees = configuration.weighing is not None
+    if foresees != (changed.weighing is not None):
+        what = "foresees collisions, which have prices" if foresees else "gives values, which have no prices"
+        raise InputError("--set", f"weighing: the adapter of {model.name} {what}", "leave it as it is")
     if threshold is not None and not 0.0 <= threshold <= 1.0:
         raise InputError("--threshold", f"{threshold:g} is out of range", "give one from 0 to 1")
     return save_successor(

@@ -24,7 +24,7 @@ from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.training.adreft.bystanders import forget
 from roadmend.training.adreft.configuration import PracticeSection
 from roadmend.training.adreft.decision_set import DecisionBatch, DecisionSet
-from roadmend.training.adreft.network import AdreftNetwork, load_tensors, tensors_of
+from roadmend.training.adreft.network import AdreftNetwork, digest_of_tensors, load_tensors, tensors_of
 from roadmend.training.adreft.stage import StageRun
 from roadmend.training.adreft.supervised import check_identity
 from roadmend.training.optimizer_state import load_optimizer, optimizer_tensors
@@ -87,6 +87,7 @@ class LearningStage(ABC):
             "practice": section.model_dump(mode="json"),
             "seed": run.seed,
             "trials": decisions.digest,
+            "start": None if start is None else digest_of_tensors(start),
         }
         self.history: list[PracticeFigures] = []
         if run.state.exists():

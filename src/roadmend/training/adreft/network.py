@@ -109,3 +109,12 @@ def load_start(path: Path, wanted: ModelConfiguration) -> Checkpoint:
 def digest_of_cases(cases: Sequence[EpisodeCase]) -> str:
     """SHA-256 over the names and trajectories of cases, hexadecimal."""
     return hashlib.sha256(json.dumps([[case.name, case.digest] for case in cases]).encode()).hexdigest()
+
+
+def digest_of_tensors(tensors: Mapping[str, NDArray[Any]]) -> str:
+    """SHA-256 over the names, shapes and values of tensors, hexadecimal."""
+    value = hashlib.sha256()
+    for name in sorted(tensors):
+        value.update(f"{name}{tensors[name].shape}".encode())
+        value.update(np.ascontiguousarray(tensors[name]).tobytes())
+    return value.hexdigest()

@@ -6,6 +6,9 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from roadmend import __version__
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
@@ -129,6 +132,7 @@ class Pipeline:
         tuned: list[TuningFigures] = []
         if only != "supervised" and self._configuration.rollouts.rounds:
             tensors, threshold, tuned = self._roll_out(tensors)
+            quality = monitor_quality(*self._judged(before.model, tensors, validation), threshold)
         header = self._header(before, quality, history, only)
         header["metrics"]["rollouts"] = [asdict(figures) for figures in tuned]
         if self._futures is not None:
@@ -261,14 +265,20 @@ class Pipeline:
 
     def _calibrate(self, before: _Supervised, validation: FrameSet) -> tuple[float, MonitorQuality]:
         """lambda_safe, by harmless drives or by critical frames, and how good the monitor is at these."""
-        scores = monitor_scores(before.model, before.tensors, validation, validation.action, self._mapper)
-        judged = validation.critical_weight > 0.0
-        critical = validation.critical[judged] > 0.5
+        scores, critical = self._judged(before.model, before.tensors, validation)
         if self._futures is not None:
             threshold = self._futures.calibrate(before.tensors)
         else:
-            threshold = calibrate(scores[judged], critical, self._configuration.supervised.recall)
-        return threshold, monitor_quality(scores[judged], critical, threshold)
+            threshold = calibrate(scores, critical, self._configuration.supervised.recall)
+        return threshold, monitor_quality(scores, critical, threshold)
+
+    def _judged(
+        self, model: ModelConfiguration, tensors: Tensors, validation: FrameSet
+    ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+        """The monitor's scores of the frames that have a label, and whether each is critical."""
+        scores = monitor_scores(model, tensors, validation, validation.action, self._mapper)
+        judged = validation.critical_weight > 0.0
+        return scores[judged], validation.critical[judged] > 0.5
 
     def _reinforce(self, before: _Supervised, threshold: float) -> tuple[Tensors, list[RoundFigures]]:
         section, subject = self._configuration.reinforcement, self._subject

@@ -1,6 +1,5 @@
 """Reinforcement fine-tuning (ReFT): a DQN of the decision adapter, all else frozen (ADReFT section 3.2.2)."""
 
-import hashlib
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
@@ -21,7 +20,7 @@ from roadmend.networks.encoder import Head
 from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.training.adreft.configuration import ReinforcementSection
 from roadmend.training.adreft.exploring import ReplayMemory, Roll, Rolled, Transitions, explore
-from roadmend.training.adreft.network import digest_of_cases, load_tensors, save_model, tensors_of
+from roadmend.training.adreft.network import digest_of_cases, digest_of_tensors, load_tensors, save_model, tensors_of
 from roadmend.training.adreft.stage import StageRun, TrainingSubject, spread
 from roadmend.training.adreft.supervised import check_identity
 from roadmend.training.closed_loop import EpisodeCase, Summary, evaluate_cases, summarise
@@ -95,7 +94,7 @@ class ReinforcementStage:
             "seed": seed,
             "policy": policy,
             "threshold": threshold,
-            "networks": _digest_of(self._tensors),
+            "networks": digest_of_tensors(self._tensors),
             "training": digest_of_cases(training),
             "validation": digest_of_cases(subject.validation),
         }
@@ -288,14 +287,6 @@ class ReinforcementStage:
         self.history = [RoundFigures(**entry) for entry in header["metrics"]["history"]]
         self._best_worth = header["metrics"]["best"]
         self.episode, self.updates = header["episode"], header["updates"]
-
-
-def _digest_of(tensors: dict[str, NDArray[Any]]) -> str:
-    value = hashlib.sha256()
-    for name in sorted(tensors):
-        value.update(f"{name}{tensors[name].shape}".encode())
-        value.update(np.ascontiguousarray(tensors[name]).tobytes())
-    return value.hexdigest()
 
 
 def _draw_episodes(cases: Sequence[EpisodeCase], section: ReinforcementSection, seed: int) -> list[EpisodeCase]:

@@ -29,6 +29,5 @@ def save_successor(
         "ancestry": [parent.digest, *parent.header["ancestry"]],
         **header,
     }
-    digest = save_checkpoint(out, tensors, whole)
-    AdreftModel.load(out)
-    return digest
+    AdreftModel.of(Checkpoint(dict(tensors), whole, ""), str(out))  # before it is written over what may be the parent
+    return save_checkpoint(out, tensors, whole)

@@ -1,0 +1,26 @@
+"""The table of ``roadmend bench safe`` from figures that are there, and from those that are not."""
+
+import json
+from pathlib import Path
+
+from harness.safe_rows import SURE, right_of, rows_of
+
+COMMITTED = json.loads((Path(__file__).parent / "safe.json").read_text(encoding="utf-8"))
+
+
+def test_where_no_field_was_read_with_confidence_there_is_a_dash():
+    content = json.loads(json.dumps(COMMITTED))
+    sure = 0
+    for found in filter(None, content["extraction"].values()):
+        bins = found["calibration"]
+        for each in bins["text_only"] if isinstance(bins, dict) else bins:
+            if each["low"] == SURE:
+                each |= {"count": 0, "right": None}
+                sure += 1
+    titles = {row[0]: row[1] for row in rows_of(content) if row[0].startswith("fields given with a confidence of 0.9")}
+    assert sure == len(titles) > 0
+    assert {*titles.values()} == {"-"}
+
+
+def test_a_share_says_of_how_many_it_is():
+    assert right_of({"right": 0.875, "count": 8}) == "87.5 % of 8"

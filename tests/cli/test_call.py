@@ -1,0 +1,50 @@
+"""The call that an account of figures names is the call that made them."""
+
+import shlex
+from pathlib import Path
+
+import click
+
+from roadmend.cli.call import call_again
+from roadmend.cli.main import run_group
+
+CALLS = []
+
+
+@click.group()
+def tool():
+    pass
+
+
+@tool.command()
+@click.argument("files", nargs=-1, type=click.Path(path_type=Path))
+@click.option("--policy", "policies", multiple=True, default=["modular"])
+@click.option("-k", "--count", type=int, default=20)
+@click.option("--limit", type=float)
+@click.option("--tuned/--no-tuned", default=True)
+@click.option("--out", type=click.Path(path_type=Path))
+@click.option("--workers", type=int, default=1)
+@click.option("--json", "as_json", is_flag=True)
+def measure(**given):
+    CALLS.append((call_again(always=("policies",)), given))
+
+
+def called(*words):
+    assert run_group(tool, "tool", [*words]) == 0
+    return CALLS.pop()
+
+
+def test_what_was_given_is_told_and_so_is_what_is_always_told():
+    assert called("measure")[0] == "./roadmend measure --policy modular"
+    words = ["a b.yaml", "c.yaml", "--policy", "x", "--policy", "y:Z", "-k", "20", "--limit", "1234.5678", "--no-tuned"]
+    told = "./roadmend measure 'a b.yaml' c.yaml --policy x --policy y:Z -k 20 --limit 1234.5678 --no-tuned"
+    assert called("measure", *words)[0] == told
+
+
+def test_where_it_goes_and_how_it_is_shown_is_not_told():
+    assert called("measure", "--out", "o", "--workers", "7", "--json")[0] == "./roadmend measure --policy modular"
+
+
+def test_the_call_that_is_told_means_the_same_again():
+    first = called("measure", "a b.yaml", "--limit", "1e-7", "--tuned", "--policy", "x")
+    assert called(*shlex.split(first[0])[1:]) == first
