@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from roadmend.measures.intervals import bootstrap, newcombe, wilson
+from roadmend.measures.intervals import bootstrap, by_group, newcombe, wilson
 
 
 def test_wilson_and_newcombe_give_the_published_values():
@@ -35,6 +35,16 @@ def test_the_bootstrap_repeats_and_finds_the_standard_error_of_a_mean():
     assert (low, high) == bootstrap((table,), mean)
     assert high - low == pytest.approx(2 * 1.96 * table.std() / 20.0, rel=0.1)
     assert low < table.mean() < high
+
+
+def test_rows_of_a_group_are_drawn_together():
+    rows = np.array([[1.0, 1.0], [0.0, 1.0]] * 50)
+    mean = lambda sums: sums[0][:, 0] / sums[0][:, 1]
+    alike = by_group(rows, [f"{'yes' if row[0] else 'no'} {place // 20}" for place, row in enumerate(rows)])
+    assert alike.tolist() == [[10.0, 10.0], [0.0, 10.0]] * 5
+    (low, high), (wide_low, wide_high) = bootstrap((rows,), mean), bootstrap((alike,), mean)
+    assert wide_low < low < high < wide_high
+    assert by_group(np.zeros((0, 2)), []).shape == (0, 2)
 
 
 def test_the_bootstrap_of_what_is_never_defined_is_not_a_number():

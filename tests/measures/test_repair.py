@@ -2,7 +2,14 @@ import pytest
 
 from roadmend.core.episode_result import peaks
 from roadmend.measures.case_result import CaseResult
-from roadmend.measures.repair import advantage, share_of_bound, summarise
+from roadmend.measures.repair import (
+    PairedCase,
+    advantage,
+    advantage_of,
+    delta_e_interval,
+    share_of_bound,
+    summarise,
+)
 
 from .results import result, run
 
@@ -61,6 +68,35 @@ def test_one_method_against_another_on_the_same_cases():
     assert low < 75.0 < high
     with pytest.raises(ValueError, match="different cases"):
         advantage(run("GGGGGGGG"), run("GGGGGGGG")[::-1])
+
+
+def named(outcomes, names, violations):
+    return [
+        PairedCase(name, is_violation, letter == "G", letter == "C", 1.0)
+        for letter, name, is_violation in zip(outcomes, names, violations, strict=True)
+    ]
+
+
+def test_cases_of_one_search_count_as_kin():
+    violations = [True] * 12 + [False] * 12
+    kin = [f"S1-random-{'VW'[v]}{place // 3 % 4}-{place:05d}" for place, v in enumerate(violations)]
+    strangers = [f"S1-random-{place}-00001" for place in range(24)]
+    outcomes = "GGGCCCGGGCCC" + "GGGCCCGGGGGG"
+    intervals = [delta_e_interval(named(outcomes, names, violations)) for names in (kin, strangers)]
+    assert intervals[0][0] < intervals[1][0] < 25.0 < intervals[1][1] < intervals[0][1]
+    leads = [
+        advantage_of(named(outcomes, names, violations), named("C" * 12 + "G" * 12, names, violations))
+        for names in (kin, strangers)
+    ]
+    assert [lead["delta_e"] for lead in leads] == [25.0, 25.0]
+    assert leads[0]["intervals"]["delta_e"][0] < leads[1]["intervals"]["delta_e"][0]
+
+
+def test_of_one_search_alone_nothing_can_be_told_of_others():
+    names = [f"S1-random-7-{place:05d}" for place in range(4)]
+    cases = named("GCGG", names, [True, True, False, False])
+    assert advantage_of(cases, cases)["intervals"] == {"delta_e": None, "dose": None}
+    assert delta_e_interval(cases[:2]) is None
 
 
 def test_shares_of_the_bound_look_only_at_what_it_repairs():

@@ -9,11 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.measures.case_result import CaseResult
-from roadmend.measures.intervals import bootstrap, newcombe, wilson
+from roadmend.measures.intervals import bootstrap, by_group, newcombe, wilson
 
 Floats = NDArray[np.float64]
 Figures = dict[str, Any]
 Value = TypeVar("Value", float, Floats)
+
+
+def search_of(case: str) -> str:
+    """The search that found a case, which is its name up to its number there: cases of one search are kin."""
+    return case.rpartition("-")[0] or case
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,8 +122,8 @@ def delta_e(fix: Value, deg: Value) -> Value:
 def summarise(results: Sequence[CaseResult]) -> Figures:
     """The figures with their 95 % intervals in ``intervals``.
 
-    Wilson's for shares, Newcombe's for delta_e, the bootstrap over cases, drawn within violations and successes, for the
-    rest.
+    Wilson's for shares, ``delta_e_interval`` for delta_e, the bootstrap over cases, drawn within violations and successes,
+    for the rest.
     """
     split = Split.of(results)
     violations, successes = split.violations, split.successes
@@ -126,13 +131,31 @@ def summarise(results: Sequence[CaseResult]) -> Figures:
     figures["intervals"] = {
         "fix": _share_interval(split.fixed, len(violations)),
         "deg": _share_interval(split.degraded, len(successes)),
-        "delta_e": _difference_interval(split.fixed, len(violations), split.degraded, len(successes)),
+        "delta_e": delta_e_interval([*map(PairedCase.of, results)]),
         "fix_loose": _share_interval(split.unharmed, len(violations)),
         "stopped": _share_interval(split.stopped, len(violations)),
         "goal_lost": _share_interval(split.lost, len(successes)),
         **_bootstraps(split),
     }
     return figures
+
+
+def delta_e_interval(cases: Sequence[PairedCase]) -> list[float] | None:
+    """The 95 % interval of ``delta_e``; None without violations or without successes.
+
+    On each side the wider one of Newcombe's, which takes cases as independent, and of the bootstrap over searches, which
+    is certain of a method that repairs everything.
+    """
+    fixed = [case.reached_goal for case in cases if case.is_violation]
+    spoilt = [case.collided for case in cases if not case.is_violation]
+    if not fixed or not spoilt:
+        return None
+    low, high = newcombe(sum(fixed), len(fixed), sum(spoilt), len(spoilt))
+    violations, successes = _by_search(
+        cases, [(case.reached_goal if case.is_violation else case.collided, 1.0) for case in cases]
+    )
+    other_low, other_high = bootstrap((violations, successes), lambda sums: delta_e(*(_shares(each) for each in sums)))
+    return _bounds((min(low, other_low), max(high, other_high)), 100.0)
 
 
 def advantage(results: Sequence[CaseResult], others: Sequence[CaseResult]) -> Figures:
@@ -147,7 +170,8 @@ def advantage(results: Sequence[CaseResult], others: Sequence[CaseResult]) -> Fi
 def advantage_of(results: Sequence[PairedCase], others: Sequence[PairedCase]) -> Figures:
     """By how much ``delta_e`` and ``dose`` of a method exceed another's on the same cases.
 
-    With the intervals of the paired bootstrap: cases are drawn, and both methods are read on what was drawn.
+    With the intervals of the paired bootstrap: searches are drawn, and both methods are read on their cases; None where
+    all violations, or all successes, are of one search.
 
     Raises:
         ValueError: the two were not run on the same cases.
@@ -155,31 +179,44 @@ def advantage_of(results: Sequence[PairedCase], others: Sequence[PairedCase]) ->
     if [result.case for result in results] != [other.case for other in others]:
         raise ValueError("results of different cases cannot be paired")
     pairs = list(zip(results, others, strict=True))
-    violations = np.array(
-        [(a.reached_goal - b.reached_goal, a.dose - b.dose) for a, b in pairs if a.is_violation],
-        dtype=np.float64,
-    ).reshape(-1, 2)
-    successes = np.array(
-        [(a.collided - b.collided, a.dose - b.dose) for a, b in pairs if not a.is_violation],
-        dtype=np.float64,
-    ).reshape(-1, 2)
-    strata = violations, successes
+    strata = _by_search(
+        results,
+        [
+            (a.reached_goal - b.reached_goal if a.is_violation else a.collided - b.collided, 1.0, a.dose - b.dose)
+            for a, b in pairs
+        ],
+    )
 
     def difference(sums: tuple[Floats, ...]) -> Floats:
-        return 100.0 * delta_e(_share(sums[0][:, 0], len(violations)), _share(sums[1][:, 0], len(successes)))
+        return 100.0 * delta_e(_shares(sums[0]), _shares(sums[1]))
 
     def dose(sums: tuple[Floats, ...]) -> Floats:
-        return (sums[0][:, 1] + sums[1][:, 1]) / max(1, len(pairs))
+        return (sums[0][:, 2] + sums[1][:, 2]) / np.maximum(1.0, sums[0][:, 1] + sums[1][:, 1])
 
-    whole = violations.sum(axis=0, keepdims=True), successes.sum(axis=0, keepdims=True)
+    whole = tuple(table.sum(axis=0, keepdims=True) for table in strata)
+    can_vary = all(len(table) > 1 for table in strata)
     return {
         "delta_e": _finite(float(difference(whole)[0])),
         "dose": _finite(float(dose(whole)[0])),
         "intervals": {
-            "delta_e": _bounds(bootstrap(strata, difference), 1.0),
-            "dose": _bounds(bootstrap(strata, dose), 1.0),
+            "delta_e": _bounds(bootstrap(strata, difference), 1.0) if can_vary else None,
+            "dose": _bounds(bootstrap(strata, dose), 1.0) if can_vary else None,
         },
     }
+
+
+def _by_search(cases: Sequence[PairedCase], rows: Sequence[Sequence[float]]) -> tuple[Floats, Floats]:
+    """Rows of cases, added up by search: those of violations and those of successes."""
+    table = np.array(rows, dtype=np.float64).reshape(len(rows), -1)
+    chosen = np.array([case.is_violation for case in cases], dtype=np.bool_)
+    searches = np.array([search_of(case.case) for case in cases], dtype=object)
+    violations, successes = (by_group(table[each], list(searches[each])) for each in (chosen, ~chosen))
+    return violations, successes
+
+
+def _shares(sums: Floats) -> Floats:
+    """Of sums and counts, shape (n, 2 or more); NaN where nothing was counted."""
+    return np.where(sums[:, 1] > 0.0, sums[:, 0] / np.maximum(sums[:, 1], 1.0), math.nan)
 
 
 def share_of_bound(results: Sequence[CaseResult], bound: Mapping[str, CaseResult]) -> Figures:
@@ -240,10 +277,6 @@ def _sum(values: Any) -> float:
     return math.fsum(values)
 
 
-def _share(counts: Floats, trials: int) -> Floats:
-    return counts / trials if trials else np.full(counts.shape, math.nan)
-
-
 def _ratio(value: float, by: float) -> float | None:
     return value / by if by else None
 
@@ -254,12 +287,6 @@ def _percent(count: int, trials: int) -> float | None:
 
 def _share_interval(count: int, trials: int) -> list[float] | None:
     return _bounds(wilson(count, trials), 100.0) if trials else None
-
-
-def _difference_interval(count: int, trials: int, others: int, other_trials: int) -> list[float] | None:
-    if not trials or not other_trials:
-        return None
-    return _bounds(newcombe(count, trials, others, other_trials), 100.0)
 
 
 def _bounds(interval: tuple[float, float], factor: float) -> list[float] | None:

@@ -25,7 +25,8 @@ from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal
 from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import write_texts
-from roadmend.measures.intervals import bootstrap
+from roadmend.measures.intervals import bootstrap, by_group
+from roadmend.measures.repair import search_of
 from roadmend.reports.result_files import origin, provenance
 from roadmend.world.corpus import TOUCH, corpus_of
 from roadmend.world.families import FAMILIES
@@ -124,19 +125,23 @@ def controls(given: ControlOptions, *, as_json: bool) -> None:
 
 
 def shuffle_figures(results: Sequence[ControlResult]) -> dict[str, Any]:
-    """A method beside its own braking at random times, in percent; intervals of the paired bootstrap over cases."""
+    """A method beside its own braking at random times, in percent; intervals of the paired bootstrap over searches."""
     violations = [result for result in results if result.is_violation]
     successes = [result for result in results if not result.is_violation]
-    strata = tuple(
-        np.array([(each.worth, each.shuffled) for each in part], dtype=np.float64).reshape(-1, 2)
+    tables = tuple(
+        np.array([(each.worth, each.shuffled, 1.0) for each in part], dtype=np.float64).reshape(-1, 3)
         for part in (violations, successes)
+    )
+    strata = tuple(
+        by_group(table, [search_of(each.case) for each in part])
+        for table, part in zip(tables, (violations, successes), strict=True)
     )
 
     def difference(sums: Sequence[Any]) -> Any:
-        fix, deg = (total / max(1, len(part)) for total, part in zip(sums, strata, strict=True))
+        fix, deg = (total / total[:, 2:] for total in sums)
         return 100.0 * ((fix[:, 0] - fix[:, 1]) - (deg[:, 0] - deg[:, 1]))
 
-    fix, deg = (100.0 * part.mean(axis=0) if len(part) else np.zeros(2) for part in strata)
+    fix, deg = (100.0 * table.mean(axis=0) if len(table) else np.zeros(3) for table in tables)
     hard = [each for each in violations if (each.impact_speed or 0.0) >= HARD]
     touches = [each for each in violations if (each.impact_speed or 0.0) < TOUCH]
     return {
@@ -147,7 +152,7 @@ def shuffle_figures(results: Sequence[ControlResult]) -> dict[str, Any]:
         "shuffled_deg": float(deg[1]),
         "shuffled_delta_e": float(fix[1] - deg[1]),
         "more_than_shuffled": float(fix[0] - deg[0] - fix[1] + deg[1]),
-        "interval": list(bootstrap(strata, difference)) if all(map(len, strata)) else None,
+        "interval": list(bootstrap(strata, difference)) if all(len(part) > 1 for part in strata) else None,
         "in_futures": _percent(violations, lambda each: each.in_futures or 0.0),
         "fix_hard": _percent(hard, lambda each: each.worth),
         "fix_touches": _percent(touches, lambda each: each.worth),

@@ -128,7 +128,8 @@ def _outcomes(content: Content) -> Table:
         "action - final action| over all replaced frames of all cases pooled, 0 .. 2. Dose: the same summed over an "
         "episode, times the tick, mean over all cases. Frames: replaced ones a case. Deceleration [m/s²] and jerk "
         "[m/s³]: means over cases of the peak of the ego's, from its speed at 20 Hz, means over 0.2 s. Intervals are "
-        "95 %: Newcombe's for ΔE, the bootstrap over cases for the others."
+        "95 %: for ΔE the wider one, on each side, of Newcombe's and of the bootstrap over searches, since cases that one "
+        "search found are alike; the bootstrap over cases for the others."
     )
     return Table("All figures", note, tuple(rows))
 
@@ -318,7 +319,7 @@ def _advantage(content: Content) -> Table | None:
                     span(intervals["dose"], 2),
                 )
             )
-    note = "On the same cases; intervals of the paired bootstrap. One that holds 0 shows no difference."
+    note = "On the same cases; intervals of the paired bootstrap over searches. One that holds 0 shows no difference."
     return Table("ADReFT against each", note, tuple(rows)) if len(rows) > 1 else None
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from harness.benchmark_content import OURS
 from roadmend.core.errors import InputError
-from roadmend.measures.repair import PairedCase, advantage_of
+from roadmend.measures.repair import PairedCase, advantage_of, delta_e_interval
 
 Content = dict[str, Any]
 _SIZES = re.compile(r"--(count|networks|drives|futures|curve-count|curve-cases|table-cases) (\d+)")
@@ -98,7 +98,7 @@ def keep_cases(
         groups |= {family: (content["families"][family], before["families"][family]) for family in content["families"]}
         for family, (fresh, old) in groups.items():
             _take(fresh[policy], old[policy], missing)
-            _lead(fresh[policy], table, family)
+            _renew(fresh[policy], table, family)
             fresh[policy] = _ordered(fresh[policy], order)
         monitor = content["monitor"][policy]
         _take(monitor, before["monitor"][policy], [name for name in before["monitor"][policy] if name not in monitor])
@@ -217,14 +217,13 @@ def _take(fresh: Content, old: Mapping[str, Any], names: Sequence[str]) -> None:
         fresh[name] = dict(found) if isinstance(found, Mapping) else found
 
 
-def _lead(figures: Content, table: Mapping[str, Any], family: str) -> None:
-    """By how much ADReFT leads over the others, one of the two kept, on the cases of a family; empty: on all."""
-    if OURS not in table["methods"]:
-        return
-    own = _paired(table, OURS, family)
-    for name in table["methods"]:
-        if name != OURS:
-            figures[name]["adreft_minus_this"] = advantage_of(own, _paired(table, name, family))
+def _renew(figures: Content, table: Mapping[str, Any], family: str) -> None:
+    """What hangs on single cases, of a family or (empty) of all: intervals, and ADReFT's lead, one of the two kept."""
+    paired = {name: _paired(table, name, family) for name in table["methods"]}
+    for name, cases in paired.items():
+        figures[name]["intervals"] = {**figures[name]["intervals"], "delta_e": delta_e_interval(cases)}
+        if name != OURS and OURS in paired:
+            figures[name]["adreft_minus_this"] = advantage_of(paired[OURS], cases)
 
 
 def _paired(table: Mapping[str, Any], method: str, family: str) -> list[PairedCase]:
