@@ -1,6 +1,7 @@
 """The first moments of a command."""
 
 import sys
+import sysconfig
 
 from roadmend.cli import entry
 
@@ -25,3 +26,14 @@ def test_otherwise_it_is_the_command_line(monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["roadmend", "--version"])
     assert entry.main() == 0
     assert "roadmend" in capsys.readouterr().out
+
+
+def test_another_sumo_on_the_path_is_refused_by_name(tmp_path, monkeypatch, capsys):
+    (tmp_path / "mine").mkdir()
+    monkeypatch.setattr(sys, "argv", ["roadmend", "--version"])
+    monkeypatch.setenv("PYTHONPATH", f"{tmp_path / 'mine'}:{sysconfig.get_path('platlib')}")
+    assert entry.main() == 0
+    (tmp_path / "tools" / "libsumo").mkdir(parents=True)
+    monkeypatch.setenv("PYTHONPATH", f"{tmp_path / 'mine'}:{tmp_path / 'tools'}")
+    assert entry.main() == 2
+    assert f"PYTHONPATH: {tmp_path / 'tools'} has a libsumo" in capsys.readouterr().err

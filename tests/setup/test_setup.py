@@ -453,14 +453,14 @@ class TestInstaller:
         assert [Path(part).name for part in command if part.endswith(".lock")] == ["base.lock", "ros.lock"]
         assert settings == {
             "UV_DEFAULT_INDEX": "http://here/simple",
-            "UV_FIND_LINKS": "/a /b",
+            "UV_FIND_LINKS": "/a,/b",
             "UV_INDEX_STRATEGY": "unsafe-best-match",
         }
 
     def test_what_the_user_told_uv_wins(self, launcher, context, commands, monkeypatch):
         monkeypatch.setenv("UV_DEFAULT_INDEX", "http://there/simple")
         monkeypatch.setenv("UV_INDEX_STRATEGY", "first-index")
-        assert launcher.uv_settings(context) == {"UV_FIND_LINKS": "/a /b"}
+        assert launcher.uv_settings(context) == {"UV_FIND_LINKS": "/a,/b"}
 
     def test_where_there_is_none_pip_fetches_one_once_and_it_goes_again(self, launcher, context, commands, monkeypatch):
         monkeypatch.setattr(shutil, "which", lambda _: None)
@@ -519,6 +519,7 @@ class TestStamps:
     def ready(self, launcher, context, checkout):
         """A set-up that claims to be complete, with a Python that says how it was called."""
         executable(checkout / ".venv" / "bin" / "python", '#!/bin/sh\necho "$@"\n')
+        (checkout / "src" / "roadmend").mkdir()
         for stage in launcher.stages(context):
             stage.mark()
         return checkout
@@ -550,6 +551,38 @@ class TestStamps:
         (ready / ".venv" / "bin" / "python").unlink()
         (ready / ".venv" / "bin" / "python").symlink_to(sys.executable)
         assert self.open_stages(launcher, context)[0] == "Python environment"
+
+    def test_so_does_one_that_was_taken_away(self, ready, launcher, context):
+        python = ready / ".venv" / "bin" / "python"
+        python.unlink()
+        python.symlink_to(sys.executable)
+        for stage in launcher.stages(context):
+            stage.mark()
+        assert self.open_stages(launcher, context) == []
+        gone = ready / "python3.11"
+        gone.symlink_to(sys.executable)
+        python.unlink()
+        python.symlink_to(gone)
+        for stage in launcher.stages(context):
+            stage.mark()
+        gone.rename(ready / "elsewhere")
+        assert self.open_stages(launcher, context)[0] == "Python environment"
+
+    def test_an_image_is_set_up_before_the_code_is_there_and_the_kernels_after_it(self, ready, launcher, context):
+        (ready / "src" / "roadmend").rmdir()
+        assert "numerical kernels" not in [stage.title for stage in launcher.stages(context)]
+        text = (REPOSITORY / "docker" / "Dockerfile").read_text()
+        first, between, last = text.partition("COPY --chown=1001:1001 . .")
+        assert "RUN ./roadmend set-up" in first
+        assert between
+        assert "RUN ./roadmend set-up" in last
+        copied = {line.split()[-2] for line in first.splitlines() if line.startswith("COPY")}
+        assert copied == {
+            "roadmend",
+            "config/requirements",
+            "msg",
+            "src/package.xml",
+        }  # of which ``checkout`` is a copy
 
     def test_testing_adds_its_own_stages(self, ready, launcher, context, monkeypatch):
         monkeypatch.setattr(launcher, "node_found", lambda: True)

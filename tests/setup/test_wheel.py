@@ -85,7 +85,8 @@ class TestContent:
     def test_name_version_and_command(self, content):
         metadata = message_from_bytes(content[f"{PREFIX}.dist-info/METADATA"])
         assert (metadata["Name"], metadata["Version"]) == ("roadmend", roadmend.__version__)
-        assert b"roadmend = roadmend.cli.main:main" in content[f"{PREFIX}.dist-info/entry_points.txt"]
+        entry = f"roadmend = {PROJECT['project']['scripts']['roadmend']}"
+        assert entry.encode() in content[f"{PREFIX}.dist-info/entry_points.txt"]
 
     def test_the_package_is_whole(self, content):
         source = REPOSITORY / "src"

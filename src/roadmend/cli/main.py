@@ -4,7 +4,9 @@ import errno
 import os
 import shlex
 import sys
+import sysconfig
 from collections.abc import Sequence
+from pathlib import Path
 
 import click
 
@@ -162,6 +164,7 @@ def run_group(group: click.Group, name: str, arguments: Sequence[str]) -> int:
         0, 1 for a failure, 2 for bad input, 130 after an interrupt.
     """
     try:
+        _refuse_another_sumo()
         code = group.main([*arguments], prog_name=name, complete_var=VARIABLE, standalone_mode=False)
     except InputError as error:
         return _complain(str(error), 2)
@@ -187,6 +190,19 @@ def run_group(group: click.Group, name: str, arguments: Sequence[str]) -> int:
     except (click.Abort, KeyboardInterrupt):
         return _complain("interrupted", 130)
     return int(code or 0)
+
+
+def _refuse_another_sumo() -> None:
+    """Raise InputError where PYTHONPATH, as SUMO's own set-up advises it, has a libsumo: it would take our one's place.
+
+    Results would be another SUMO's under our version's name, and one that was built for another Python does not start.
+    """
+    for folder in filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep)):
+        if (Path(folder) / "libsumo").is_dir() and Path(folder).resolve() != Path(
+            sysconfig.get_path("platlib")
+        ).resolve():
+            what = f"{folder} has a libsumo, which would take the place of the one that was installed with roadmend"
+            raise InputError("PYTHONPATH", what, "leave that folder out, as in: env --unset=PYTHONPATH roadmend ...")
 
 
 def _way_on(resumes: str | None, name: str, arguments: Sequence[str]) -> str:
