@@ -56,7 +56,8 @@ def nodes(context: LaunchContext) -> list:
         raise RuntimeError("scenario: missing; give one, as scenario:=s.yaml, or sim:=false for a graph of your own")
     policy = given["policy"] or ("modular" if simulated else "external")
     viz = given["viz"] or ("true" if simulated else "false")
-    recorder, repair = {}, {"clock": given["clock"]}
+    time = {"clock": given["clock"], "rate": float(given["rate"])}  # the simulator's, and repair_node counts by it
+    recorder, repair = {}, time
     if not simulated:
         recorder = {"time_source": "simulation" if given["sim_time"].lower() not in NO else "system"}
         repair = {"inputs": "newest", "objects_type": given["objects_type"], "command_type": given["command_type"]}
@@ -71,6 +72,7 @@ def nodes(context: LaunchContext) -> list:
     parameters["repair"] |= {
         "policy": policy if given["tuned"].lower() not in NO else "",
         "trajectory": "optional" if is_external else "required",
+        "writer": "policy_node" if simulated and not is_external else "",
     }
     wanted = {
         "recorder": given["record"].lower() not in NO,
@@ -82,7 +84,7 @@ def nodes(context: LaunchContext) -> list:
     started = [node(name, parameters[name], given) for name in parameters if wanted[name]]
     if simulated:
         waited_for = [f"{name}_node" for name in parameters if wanted[name]]
-        own = {"scenario": given["scenario"], "clock": given["clock"], "rate": float(given["rate"])}
+        own = {"scenario": given["scenario"], **time, "writer": "repair_node"}
         own |= {"driver": "external" if is_external else "own"}
         simulator = node("sim", own | {"wait_for": waited_for}, given)
         over = OnProcessExit(target_action=simulator, on_exit=[EmitEvent(event=Shutdown(reason="the drive is over"))])

@@ -93,6 +93,10 @@ def test_frames_stamps_and_bytes():
     (cut,), _ = passed(topics.POLICY_COMMAND, "cut")
     with pytest.raises(ValueError, match="the bytes are no"):
         messages.COMMAND.decode(cut)
+    (short,), distorter = passed(topics.POLICY_COMMAND, "short")
+    with pytest.raises(ValueError, match="4 bytes are too few for a header"):
+        messages.stamp_of_bytes(short)
+    assert distorter.first == 5 * INTERVAL_NS
     assert passed(topics.POLICY_COMMAND, "silent")[0] == []
 
 

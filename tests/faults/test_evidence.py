@@ -3,14 +3,19 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from roadmend.core.command import Command
 from roadmend.core.outcome import Event, EventKind
 from roadmend.core.repair import Repair, RepairStatus
+from roadmend.core.route import Route, Stage
 from roadmend.core.scene import EgoState, ObjectList
 from roadmend.faults.evidence import Evidence, evidence_of, read_evidence
+from roadmend.recording import messages, topics
+from roadmend.recording.codec import MessageType, encode, type_of
 from roadmend.recording.ticks import BagTick
+from roadmend.recording.writer import BagWriter
 
 SAMPLE = Path(__file__).parents[2] / "bags" / "samples" / "repaired"
 GO = Command.from_action(0.5)
@@ -142,6 +147,33 @@ def test_where_nothing_was_disturbed_for_long_enough_there_is_no_moment():
 
 def test_a_run_without_a_fault_has_warned_of_nothing():
     assert not read_evidence(SAMPLE, None, None, None).in_diagnostics
+
+
+@pytest.mark.parametrize("warned_at", [0, 3, 4, 8])
+def test_only_what_was_warned_of_after_the_drive_had_begun_counts(tmp_path, warned_at):
+    x = np.array([0.0, 500.0])
+    route = Route("test", 4.7, 1.85, 480.0, 60.0, (Stage(x, 0.0 * x, np.full(2, 15.0)),), (), ())
+    array, status = (MessageType(f"diagnostic_msgs/msg/Diagnostic{kind}") for kind in ("Array", "Status"))
+    with BagWriter(tmp_path / "bag") as writer:
+
+        def write(topic, place, message):
+            writer.add_topic(f"/{topic.lstrip('/')}", type_of(message))
+            writer.write(f"/{topic.lstrip('/')}", place * STEP, encode(message))
+
+        write(topics.ROUTE, 0, messages.route_message_of(route, messages.header_at(0)))
+        for place in range(10):
+            header = messages.header_at(place * STEP)
+            write(topics.EGO, place, messages.ego_message_of(tick(place).ego, header))
+            write(topics.OBJECTS, place, messages.OBJECTS(header=header))
+            if place >= 4:  # until then it is held
+                write(topics.POLICY_COMMAND, place, messages.command_message_of(GO, header))
+                write(topics.REPAIR_COMMAND, place, messages.command_message_of(GO, header))
+            level = 2 if place == warned_at else 0
+            said = status(name="/repair_node", level=level, message="controlled stop")
+            write(topics.DIAGNOSTICS, place, array(status=[said]))
+    evidence = read_evidence(tmp_path / "bag", None, None, None)
+    assert evidence.begun == pytest.approx(0.2)
+    assert evidence.in_diagnostics == (warned_at >= 4)
 
 
 def test_while_the_vehicle_is_held_at_the_start_nobody_drives_whoever_answers_late():

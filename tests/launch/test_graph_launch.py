@@ -147,6 +147,20 @@ def test_without_the_simulator_repair_and_recorder_stand_alone_and_take_what_com
     assert set(nodes_of(start(sim="false", policy="modular", viz="true"))) == {*nodes, "policy_node", "viz_node"}
 
 
+def test_repair_node_counts_by_the_clock_and_the_rate_that_the_simulator_has(start):
+    nodes = nodes_of(start(scenario="s.yaml", clock="realtime", rate="0.2"))
+    for name in ("sim_node", "repair_node"):
+        assert {"clock": "realtime", "rate": 0.2}.items() <= nodes[name].parameters[0].items()
+
+
+def test_on_command_topics_the_nodes_that_are_started_are_obeyed_and_nobody_else(start):
+    nodes = nodes_of(start(scenario="s.yaml"))
+    assert nodes["sim_node"].parameters[0]["writer"] == "repair_node"
+    assert nodes["repair_node"].parameters[0]["writer"] == "policy_node"
+    for others in ({"scenario": "s.yaml", "policy": "external"}, {"sim": "false"}):
+        assert nodes_of(start(**others))["repair_node"].parameters[0]["writer"] == ""
+
+
 def test_the_drive_ends_the_run(start):
     (handler,) = [each.event_handler for each in start(scenario="s.yaml") if isinstance(each, RegisterEventHandler)]
     assert handler.target_action.executable == "sim_node"
@@ -187,7 +201,7 @@ def test_every_parameter_is_one_that_its_node_has(start):
     sections = yaml.safe_load((REPOSITORY / "config" / "graph.yaml").read_text(encoding="utf-8"))
     both = start(scenario="s.yaml", foxglove="8765"), start(sim="false")
     for node in [node for entities in both for node in nodes_of(entities).values()]:
-        known = set(sections[f"/**/{node.executable}"]["ros__parameters"]) | {"scenario"}
+        known = set(sections[f"/**/{node.executable}"]["ros__parameters"]) | {"scenario", "writer"}
         assert set(node.parameters[0]) <= known
 
 

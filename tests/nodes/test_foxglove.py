@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 import rclpy
 from builtin_interfaces.msg import Time
+from roadmend_msgs.msg import Command
 from rosgraph_msgs.msg import Clock as ClockMessage
 from std_msgs.msg import Float64
 
@@ -299,6 +300,17 @@ def test_a_topic_whose_publisher_comes_back_is_shown_to_who_asked_for_it_meanwhi
         time.sleep(0.05)
     again = node.create_publisher(Float64, "/gap", 10)
     assert late.wait_while(lambda: again.publish(Float64(data=0.5)))["value"] == {"data": 0.5}
+
+
+def test_bytes_that_are_too_few_for_a_message_are_not_shown_and_end_nothing(server, connect, gap):
+    publisher = gap[0].create_publisher(Command, "/asked", 10)
+    client = connect(server)
+    client.wait("channel", lambda heard: heard["topic"] == "/asked")
+    client.ask(subscribe="/asked")
+    client.wait_while(lambda: publisher.publish(Command(throttle=0.25)))
+    publisher.publish(b"\0\1\0\0")
+    publisher.publish(Command(throttle=0.5))
+    assert client.wait("message", lambda heard: heard["value"]["throttle"] != 0.25)["value"]["throttle"] == 0.5
 
 
 def test_an_address_that_is_not_this_machines_is_one_line(domain):

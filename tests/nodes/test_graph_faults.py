@@ -97,6 +97,7 @@ def test_who_hangs_before_the_first_answer_ends_the_run_with_its_name(run, name,
     assert "the drive did not begin within 10 s, for want of" in said
     assert name in said.splitlines()[-1]
     assert "Traceback" not in said
+    assert BagReader(there.bag).topics  # the bag was completed
 
 
 @pytest.mark.parametrize("clock", ["lockstep", "realtime"])

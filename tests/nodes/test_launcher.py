@@ -27,7 +27,7 @@ def ended(tmp_path, code, fault=None, *, may_restart=False):
     child.log.write_text("noise\n")
     if fault is not None:
         child.fault_file.write_text(json.dumps(fault))
-    child.process = SimpleNamespace(exitcode=code, pid=None)
+    child.process = SimpleNamespace(exitcode=code, pid=None, join=lambda _seconds: None)
     child.start = lambda: None
     return child
 
@@ -66,6 +66,43 @@ def test_a_node_that_keeps_dying_ends_the_run(run, tmp_path):
         assert child.restarts == restarts
     with pytest.raises(RoadmendError, match=f"sim_node ended {RESTARTS_MAX + 1} times; last: ValueError: still broken"):
         run._look_after([child])
+
+
+RECORDER = """
+import signal
+import time
+from pathlib import Path
+
+def main(arguments):
+    told = []
+    signal.signal(signal.SIGINT, lambda *_: told.append(1))
+    Path(arguments[1]).write_text("begun")
+    while not told:
+        time.sleep(0.02)
+    time.sleep(1.0)
+    Path(arguments[1]).write_text("complete")
+"""
+
+
+def test_where_the_run_fails_the_recorder_is_let_complete_its_bag(run, tmp_path, monkeypatch):
+    (tmp_path / "slow_recorder.py").write_text(RECORDER)
+    monkeypatch.syspath_prepend(tmp_path)
+    bag = tmp_path / "bag.mcap"
+    recorder = Child("recorder_node", "slow_recorder", [str(bag)], {}, tmp_path / "recorder.log", may_restart=False)
+    child = ended(tmp_path, 1, {"what": "ValueError: still broken"}, may_restart=True)
+    child.restarts = RESTARTS_MAX
+    run._nodes, run._sim = [recorder, child], ended(tmp_path, None)
+    run._sim.process = None
+    look_after = run._look_after
+
+    def wait_for_the_bag(children):
+        if bag.exists():
+            look_after(children)
+
+    monkeypatch.setattr(run, "_look_after", wait_for_the_bag)
+    with pytest.raises(RoadmendError, match="sim_node ended 6 times"):
+        run.supervise(lambda: False)
+    assert (bag.read_text(), recorder.exit_code) == ("complete", 0)
 
 
 def test_without_a_recorder_it_drives_on_and_says_so_once(run, tmp_path, monkeypatch):

@@ -167,6 +167,19 @@ def test_objects_whose_arrays_do_not_fit_are_reported(bench):
     assert bench.tick(1) == [1]
 
 
+@pytest.mark.parametrize("part", ["ego", "objects"])
+@pytest.mark.parametrize("size", [0, 4, 11, 24])
+def test_bytes_that_are_no_message_are_as_good_as_none(bench, capfd, part, size):
+    bench.route()
+    assert bench.tick(0) == [0]
+    bench.tick(1, "objects" if part == "ego" else "ego")
+    bench.node._on_part(part, encode(messages.OBJECTS(header=messages.header_of(0.05)))[:size])
+    assert len(bench.commands.got) == 1
+    words = f"unusable: {part}: {size} bytes are too few for a header" if size < 12 else "no decision at 0.05 s"
+    assert words in capfd.readouterr().err
+    assert bench.tick(2) == [2]
+
+
 def test_the_real_policy_survives_nonsense(domain, tmp_path, monkeypatch):
     monkeypatch.setenv("ROS_LOG_DIR", str(tmp_path))
     rclpy.init(args=["test"], domain_id=domain)

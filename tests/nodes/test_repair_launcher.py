@@ -1,8 +1,13 @@
 """What the two nodes are given; the whole is tried in tests/cli/test_repair.py."""
 
+import os
+from types import SimpleNamespace
+
 import pytest
 
-from roadmend.nodes.repair_launcher import _for_others
+from roadmend.nodes import repair_launcher as module
+from roadmend.nodes.repair_launcher import RepairGraphOptions, _for_others, _Run
+from roadmend.nodes.supervisor import FRESH_S, START_S
 
 
 @pytest.mark.parametrize(
@@ -17,3 +22,53 @@ from roadmend.nodes.repair_launcher import _for_others
 )
 def test_parameters_without_a_nodes_name_are_the_repair_nodes_alone(given, kept):
     assert _for_others(given) == kept
+
+
+class Started:
+    """A repair node that is there, started by a launcher whose wall clock is in the test's hands."""
+
+    def __init__(self, folder, monkeypatch):
+        self.now, self.beats, self.said = 0.0, 0, []
+        monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: self.now))
+        self.run = _Run(RepairGraphOptions(record=False), None, folder, self.said.append)
+        self.child = self.run._repair
+        self.child.start = self.begin
+        self.begin()
+
+    def begin(self):
+        self.child.pulse.begin()
+        self.child.process = SimpleNamespace(exitcode=None, kill=self.kill, join=lambda: None)
+
+    def kill(self):
+        self.child.process.exitcode = -9
+
+    def silent(self, seconds):
+        """Whether it is still there after so long without a beat."""
+        for _ in range(round(seconds / 0.25)):
+            self.now += 0.25
+            self.run._look_after()
+        return not self.said
+
+    def beat(self):
+        self.beats += 1
+        self.child.pulse.path.touch()
+        os.utime(self.child.pulse.path, ns=(self.beats, self.beats))
+        self.run._look_after()
+
+
+def test_a_repair_node_that_compiles_before_its_first_sign_of_life_has_as_long_as_in_a_run(tmp_path, monkeypatch):
+    there = Started(tmp_path, monkeypatch)
+    assert there.silent(START_S - 1.0)
+    assert not there.silent(2.0)
+    assert there.said == [f"repair_node hung: no sign of life for {START_S:g} s, restarted"]
+
+
+def test_one_that_has_been_up_is_waited_for_no_longer_than_one_that_comes_up_anew(tmp_path, monkeypatch):
+    there = Started(tmp_path, monkeypatch)
+    assert there.silent(FRESH_S + 10.0)
+    there.beat()
+    assert there.silent(FRESH_S - 1.0)
+    assert not there.silent(2.0)
+    there.said.clear()
+    assert there.silent(FRESH_S - 1.0)  # started anew, when what there is to compile is compiled
+    assert not there.silent(2.0)

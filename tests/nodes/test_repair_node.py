@@ -561,6 +561,21 @@ def test_objects_whose_arrays_do_not_fit_are_as_good_as_none(bench):
 
 
 @pytest.mark.parametrize("part", PARTS)
+@pytest.mark.parametrize("size", [0, 4, 11])
+def test_bytes_that_are_too_few_for_a_header_are_as_good_as_none(bench, capfd, part, size):
+    there = bench()
+    there.start()
+    there.tick(2, without=(part,))
+    there.node._add(part, encode(messages.COMMAND(header=messages.header_of(0.1)))[:size])
+    assert len(there.states.got) == 2
+    assert f"unusable: {part}: {size} bytes are too few for a header" in capfd.readouterr().err
+    (state,) = there.wait(2.1)
+    expected = RepairStatus.STALE_OBJECTS if part in {"ego", "objects"} else RepairStatus.STALE_COMMAND
+    assert (state.state, state.final_action) == (expected, STOP)
+    assert [state.state for state in there.tick(3)] == [RepairStatus.PASS]
+
+
+@pytest.mark.parametrize("part", PARTS)
 def test_a_message_in_another_frame_is_as_good_as_none_and_named(bench, part):
     there = bench()
     there.start()
@@ -802,6 +817,35 @@ def test_in_lockstep_the_simulator_sets_the_pace_and_silence_is_no_fault(bench):
     there = bench()
     there.start()
     assert there.wait(10.0) == []
+
+
+def test_before_the_first_tick_in_real_time_no_stop_is_claimed_and_who_is_missing_is_named(bench):
+    there = bench(clock="realtime", time_budget=10.0, autostart=False)
+    there.node.trigger_configure()
+    there.node.trigger_activate()
+    there.route()
+    assert there.wait(1.0) == []
+    wanted = "waiting for the first complete tick, for want of ego, objects, command, trajectory"
+    assert (there.health.level, there.health.message) == (Level.OK, wanted)
+    for _ in range(20):  # the simulator holds it
+        there.tick(0, without=("command", "trajectory"))
+        assert there.wait(0.25) == []
+    wanted = "waiting for the first complete tick, for want of command, trajectory"
+    assert (there.health.level, there.health.message) == (Level.OK, wanted)
+
+
+def test_in_real_time_a_second_episode_begins_like_the_first_whatever_the_last_one_ended_with(bench):
+    there = bench(clock="realtime", time_budget=10.0)
+    there.start(40)
+    assert there.wait(0.2)  # a stop, for want of everything
+    there.route()
+    answers = there.node._tally.values()["answers"]
+    assert there.wait(1.0) == []
+    assert there.node._tally.values()["answers"] == answers
+    assert there.health.message.startswith("waiting for the first complete tick")
+    there.send(0, "objects")  # before the odometry that tells how late it is
+    assert there.wait(0.5) == []
+    assert [state.state for state in there.tick(0)] == [RepairStatus.RESET]
 
 
 # -- a policy without plans --------------------------------------------------------------------------------------------

@@ -309,6 +309,14 @@ def test_each_tick_waits_for_the_answers_to_the_one_before(answered):
     assert "/repair/command" not in [name for name, _ in answered.got]
 
 
+@pytest.mark.parametrize("size", [0, 4, 11])
+def test_bytes_that_are_too_few_for_a_stamp_answer_nothing_and_end_nothing(answered, size):
+    answered.node._on_answer("/repair/command", command(0)[:size])
+    assert answered.ticks() == [0]
+    answered.answer(0)
+    assert answered.ticks() == [0, 1]
+
+
 def test_an_unanswered_tick_is_repeated_without_what_is_latched(answered):
     assert answered.wait(1.0) == [0, 0, 0]
     assert [name for name, _ in answered.got].count("/note") == 1

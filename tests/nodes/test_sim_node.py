@@ -213,6 +213,28 @@ def test_an_invalid_command_is_refused(bench, command, clock):
     assert there.tick == 1
 
 
+@pytest.mark.parametrize("size", [0, 4, 11, 24])
+@pytest.mark.parametrize("clock", ["lockstep", "realtime"])
+def test_bytes_that_are_no_command_are_as_good_as_none(bench, capfd, clock, size):
+    there = bench(clock=clock, command_timeout=0.5)
+    there.command(0)
+    if clock == "realtime":
+        there.node._beat()
+    whole = encode(messages.command_message_of(GO, messages.header_of(0.05)))
+    assert len(whole) > 24
+    for _ in range(20):
+        there.node._on_command(whole[:size])
+        there.wait(0.05)
+        if clock == "realtime":
+            there.node._beat()
+    assert there.kinds == [EventKind.STARTED, EventKind.WATCHDOG]
+    assert "refused a command: the bytes are no roadmend_msgs/msg/Command" in capfd.readouterr().err
+    there.command(there.tick)
+    if clock == "realtime":
+        there.node._beat()
+    assert there.kinds[-1] is EventKind.RECOVERED
+
+
 def test_in_real_time_the_vehicle_is_held_until_the_first_command(bench):
     there = bench(clock="realtime")
     speed = there.speed

@@ -1,6 +1,7 @@
 """One writer a topic: its numbers go on, a stranger's do not, and in doubt nobody is obeyed."""
 
 import time
+from types import SimpleNamespace
 
 import pytest
 from rclpy.executors import SingleThreadedExecutor
@@ -8,7 +9,8 @@ from rclpy.experimental import EventsExecutor
 from roadmend_msgs.msg import Command
 
 from roadmend.nodes import qos
-from roadmend.nodes.inputs import COMMAND
+from roadmend.nodes.inputs import COMMAND, Input
+from roadmend.nodes.numbered_input import NumberedInput
 from roadmend.nodes.writer_gate import FIRST, GAP, GatedInput, WriterGate
 from roadmend.recording import messages, topics
 
@@ -108,6 +110,86 @@ def test_without_a_name_whoever_is_there_alone_first_is_obeyed():
     assert obeyed(gate, [1, 71, 2], begin=0.05) == [71]
 
 
+def test_who_takes_the_place_of_a_named_writer_is_not_obeyed_and_named():
+    gate = WriterGate("policy_node")
+    gate.see([OURS])
+    obeyed(gate, range(1, 101))
+    gate.see([THEIRS])
+    assert obeyed(gate, [1, 2, 101, 102], begin=5.0) == []
+    assert gate.strangers == (THEIRS,)
+
+
+def test_without_a_name_who_comes_once_the_writer_has_gone_is_obeyed_unless_he_was_there_beside_it():
+    gate = WriterGate()
+    gate.see(["/mine"])
+    gate.see(["/mine", THEIRS])
+    gate.see([THEIRS])
+    assert obeyed(gate, [500, 501]) == []
+    gate.see([])
+    gate.see([""])  # of whom DDS has not told yet who he is
+    gate.see([OURS])
+    assert (gate.writer, obeyed(gate, [1, 2])) == ("policy_node", [1, 2])
+
+
+class Told(Input):
+    """An input of which the test says who publishes, and that keeps how often that was asked."""
+
+    there, asked = (OURS,), 0
+
+    def endpoints(self, _node):
+        Told.asked += 1
+        return [*Told.there]
+
+
+@pytest.fixture
+def gated(node, monkeypatch):
+    """A gated input whose messages come from the test: each of the numbers; returns those that were taken."""
+    monkeypatch.setattr(Told, "there", (OURS,))
+    monkeypatch.setattr(Told, "asked", 0)
+    monkeypatch.setattr(NumberedInput, "publishers", 1)
+    reader, got = node("reader"), []
+    one = GatedInput(
+        reader, Told(COMMAND.topic, COMMAND.type_name, COMMAND.request), Command, "policy_node", got.append, lambda: 0.0
+    )
+
+    def send(numbers):
+        before = len(got)
+        for number in numbers:
+            one._on_message(number, number)
+        return got[before:]
+
+    return SimpleNamespace(send=send, one=one)
+
+
+def test_who_publishes_is_not_asked_for_each_message(gated):
+    gated.one._look_again()
+    assert Told.asked == 0  # nobody has spoken
+    assert gated.send(range(1, 1001)) == [*range(1, 1001)]
+    assert Told.asked == 1
+    assert gated.send([1003]) == [1003]  # two were lost
+    assert Told.asked == 2
+    Told.there = (OURS, THEIRS)
+    gated.one._look_again()
+    gated.send([1, 1004, 2, 1005])
+    assert Told.asked == 3
+
+
+def test_of_a_middleware_that_does_not_number_messages_who_publishes_is_not_asked_for_each_either(gated):
+    assert len(gated.send([0] * 100)) == 100
+    assert Told.asked == 1
+
+
+@pytest.mark.parametrize("numbers", [[1, 2, 3], [101, 102], [0, 0]])
+def test_who_took_the_writers_place_unseen_is_not_obeyed(gated, numbers):
+    gated.send(range(1, 101))
+    Told.there = (THEIRS,)
+    if numbers[0] == 101:  # they happen to follow
+        gated.one._look_again()
+    assert gated.send(numbers) == []
+    assert gated.one.gate.strangers == (THEIRS,)
+    assert "/intruder publishes too, and is not obeyed; only policy_node is" in gated.one.warning
+
+
 @pytest.mark.parametrize("kind", [EventsExecutor, SingleThreadedExecutor])
 def test_over_dds_only_the_writer_is_heard_and_the_other_is_named(node, kind):
     reader, ours, theirs = node("reader"), node("policy_node"), node("intruder")
@@ -136,5 +218,34 @@ def test_over_dds_only_the_writer_is_heard_and_the_other_is_named(node, kind):
         until(lambda: len(got) > number + 2, mine, 0.2)
         assert {message.throttle for message in got} == {0.1, 0.2}
         assert "/intruder publishes too, and is not obeyed; only policy_node is" in one.warning
+    finally:
+        executor.shutdown()
+
+
+def test_over_dds_who_takes_the_writers_place_between_two_messages_is_not_heard(node):
+    reader, ours, theirs = node("reader"), node("policy_node"), node("intruder")
+    executor = EventsExecutor(context=reader.context)
+    executor.add_node(reader)
+    got = []
+    one = GatedInput(
+        reader, COMMAND, Command, "policy_node", lambda data: got.append(messages.COMMAND.decode(data)), time.monotonic
+    )
+
+    def until(done, publisher, throttle):
+        deadline = time.monotonic() + 60.0
+        while not done() and time.monotonic() < deadline:
+            publisher.publish(Command(throttle=throttle))
+            time.sleep(0.01)
+            executor.spin_once(timeout_sec=0.05)
+        assert done()
+
+    try:
+        mine = ours.create_publisher(Command, topics.POLICY_COMMAND, qos.COMMAND)
+        until(lambda: len(got) > 2, mine, 0.1)
+        ours.destroy_publisher(mine)
+        other = theirs.create_publisher(Command, topics.POLICY_COMMAND, qos.COMMAND)
+        until(lambda: one.gate.refused > 2, other, 0.9)
+        assert {message.throttle for message in got} == {0.1}
+        assert "/intruder" in one.warning
     finally:
         executor.shutdown()

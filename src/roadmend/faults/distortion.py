@@ -107,7 +107,7 @@ _CHANGES: Mapping[str, Mapping[str, Change]] = {
 }
 LINKS = (*_CHANGES, CLOCK)  # what a campaign can name
 STRANGERS = ("stranger", "first_stranger")  # who comes when another speaks already, or before
-_ANY = ("foreign_frame", "cut", "backwards", "ahead", "silent", "late")
+_ANY = ("foreign_frame", "cut", "short", "backwards", "ahead", "silent", "late")
 _TYPES: Mapping[str, MessageType] = {
     topics.EGO: messages.EGO,
     topics.OBJECTS: messages.OBJECTS,
@@ -213,6 +213,8 @@ class Distorter:
             return stamped(data, max(0, stamp + (BACKWARDS_NS if name == "backwards" else FAR_AHEAD_NS)))
         if name == "cut":
             return data[: len(data) // 2]
+        if name == "short":
+            return data[:_STAMP_AT]
         message = _TYPES[topic].decode(data)
         if name == "foreign_frame":
             return encode(replace(message, header=replace(message.header, frame_id=FOREIGN_FRAME)))

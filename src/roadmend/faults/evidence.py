@@ -73,11 +73,14 @@ def read_evidence(
     """
     reader = BagReader(path)
     found = evidence_of(BagTicks(reader), node, declared, duration, touched)
-    return replace(found, in_diagnostics=_has_warned(reader))
+    return replace(found, in_diagnostics=found.begun is not None and _has_warned(reader, found.begun))
 
 
-def _has_warned(reader: BagReader) -> bool:
+def _has_warned(reader: BagReader, begun: float) -> bool:
+    """Whether the repair node or the simulator has warned since the vehicle was driven, at ``begun`` [s]."""
     for message in reader.messages([topics.DIAGNOSTICS]):
+        if message.time_ns * _NS < begun:
+            continue
         for status in message.value.status:
             is_asked = status.name.endswith(("/repair_node", "/sim_node"))
             if is_asked and status.level and not status.message.startswith(("inactive", "waiting")):

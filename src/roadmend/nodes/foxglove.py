@@ -133,7 +133,10 @@ class FoxgloveNode(Node):
 
         def pass_on(data: bytes) -> None:
             before = self._timekeeper.now_ns
-            time_ns = time_of(data)
+            try:
+                time_ns = time_of(data)
+            except ValueError:  # too few bytes to hold a stamp, and for anybody to read
+                return
             if is_clock and time_ns < before:
                 self._server.clear_session()  # a new episode, or a replay from the start: what was drawn is history
             channel.log(data, log_time=time_ns)

@@ -120,14 +120,14 @@ class _GraphRun:
             if not self._sim.exit_code:
                 self._supervisor.end([child for child in self._nodes if child.name != RECORDER], stopped)
             self._stop(interrupted=False)
-            if self._sim.exit_code:
-                _raise(self._sim)
-            if not (self._folder / SUMMARY).exists():
-                raise RoadmendError("sim_node was told to stop before the drive began: there is no result")
+            self._check_end()
             self._pass_on()
             return self._result()
         except InputError:
             stop(everyone, time.monotonic() + STOP_S)
+            raise
+        except RoadmendError:  # what was driven until then is in the bag, which the recorder must be let complete
+            self._stop(interrupted=False)
             raise
         finally:
             stop(everyone, time.monotonic() + 0.5)
@@ -179,6 +179,17 @@ class _GraphRun:
         who = ", ".join(names) or "; ".join(self._waiting) or "an answer to the first tick"
         raise RoadmendError(f"the drive did not begin within {limit:g} s, for want of {who}; see --start-deadline")
 
+    def _check_end(self) -> None:
+        """Look whether the drive that is over has a result.
+
+        Raises:
+            RoadmendError: the simulator failed, or was told to stop before the drive.
+        """
+        if self._sim.exit_code:
+            _raise(self._sim)
+        if not (self._folder / SUMMARY).exists():
+            raise RoadmendError("sim_node was told to stop before the drive began: there is no result")
+
     def _drive_on_without(self, child: Child) -> None:
         """Say once that a node is gone which the vehicle does not need; but the simulator does not begin without it."""
         if not (self._folder / "sim.begun").exists():
@@ -190,8 +201,7 @@ class _GraphRun:
 
     def _stop(self, *, interrupted: bool) -> None:
         deadline = time.monotonic() + STOP_S
-        if interrupted:
-            stop([self._sim], time.monotonic() + SIM_STOP_S)
+        stop([self._sim], time.monotonic() + SIM_STOP_S)  # where the drive has ended it has gone
         # The recorder goes last: it takes in what the others still say.
         recorder = [child for child in self._nodes if child.name == RECORDER]
         stop([child for child in self._nodes if child not in recorder], deadline - 1.2)

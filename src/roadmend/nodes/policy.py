@@ -72,7 +72,11 @@ class PolicyNode(Node):
             self._failure = ""
 
     def _on_part(self, topic: str, data: bytes) -> None:
-        stamp = messages.stamp_of_bytes(data)
+        try:
+            stamp = messages.stamp_of_bytes(data)
+        except ValueError as error:  # as good as none: the tick is not decided
+            self.get_logger().error(f"unusable: {topic}: {error}", throttle_duration_sec=1.0)
+            return
         tick = self._pairing.add(stamp, topic, data, time.monotonic())
         if tick is not None:
             self._decide(stamp, tick[topics.EGO], tick[topics.OBJECTS])

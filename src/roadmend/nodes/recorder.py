@@ -5,6 +5,7 @@ import hashlib
 import json
 import re
 import sys
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,13 +17,12 @@ from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
-from rclpy.serialization import deserialize_message
 from rclpy.time import Time
 from roadmend_msgs.msg import ScenarioEvent
 
 from roadmend.core.claim import check_name
 from roadmend.core.errors import InputError
-from roadmend.core.outcome import EventKind
+from roadmend.core.outcome import Event
 from roadmend.core.parameters import Parameters
 from roadmend.core.whole_file import write_text
 from roadmend.nodes import qos
@@ -38,6 +38,7 @@ from roadmend.recording import topics
 from roadmend.recording.definitions import Definition
 from roadmend.recording.enclosure import Attachment, metadata_from_file
 from roadmend.recording.errors import RecordingError
+from roadmend.recording.messages import EVENT, event_of
 from roadmend.recording.timekeeper import Timekeeper
 from roadmend.recording.writer import BagOptions, BagWriter, Compression
 
@@ -45,7 +46,6 @@ DISCOVERY_PERIOD_S = 0.1  # [s] between two looks at the graph
 DIAGNOSTICS_PERIOD_S = 1.0  # [s] of wall time
 METADATA_RECORD = "roadmend"
 _QUEUED_EACH = 3  # of a topic in the executor's queue, besides its messages: what DDS says of it, and timers
-_NANOSECONDS = 1_000_000_000
 
 Callback = Callable[[bytes], None]
 
@@ -94,7 +94,7 @@ class _Recorded:
     definition: Definition
     message_type: Any
     callback: Callback
-    publishers: int = 0  # the most that were seen at once
+    offers: Sequence[QoSProfile] = ()  # of its publishers, when there last were any
     request: QoSProfile | None = None
     subscription: Any = None
     lost: int = 0  # messages that DDS says did not arrive
@@ -114,7 +114,8 @@ class RecorderNode(Node):
         self._configuration = ConfigurationAnnouncer(self, "recorder")
         self._include = _pattern("include", settings.include)
         self._exclude = _pattern("exclude", settings.exclude or "$^")
-        self._timekeeper = Timekeeper(simulated=settings.time_source == "simulation")
+        self._is_simulated = settings.time_source == "simulation"
+        self._timekeeper = Timekeeper(simulated=self._is_simulated)
         self._metadata = metadata_from_file(Path(settings.metadata)) if settings.metadata else {}
         attachments = [Attachment.from_file(Path(path)) for path in settings.attachments if path]
         self._attached = {hashlib.sha256(each.data).hexdigest(): each.name for each in attachments}
@@ -138,7 +139,7 @@ class RecorderNode(Node):
         self._recorded: dict[str, _Recorded] = {}
         self._skipped: dict[str, str] = {}  # topic and why
         self._refused: dict[str, list[str]] = {}  # the types for which it is skipped; with others it is tried again
-        self._outcome: ScenarioEvent | None = None
+        self._outcome: Event | None = None
         self._events_topic = self.resolve_topic_name(topics.EVENTS)
         self._to_diagnostics = self.create_publisher(DiagnosticArray, topics.DIAGNOSTICS, qos.DIAGNOSTIC)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
@@ -191,6 +192,7 @@ class RecorderNode(Node):
             RecordingError: the bag could not be written to its end.
         """
         if self._error is not None:
+            self._summarise()
             raise self._error
         if not self._writer.is_open:
             return
@@ -203,10 +205,14 @@ class RecorderNode(Node):
             self._writer.add_metadata(METADATA_RECORD, self._metadata | self._account())
         finally:
             self._writer.close()
-            if self._summary:
-                told = {"messages": self._writer.count, "lost_messages": self._lost, "dropped": self._dropped}
-                write_text(Path(self._summary), json.dumps(told))
+            self._summarise()
         self.get_logger().info(f"{self._writer.folder}: {self._writer.count} messages of {len(self._recorded)} topics")
+
+    def _summarise(self) -> None:
+        if self._summary:
+            told = {"messages": self._writer.count, "lost_messages": self._lost, "dropped": self._dropped}
+            with contextlib.suppress(InputError):  # a full disk: why the bag is not complete is told all the same
+                write_text(Path(self._summary), json.dumps(told))
 
     def _discover(self) -> None:
         if self._timekeeper.now_ns or topics.CLOCK in self._recorded:
@@ -214,8 +220,7 @@ class RecorderNode(Node):
         for name, types in self.get_topic_names_and_types():
             recorded = self._recorded.get(name)
             if recorded is not None:
-                if self.count_publishers(name) > recorded.publishers:
-                    self._subscribe(name, recorded)
+                self._subscribe(name, recorded)
             elif self._refused.get(name) != types and self._is_wanted(name) and self.count_publishers(name):
                 self._begin(name, types)
 
@@ -245,7 +250,11 @@ class RecorderNode(Node):
 
         def store(data: bytes) -> None:
             try:
-                write(name, time_of(data), data)
+                try:
+                    time_ns = time_of(data)
+                except ValueError:  # too few bytes to hold a stamp: that they came belongs into the bag all the same
+                    time_ns = self._timekeeper.now_ns if self._is_simulated else time.time_ns()
+                write(name, time_ns, data)
             except RecordingError as error:
                 self._fail(error)
                 self._dropped += 1
@@ -269,9 +278,10 @@ class RecorderNode(Node):
     def _watching(self, store: Callback) -> Callback:
         def store_event(data: bytes) -> None:
             store(data)
-            event = deserialize_message(data, ScenarioEvent)
-            if event.kind in set(EventKind) and EventKind(event.kind).is_final:
-                self._outcome = event
+            with contextlib.suppress(ValueError):  # bytes that are no event end nothing
+                event = event_of(EVENT.decode(data))
+                if event is not None and event.kind.is_final:
+                    self._outcome = event
 
         return store_event
 
@@ -283,11 +293,16 @@ class RecorderNode(Node):
         return store_clock
 
     def _subscribe(self, name: str, recorded: _Recorded) -> None:
-        """Subscribe so that all present publishers match; anew where a later publisher offers less."""
+        """Subscribe so that all publishers match; anew where one that came, or took another's place, offers less.
+
+        Never for more than before: what is still in the queue of a subscription goes with it.
+        """
         offers = [info.qos_profile for info in self.get_publishers_info_by_topic(name)]
-        recorded.publishers = max(recorded.publishers, len(offers))
+        if recorded.request is not None and (not offers or offers == recorded.offers):
+            return
+        recorded.offers = offers
         self._writer.add_topic(name, recorded.definition.type_name, map(offer_from, offers), recorded.definition)
-        request = request_for(offers)
+        request = request_for(offers if recorded.request is None else [recorded.request, *offers])
         if recorded.request == request:
             return
         if recorded.subscription is not None:
@@ -343,9 +358,9 @@ class RecorderNode(Node):
         if self._outcome is None:
             return account | {"outcome": "UNFINISHED", "outcome_text": "no final event was recorded"}
         return account | {
-            "outcome": EventKind(self._outcome.kind).name,
+            "outcome": self._outcome.kind.name,
             "outcome_text": self._outcome.text,
-            "outcome_time": f"{Time.from_msg(self._outcome.header.stamp).nanoseconds / _NANOSECONDS:g}",
+            "outcome_time": f"{self._outcome.time:g}",
         }
 
     def _report(self) -> None:

@@ -191,10 +191,11 @@ class RepairNode(SteadyLifecycleNode):
     # -- input --------------------------------------------------------------------------------------------------------
 
     def _on_route(self, data: bytes) -> None:
-        self._parts.pairing.clear()
+        self._parts.begin()
         self._prepared = (-1, None)
         self._started = self._is_over = False
-        self._last_stamp = -1
+        self._last_stamp = self._answered_stamp = -1
+        self._last_repair, self._silent_since = None, ""
         try:
             self._route, self._route_fault = messages.route_of(messages.ROUTE.decode(data)), ""
         except ValueError as error:  # without a route nothing is answered, so the simulator holds the vehicle
@@ -214,7 +215,11 @@ class RepairNode(SteadyLifecycleNode):
         if self._frames.is_foreign(part, data):
             self.get_logger().warning(self._frames.warning, throttle_duration_sec=1.0)
             return
-        stamp, now = messages.stamp_of_bytes(data), time.monotonic()
+        try:
+            stamp = messages.stamp_of_bytes(data)
+        except ValueError as error:  # as good as none: its tick is late
+            self.get_logger().error(f"unusable: {part}: {error}", throttle_duration_sec=1.0)
+            return
         if self._parts.is_stray(part, stamp):  # paired, it would be waited for as the newest tick
             return
         if stamp == self._last_stamp and part == "objects" and self._last_repair is not None:
@@ -227,7 +232,7 @@ class RepairNode(SteadyLifecycleNode):
             self._motion.reset(self._route)
         if stamp <= self._last_stamp:
             return
-        self._last_arrival = now
+        self._last_arrival = now = time.monotonic()
         tick = self._parts.pairing.add(stamp, part, data, now)
         if tick is not None:
             self._answer(stamp, tick)
@@ -282,7 +287,6 @@ class RepairNode(SteadyLifecycleNode):
             return
         ages = self._times.ages
         if now - self._last_arrival > ages.silence and now - self._last_answer > ages.tick:
-            self._silent_since = "odometry, objects"
             self._repeat_stop(now)
 
     def _answer_late(self, now: float) -> None:
@@ -310,7 +314,8 @@ class RepairNode(SteadyLifecycleNode):
     def _repeat_stop(self, now: float) -> None:
         """Real time, and nothing arrives at all: silence never means go."""
         if self._repairer is None or self._answered_stamp < 0:
-            return
+            return  # before the first answer nothing is stopped yet
+        self._silent_since = "odometry, objects"
         age = now - self._last_arrival
         repair = self._repairer.controlled_stop(RepairStatus.STALE_OBJECTS, f"nothing has arrived for {age:.2f} s")
         self._tally.add(self._answered_stamp * 1e-9, repair)

@@ -121,6 +121,7 @@ class _Run:
             )
         self._read = 0  # bytes of the repair node's log that people have seen
         self._is_recording = True
+        self._is_up = False  # whether the repair node's loop has ever come round: until then it may have to compile
         self._supervisor = Supervisor(REALTIME_SILENCE_S)
 
     def _child(self, node: str, parameters: Mapping[str, Any], *, may_restart: bool) -> Child:
@@ -150,7 +151,8 @@ class _Run:
         return [child for child in (self._recorder, self._repair) if child is not None]
 
     def _look_after(self) -> None:
-        self._supervisor.end_silent(self._children, time.monotonic(), is_driving=True)
+        self._supervisor.end_silent(self._children, time.monotonic(), is_driving=self._is_up)
+        self._is_up = self._is_up or self._repair.pulse.beats > 0
         for child in self._children:
             if child.exit_code is None:
                 continue

@@ -206,8 +206,8 @@ class ReplayNode(Node):
         tick = self._current = self._next
         if tick is None:
             return
-        answers = [record for record in tick.records if record.topic in self._answers]
-        self._awaited = {(record.topic, stamp_of_bytes(record.data)) for record in answers}
+        answers = {_answer_of(record.topic, record.data) for record in tick.records if record.topic in self._answers}
+        self._awaited = {answer for answer in answers if answer is not None}
         now = time.monotonic()
         self._published = (now, now)
         if self._makes_clock:
@@ -239,8 +239,8 @@ class ReplayNode(Node):
     # -- answers ------------------------------------------------------------------------------------------------------
 
     def _on_answer(self, name: str, data: bytes) -> None:
-        answer = (name, stamp_of_bytes(data))
-        if answer not in self._awaited:
+        answer = _answer_of(name, data)
+        if answer is None or answer not in self._awaited:
             return  # a tick that was published twice is answered twice
         self._awaited.remove(answer)
         self._answered_once = True
@@ -315,6 +315,14 @@ class ReplayNode(Node):
             return Health(Level.OK, f"waiting for an answer on {min(self._awaited)[0]}", values)
         state = "paused" if self._playhead.paused else "playing"
         return Health(Level.WARN if self._players.skipped else Level.OK, state, values)
+
+
+def _answer_of(topic: str, data: bytes) -> tuple[str, int] | None:
+    """What an answer is known by: its topic and stamp [ns]; None where the bytes are too few to hold one."""
+    try:
+        return topic, stamp_of_bytes(data)
+    except ValueError:
+        return None
 
 
 def main(args: Sequence[str] | None = None, *, interrupted: int = 0) -> int:

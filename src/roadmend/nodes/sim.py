@@ -230,7 +230,11 @@ class SimNode(Node):
     def _on_command(self, data: bytes) -> None:
         if self._tick is None or self._ended_at:
             return
-        message = messages.COMMAND.decode(data)
+        try:
+            message = messages.COMMAND.decode(data)
+        except ValueError as error:  # as good as none: the watchdog brakes
+            self.get_logger().error(f"refused a command: {error}", throttle_duration_sec=1.0)
+            return
         stamp, command = messages.stamp_of(message.header), messages.command_of(message)
         if command.fault:
             self.get_logger().error(f"refused a command: {command.fault}", throttle_duration_sec=1.0)

@@ -53,6 +53,11 @@ class TickParts:
         self._newest_ego = -1  # [ns] stamp
         self._stray_stamp = -1  # [ns] of the policy's last message if it belongs to no tick
 
+    def begin(self) -> None:
+        """A new episode: nothing of the last one counts."""
+        self.pairing.clear()
+        self._newest_ego = self._stray_stamp = -1
+
     def is_stray(self, part: str, stamp: int) -> bool:
         """Whether a message, which has just come, is of the policy and stamped [ns] far ahead of any tick."""
         if part == "ego":

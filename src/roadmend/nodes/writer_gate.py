@@ -8,10 +8,12 @@ authentication: against a node that means harm only SROS 2 helps.
 
 from collections.abc import Callable, Sequence
 
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from roadmend.nodes.inputs import Input
 from roadmend.nodes.numbered_input import NumberedInput
+from roadmend.nodes.policy_watch import PERIOD_S
 
 FIRST = 50  # highest number of a message that may be the first of a writer, while a stranger is there
 GAP = 10  # messages of one writer that may be lost in a row
@@ -22,11 +24,13 @@ class WriterGate:
     """Tells what is obeyed.
 
     Args:
-        writer: name of the node that is obeyed, without its namespace; empty for whoever was there alone first.
+        writer: name of the node that is obeyed, without its namespace; empty for whoever was there alone first, and once
+            that one has gone for who comes then and is alone.
     """
 
     def __init__(self, writer: str = "") -> None:
         self.writer = writer
+        self._is_given = bool(writer)
         self.refused = 0  # messages
         self.strangers: tuple[str, ...] = ()  # full names of those who publish as well
         self._is_there = False
@@ -40,14 +44,19 @@ class WriterGate:
     def see(self, publishers: Sequence[str]) -> None:
         """Take in who publishes on the topic now: full names, one for each publisher, empty where it is not yet told."""
         names = {*publishers}
-        if not self.writer and len(names) == 1 and "" not in names:
+        mine = self._mine(publishers)
+        is_new = not self.writer or not names & {*self.strangers}  # who was a stranger beside the writer stays one
+        if not self._is_given and not mine and is_new and len(names) == 1 and "" not in names:
             self.writer = next(iter(names)).rpartition("/")[2]
-        mine = [name for name in publishers if name and name.rpartition("/")[2] == self.writer]
+            mine = self._mine(publishers)
         if len(mine) > self._known:  # it was started anew, and so were its numbers
             self._last, self._is_sure, self._is_doubtful = None, False, False
         self._known, self._is_there = len(mine), bool(mine)
         self.strangers = tuple(sorted(names - {*mine}))
         self._is_doubtful = self._is_doubtful and bool(self.strangers)
+
+    def _mine(self, publishers: Sequence[str]) -> list[str]:
+        return [name for name in publishers if name and name.rpartition("/")[2] == self.writer]
 
     def admits(self, number: int, now: float) -> bool:
         """Whether the message with this number, which came at wall time ``now`` [s], is obeyed."""
@@ -78,6 +87,9 @@ class WriterGate:
 class GatedInput:
     """A command topic's subscription behind a gate; ``take`` gets the messages that are obeyed.
 
+    Who publishes is looked up when the number of publishers changes, when a message's number does not follow the last one,
+    since another may have taken the writer's place, and now and then once somebody has spoken; not for each message.
+
     Args:
         node: who listens.
         wanted: the topic.
@@ -99,14 +111,29 @@ class GatedInput:
         self.gate = WriterGate(writer)
         self._node, self._wanted, self._take, self._clock = node, wanted, take, clock
         self._count = -1
+        self._number = 0  # of the last message, whoever's
         self._named: tuple[str, ...] = ()
         self._input = NumberedInput(node, wanted, kind, self._on_message)
+        node.create_timer(PERIOD_S, self._look_again, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def _look(self) -> None:
+        self._count, before = self._input.publishers, self.gate.writer
+        self.gate.see(self._wanted.endpoints(self._node))
+        if before and self.gate.writer != before:
+            self._node.get_logger().warning(f"{self._wanted.topic}: {self.gate.writer} takes the place of {before}")
+
+    def _look_again(self) -> None:
+        """A stranger's numbers may happen to follow; but before anybody has spoken nobody is the writer yet."""
+        if self._count >= 0:
+            self._look()
 
     def _on_message(self, data: bytes, number: int) -> None:
-        count = self._input.publishers
-        if count != self._count or "" in self.gate.strangers:
-            self._count = count
-            self.gate.see(self._wanted.endpoints(self._node))
+        # One that stays the same is of a middleware that does not tell; and of two who speak none follows the other's, so
+        # that it says nothing where a stranger is known.
+        is_odd = number not in (self._number, self._number + 1) and not self.gate.strangers
+        self._number = number
+        if self._input.publishers != self._count or is_odd or "" in self.gate.strangers:
+            self._look()
         if self.gate.admits(number, self._clock()):
             self._take(data)
             return
