@@ -1,14 +1,18 @@
 """The call that an account of figures names is the call that made them."""
 
 import shlex
+import shutil
 from pathlib import Path
 
 import click
 
 from roadmend.cli.call import call_again
 from roadmend.cli.main import run_group
+from roadmend.cli.options import NameType
+from roadmend.networks.checkpoint import find_model
+from roadmend.policies.registry import POLICY_REGISTRY
 
-CALLS = []
+CALLS, PLACELESS = [], []
 
 
 @click.group()
@@ -20,13 +24,17 @@ def tool():
 @click.argument("files", nargs=-1, type=click.Path(path_type=Path))
 @click.option("--policy", "policies", multiple=True, default=["modular"])
 @click.option("-k", "--count", type=int, default=20)
+@click.option("--model", type=NameType(POLICY_REGISTRY))
 @click.option("--limit", type=float)
+@click.option("--work", type=click.Path(path_type=Path))
+@click.option("--resume", is_flag=True)
 @click.option("--tuned/--no-tuned", default=True)
 @click.option("--out", type=click.Path(path_type=Path))
 @click.option("--workers", type=int, default=1)
 @click.option("--json", "as_json", is_flag=True)
 def measure(**given):
     CALLS.append((call_again(always=("policies",)), given))
+    PLACELESS.append(call_again(with_places=False))
 
 
 def called(*words):
@@ -42,7 +50,16 @@ def test_what_was_given_is_told_and_so_is_what_is_always_told():
 
 
 def test_where_it_goes_and_how_it_is_shown_is_not_told():
-    assert called("measure", "--out", "o", "--workers", "7", "--json")[0] == "./roadmend measure --policy modular"
+    aside = ["--out", "o", "--workers", "7", "--json", "--work", "w", "--resume"]
+    assert called("measure", *aside)[0] == "./roadmend measure --policy modular"
+
+
+def test_what_is_passed_on_tells_files_without_their_places(tmp_path):
+    model = tmp_path / "my model.safetensors"
+    shutil.copyfile(find_model("neural"), model)
+    told = called("measure", "/home/me/a.yaml", "--policy", "x/y", "--model", str(model))[0]
+    assert told == f"./roadmend measure /home/me/a.yaml --policy x/y --model {shlex.quote(str(model))}"
+    assert PLACELESS[-1] == "./roadmend measure a.yaml --policy x/y --model 'my model.safetensors'"
 
 
 def test_the_call_that_is_told_means_the_same_again():

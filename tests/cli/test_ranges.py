@@ -1,8 +1,13 @@
 """Every option with a range, swept from below its least to above its greatest value: refused in a line, code 2."""
 
+import os
+import runpy
+
 import click
 import pytest
+from click.testing import CliRunner
 
+from roadmend.cli import options
 from roadmend.cli.main import cli, main
 
 
@@ -39,6 +44,20 @@ RANGED = [
     for option in command.params
     if isinstance(option, click.Option) and isinstance(option.type, click.IntRange | click.FloatRange)
 ]
+
+
+@pytest.mark.parametrize(("cores", "workers"), [(2, 2), (256, 256), (512, 256)])
+def test_there_are_as_many_workers_as_cores_and_never_more_than_can_be(cores, workers, monkeypatch):
+    monkeypatch.setattr(os, "cpu_count", lambda: 512)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {*range(cores)})
+
+    @click.command()
+    @runpy.run_path(options.__file__)["WORKERS"]
+    def work(workers):
+        click.echo(workers)
+
+    result = CliRunner().invoke(work, [])
+    assert (result.exit_code, result.output) == (0, f"{workers}\n")
 
 
 def test_there_are_such_options():

@@ -1,14 +1,19 @@
 """``roadmend run``: what its options make of a run, without starting one."""
 
+import io
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
+from rich.console import Console
 
 from roadmend.cli import run
 from roadmend.cli.main import main
 from roadmend.core.errors import InputError, RoadmendError
+from roadmend.nodes.run_result import RunResult
 from roadmend.world.families import sample_scenario
 from roadmend.world.scenario_file import load_scenario, save_scenario
+from tests.measures.results import episode
 
 
 def came(**changes):
@@ -101,6 +106,15 @@ def test_a_bag_that_is_not_complete_is_an_error_after_the_result(tmp_path, monke
     assert main(["run", "--scenario", str(path)]) == 1
     assert len(shown) == 1
     assert capsys.readouterr().err == "roadmend: bag_0.mcap: disk full\n"
+
+
+def test_names_and_paths_in_the_table_are_texts_and_no_markup():
+    drive = replace(episode("GOAL"), scenario="[bold]s", policy="own[red]:P", method="[/]")
+    console = Console(file=io.StringIO(), width=200)
+    run.show_results([RunResult(drive, "lockstep", 0, 0, 9.0, "bags [old]/x [/bold]", lost_messages=3)], console)
+    told = console.file.getvalue()
+    for text in ("[bold]s", "own[red]:P", " [/] ", "bags [old]/x [/bold] (3 messages lost)"):
+        assert text in told, text
 
 
 @pytest.fixture

@@ -9,6 +9,7 @@ import yaml
 
 from roadmend.cli import train_rivals
 from roadmend.cli.main import main
+from roadmend.networks.checkpoint import load_checkpoint
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.training.tuning_grid import rivals_of
@@ -61,6 +62,8 @@ def test_the_autoencoder_and_the_settings_are_written(corpus, tmp_path, capsys, 
     assert main([*base, "--out", str(again), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["model"] == str(again)
     assert model.read_bytes() == again.read_bytes()
+    told = "./roadmend train self-oracle --policy modular --corpus modular.jsonl --seed 0 --epochs 2"
+    assert load_checkpoint(model).header["configuration"]["command"] == told
 
     base = ["train", "rivals", "--corpus", str(corpus), "--out", str(out), "--workers", "1"]
     assert main([*base, "--only", "random"]) == 0
@@ -75,6 +78,11 @@ def test_the_autoencoder_and_the_settings_are_written(corpus, tmp_path, capsys, 
     assert both["methods"]["random"] == first["methods"]["random"]
     assert both["methods"]["model"]["parameters"]["model"] == "modular"
     assert len(both["methods"]["model"]["grid"]) == 2
+    told = "./roadmend train rivals --policy modular --corpus modular.jsonl"
+    assert {name: each["command"] for name, each in both["methods"].items()} == {
+        "random": f"{told} --only random",
+        "model": f"{told} --only model --model oracle.safetensors",
+    }
 
 
 @pytest.mark.parametrize("command", ["self-oracle", "rivals"])

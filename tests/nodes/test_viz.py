@@ -228,6 +228,53 @@ def test_faults_in_the_input_are_reported_and_survived(stage):
     assert "differ in length" in warning.status[0].message
 
 
+@pytest.mark.parametrize("size", [4, 24])
+def test_bytes_that_are_no_message_are_reported_and_survived(stage, size):
+    header = header_of(0.0)
+    whole = {
+        topics.EGO: ego_message_of(EgoState.from_yaw(0.0, 0.0, 0.0, 5.0, 0.0, 4.0, 2.0), header),
+        topics.OBJECTS: OBJECTS(header=header),
+        topics.EVENTS: event_message_of(Event(0.0, EventKind.GOAL, "")),
+        topics.MAP: MAP(header=header),
+    }
+    for topic, message in whole.items():
+        stage.to[topic].publish(encode(message)[:size])
+    stage.settle()
+    stage.until(lambda: any(b"\x01" in report.status[0].level for report in stage.got[topics.DIAGNOSTICS]))
+    for number in range(3):
+        stage.tick(number)
+    stage.until(lambda: len(stage.drawn()) >= 2)
+    assert stage.drawn() == pytest.approx([0.0, 0.1])
+
+
+def test_a_plan_that_nobody_can_use_is_drawn_as_absent(stage):
+    points = np.array([1.0, 2.0])
+    plan = trajectory_message_of(Trajectory(0.5, points, points, np.empty(0), points), header_of(0.0))
+    header = header_of(0.0)
+    stage.send(topics.EGO, ego_message_of(EgoState.from_yaw(0.0, 0.0, 0.0, 5.0, 0.0, 4.0, 2.0), header))
+    stage.send(topics.POLICY_TRAJECTORY, plan)
+    stage.tick(2)
+    stage.until(lambda: len(stage.got[topics.PLAN]) >= 2)
+    assert [len(path.poses) for path in stage.got[topics.PLAN]] == [0, 2]
+    assert stage.drawn(topics.MARKERS_PLAN) == pytest.approx([0.0, 0.1])
+
+
+def test_a_tick_that_cannot_be_drawn_is_reported_and_survived(stage):
+    last = header_of(2.0**31 - 1.0)  # [s] the points of a plan come later than any stamp can say
+    points = np.ones(2)
+    plan = Trajectory(0.5, points, points, points, points)
+    stage.send(topics.EGO, ego_message_of(EgoState.from_yaw(0.0, 0.0, 0.0, 5.0, 0.0, 4.0, 2.0), last))
+    stage.send(topics.OBJECTS, OBJECTS(header=last))
+    stage.send(topics.POLICY_TRAJECTORY, trajectory_message_of(plan, last))
+    stage.send(topics.REPAIR_STATE, REPAIR(header=last))
+    stage.until(lambda: any(b"\x01" in report.status[0].level for report in stage.got[topics.DIAGNOSTICS]))
+    warning = next(report for report in stage.got[topics.DIAGNOSTICS] if report.status[0].level == b"\x01")
+    assert warning.status[0].message.startswith("the tick at 2147483647.00 s cannot be drawn: ")
+    for number in range(3):
+        stage.tick(number)
+    stage.until(lambda: stage.drawn()[-2:] == pytest.approx([0.0, 0.1]))
+
+
 def test_an_ego_that_is_not_finite_draws_nothing(stage):
     stage.tick(0)
     lost = EgoState.from_yaw(float("nan"), 0.0, 0.0, 5.0, 0.0, 4.0, 2.0)

@@ -107,6 +107,16 @@ def test_a_trajectory_is_the_same_after_the_journey(points):
         assert getattr(back, name).tobytes() == getattr(plan, name).tobytes()
 
 
+@pytest.mark.parametrize("kind", [np.float32, np.int64])
+def test_a_plan_of_other_numbers_arrives_as_it_was_meant(kind):
+    points = np.arange(3).astype(kind)
+    back = messages.trajectory_of(
+        sent(messages.trajectory_message_of(Trajectory(0.5, points, points, points, points), header()))
+    )
+    for name in ("x", "y", "yaw", "speed"):
+        assert getattr(back, name).tolist() == [0.0, 1.0, 2.0]
+
+
 def test_a_route_is_the_same_after_the_journey():
     mine = route()
     back = messages.route_of(sent(messages.route_message_of(mine, header())))
@@ -145,6 +155,20 @@ def test_a_route_whose_stages_are_no_lines_raises(begins):
     message = messages.route_message_of(route(), header())
     message.stage_begin = np.array(begins, dtype=np.uint32)
     with pytest.raises(ValueError, match="two points"):
+        messages.route_of(sent(message))
+
+
+def test_a_route_with_a_zone_on_no_stage_raises():
+    message = messages.route_message_of(route(), header())
+    message.zone_stage = np.array([0, 1, 2, 3, 0], dtype=np.uint32)
+    with pytest.raises(ValueError, match="a zone lies on stage 3 of 3, counted from 0"):
+        messages.route_of(sent(message))
+
+
+def test_a_route_with_more_windows_than_a_last_stage_can_follow_raises():
+    message = messages.route_message_of(route(), header())
+    message.change_begin = message.change_end = np.ones(3)
+    with pytest.raises(ValueError, match="3 windows between 3 stages"):
         messages.route_of(sent(message))
 
 

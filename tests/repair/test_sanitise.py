@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from roadmend.core.command import Command
-from roadmend.repair.sanitise import is_usable_ego, is_usable_plan, mark_usable, sanitise_command
+from roadmend.core.command import Command, Trajectory
+from roadmend.repair.sanitise import is_usable_ego, is_usable_plan, mark_usable, sanitise_command, usable_plan
 
 from .playground import Box, ego_at, object_list
 
@@ -190,6 +190,21 @@ def test_up_to_the_limits_of_all_reason_a_plan_is_usable(column):
 def test_any_positive_interval_will_do(interval):
     points = np.ones(3)
     assert is_usable_plan(interval, points, points, points, points)
+
+
+@pytest.mark.parametrize("count", [0, 1, 4])
+def test_a_plan_reaches_less_than_a_million_seconds_ahead(count):
+    points, interval = np.ones(count), 1e6 / max(count, 1)
+    assert is_usable_plan(0.999 * interval, points, points, points, points)
+    assert not is_usable_plan(interval, points, points, points, points)
+
+
+def test_in_place_of_an_unusable_plan_there_is_one_without_points():
+    points = np.ones(3)
+    plan = Trajectory(0.1, points, points, points, points, "follow")
+    assert usable_plan(plan) is plan
+    assert len(usable_plan(replace(plan, yaw=np.empty(0)))) == 0
+    assert len(usable_plan(replace(plan, interval=math.nan))) == 0
 
 
 def test_a_plan_without_points_is_usable():

@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -190,6 +191,16 @@ def test_a_moment_asked_for(tmp_path):
         with pytest.raises(InputError, match="outside the recording"):
             draw_bag(bag, tmp_path / "c.png", at=wrong)
     assert not (tmp_path / "c.png").exists()
+
+
+def test_a_plan_that_nobody_can_use_is_drawn_as_absent(tmp_path):
+    episode = read_episode(record(tmp_path / "bag"))
+    plan = episode.trajectories[0]
+    assert view_of(episode, 0).trajectory is plan
+    episode.trajectories[0] = replace(plan, y=np.zeros(1))
+    assert len(view_of(episode, 0).trajectory) == 0
+    draw_bag(tmp_path / "bag", tmp_path / "scene.png", at=0.0, read=lambda _: episode)
+    assert (tmp_path / "scene.png").exists()
 
 
 def test_what_cannot_be_drawn_is_refused_in_one_line(tmp_path):

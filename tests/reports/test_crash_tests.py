@@ -1,6 +1,7 @@
 """The reports of SAFE's tests: Markdown and a page that say the same."""
 
 from html.parser import HTMLParser
+from urllib.parse import unquote, urlsplit
 
 from roadmend.language.chat import Image
 from roadmend.reports.crash_tests import report_of_reproductions, report_of_tests
@@ -25,13 +26,15 @@ RESULTS = [
 class Cells(HTMLParser):
     def __init__(self):
         super().__init__()
-        self.rows, self.images = [], []
+        self.rows, self.images, self.links = [], [], []
 
     def handle_starttag(self, tag, attributes):
         if tag == "tr":
             self.rows.append([])
         if tag == "img":
             self.images.append(dict(attributes))
+        if tag == "a":
+            self.links.append(dict(attributes)["href"])
 
     def handle_data(self, data):
         if self.get_starttag_text() in {"<th>", "<td>"} and data.strip():
@@ -58,6 +61,27 @@ def test_the_page_has_the_table_of_the_markdown_and_a_picture_of_each_crash(tmp_
     assert sorted(name for name in files if name.startswith("pages/")) == ["pages/head-on.html"]
     assert "Not read:\n\n- empty: summary.txt: is empty\n" in files["report.md"]
     assert r"hit <b> \| it |" in files["report.md"]
+
+
+def test_links_lead_to_files_whatever_their_names(tmp_path):
+    name = "a#1? 100%"
+    case = CrashCase(name, crash("Straight", vehicle("W2E"), vehicle("E2W")), Image(b"sketch", "image/png"))
+    result = CrashTestResult(name, 1, "modular", "s.yaml", f"pictures/{name}-v1.png", episode("COLLISION"))
+    files = report_of_tests([case], {"modular": summarise_tests([case], [result])}, [result], tmp_path)
+    page = cells_of(files["report.html"])
+    assert [unquote(image["src"]) for image in page.images] == [f"pictures/sketch-{name}.png", result.picture]
+    assert [unquote(link) for link in page.links] == [f"pages/{name}.html"]
+    for link in [image["src"] for image in page.images] + page.links:
+        assert urlsplit(link).path == link
+    assert (tmp_path / unquote(page.images[0]["src"])).is_file()
+    assert unquote(page.links[0]) in files
+
+
+def test_a_sketch_that_browsers_cannot_show_is_left_out(tmp_path):
+    case = CrashCase("old", crash("Straight", vehicle("W2E"), vehicle("E2W")), Image(b"sketch", "image/tiff"))
+    files = report_of_tests([case], {"modular": summarise_tests([case], [])}, [], tmp_path)
+    assert cells_of(files["report.html"]).images == []
+    assert not [*tmp_path.iterdir()]
 
 
 def test_a_reproduction_has_its_own_table(tmp_path):

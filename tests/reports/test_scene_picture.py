@@ -5,6 +5,7 @@ import io
 import itertools
 import math
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
@@ -114,6 +115,19 @@ def test_texts_tell_scenario_time_and_repair() -> None:
         assert expected in texts
     assert "asked +0.40 → sent \N{MINUS SIGN}0.80" in texts
     assert "trigger 4" in {text.get_text() for text in figure.axes[0].texts}
+
+
+@pytest.mark.parametrize("text", ["a $b$ c", r"costs $\frac", "$ and $", "$_$"])
+def test_a_dollar_in_a_text_from_outside_is_a_dollar(text: str) -> None:
+    known = view()
+    assert known.repair is not None
+    repair = dataclasses.replace(known.repair, reason=text)
+    figure = draw_scene(dataclasses.replace(known, scenario=text, outcome=text, repair=repair))
+    buffer = io.StringIO()
+    with mpl.rc_context({"svg.fonttype": "none"}):
+        figure.savefig(buffer, format="svg")
+    assert buffer.getvalue().count(f">{text}<") == 2
+    assert f">{text}  ·  t = 2.50 s<" in buffer.getvalue()
 
 
 def test_aspect_is_equal_and_the_crop_as_asked() -> None:

@@ -1,9 +1,11 @@
 """``roadmend demo``: a collision repaired, end to end."""
 
+import shlex
 import time
 from pathlib import Path
 
 import click
+from rich.markup import escape
 
 from roadmend.cli.command import ExampleCommand, called_as
 from roadmend.cli.options import JSON, PATH
@@ -52,5 +54,6 @@ def _explain(results: list[RunResult]) -> None:
     shown = next(good, results[-1])
     layout = config_folder() / "foxglove" / "roadmend.json"
     layout = layout.relative_to(Path.cwd()) if layout.is_relative_to(Path.cwd()) else layout
-    console.print(f"\nA picture of the moment: [bold]{called_as()} bag plot {shown.bag}[/]", highlight=False)
-    console.print(f"Or open the bag's .mcap in Foxglove, with the layout {layout}.", highlight=False)
+    command = escape(f"{called_as()} bag plot {shlex.quote(shown.bag)}")
+    console.print(f"\nA picture of the moment: [bold]{command}[/]", highlight=False, soft_wrap=True)
+    console.print(f"Or open the bag's .mcap in Foxglove, with the layout {layout}.", highlight=False, markup=False)

@@ -88,7 +88,13 @@ RECORD = click.option("--record/--no-record", default=True, show_default=True)
 FILE = click.Path(path_type=Path, dir_okay=False)
 FOLDER = click.Path(path_type=Path, file_okay=False)
 SEED = click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
-WORKERS = click.option("--workers", default=os.cpu_count() or 1, show_default="cores", type=click.IntRange(1, 256))
+_WORKERS_MAX = 256
+WORKERS = click.option(
+    "--workers",
+    default=min(len(os.sched_getaffinity(0)), _WORKERS_MAX),  # click refuses a default that is out of range, too
+    show_default="cores",
+    type=click.IntRange(1, _WORKERS_MAX),
+)
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 DEVICE = click.option("--device", default="auto", show_default=True, help="auto, cpu or cuda.")
 FUTURES_MAX = 1000  # of each intervention

@@ -9,6 +9,7 @@ from typing import Annotated
 
 import click
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from roadmend.cli.command import ExampleCommand
@@ -273,14 +274,14 @@ def show_results(results: Sequence[RunResult], console: Console) -> None:
         episode = result.episode
         distance = "-" if episode.min_distance is None else f"{episode.min_distance:.2f} m"
         table.add_row(
-            episode.scenario,
-            episode.policy,
-            episode.method,
+            escape(episode.scenario),
+            escape(episode.policy),
+            escape(episode.method),
             f"[{OUTCOME_STYLES.get(episode.outcome.name, 'white')}]{episode.outcome.name}[/]",
             distance,
             str(episode.interventions),
             f"{episode.intensity:.2f}" if episode.interventions else "-",
             f"{result.real_time_factor:.1f} x",
-            (result.bag or "-") + (f" ({result.lost_messages} messages lost)" if result.lost_messages else ""),
+            escape(result.bag or "-") + (f" ({result.lost_messages} messages lost)" if result.lost_messages else ""),
         )
     console.print(table)

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import click
 
+from roadmend.cli.call import call_again
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import POLICY, POLICY_CORPUS, POLICY_NAME
 from roadmend.cli.options import (
@@ -95,9 +96,7 @@ def policy(given: PolicyOptions) -> None:
     folder = given.out.with_name(f"{given.out.stem}.rounds")
     if folder.exists() and not given.resume:
         raise InputError(str(folder), "holds a training already", "go on with --resume, or give another --out")
-    command = f"./roadmend train policy --kind {given.kind} --out {given.out.name} --seed {given.seed}"
-    command += f" --rounds {given.rounds}" if given.rounds else ""
-    command += f" --episodes {given.episodes}" if given.episodes else ""
+    command = call_again(always=("kind", "seed"), with_places=False)
     with stages() as report:
         # One thread: small batches gain little from more, and the bits are the same on every machine.
         training = Training(
@@ -233,10 +232,7 @@ def adreft(given: AdreftOptions) -> None:
 def adjust(model: Path, threshold: float | None, settings: tuple[str, ...], out: Path, *, as_json: bool) -> None:
     """Write MODEL, one of ADReFT, with another threshold or other rules of deciding; its networks stay as they are."""
     changes = dict(setting(each, "NAME=VALUE", "hold=0.3") for each in settings)
-    command = f"./roadmend train adjust {model.name}"
-    command += f" --threshold {threshold:g}" if threshold is not None else ""
-    command += "".join(f" --set {each}" for each in settings)
-    digest = adjust_model(model, out, threshold, changes, command)
+    digest = adjust_model(model, out, threshold, changes, call_again(with_places=False))
     click.echo(json.dumps({"model": str(out), "sha256": digest}) if as_json else f"{out}: SHA-256 {digest}")
 
 

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import click
 
+from roadmend.cli.call import call_again
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import POLICY, POLICY_CORPUS, POLICY_NAME
 from roadmend.cli.options import FILE, FOLDER, JSON, MODEL_OUT, SEED, WORKERS, options_of, setting_option
@@ -94,9 +95,7 @@ def _train(name: str, given: MonitorOptions) -> None:
     read = check_settings(named, kind.settings, "--set", f"see ./roadmend train {name} --help")
     AdreftModel.load(given.model)  # a file that is none is refused before anybody starts to drive
     drivers = [driver_of(corpus_of(given.policy, given.corpus_file)), *map(_driver_beside, given.also)]
-    command = f"./roadmend train {name} {given.model.name} --policy {given.policy}"
-    command += "".join(f" --also {other}" for other in given.also)
-    command += "".join(f" --set {each}" for each in given.settings)
+    command = call_again(always=("policy", "seed"), with_places=False)
     with told_stages() as report, fan_out(given.workers) as mapper:
         learned = train_risk_monitor(
             kind,

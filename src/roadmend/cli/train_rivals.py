@@ -5,9 +5,11 @@ from pathlib import Path
 
 import click
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from roadmend import __version__
+from roadmend.cli.call import call_again
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import POLICY, POLICY_CORPUS
 from roadmend.cli.options import FILE, JSON, MODEL_OUT, SEED, WORKERS, only_own
@@ -64,7 +66,7 @@ def self_oracle(
             progress.update(learning, completed=epoch, description=f"learning, loss {loss:.4f}")
 
         result = train_self_oracle(vectors, settings, report)
-    command = f"./roadmend train self-oracle --policy {policy} --seed {seed} --epochs {epochs} --out {out.name}"
+    command = call_again(always=("policy", "seed", "epochs"), with_places=False)
     origin = {"policy": policy, "policy_model": corpus.model, "roadmend": __version__, "command": command}
     save_checkpoint(out, result.tensors, result.header(settings, corpus.digest, **origin))
     metrics = result.metrics
@@ -127,8 +129,8 @@ def rivals(
         "split": "validation",
         "cases": len(cases),
         "roadmend": __version__,
-        "command": f"./roadmend train rivals --policy {policy}{f' --cases {number}' if number else ''} --out {out.name}",
     }
+    command = call_again(always=("policy",), with_places=False)  # of a rival each: a file may come of several calls
     written = read_tuned(out, header)
     left = [rival for rival in every if rival not in chosen and rival.name in written]
     found = {
@@ -143,7 +145,7 @@ def rivals(
             with Journal(file, EPISODES, identity | of_model) as journal:
                 tuned = Tuning(cases, policy, journal, mapper, report).tune(rival)
             found[rival.name] = tuned.dump() | ({"model_digest": model} if rival.method == "model" else {})
-            found[rival.name]["code"] = _code(policy, rival)
+            found[rival.name] |= {"code": _code(policy, rival), "command": command}
             if rival.method == "model" and model_file is not None:
                 found[rival.name]["parameters"]["model"] = policy  # a setting holds wherever the model lies
             write_tuned(out, header, found)
@@ -163,7 +165,7 @@ def _show(tuned: TunedRival, console: Console) -> None:
         figures = (whole.delta_e, whole.fix, whole.deg, whole.intensity, whole.dose) if whole is not None else ()
         table.add_row(
             tuned.name if index == tuned.best else "",
-            *map(str, point.parameters.values()),
+            *(escape(str(value)) for value in point.parameters.values()),
             f"{point.first.delta_e:.1f}",
             *(f"{value:.2f}" for value in figures),
             style="bold" if index == tuned.best else None,

@@ -35,6 +35,7 @@ from roadmend.recording.codec import MessageType, encode
 from roadmend.recording.drawing import draw_tick
 from roadmend.recording.marker_map import map_markers
 from roadmend.recording.messages import NANOSECONDS
+from roadmend.repair.sanitise import usable_plan
 
 Value = TypeVar("Value")
 
@@ -96,6 +97,7 @@ class VizNode(Node):
         self.create_subscription(msg.Map, topics.MAP, self._on_map, qos.LATCHED, raw=True)
         self.create_subscription(msg.ScenarioEvent, topics.EVENTS, self._on_event, qos.EVENT, raw=True)
         nearest_distance(EgoState.from_yaw(0.0, 0.0, 0.0, 0.0, 0.0, *messages.EGO_SIZE), ObjectList.empty())  # compile
+        usable_plan(Trajectory.empty())  # compile
         self._diagnostics = DiagnosticsReporter(self, self._health)
         self._configuration.announce()
 
@@ -111,7 +113,11 @@ class VizNode(Node):
 
     def _on_bytes(self, topic: str, data: bytes) -> None:
         before = self._memory.newest(topics.EGO)
-        stamp = self._memory.put(topic, data)
+        try:
+            stamp = self._memory.put(topic, data)
+        except ValueError as error:
+            self._fault = f"{topic}: {error}"
+            return
         if topic == topics.EGO and before is not None:
             if stamp < before:
                 self._memory.drop_after(stamp)
@@ -150,7 +156,11 @@ class VizNode(Node):
         self._map_is_due = True
 
     def _on_event(self, data: bytes) -> None:
-        event = messages.event_of(messages.EVENT.decode(data))
+        try:
+            event = messages.event_of(messages.EVENT.decode(data))
+        except ValueError as error:
+            self._fault = str(error)
+            return
         if event is not None and event.kind is EventKind.STARTED:
             self._memory.drop_after(messages.stamp_of_bytes(data))
             self._restart()
@@ -165,17 +175,17 @@ class VizNode(Node):
         self._cadence.restart()
 
     def _draw(self, stamp: int, *, at_once: bool = False) -> None:
-        raw_ego = self._memory.at(topics.EGO, stamp)
-        if raw_ego is None or not (at_once or self._cadence.may_draw(time.monotonic())):
+        is_there = self._memory.at(topics.EGO, stamp) is not None
+        if not is_there or not (at_once or self._cadence.may_draw(time.monotonic())):
             return
         begin = time.thread_time()
         size = messages.EGO_SIZE if self._route is None else (self._route.ego_length, self._route.ego_width)
-        ego = messages.ego_of(messages.EGO.decode(raw_ego), *size)
-        if all(math.isfinite(value) for value in (ego.x, ego.y, ego.yaw, ego.speed, *size)):
+        ego = self._read(topics.EGO, messages.EGO, lambda message: messages.ego_of(message, *size), stamp)
+        if ego is not None and all(math.isfinite(value) for value in (ego.x, ego.y, ego.yaw, ego.speed, *size)):
             self._stamp = stamp
             self._publish(ego, stamp)
             self._drawn += 1
-        else:
+        elif ego is not None:
             self._fault = "ego: a number is not finite"
         self._last_draw_s = time.thread_time() - begin
         self._cadence.drawn(stamp, time.monotonic(), self._last_draw_s)
@@ -190,8 +200,11 @@ class VizNode(Node):
         scene = Scene(stamp / NANOSECONDS, ego, objects, signals)
         header = messages.header_at(stamp)
         radius = self._settings.text_radius
-        for topic, drawing in draw_tick(scene, plan or Trajectory.empty(), repair, self._route, header, radius):
-            self._outputs[topic].publish(encode(drawing))
+        try:
+            for topic, drawing in draw_tick(scene, plan or Trajectory.empty(), repair, self._route, header, radius):
+                self._outputs[topic].publish(encode(drawing))
+        except Exception as error:  # noqa: BLE001 - a picture that fails must be seen, not end the node and so the run
+            self._fault = f"the tick at {scene.time:.2f} s cannot be drawn: {error!r}"
 
     def _read(self, topic: str, kind: MessageType, value_of: Callable[[Any], Value], stamp: int) -> Value | None:
         """What a topic says of a tick; None where it says nothing, or nothing that can be read."""
@@ -205,8 +218,8 @@ class VizNode(Node):
     def _draw_map(self) -> None:
         """Publish lanes and route; latched, and complete in this one message."""
         self._map_is_due = False
-        header = messages.header_at(self._stamp if self._map is None else messages.stamp_of_bytes(self._map))
         try:
+            header = messages.header_at(self._stamp if self._map is None else messages.stamp_of_bytes(self._map))
             lanes = None if self._map is None else messages.lanes_of(messages.MAP.decode(self._map))
             self._to_map.publish(encode(map_markers(lanes, self._route, header)))
         except (ValueError, IndexError) as error:

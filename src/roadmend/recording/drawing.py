@@ -19,6 +19,7 @@ from roadmend.recording.markers import (
     transform_of,
 )
 from roadmend.recording.topics import DISTANCE, MARKERS_EGO, MARKERS_OBJECTS, MARKERS_PLAN, PLAN, TF
+from roadmend.repair.sanitise import usable_plan
 
 FRAMES = MessageType("tf2_msgs/msg/TFMessage")
 NUMBER = MessageType("std_msgs/msg/Float64")
@@ -36,12 +37,14 @@ def draw_tick(
 
     Args:
         scene: what there was to see.
-        plan: what the policy intended; without points if nothing.
+        plan: what the policy intended; without points if nothing. An unusable one, which the guard passes over as well,
+            is drawn as absent.
         repair: what the repair node said.
         route: for the traffic lights on it.
         header: stamp of the tick, frame map.
         text_radius: how near to the ego an object carries its id and speed [m].
     """
+    plan = usable_plan(plan)
     triggers = frozenset(() if repair is None else (trigger.object_id for trigger in repair.triggers))
     things = object_markers(scene.objects, scene.ego, header, triggers=triggers, text_radius=text_radius)
     if route is not None:

@@ -185,10 +185,10 @@ def trajectory_message_of(trajectory: Trajectory, header: Any) -> Any:
     return TRAJECTORY(
         header=header,
         interval=trajectory.interval,
-        x=np.ascontiguousarray(trajectory.x),
-        y=np.ascontiguousarray(trajectory.y),
-        yaw=np.ascontiguousarray(trajectory.yaw),
-        speed=np.ascontiguousarray(trajectory.speed),
+        x=np.ascontiguousarray(trajectory.x, dtype=np.float64),  # a policy from outside may have others
+        y=np.ascontiguousarray(trajectory.y, dtype=np.float64),
+        yaw=np.ascontiguousarray(trajectory.yaw, dtype=np.float64),
+        speed=np.ascontiguousarray(trajectory.speed, dtype=np.float64),
         behaviour=trajectory.behaviour,
     )
 
@@ -326,7 +326,8 @@ def route_of(message: Any) -> Route:
     """A route.
 
     Raises:
-        ValueError: the arrays do not fit together, a stage has less than two points, or a rule is unknown.
+        ValueError: the arrays do not fit together, a stage has less than two points, a zone lies on no stage, there are
+            more windows than stages to change to, or a rule is unknown.
     """
     x, y, limits = floats_of(message.x), floats_of(message.y), floats_of(message.speed_limit)
     begins = [*message.stage_begin.tolist(), len(x)]
@@ -338,7 +339,12 @@ def route_of(message: Any) -> Route:
         Stage(x[begin:end].copy(), y[begin:end].copy(), limits[begin:end].copy())
         for begin, end in itertools.pairwise(begins)
     )
+    if len(message.change_begin) >= len(stages):
+        raise ValueError(f"route: there are {len(message.change_begin)} windows between {len(stages)} stages")
     windows = zip(message.change_begin.tolist(), message.change_end.tolist(), strict=True)
+    for stage in message.zone_stage.tolist():
+        if not 0 <= stage < len(stages):  # below 0 by the definition of another bag
+            raise ValueError(f"route: a zone lies on stage {stage} of {len(stages)}, counted from 0")
     columns = (message.zone_stage, message.zone_begin, message.zone_end, message.zone_rule, message.zone_signal)
     zones = zip(*(column.tolist() for column in columns), strict=True)
     return Route(

@@ -5,13 +5,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from roadmend.core.command import Command
+from roadmend.core.command import Command, Trajectory
 from roadmend.core.jit import compiled
 from roadmend.core.scene import EgoState, Objects
 
 Floats = NDArray[np.float64]
 
 FAR = 1e8  # [m] no map is larger; beyond it the squares of distances lose all precision
+LATE = 1e6  # [s] no plan looks as far ahead, and points much later than that have no stamp
 WILD = 1e4  # accelerations [m/s2], yaw rates [rad/s] and yaws [rad] beyond this are noise
 
 
@@ -48,14 +49,22 @@ def is_usable_ego(ego: EgoState, time: float) -> bool:
 
 @compiled
 def is_usable_plan(interval: float, x: Floats, y: Floats, yaw: Floats, speed: Floats) -> bool:
-    """Whether a trajectory has equally long arrays, only finite values and a positive interval."""
+    """Whether a trajectory has equally long arrays, only finite values, a positive interval and an end in sight."""
     size = x.shape[0]
-    if y.shape[0] != size or yaw.shape[0] != size or speed.shape[0] != size or not 0.0 < interval < math.inf:
+    if y.shape[0] != size or yaw.shape[0] != size or speed.shape[0] != size:
+        return False
+    if not 0.0 < interval * max(size, 1) < LATE:
         return False
     for index in range(size):
         if not (abs(x[index]) < FAR and abs(y[index]) < FAR and abs(yaw[index]) < WILD and abs(speed[index]) < WILD):
             return False
     return True
+
+
+def usable_plan(plan: Trajectory) -> Trajectory:
+    """The plan, or one without points in the place of an unusable one."""
+    is_usable = is_usable_plan(plan.interval, plan.x, plan.y, plan.yaw, plan.speed)
+    return plan if is_usable else Trajectory.empty()
 
 
 @compiled

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from roadmend.core.command import Trajectory
 from roadmend.core.errors import InputError
 from roadmend.core.geometry import nearest_distance
 from roadmend.core.repair import Repair
@@ -16,6 +17,7 @@ from roadmend.core.spell import Spell
 from roadmend.core.spell_account import with_needs
 from roadmend.core.whole_file import written_beside
 from roadmend.recording.episode import BagEpisode, read_episode
+from roadmend.repair.sanitise import usable_plan
 from roadmend.reports.bag_page import page_of
 from roadmend.reports.scene_layers import Trail
 from roadmend.reports.scene_picture import SceneView, draw_scene
@@ -94,7 +96,7 @@ def view_of(episode: BagEpisode, stamp: int, timeline: Timeline | None = None) -
         objects=episode.objects.get(stamp, ObjectList.empty()),
         lanes=episode.lanes,
         route=route,
-        trajectory=episode.trajectories.get(stamp),
+        trajectory=usable_plan(episode.trajectories.get(stamp, Trajectory.empty())),
         repair=episode.repairs.get(stamp),
         trail=trail_of(episode, stamp),
         timeline=timeline,

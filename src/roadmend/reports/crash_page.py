@@ -20,7 +20,7 @@ from roadmend.safe.report import CrashReport
 
 _NOTHING: dict[str, Any] = {"value": None, "confidence": None, "reason": "", "span": None, "box": None, "doubts": ()}
 _IN_DOUBT = 0.7  # a field below that is named among the doubts
-_SHOWN = ("image/png", "image/jpeg", "image/gif", "image/webp", "image/bmp")  # by every browser
+SHOWN = ("image/png", "image/jpeg", "image/gif", "image/webp", "image/bmp")  # by every browser
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +149,7 @@ def _sketch(account: CrashAccount) -> dict[str, Any] | None:
     drawn = _drawn_over(account.sketch)
     if drawn is not None:
         data, media_type = drawn, "image/png"
-    elif media_type not in _SHOWN:
+    elif media_type not in SHOWN:
         return None
     return {"data": base64.b64encode(data).decode("ascii"), "type": media_type, "is_read": drawn is not None}
 

@@ -13,7 +13,7 @@ from roadmend.core.markdown import table_text
 from roadmend.core.tick import INTERVAL
 from roadmend.core.whole_file import written_beside
 from roadmend.reports.crash_film import film_beside, film_of_trial, load_film, save_film
-from roadmend.reports.crash_page import account_of_case, page_of_crash
+from roadmend.reports.crash_page import SHOWN, account_of_case, page_of_crash
 from roadmend.reports.page import render
 from roadmend.reports.scene_layers import Trail
 from roadmend.reports.scene_picture import SceneView, draw_scene
@@ -220,8 +220,8 @@ def _films(results: Sequence[CrashTestResult], out: Path) -> list[dict[str, Any]
 
 
 def _sketch(case: CrashCase, out: Path) -> str:
-    """The report's sketch, written beside the pictures; empty where there is none."""
-    if case.sketch is None:
+    """The report's sketch, written beside the pictures; empty where there is none that a browser can show."""
+    if case.sketch is None or case.sketch.media_type not in SHOWN:
         return ""
     name = f"{PICTURES}/sketch-{case.name}.{case.sketch.media_type.rpartition('/')[2]}"
     try:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -59,6 +60,7 @@ class SceneView:
     mark: tuple[float, float] | None = None  # a place to look at [m], where two came to touch
 
 
+@mpl.rc_context({"text.parse_math": False})  # names and reasons come from outside: a dollar is a dollar
 def draw_scene(view: SceneView, span: float = 70.0) -> Figure:
     """Draw one tick.
 
