@@ -75,9 +75,10 @@ def test_what_is_shown_has_the_model_of_the_policy_as_what_was_chosen():
 
 
 def test_the_lead_of_adreft_is_paired_by_case_at_the_same_price():
-    own = [result(str(number), True, "GOAL") for number in range(4)] + [result("4", False, "GOAL")]
+    own = [result(str(number), True, "GOAL") for number in range(4)]
+    own += [result(name, False, "GOAL") for name in ("4", "5")]
     other = [result(str(number), True, "COLLISION") for number in range(3)] + [result("3", True, "GOAL")]
-    other += [result("4", False, "COLLISION")]
+    other += [result(name, False, "COLLISION") for name in ("4", "5")]
     found = {
         "adreft": {"1": None, "2": {"setting": "adreft | 0"}},
         "rule": {"1": {"setting": "rule | 0"}, "2": {"setting": "rule | 0"}},
@@ -85,7 +86,7 @@ def test_the_lead_of_adreft_is_paired_by_case_at_the_same_price():
     add_leads(found, {"adreft | 0": own, "rule | 0": other})
     assert found["adreft"]["2"]["lead"]["delta_e"] == 0.0
     assert found["rule"]["1"]["lead"] is None
-    assert found["rule"]["2"]["lead"]["delta_e"] == 175.0  # 3 of 4 more are fixed, 1 of 1 fewer spoilt
+    assert found["rule"]["2"]["lead"]["delta_e"] == 175.0  # 3 of 4 more are fixed, 2 of 2 fewer spoilt
     assert found["rule"]["2"]["lead"]["interval"][0] > 0.0
 
 

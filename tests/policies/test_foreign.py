@@ -1,8 +1,10 @@
 """A policy of one's own drives as ours do; one that fails is said in one line."""
 
+import numpy as np
 import pytest
 
 from roadmend.core.errors import ForeignError, InputError
+from roadmend.core.repair import RepairStatus
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.world.families import sample_scenario
@@ -39,6 +41,14 @@ def test_one_that_fails_on_the_way_is_said_with_time_and_place(own, tmp_path):
         ("return None", "its step at 0.00 s answered with NoneType; answer with a roadmend.core.command.Decision"),
         ("return Decision(0.5, Trajectory.empty())", "answered with float; answer with a Decision with a Command"),
         ("return Decision(Command(0.0, 0.0), None)", "answered with NoneType; answer with a Decision with a Traj"),
+        (
+            "return Decision(Command(0.0, 0.0), Trajectory(0.5, [1.0], ['far'], [0.0], [1.0]))",
+            "answered with list; answer with a Trajectory whose y is a row of numbers",
+        ),
+        (
+            "return Decision(Command(0.0, 0.0), Trajectory(0.5, 1.0, [2.0], [0.0], [1.0]))",
+            "answered with float; answer with a Trajectory whose x is a row of numbers",
+        ),
         ("return scene.nothing", "failed in step at 0.00 s: AttributeError"),
     ],
 )
@@ -48,6 +58,19 @@ def test_one_that_cannot_answer_a_plain_scene_is_refused_before_it_drives(own, a
         make_policy(f"{name}:Wrong")
     assert "cannot answer a plain scene: " in str(caught.value)
     assert said in str(caught.value)
+
+
+def test_a_plan_of_lists_is_a_plan(own):
+    plan = "Trajectory(0.5, [scene.ego.x + 1, scene.ego.x + 2], [scene.ego.y] * 2, [scene.ego.yaw] * 2, [1, 1])"
+    name = own(
+        POLICY + f"\nclass Lists(Careful):\n    def step(self, scene):\n"
+        f"        return Decision(Command(0.1, 0.0), {plan})\n"
+    )
+    policy, seen = make_policy(f"{name}:Lists"), []
+    run_episode(SCENARIO, policy, make_repairer("rss"), lambda tick, decision, repair: seen.append((decision, repair)))
+    assert len(seen) == 60
+    assert all(decision.trajectory.speed.dtype == np.float64 for decision, _ in seen)
+    assert not any(repair.status is RepairStatus.MODEL_FAULT or "trajectory" in repair.reason for _, repair in seen)
 
 
 def test_its_parameters_are_checked_as_ours_are(own):

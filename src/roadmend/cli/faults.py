@@ -9,6 +9,7 @@ from typing import Any
 
 import click
 
+from roadmend.cli.call import call_again
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.options import JSON, RESULT_FOLDER, Number, settings_file
 from roadmend.cli.output import counting, show_rows
@@ -96,7 +97,7 @@ def faults(
     rows, file_rows = campaign_rows(judged), refusal_rows(refused)
     content: dict[str, Any] = {
         "format": _FORMAT,
-        "provenance": provenance(" ".join(["./roadmend faults", *_words(names, count, rates, parallel)])),
+        "provenance": provenance(call_again()),
         "campaign": campaign.model_dump(mode="json"),
         "rows": [*rows, *file_rows],
         "too_late": sum(not disturbed.injected for _, disturbed in runs),
@@ -132,13 +133,6 @@ def _chosen(
     if count is not None:
         campaign = campaign.model_copy(update={"seeds": count})
     return campaign.model_copy(update={"rates": rates}) if rates else campaign
-
-
-def _words(names: tuple[str, ...], count: int | None, rates: tuple[float, ...], parallel: int) -> list[str]:
-    """The options as they were given."""
-    words = [f"--fault '{name}'" for name in names] + [f"--rate {rate:g}" for rate in rates]
-    words += [f"--count {count}"] if count else []
-    return words + ([f"--parallel {parallel}"] if parallel > 1 else [])
 
 
 def _kept(journal: Journal, key: Any, make: Callable[[], Entry]) -> Entry:

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import click
 
+from roadmend.cli.call import call_again
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.options import FILE, JSON, MODEL_OUT, SEED, WORKERS, Number, options_of
 from roadmend.cli.output import show_rows, stages
@@ -93,7 +94,7 @@ def tune(given: TuneOptions) -> None:
         if given.validation is None
         else disjoint(corpus_set(given.validation, given.split), known_in([given.bank_file]))
     )
-    command = f"./roadmend sera tune --policy {Path(given.policy).name} --stage {given.stage} --seed {given.seed}"
+    command = call_again(always=("policy", "stage", "seed"), with_places=False)
     origin = TuningOrigin(selection.digest, _digest(given.bank_file), command)
     choose_torch_device("cpu", 1)
     with stages() as report:

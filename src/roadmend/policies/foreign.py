@@ -1,6 +1,10 @@
 """A policy from outside, as roadmend drives with it."""
 
+from dataclasses import replace
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.errors import ForeignError
@@ -49,7 +53,26 @@ class ForeignPolicy:
             raise self._no_decision(
                 scene.time, "a Decision with a Trajectory (Trajectory.empty())", decision.trajectory
             )
-        return decision
+        return self._with_numbers(decision, scene.time)
+
+    def _with_numbers(self, decision: Decision, time: float) -> Decision:
+        """The decision, its plan as arrays of numbers where it has lists or other numbers; what they say is the guard's."""
+        plan = decision.trajectory
+        given = (plan.x, plan.y, plan.yaw, plan.speed)
+        rows = [self._row(name, row, time) for name, row in zip(("x", "y", "yaw", "speed"), given, strict=True)]
+        if all(row is before for row, before in zip(rows, given, strict=True)):
+            return decision
+        x, y, yaw, speed = rows
+        return replace(decision, trajectory=Trajectory(plan.interval, x, y, yaw, speed, plan.behaviour))
+
+    def _row(self, name: str, given: Any, time: float) -> NDArray[np.float64]:
+        try:
+            row = np.asarray(given, dtype=np.float64)
+        except (TypeError, ValueError, OverflowError):
+            row = np.empty(())
+        if row.ndim != 1:
+            raise self._no_decision(time, f"a Trajectory whose {name} is a row of numbers", given)
+        return row
 
     def _no_decision(self, time: float, wanted: str, answer: Any) -> ForeignError:
         what = f"its step at {time:.2f} s answered with {type(answer).__name__}"
