@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from harness.bench_pages import fill, pages
-from harness.summary import _alone, summary
+from harness.summary import summary
 from roadmend.cli.main import run_group
 from roadmend.core.errors import InputError
 
@@ -49,10 +49,6 @@ def test_the_summary_tells_the_committed_figures_with_their_ground():
         assert f"{methods['adreft']['violations']} persistent violations" in rows[place][1]
         best = float(rows[place + 2][2].split()[0])
         assert all(best >= round(methods[name]["delta_e"], 1) for name in ("rss", "predictive", "rule", "random"))
-
-
-def test_who_repairs_what_the_other_does_not():
-    assert _alone("CCCCG", "GGCTG", "GCGCC") == (1, 1)
 
 
 def test_the_readme_is_short_and_its_links_lead_somewhere():

@@ -7,6 +7,7 @@ from roadmend.measures.repair import (
     advantage,
     advantage_of,
     delta_e_interval,
+    search_of,
     share_of_bound,
     summarise,
 )
@@ -79,8 +80,8 @@ def named(outcomes, names, violations):
 
 def test_cases_of_one_search_count_as_kin():
     violations = [True] * 12 + [False] * 12
-    kin = [f"S1-random-{'VW'[v]}{place // 3 % 4}-{place:05d}" for place, v in enumerate(violations)]
-    strangers = [f"S1-random-{place}-00001" for place in range(24)]
+    kin = [f"S1-modular-none-random-{10 * v + place // 3 % 4}-{place:05d}" for place, v in enumerate(violations)]
+    strangers = [f"S{1 + place % 5}-{12_345 + place}" for place in range(24)]  # as scenarios are called that were drawn
     outcomes = "GGGCCCGGGCCC" + "GGGCCCGGGGGG"
     intervals = [delta_e_interval(named(outcomes, names, violations)) for names in (kin, strangers)]
     assert intervals[0][0] < intervals[1][0] < 25.0 < intervals[1][1] < intervals[0][1]
@@ -92,8 +93,22 @@ def test_cases_of_one_search_count_as_kin():
     assert leads[0]["intervals"]["delta_e"][0] < leads[1]["intervals"]["delta_e"][0]
 
 
+@pytest.mark.parametrize(
+    ("name", "search"),
+    [
+        ("S1-modular-none-avfuzzer-4000003-00245", "S1-modular-none-avfuzzer-4000003"),
+        ("S3-7", "S3-7"),
+        ("S3-12345", "S3-12345"),
+        ("town-3-12345", "town-3-12345"),
+        ("cut-in-left", "cut-in-left"),
+    ],
+)
+def test_only_what_a_search_found_has_kin(name, search):
+    assert search_of(name) == search
+
+
 def test_of_one_search_alone_nothing_can_be_told_of_others():
-    names = [f"S1-random-7-{place:05d}" for place in range(4)]
+    names = [f"S1-modular-none-random-7-{place:05d}" for place in range(4)]
     cases = named("GCGG", names, [True, True, False, False])
     assert advantage_of(cases, cases)["intervals"] == {"delta_e": None, "dose": None}
     assert delta_e_interval(cases[:2]) is None

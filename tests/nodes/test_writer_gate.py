@@ -222,6 +222,31 @@ def test_over_dds_only_the_writer_is_heard_and_the_other_is_named(node, kind):
         executor.shutdown()
 
 
+def test_a_writer_of_before_has_its_place_again_when_it_is_alone():
+    gate = WriterGate()
+    gate.see([OURS])
+    assert gate.admits(1, 0.0)
+    gate.see([])
+    gate.see([THEIRS])  # an operator steps in
+    assert gate.admits(1, 1.0)
+    gate.see([THEIRS, OURS])
+    assert gate.strangers == (OURS,)
+    gate.see([OURS])
+    assert gate.strangers == ()
+    assert gate.admits(1, 2.0)
+
+
+def test_who_was_a_stranger_beside_the_writer_stays_one_over_a_look_at_nobody():
+    gate = WriterGate()
+    gate.see([OURS])
+    assert gate.admits(1, 0.0)
+    gate.see([OURS, THEIRS])
+    gate.see([])
+    gate.see([THEIRS])
+    assert gate.strangers == (THEIRS,)
+    assert not gate.admits(50, 1.0)
+
+
 def test_over_dds_who_takes_the_writers_place_between_two_messages_is_not_heard(node):
     reader, ours, theirs = node("reader"), node("policy_node"), node("intruder")
     executor = EventsExecutor(context=reader.context)

@@ -29,11 +29,13 @@ def test_an_acceleration_as_pedals(wanted, command):
     assert AccelerationForm(PEDALS).read(acceleration(0.0, wanted)) == command
 
 
-@pytest.mark.parametrize("wanted", [math.nan, math.inf, -math.inf])
-def test_what_is_not_finite_brakes(wanted):
-    command = AccelerationForm(PEDALS).read(acceleration(0.0, wanted))
+@pytest.mark.parametrize(("wanted", "brake"), [(math.nan, 0.5), (math.inf, 0.5), (-math.inf, 1.0)])
+def test_what_is_not_finite_brakes(wanted, brake):
+    form, asked = AccelerationForm(PEDALS), acceleration(0.0, wanted)
+    command = form.read(asked)
     assert command.fault
-    assert sanitise_command(command, 0.5) == Command(0.0, 0.5)
+    assert sanitise_command(command, 0.5) == Command(0.0, brake)
+    assert form.write(Command(0.0, brake), header(7.0), asked).accel.linear.x == -8.0 * brake
 
 
 def test_an_unchanged_command_passes_as_the_very_message():

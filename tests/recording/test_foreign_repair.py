@@ -8,6 +8,7 @@ from roadmend.core.repair import RepairStatus
 from roadmend.core.route import Route, Stage
 from roadmend.core.scene import ObjectList
 from roadmend.recording import messages
+from roadmend.recording.codec import encode
 from roadmend.recording.foreign_commands import PEDALS, AccelerationForm, PedalForm
 from roadmend.recording.foreign_objects import Detections, EgoOutline, OwnObjects
 from roadmend.recording.foreign_repair import ForeignRepair
@@ -128,6 +129,26 @@ def test_a_stop_in_place_of_a_late_command_is_as_old_as_it_says(wanted):
         assert stop.message.header.frame_id == "base_link"
         assert 1e-9 * stop.stamp == pytest.approx(0.97 + late)
     assert stamp_of(asked) == pytest.approx(0.97)  # messages are values
+
+
+def test_where_the_stacks_own_clock_stands_still_so_does_the_stop():
+    stack = Stack()
+    stack.drive(1.0)
+    for late, clock, told in ((0.5, 1.2, 1.2), (60.0, 1.2, 1.2), (60.5, 0.2, 0.95), (61.0, 1.3, 1.3)):
+        stop = stack.repair.overdue(1.0 + late, round(clock * 1e9))
+        assert stamp_of(stop.message) == pytest.approx(told)
+
+
+def test_where_commands_have_no_stamp_the_stop_has_none():
+    stack = Stack()
+    stack.repair.take_command(acceleration(0.0, 0.7), 1.0)
+    assert stamp_of(stack.repair.overdue(1.5).message) == 0.0
+
+
+def test_a_stamp_at_the_end_of_time_ends_nothing():
+    stack = Stack()
+    stack.repair.take_command(acceleration((1 << 31) - 0.5, 0.7), 1.0)
+    assert encode(stack.repair.overdue(9.0).message)
 
 
 def test_so_is_one_in_place_of_our_own_command():

@@ -12,6 +12,7 @@ from mcap.writer import CompressionType, Writer
 from rosbags.highlevel import AnyReader
 
 from roadmend.core.errors import InputError
+from roadmend.recording import recovery
 from roadmend.recording.definitions import find
 from roadmend.recording.qos import Qos
 from roadmend.recording.reader import BagReader
@@ -228,6 +229,21 @@ def test_of_a_whole_bag_what_is_repeated_is_known_again(latched, tmp_path):
     recover(latched, tmp_path / "new")
     assert events_of(tmp_path / "new") == events_of(latched) == [f"event {number}" for number in (0, 2, 4, 6, 8)]
     assert BagReader(tmp_path / "new").topics["/events"].count == 5
+
+
+def test_what_was_recovered_can_be_recovered_again_though_it_tells_of_repeats_behind_them(tmp_path, make, monkeypatch):
+    short = BagOptions(chunk_size=1000, flush_interval=float("inf"), self_contained=False)
+    monkeypatch.setattr(recovery, "_COPY", short)  # as a longer file would have more than one chunk
+    with BagWriter(tmp_path / "bag", BagOptions(Compression.NONE, chunk_size=1000)) as writer:
+        writer.add_topic("/events", TEXT, [Qos(depth=1, durability="transient_local")])
+        writer.add_topic("/stream", TEXT)
+        writer.write("/events", 0, make.text("event 0"))
+        writer.split()
+        for number in range(200):
+            writer.write("/stream", number, make.text(f"{number}" * 20))
+    for before, after in (("bag", "one"), ("one", "two"), ("two", "three")):
+        recover(tmp_path / before, tmp_path / after)
+        assert events_of(tmp_path / after) == ["event 0"]
 
 
 def test_where_the_file_before_is_lost_what_the_next_repeats_is_all_that_there_is(latched, tmp_path):

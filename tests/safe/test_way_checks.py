@@ -14,12 +14,14 @@ LANE = [(1.6, -200.0), (1.6, 200.0)]
 NOW = Trigger(time=0.0)
 
 
-def differs(heading, number=1, *, bend=0.0, bearing=90.0, manoeuvres=(), word=None, last=None):
+def differs(heading, number=1, *, bend=0.0, bearing=90.0, manoeuvres=(), word=None, last=None, seen=None):
     """What a record with a heading [deg] says of where v1, the ego, or v2 goes on an open road."""
     actor = Vehicle(id="v2", route=["forward"], manoeuvres=list(manoeuvres))
     network = OpenRoadNetwork(bearing=bearing, bend=bend)
     scenario = Scenario(name="run", network=network, ego=Ego(route=["forward"]), actors=[actor])
-    film = film_of(("v1", (0.0, 0.0), bearing, 5.0), ("v2", (0.0, 20.0), bearing, 5.0), ticks=3)
+    film = film_of(
+        ("v1", (0.0, 0.0), bearing, 5.0), ("v2", (0.0, 20.0), bearing if seen is None else seen, 5.0), ticks=3
+    )
     vehicle = RecordedVehicle(number, None, heading, word and RecordedManoeuvre(word))
     return check_destination(run_of(scenario, film), CrashRecord("crash", (), (vehicle,), ()), number, last)
 
@@ -44,4 +46,5 @@ def test_who_reverses_goes_where_its_rear_points():
 
 def test_who_left_its_road_was_going_where_that_leads():
     leaves = [Follow(when=NOW, points=[(1.6, 0.0), (1.6, 10.0), (40.0, -20.0)], speed=15.0)]
-    assert differs(90.0, 2, manoeuvres=leaves, last=2) == ""
+    assert differs(90.0, 2, manoeuvres=leaves, last=2, seen=-40.0) == ""
+    assert differs(-40.0, 2, manoeuvres=leaves, last=2, seen=-40.0) == ""  # or by the heading with which it struck

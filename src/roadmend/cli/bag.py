@@ -125,7 +125,7 @@ def _topic_table(topics: list[TopicInfo]) -> Table:
         notes += [f"{topic.out_of_order} out of order"] if topic.out_of_order else []
         rate = "-" if topic.rate is None else f"{topic.rate:.2f}/s"
         gaps = "-" if topic.gaps is None else str(topic.gaps)
-        table.add_row(topic.name, topic.type, str(topic.count), rate, gaps, gap, ", ".join(notes))
+        table.add_row(escape(topic.name), escape(topic.type), str(topic.count), rate, gaps, gap, ", ".join(notes))
     return table
 
 
@@ -212,7 +212,7 @@ def _difference_table(topics: list[TopicDiff]) -> Table:
             str(topic.first_messages) if len(counts) == 1 else f"{topic.first_messages} / {topic.second_messages}"
         )
         start = "" if topic.first_difference is None else f"{topic.first_difference:.3f} s"
-        table.add_row(topic.name, messages, str(topic.differing), start, escape(", ".join(shown)))
+        table.add_row(escape(topic.name), messages, str(topic.differing), start, escape(", ".join(shown)))
     return table
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import click
+from rich.markup import escape
 from rich.table import Table
 
 from roadmend import __version__
@@ -201,5 +202,5 @@ def _show_outcomes(outcomes: dict[str, EpisodeResult], bags: dict[str, Path]) ->
         distance = "-" if one.min_distance is None else f"{one.min_distance:.2f} m"
         outcome = f"[{OUTCOME_STYLES.get(one.outcome.name, 'white')}]{one.outcome.name}[/]"
         after, bag = f"{one.duration:.2f} s", str(bags[when])
-        table.add_row(when, one.method, outcome, after, distance, str(one.interventions), bag)
+        table.add_row(when, escape(one.method), outcome, after, distance, str(one.interventions), escape(bag))
     wide_console().print(table)

@@ -5,6 +5,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 import click
+from rich.markup import escape
 from rich.table import Table
 
 from roadmend.cli.bag_repair import RepairChoice, RepairOptions, driver_of, read_choice
@@ -134,6 +135,6 @@ def _show_shadow(summary: ShadowSummary, choice: RepairChoice, out: Path) -> Non
         f"{100.0 * summary.agreement:.1f} %",
         "-" if first is None else f"{first:.2f} s",
         f"{summary.acceleration_difference:.3f} m/s²",
-        str(out),
+        escape(str(out)),
     )
     wide_console().print(table)

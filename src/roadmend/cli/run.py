@@ -190,10 +190,10 @@ def run(given: RunOptions) -> int:
                 if results:
                     print_results(results, as_json=given.as_json)
                 raise
-            except RoadmendError as error:  # of one ego: the others have their results, or get them
-                if len(chosen) == 1:
+            except RoadmendError as error:
+                if not results:  # nothing has been driven yet: it may well be of all
                     raise
-                faults.append(error)
+                faults.append(RoadmendError(f"{scenario.name}: {error}"))
     if results or given.as_json:
         print_results(results, as_json=given.as_json)
     for each in faults:
@@ -208,7 +208,7 @@ def run(given: RunOptions) -> int:
             if trouble:
                 raise RoadmendError(trouble)
     if not results:
-        return 2 if all(isinstance(each, InputError) for each in faults) else 1
+        return 2
     return 1 if faults else 0
 
 

@@ -174,7 +174,8 @@ class ForeignInputs:
         now = time.monotonic()
         if now - self._last_stop < REPEAT_S:
             return
-        answer = self._repair.overdue(now)
+        is_simulated = self._node.get_parameter("use_sim_time").value
+        answer = self._repair.overdue(now, self._node.get_clock().now().nanoseconds if is_simulated else None)
         if answer is not None:
             self._last_stop = now
             self._send(answer)

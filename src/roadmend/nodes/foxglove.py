@@ -55,7 +55,6 @@ class _Bridged:
     message_type: Any
     callback: Callable[[bytes], None]
     clients: int = 0
-    publishers: int = 0  # when they were last counted
     request: QoSProfile | None = None
     subscription: Any = None
 
@@ -109,9 +108,9 @@ class FoxgloveNode(Node):
         for name, types in self.get_topic_names_and_types():
             bridged = self._bridged.get(name)
             if bridged is not None:
-                before, bridged.publishers = bridged.publishers, self.count_publishers(name)
-                # One that comes, or comes back, may offer less than what is asked for, and nothing of it would arrive.
-                if bridged.subscription is not None and bridged.publishers > before:
+                # One that comes, comes back or takes another's place may offer less than what is asked for, and nothing
+                # of it would arrive.
+                if bridged.subscription is not None and self.count_publishers(name):
                     self._subscribe(name, bridged)
             elif name not in self._skipped and "/_" not in name and self.count_publishers(name):
                 self._begin(name, types)
@@ -148,7 +147,6 @@ class FoxgloveNode(Node):
 
     def _subscribe(self, name: str, bridged: _Bridged, *, anew: bool = False) -> None:
         offers = [info.qos_profile for info in self.get_publishers_info_by_topic(name)]
-        bridged.publishers = len(offers)
         request = request_for(offers, DEPTH)
         if bridged.subscription is not None:
             if bridged.request == request and not anew:

@@ -25,6 +25,8 @@ from roadmend.nodes.supervisor import START_S, Supervisor
 POLL_S = 0.05
 STOP_S = 2.8  # everything is gone this long after an interrupt [s]
 MISSED_S = 2.0  # [s] without a sign of life that make a node the one that the start waits for
+BAG_S = 30.0  # the recorder may take so long [s] to complete its bag after a drive
+FAILED_S = 5.0  # and so long [s] after a run that failed, for it may be the recorder that hangs
 SIM_STOP_S = 0.8  # of which the simulator may take [s] to report the abort
 RECORDER = "recorder_node"  # ends last, and says itself how it ended
 BAD_INPUT = 2  # exit code of a node that refuses its parameters
@@ -109,7 +111,7 @@ class _GraphRun:
                 self._report(f"live at ws://127.0.0.1:{self._options.foxglove}, for Foxglove", 0.0)
             while self._sim.exit_code is None:
                 if stopped():
-                    self._stop(interrupted=True)
+                    self._stop()
                     raise InterruptedRunError(self._result() if (self._folder / SUMMARY).exists() else None)
                 self._supervisor.end_silent(everyone, time.monotonic(), is_driving=self._is_driving)
                 self._look_after(self._nodes)
@@ -119,7 +121,7 @@ class _GraphRun:
                 time.sleep(POLL_S)
             if not self._sim.exit_code:
                 self._supervisor.end([child for child in self._nodes if child.name != RECORDER], stopped)
-            self._stop(interrupted=False)
+            self._stop(patience=BAG_S)
             self._check_end()
             self._pass_on()
             return self._result()
@@ -127,7 +129,7 @@ class _GraphRun:
             stop(everyone, time.monotonic() + STOP_S)
             raise
         except RoadmendError:  # what was driven until then is in the bag, which the recorder must be let complete
-            self._stop(interrupted=False)
+            self._stop(patience=FAILED_S)
             raise
         finally:
             stop(everyone, time.monotonic() + 0.5)
@@ -199,13 +201,14 @@ class _GraphRun:
             words = f"{child.name} ended ({child.exit_code}), driving on without it: {child.fault()}"
             self._report(words, time.monotonic() - self._begun)
 
-    def _stop(self, *, interrupted: bool) -> None:
+    def _stop(self, *, patience: float | None = None) -> None:
+        """Stop all; the recorder has ``patience`` [s] to complete its bag, or what an interrupt leaves of ``STOP_S``."""
         deadline = time.monotonic() + STOP_S
         stop([self._sim], time.monotonic() + SIM_STOP_S)  # where the drive has ended it has gone
         # The recorder goes last: it takes in what the others still say.
         recorder = [child for child in self._nodes if child.name == RECORDER]
         stop([child for child in self._nodes if child not in recorder], deadline - 1.2)
-        stop(recorder, deadline if interrupted else time.monotonic() + 30.0)
+        stop(recorder, deadline if patience is None else time.monotonic() + patience)
 
     def _result(self) -> RunResult:
         restarts = sum(child.restarts for child in self._nodes)

@@ -31,6 +31,8 @@ class WriterGate:
     def __init__(self, writer: str = "") -> None:
         self.writer = writer
         self._is_given = bool(writer)
+        self._former = {writer}  # short names of those who have been the writer
+        self._beside: set[str] = set()  # full names of those who have been strangers beside it
         self.refused = 0  # messages
         self.strangers: tuple[str, ...] = ()  # full names of those who publish as well
         self._is_there = False
@@ -45,14 +47,20 @@ class WriterGate:
         """Take in who publishes on the topic now: full names, one for each publisher, empty where it is not yet told."""
         names = {*publishers}
         mine = self._mine(publishers)
-        is_new = not self.writer or not names & {*self.strangers}  # who was a stranger beside the writer stays one
-        if not self._is_given and not mine and is_new and len(names) == 1 and "" not in names:
-            self.writer = next(iter(names)).rpartition("/")[2]
-            mine = self._mine(publishers)
+        if not self._is_given and not mine and len(names) == 1 and "" not in names:
+            alone = next(iter(names))
+            short = alone.rpartition("/")[2]
+            # Who was a stranger beside the writer stays one; but a writer of before has its place again.
+            if not self.writer or short in self._former or alone not in self._beside:
+                self.writer = short
+                self._former.add(short)
+                mine = self._mine(publishers)
         if len(mine) > self._known:  # it was started anew, and so were its numbers
             self._last, self._is_sure, self._is_doubtful = None, False, False
         self._known, self._is_there = len(mine), bool(mine)
         self.strangers = tuple(sorted(names - {*mine}))
+        if mine:
+            self._beside |= {*self.strangers}
         self._is_doubtful = self._is_doubtful and bool(self.strangers)
 
     def _mine(self, publishers: Sequence[str]) -> list[str]:

@@ -91,8 +91,8 @@ class AccelerationForm:
     def read(self, message: Any) -> Command:
         """Throttle or brake in the share of the vehicle's full ones."""
         wanted = message.accel.linear.x
-        if not math.isfinite(wanted):
-            return Command(math.nan, 0.0)
+        if not math.isfinite(wanted):  # no command; but of two ways to brake the harder one where that was asked for
+            return Command(0.0, math.inf) if wanted < 0.0 else Command(math.nan, 0.0)
         if wanted < 0.0:
             return Command(0.0, min(1.0, -wanted / self._pedals.full_brake))
         return Command(min(1.0, wanted / self._pedals.full_throttle), 0.0)

@@ -20,6 +20,7 @@ from roadmend.repair.guard import GuardedRepairer
 EGO, OBJECTS, COMMAND, TRAJECTORY, ROUTE = "ego", "objects", "command", "trajectory", "route"
 NEEDED = (EGO, OBJECTS, COMMAND)  # without these nothing can be repaired
 REPEATED_NS = 100_000_000  # [ns] a stamp less far behind the last one is no jump of the clock, but a repeated stamp
+LATEST = (1 << 31) * messages.NANOSECONDS - 1  # [ns] the last moment that a stamp can say
 STEP_NS = 1_000  # [ns] between the ticks of commands with the same stamp
 
 
@@ -142,15 +143,21 @@ class ForeignRepair:
         reason = "; ".join(filter(None, (repair.reason, note, self._assumption)))
         return self._answer(replace(repair, reason=reason), self._stamp, message)
 
-    def overdue(self, now: float) -> Answer | None:
+    def overdue(self, now: float, clock: int | None = None) -> Answer | None:
         """What to send at ``now`` [s] in place of a command that is late; None while none is, and before the first.
 
-        Its stamp is the last command's and the time since: a vehicle that takes no old commands must take this one.
+        Its stamp is the last command's and the time since: a vehicle that takes no old commands must take this one. Where
+        commands have no stamp it has none either.
+
+        Args:
+            now: wall time [s], from any moment on.
+            clock: what the stack's own clock says [ns], where that is not the wall's: it may stand still.
         """
         arrived = self._arrivals.get(COMMAND)
         if arrived is None or self._asked is None or self._repairer is None or now - arrived <= self._patience:
             return None
-        stamp = self._stamp + round((now - arrived) * messages.NANOSECONDS)
+        passed = round((now - arrived) * messages.NANOSECONDS)
+        stamp = self._stamp + passed if clock is None else max(self._stamp, clock)
         missing = self._late_inputs(now)
         reason = f"no command for {now - arrived:.2f} s"
         if missing or self._pose is None or self._seen is None:
@@ -159,7 +166,9 @@ class ForeignRepair:
         else:
             scene = Scene(1e-9 * stamp, self._pose.ego, self._seen.objects, self._seen.signals)
             repair = self._repairer.controlled_stop(RepairStatus.STALE_COMMAND, reason, scene)
-        header = replace(self._asked.header, stamp=messages.stamp_message_of(max(0, stamp)))
+        header = self._asked.header
+        if messages.stamp_of(header):
+            header = replace(header, stamp=messages.stamp_message_of(min(max(0, stamp), LATEST)))
         return self._answer(repair, stamp, replace(self._asked, header=header))
 
     def silent(self, now: float) -> dict[str, str]:
@@ -208,5 +217,5 @@ class ForeignRepair:
         return self._stamp + STEP_NS if 0 <= self._stamp - stamp < REPEATED_NS else stamp
 
     def _answer(self, repair: Repair, stamp: int, asked: Any) -> Answer:
-        header = messages.header_at(max(0, stamp))
+        header = messages.header_at(min(max(0, stamp), LATEST))
         return Answer(stamp, repair, self._form.write(repair.command, header, asked))

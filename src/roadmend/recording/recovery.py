@@ -7,10 +7,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from roadmend.core.bounded_file import open_regular
 from roadmend.core.errors import InputError
 from roadmend.recording import layout
 from roadmend.recording.enclosure import Attachment
+from roadmend.recording.mcap_file import McapFile
 from roadmend.recording.new_bag import new_bag
+from roadmend.recording.reader import CORRUPT
 from roadmend.recording.repeats import Repeats
 from roadmend.recording.scan import NamedTexts, Scan, ScannedMessage
 from roadmend.recording.writer import BagOptions, BagWriter
@@ -125,13 +128,13 @@ class _Copying:
         """
         scan = Scan(file, advance)
         announced: set[str] = set()
-        claimed: dict[str, Callable[[int, int], bool]] = {}
+        claimed = _told_by_index(file)
         repeated: dict[str, list[ScannedMessage]] = {}
         try:
             for item in scan:
                 if isinstance(item, NamedTexts):
                     if item.name == layout.REPEATED:
-                        claimed = _takers(item.values)
+                        claimed = claimed or _takers(item.values)
                     elif item.name != _INSIDE:
                         self._writer.add_metadata(item.name, item.values)
                 elif isinstance(item, Attachment):
@@ -166,6 +169,15 @@ class _Copying:
         is_repeat = is_claimed is not None and is_claimed(item.time_ns, item.sequence) and key in self._latched
         self._latched.add(key)
         return is_repeat
+
+
+def _told_by_index(file: Path) -> dict[str, Callable[[int, int], bool]]:
+    """What a file's index says of repeated messages: one that was recovered tells of them behind them."""
+    with contextlib.suppress(InputError, *CORRUPT), open_regular(file) as stream:
+        for record in McapFile(stream, str(file)).metadata():
+            if record.name == layout.REPEATED:
+                return _takers(record.metadata)
+    return {}
 
 
 def _takers(values: Mapping[str, str]) -> dict[str, Callable[[int, int], bool]]:

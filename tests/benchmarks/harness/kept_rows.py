@@ -219,14 +219,15 @@ def _take(fresh: Content, old: Mapping[str, Any], names: Sequence[str]) -> None:
 
 def _renew(figures: Content, table: Mapping[str, Any], family: str) -> None:
     """What hangs on single cases, of a family or (empty) of all: intervals, and ADReFT's lead, one of the two kept."""
-    paired = {name: _paired(table, name, family) for name in table["methods"]}
+    paired = {name: paired_cases(table, name, family) for name in table["methods"]}
     for name, cases in paired.items():
         figures[name]["intervals"] = {**figures[name]["intervals"], "delta_e": delta_e_interval(cases)}
         if name != OURS and OURS in paired:
             figures[name]["adreft_minus_this"] = advantage_of(paired[OURS], cases)
 
 
-def _paired(table: Mapping[str, Any], method: str, family: str) -> list[PairedCase]:
+def paired_cases(table: Mapping[str, Any], method: str, family: str = "") -> list[PairedCase]:
+    """What a method came to in the cases of a committed table, of a family or (empty) of all."""
     columns = table["methods"][method]
     rows = zip(table["names"], table["families"], table["alone"], columns["outcomes"], columns["doses"], strict=True)
     return [

@@ -4,10 +4,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from scipy.stats import binomtest
-
 from harness.benchmark_files import read_json
+from harness.kept_rows import paired_cases
 from roadmend.measures.intervals import wilson
+from roadmend.measures.repair import advantage_of
 
 _MORE = "[ADReFT](src/doc/adreft.md)"
 _RIVALS = ("random", "rule", "model", "rss", "predictive", "predictive_adaptive", "gated")
@@ -52,15 +52,15 @@ def _repair(content: Mapping[str, Any], cases: Mapping[str, Any]) -> Iterator[li
         yield ["over rules with its own prediction", where, figure, _span(lead["intervals"]["delta_e"]), _MORE]
         stages = [cases[policy]["methods"].get(name) for name in ("rollouts", "first_stage")]
         if all(stages):
-            better, worse = _alone(cases[policy]["alone"], *(stage["outcomes"] for stage in stages))
-            p_value = f"p {binomtest(better, better + worse).pvalue:.3f}"
-            yield ["fine-tuning repairs, its first stage not", where, f"{better} against {worse}", p_value, _MORE]
-
-
-def _alone(bare: str, first: str, second: str) -> tuple[int, int]:
-    """How many collisions the first brings to the goal and the second does not, and the other way round."""
-    pairs = [(one, two) for alone, one, two in zip(bare, first, second, strict=True) if alone == "C"]
-    return sum(one == "G" != two for one, two in pairs), sum(two == "G" != one for one, two in pairs)
+            lead = advantage_of(*(paired_cases(cases[policy], name) for name in ("rollouts", "first_stage")))
+            figure = f"{lead['delta_e']:+.1f}"
+            yield [
+                "fine-tuning by rollouts over its first stage",
+                where,
+                figure,
+                _span(lead["intervals"]["delta_e"]),
+                _MORE,
+            ]
 
 
 def _ordinary(content: Mapping[str, Any]) -> Iterator[list[str]]:
