@@ -78,6 +78,9 @@ def test_a_policy_that_hangs_is_a_controlled_stop_within_three_ticks_and_is_star
     last, again = asked[before - 1], asked[before]
     assert again - last > 10 * INTERVAL_NS
     states = [one for one in records(there.bag, "/repair/state") if last < stamp_of(one) < again]
+    if states[0].state != states[0].STALE_COMMAND:
+        # It was stopped between two of those who listen to it: repair_node had its last command, the recorder had not.
+        last, states = stamp_of(states[0]), states[1:]
     assert states[0].state == states[0].STALE_COMMAND
     assert (stamp_of(states[0]) - last) // INTERVAL_NS <= 3 + 1  # the oldest tick without an answer is the one after it
     assert all(state.final_action <= -0.4 for state in states if state.state == state.STALE_COMMAND)
