@@ -190,6 +190,15 @@ def test_who_took_the_writers_place_unseen_is_not_obeyed(gated, numbers):
     assert "/intruder publishes too, and is not obeyed; only policy_node is" in gated.one.warning
 
 
+def publish_until(done, executor, publisher, throttle):
+    deadline = time.monotonic() + 60.0
+    while not done() and time.monotonic() < deadline:
+        publisher.publish(Command(throttle=throttle))
+        time.sleep(0.01)
+        executor.spin_once(timeout_sec=0.05)
+    assert done()
+
+
 @pytest.mark.parametrize("kind", [EventsExecutor, SingleThreadedExecutor])
 def test_over_dds_only_the_writer_is_heard_and_the_other_is_named(node, kind):
     reader, ours, theirs = node("reader"), node("policy_node"), node("intruder")
@@ -202,20 +211,12 @@ def test_over_dds_only_the_writer_is_heard_and_the_other_is_named(node, kind):
     try:
         mine = ours.create_publisher(Command, topics.POLICY_COMMAND, qos.COMMAND)
 
-        def until(done, publisher, throttle):
-            deadline = time.monotonic() + 60.0
-            while not done() and time.monotonic() < deadline:
-                publisher.publish(Command(throttle=throttle))
-                time.sleep(0.01)
-                executor.spin_once(timeout_sec=0.05)
-            assert done()
-
-        until(lambda: len(got) > FIRST + 10, mine, 0.1)
+        publish_until(lambda: len(got) > FIRST + 10, executor, mine, 0.1)
         assert one.warning == ""
         other = theirs.create_publisher(Command, topics.POLICY_COMMAND, qos.COMMAND)
-        until(lambda: one.gate.refused > 2, other, 0.9)
+        publish_until(lambda: one.gate.refused > 2, executor, other, 0.9)
         number = len(got)
-        until(lambda: len(got) > number + 2, mine, 0.2)
+        publish_until(lambda: len(got) > number + 2, executor, mine, 0.2)
         assert {message.throttle for message in got} == {0.1, 0.2}
         assert "/intruder publishes too, and is not obeyed; only policy_node is" in one.warning
     finally:
@@ -256,20 +257,12 @@ def test_over_dds_who_takes_the_writers_place_between_two_messages_is_not_heard(
         reader, COMMAND, Command, "policy_node", lambda data: got.append(messages.COMMAND.decode(data)), time.monotonic
     )
 
-    def until(done, publisher, throttle):
-        deadline = time.monotonic() + 60.0
-        while not done() and time.monotonic() < deadline:
-            publisher.publish(Command(throttle=throttle))
-            time.sleep(0.01)
-            executor.spin_once(timeout_sec=0.05)
-        assert done()
-
     try:
         mine = ours.create_publisher(Command, topics.POLICY_COMMAND, qos.COMMAND)
-        until(lambda: len(got) > 2, mine, 0.1)
+        publish_until(lambda: len(got) > 2, executor, mine, 0.1)
         ours.destroy_publisher(mine)
         other = theirs.create_publisher(Command, topics.POLICY_COMMAND, qos.COMMAND)
-        until(lambda: one.gate.refused > 2, other, 0.9)
+        publish_until(lambda: one.gate.refused > 2, executor, other, 0.9)
         assert {message.throttle for message in got} == {0.1}
         assert "/intruder" in one.warning
     finally:

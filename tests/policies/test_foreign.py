@@ -60,8 +60,9 @@ def test_one_that_cannot_answer_a_plain_scene_is_refused_before_it_drives(own, a
     assert said in str(caught.value)
 
 
-def test_a_plan_of_lists_is_a_plan(own):
-    plan = "Trajectory(0.5, [scene.ego.x + 1, scene.ego.x + 2], [scene.ego.y] * 2, [scene.ego.yaw] * 2, [1, 1])"
+@pytest.mark.parametrize("speeds", ["[1, 1]", "__import__('numpy').ones(2, dtype='float32')"])
+def test_a_plan_of_lists_or_other_numbers_is_a_plan(own, speeds):
+    plan = f"Trajectory(0.5, [scene.ego.x + 1, scene.ego.x + 2], [scene.ego.y] * 2, [scene.ego.yaw] * 2, {speeds})"
     name = own(
         POLICY + f"\nclass Lists(Careful):\n    def step(self, scene):\n"
         f"        return Decision(Command(0.1, 0.0), {plan})\n"

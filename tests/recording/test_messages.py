@@ -107,16 +107,6 @@ def test_a_trajectory_is_the_same_after_the_journey(points):
         assert getattr(back, name).tobytes() == getattr(plan, name).tobytes()
 
 
-@pytest.mark.parametrize("kind", [np.float32, np.int64])
-def test_a_plan_of_other_numbers_arrives_as_it_was_meant(kind):
-    points = np.arange(3).astype(kind)
-    back = messages.trajectory_of(
-        sent(messages.trajectory_message_of(Trajectory(0.5, points, points, points, points), header()))
-    )
-    for name in ("x", "y", "yaw", "speed"):
-        assert getattr(back, name).tolist() == [0.0, 1.0, 2.0]
-
-
 def test_a_route_is_the_same_after_the_journey():
     mine = route()
     back = messages.route_of(sent(messages.route_message_of(mine, header())))

@@ -5,7 +5,6 @@ import hashlib
 import json
 import re
 import sys
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -114,8 +113,7 @@ class RecorderNode(Node):
         self._configuration = ConfigurationAnnouncer(self, "recorder")
         self._include = _pattern("include", settings.include)
         self._exclude = _pattern("exclude", settings.exclude or "$^")
-        self._is_simulated = settings.time_source == "simulation"
-        self._timekeeper = Timekeeper(simulated=self._is_simulated)
+        self._timekeeper = Timekeeper(simulated=settings.time_source == "simulation")
         self._metadata = metadata_from_file(Path(settings.metadata)) if settings.metadata else {}
         attachments = [Attachment.from_file(Path(path)) for path in settings.attachments if path]
         self._attached = {hashlib.sha256(each.data).hexdigest(): each.name for each in attachments}
@@ -253,7 +251,7 @@ class RecorderNode(Node):
                 try:
                     time_ns = time_of(data)
                 except ValueError:  # too few bytes to hold a stamp: that they came belongs into the bag all the same
-                    time_ns = self._timekeeper.now_ns if self._is_simulated else time.time_ns()
+                    time_ns = self._timekeeper.unstamped()
                 write(name, time_ns, data)
             except RecordingError as error:
                 self._fail(error)

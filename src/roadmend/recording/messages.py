@@ -185,10 +185,10 @@ def trajectory_message_of(trajectory: Trajectory, header: Any) -> Any:
     return TRAJECTORY(
         header=header,
         interval=trajectory.interval,
-        x=np.ascontiguousarray(trajectory.x, dtype=np.float64),  # a policy from outside may have others
-        y=np.ascontiguousarray(trajectory.y, dtype=np.float64),
-        yaw=np.ascontiguousarray(trajectory.yaw, dtype=np.float64),
-        speed=np.ascontiguousarray(trajectory.speed, dtype=np.float64),
+        x=np.ascontiguousarray(trajectory.x),
+        y=np.ascontiguousarray(trajectory.y),
+        yaw=np.ascontiguousarray(trajectory.yaw),
+        speed=np.ascontiguousarray(trajectory.speed),
         behaviour=trajectory.behaviour,
     )
 

@@ -31,7 +31,10 @@ class Timekeeper:
         self._simulated = simulated
 
     def rule_for(self, definition: Definition) -> Callable[[bytes], int]:
-        """The function that gives a message of this type its time [ns] from its serialized bytes."""
+        """The function that gives a message of this type its time [ns] from its serialized bytes.
+
+        It raises ValueError where they are too few to hold the stamp of one.
+        """
         if definition.type_name == CLOCK_TYPE:
             return self._of_clock
         if definition.first_field == _HEADER:
@@ -46,11 +49,15 @@ class Timekeeper:
     def _of_header(self, data: bytes) -> int:
         stamp = stamp_of_bytes(data)
         if stamp < 0 or (stamp == 0 and not self._simulated):  # nobody has stamped it
-            return self._of_bare(data)
+            return self.unstamped()
         if stamp >= _WALL_NS > self.now_ns and self._simulated:
             self.wall_stamps += 1
             return self.now_ns
         return stamp
 
     def _of_bare(self, _data: bytes) -> int:
+        return self.unstamped()
+
+    def unstamped(self) -> int:
+        """The time [ns] of what carries none."""
         return self.now_ns if self._simulated else time.time_ns()
