@@ -75,7 +75,8 @@ def test_what_fails_on_the_way_is_one_line_and_leaves_no_bag(scenario, theirs, t
         run(scenario, policies.Late, bag=tmp_path / "bag")
     assert not (tmp_path / "bag").exists()
     with pytest.raises(RoadmendError, match=r"Late failed: .*KeyError"):
-        run(scenario, "modular", repairs.Late)
+        run(scenario, "modular", repairs.Late, bag=tmp_path / "bag")
+    assert not (tmp_path / "bag").exists()
     assert run(scenario, policies.Careful, "none").ticks == 80  # SUMO is free again
 
 

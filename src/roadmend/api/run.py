@@ -10,10 +10,11 @@ from roadmend.api.given import PolicyLike, RepairLike, Settings, method_of, name
 from roadmend.api.scenarios import ScenarioLike, scenario_of
 from roadmend.core.command import Decision
 from roadmend.core.episode_result import EpisodeResult
-from roadmend.core.errors import InputError, RoadmendError
+from roadmend.core.errors import InputError
 from roadmend.core.registry import Registry
 from roadmend.core.repair import Repair
 from roadmend.core.tick import Tick
+from roadmend.measures.answering import Answering
 from roadmend.measures.fitting import fitting
 from roadmend.nodes.provenance import described, provenance
 from roadmend.policies.registry import POLICY_REGISTRY
@@ -64,7 +65,7 @@ def run(
     if isinstance(policy, str) and isinstance(repair, str):
         repair_parameters = fitting(repair, policy) | dict(repair_parameters or {})
     method = method_of(repair, repair_parameters, seed)
-    repairer = GuardedRepairer(method)
+    repairer = Answering(GuardedRepairer(method))
     if bag is None:
         result = run_episode(chosen, driver, repairer, watch)
     else:
@@ -79,8 +80,6 @@ def run(
             answered = recorder.answered if watch is None else partial(_both, recorder.answered, watch)
             result = run_episode(chosen, driver, repairer, answered, recorder.ended, recorder.opened)
             writer.add_metadata(RECORD, account | account_of(result, writer.count))
-    if repairer.first_fault:
-        raise RoadmendError(repairer.first_fault)
     return result
 
 

@@ -197,9 +197,9 @@ def _refuse_another_sumo() -> None:
 
     Results would be another SUMO's under our version's name, and one that was built for another Python does not start.
     """
-    own = {Path(sysconfig.get_path("platlib")).resolve(), Path(__file__).parents[2].resolve()}  # where ours may be
     for folder in filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep)):
-        if (Path(folder) / "libsumo").is_dir() and Path(folder).resolve() not in own:
+        ours = sysconfig.get_path("platlib"), Path(__file__).parents[2]
+        if (Path(folder) / "libsumo").is_dir() and not any(Path(folder).samefile(one) for one in ours):
             what = f"{folder} has a libsumo, which would take the place of the one that was installed with roadmend"
             raise InputError("PYTHONPATH", what, "leave that folder out, as in: env --unset=PYTHONPATH roadmend ...")
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from roadmend.core.command import Decision
-from roadmend.core.errors import RoadmendError
 from roadmend.core.repair import Repair
 from roadmend.core.tick import INTERVAL, Tick
+from roadmend.measures.answering import Answering
 from roadmend.measures.fitting import fitting
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
@@ -108,10 +108,7 @@ def evaluate_scenario(
         danger.watch(tick.scene)
         behaviour.watch(tick.scene.ego)
 
-    repairer = make_repairer(method, repair)
-    result = run_episode(scenario, make_policy(policy), repairer, watch)
-    if repairer.first_fault:
-        raise RoadmendError(repairer.first_fault)
+    result = run_episode(scenario, make_policy(policy), Answering(make_repairer(method, repair)), watch)
     fitness = min(BEST - 1e-6, -danger.least)
     if result.collided:
         fitness = BEST if result.final.at_fault else BLAMELESS_FITNESS
