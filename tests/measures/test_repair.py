@@ -7,7 +7,6 @@ from roadmend.measures.repair import (
     advantage,
     advantage_of,
     delta_e_interval,
-    search_of,
     share_of_bound,
     summarise,
 )
@@ -91,20 +90,6 @@ def test_cases_of_one_search_count_as_kin():
     ]
     assert [lead["delta_e"] for lead in leads] == [25.0, 25.0]
     assert leads[0]["intervals"]["delta_e"][0] < leads[1]["intervals"]["delta_e"][0]
-
-
-@pytest.mark.parametrize(
-    ("name", "search"),
-    [
-        ("S1-modular-none-avfuzzer-4000003-00245", "S1-modular-none-avfuzzer-4000003"),
-        ("S3-7", "S3-7"),
-        ("S3-12345", "S3-12345"),
-        ("town-3-12345", "town-3-12345"),
-        ("cut-in-left", "cut-in-left"),
-    ],
-)
-def test_only_what_a_search_found_has_kin(name, search):
-    assert search_of(name) == search
 
 
 def test_of_one_search_alone_nothing_can_be_told_of_others():

@@ -1,7 +1,6 @@
 """From results of cases to the figures of a repair method (ADReFT section 4, metrics)."""
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
@@ -11,20 +10,11 @@ from numpy.typing import NDArray
 
 from roadmend.measures.case_result import CaseResult
 from roadmend.measures.intervals import bootstrap, by_group, newcombe, wilson
+from roadmend.world.case_name import search_of
 
 Floats = NDArray[np.float64]
 Figures = dict[str, Any]
 Value = TypeVar("Value", float, Floats)
-_FOUND = re.compile(r"(?P<search>.+-[a-z_]+-\d+)-\d{5}")  # ...-TECHNIQUE-SEED-NUMBER
-
-
-def search_of(case: str) -> str:
-    """The search that found a case, by its name (``search.campaign``): cases of one search are kin.
-
-    What was drawn, or named by somebody, is kin to nobody: it is its own.
-    """
-    found = _FOUND.fullmatch(case)
-    return case if found is None else found["search"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,6 +17,7 @@ from roadmend.search.evaluation import Evaluation, Subject, Trial
 from roadmend.search.ledger import FOUND, Ledger, LedgerEntry, RerunCommand
 from roadmend.search.policy_model import policy_model
 from roadmend.search.registry import TECHNIQUE_REGISTRY, make_technique
+from roadmend.world.case_name import case_name
 from roadmend.world.families import FAMILY_REGISTRY, family_of
 from roadmend.world.scenario_file import save_scenario
 from roadmend.world.space import Parameters
@@ -59,7 +60,7 @@ class Campaign:
             METHOD_REGISTRY.find(subject.method).label,
             TECHNIQUE_REGISTRY.find(self.technique).label,
         )
-        return f"{'-'.join(labels)}-{subject.seed}-{index:05d}"
+        return case_name(labels, subject.seed, index)
 
 
 @dataclass(frozen=True, slots=True)

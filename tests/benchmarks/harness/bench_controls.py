@@ -26,8 +26,8 @@ from roadmend.core.journal import Journal
 from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import write_texts
 from roadmend.measures.intervals import bootstrap, by_group
-from roadmend.measures.repair import search_of
 from roadmend.reports.result_files import origin, provenance
+from roadmend.world.case_name import search_of
 from roadmend.world.corpus import TOUCH, corpus_of
 from roadmend.world.families import FAMILIES
 from roadmend.world.network import cache_folder
