@@ -6,18 +6,23 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from roadmend.networks.shape import EncoderShape, ExcerptShape, HeadShape, SetShape
+from roadmend.networks.shape import EncoderShape, ExcerptShape, HeadShape, SetShape, TextShape
 
 
 class EncoderLayer(nn.Module):
     """Self-attention, then two linear maps on each token; each with a residual and a layer norm behind it (post-norm).
 
+    Args:
+        shape: of the encoder that it is part of.
+        dropout: share of the values that training drops behind the attention and behind the linear maps.
+
     Source: Vaswani et al. 2017, section 3.1, as in BERT (Devlin et al. 2019).
     """
 
-    def __init__(self, shape: EncoderShape) -> None:
+    def __init__(self, shape: EncoderShape, dropout: float = 0.0) -> None:
         super().__init__()
         self.heads = shape.heads
+        self.drop = nn.Dropout(dropout)
         self.gelu = shape.activation == "gelu"
         # Queries, keys and values in this order, in one map.
         self.attention_in = nn.Linear(shape.hidden, 3 * shape.hidden)
@@ -51,10 +56,10 @@ class EncoderLayer(nn.Module):
             self._split(query), self._split(key), self._split(value), attn_mask=mask
         )
         seen = seen.transpose(1, 2).flatten(2)
-        wanted = self.norm1(wanted + self.attention_out(seen))
+        wanted = self.norm1(wanted + self.drop(self.attention_out(seen)))
         inner = self.feed_in(wanted)
         inner = functional.gelu(inner) if self.gelu else functional.relu(inner)
-        result: Tensor = self.norm2(wanted + self.feed_out(inner))
+        result: Tensor = self.norm2(wanted + self.drop(self.feed_out(inner)))
         return result
 
     def _split(self, part: Tensor) -> Tensor:
@@ -137,3 +142,34 @@ class Excerpt(nn.Module):
     def forward(self, tokens: Tensor, mask: Tensor) -> Tensor:  # noqa: ARG002 - as every encoder
         """(B, N, c), (B, N) -> (B, places); the tokens named are there in every scene."""
         return tokens[:, self._tokens, self._columns]
+
+
+class TextEncoder(nn.Module):
+    """BERT over a text whose pieces of words may bear marks; it reads as its twin in numpy (networks.text_encoder)."""
+
+    def __init__(self, shape: TextShape, dropout: float = 0.0) -> None:
+        super().__init__()
+        self.shape = shape
+        self.pieces = nn.Embedding(shape.pieces, shape.hidden)
+        self.positions = nn.Embedding(shape.positions, shape.hidden)
+        self.marks = nn.Embedding(shape.marks, shape.hidden, padding_idx=0)
+        self.norm = nn.LayerNorm(shape.hidden)
+        self.drop = nn.Dropout(dropout)
+        self.layers = nn.ModuleList(EncoderLayer(shape.layer, dropout) for _ in range(shape.layers))
+        nn.init.normal_(self.marks.weight, std=0.02)
+        with torch.no_grad():
+            self.marks.weight[0] = 0.0  # no mark adds nothing
+
+    def forward(self, pieces: Tensor, marks: Tensor, mask: Tensor) -> Tensor:
+        """Return what each piece has come to mean, (B, T, H) float32.
+
+        Args:
+            pieces: (B, T) int64, T at most ``shape.positions``.
+            marks: (B, T) int64.
+            mask: (B, T) bool, True where a piece is real.
+        """
+        states = self.pieces(pieces) + self.positions.weight[: pieces.shape[1]] + self.marks(marks)
+        states = self.drop(self.norm(states))
+        for layer in self.layers:
+            states = layer(states, mask[:, None, None, :])
+        return states

@@ -80,3 +80,27 @@ class HeadShape(Parameters):
     def widths(self) -> tuple[int, ...]:
         """All widths from the input to the output."""
         return (self.inputs, *self.hidden, self.outputs)
+
+
+class TextShape(Parameters):
+    """A BERT encoder of a text (Devlin et al. 2019) whose pieces of words may bear a mark: whom they speak of."""
+
+    pieces: int = Field(ge=1, le=200_000, description="pieces of words that it knows")
+    positions: int = Field(512, ge=1, le=8192, description="longest text, in pieces")
+    marks: int = Field(ge=1, le=64, description="marks that a piece may bear, 0 for none among them")
+    hidden: Width = Field(384, description="H, width of a piece inside")
+    layers: int = Field(6, ge=1, le=24, description="transformer layers")
+    heads: int = Field(12, ge=1, le=64, description="attention heads; they share the width evenly")
+    feed_forward: Width = Field(1536, description="width between the two linear maps of a layer")
+
+    @property
+    def layer(self) -> EncoderShape:
+        """The shape of its layers."""
+        return EncoderShape(
+            attributes=1,
+            hidden=self.hidden,
+            layers=self.layers,
+            heads=self.heads,
+            feed_forward=self.feed_forward,
+            activation="gelu",
+        )

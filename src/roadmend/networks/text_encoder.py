@@ -1,0 +1,127 @@
+"""The encoder of texts in numpy: what reads, without torch. It agrees with networks.encoder.TextEncoder to 1e-4."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.networks.kernels import gelu
+from roadmend.networks.shape import TextShape
+
+Floats = NDArray[np.float32]
+Tensors = Mapping[str, NDArray[Any]]
+
+_EPSILON = np.float32(1e-5)  # of the layer norms, as torch has it
+
+
+class TextReader:
+    """Turns the pieces of a text into vectors, as networks.encoder.TextEncoder does.
+
+    Args:
+        shape: of the encoder.
+        tensors: of the encoder by their names in torch.
+        prefix: what stands before these names.
+
+    Raises:
+        ValueError: a tensor is missing, has another shape or holds what is not finite.
+    """
+
+    def __init__(self, shape: TextShape, tensors: Tensors, prefix: str = "encoder.") -> None:
+        self.shape = shape
+        width, inner = shape.hidden, shape.feed_forward
+        names = {
+            "pieces.weight": (shape.pieces, width),
+            "positions.weight": (shape.positions, width),
+            "marks.weight": (shape.marks, width),
+            "norm.weight": (width,),
+            "norm.bias": (width,),
+        }
+        for place in range(shape.layers):
+            for part, rows, columns in (
+                ("attention_in", 3 * width, width),
+                ("attention_out", width, width),
+                ("feed_in", inner, width),
+                ("feed_out", width, inner),
+            ):
+                names |= {f"layers.{place}.{part}.weight": (rows, columns), f"layers.{place}.{part}.bias": (rows,)}
+            names |= {f"layers.{place}.{norm}.{part}": (width,) for norm in ("norm1", "norm2") for part in ("weight", "bias")}
+        self._tensors = {name: take(tensors, prefix + name, sizes) for name, sizes in names.items()}
+
+    def read(self, pieces: NDArray[np.int64], marks: NDArray[np.int64]) -> Floats:
+        """Return what each piece has come to mean, (T, H) float32.
+
+        Args:
+            pieces: (T,), 1 <= T <= ``shape.positions``, each below ``shape.pieces``.
+            marks: (T,), each below ``shape.marks``.
+
+        Raises:
+            ValueError: there is none, or there are more than the encoder has positions.
+        """
+        if not 1 <= len(pieces) <= self.shape.positions:
+            raise ValueError(f"pieces: 1 to {self.shape.positions} wanted, got {len(pieces)}")
+        own = self._tensors
+        states = own["pieces.weight"][pieces] + own["positions.weight"][: len(pieces)] + own["marks.weight"][marks]
+        states = self._normalised(states, "norm")
+        for place in range(self.shape.layers):
+            states = self._layer(states, f"layers.{place}.")
+        return states
+
+    def _layer(self, states: Floats, name: str) -> Floats:
+        count, width = states.shape
+        query, keys, values = (
+            part.reshape(count, self.shape.heads, -1).transpose(1, 0, 2)
+            for part in np.split(self._mapped(states, f"{name}attention_in"), 3, axis=1)
+        )
+        scale = np.float32(1.0 / math.sqrt(width // self.shape.heads))
+        scores = query @ keys.transpose(0, 2, 1) * scale
+        scores = np.exp(scores - scores.max(axis=2, keepdims=True))
+        scores /= scores.sum(axis=2, keepdims=True)
+        seen = (scores @ values).transpose(1, 0, 2).reshape(count, width)
+        states = self._normalised(states + self._mapped(seen, f"{name}attention_out"), f"{name}norm1")
+        inner = self._mapped(states, f"{name}feed_in")
+        gelu(inner)
+        return self._normalised(states + self._mapped(inner, f"{name}feed_out"), f"{name}norm2")
+
+    def _mapped(self, values: Floats, name: str) -> Floats:
+        mapped: Floats = values @ self._tensors[f"{name}.weight"].T + self._tensors[f"{name}.bias"]
+        return mapped
+
+    def _normalised(self, values: Floats, name: str) -> Floats:
+        values = values - values.mean(axis=1, keepdims=True)
+        spread = np.sqrt((values * values).mean(axis=1, keepdims=True) + _EPSILON)
+        normalised: Floats = values / spread * self._tensors[f"{name}.weight"] + self._tensors[f"{name}.bias"]
+        return normalised
+
+
+def take(tensors: Tensors, name: str, sizes: tuple[int, ...]) -> Floats:
+    """A tensor of a model as float32; one that was rounded for its file (:func:`rounded`) is given its scale back.
+
+    Raises:
+        ValueError: it is missing, has another shape or holds what is not finite.
+    """
+    if name not in tensors:
+        raise ValueError(f"{name} is missing")
+    found = tensors[name]
+    if found.shape != sizes:
+        raise ValueError(f"{name}: shape {sizes} wanted, got {found.shape}")
+    values: Floats = found.astype(np.float32)
+    if found.dtype == np.int8:
+        values *= take(tensors, f"{name}.scale", sizes[:1])[:, None]
+    if not np.isfinite(values).all():
+        raise ValueError(f"{name} holds what is not finite")
+    return values
+
+
+def rounded(tensors: Tensors) -> dict[str, NDArray[Any]]:
+    """Tensors for a file of a quarter of the size: each row of a matrix as whole numbers up to 127, beside its scale."""
+    found: dict[str, NDArray[Any]] = {}
+    for name, values in tensors.items():
+        if values.ndim != 2:
+            found[name] = values.astype(np.float32)
+            continue
+        scale = np.maximum(np.abs(values).max(axis=1), np.finfo(np.float32).tiny) / 127
+        found[name] = np.rint(values / scale[:, None]).astype(np.int8)
+        found[f"{name}.scale"] = scale.astype(np.float32)
+    return found
