@@ -6,7 +6,7 @@ import torch
 
 from roadmend.networks.encoder import TextEncoder
 from roadmend.networks.shape import TextShape
-from roadmend.networks.text_encoder import TextReader, rounded, take
+from roadmend.networks.text_encoder import TextReader, restored, rounded
 
 SHAPE = TextShape(pieces=50, positions=20, marks=4, hidden=24, layers=2, heads=3, feed_forward=40)
 PIECES, MARKS = np.array([2, 7, 7, 49, 0, 3]), np.array([0, 1, 1, 3, 0, 2])
@@ -59,7 +59,7 @@ def test_rounded_weights_are_a_quarter_of_the_size_and_read_nearly_the_same():
     whole = tensors_of(found)
     small = rounded(whole)
     assert sum(each.nbytes for each in small.values()) < 0.35 * sum(each.nbytes for each in whole.values())
-    read, exact = (TextReader(SHAPE, each).read(PIECES, MARKS) for each in (small, whole))
+    read, exact = (TextReader(SHAPE, each).read(PIECES, MARKS) for each in (restored(small), whole))
     assert 0 < np.abs(read - exact).max() < 0.1
 
 
@@ -83,4 +83,11 @@ def test_weights_that_are_missing_of_another_shape_or_not_finite_are_refused():
 
 def test_a_row_of_zeros_stays_one():
     small = rounded({"a": np.zeros((2, 3), np.float32)})
-    assert (take(small, "a", (2, 3)) == 0).all()
+    assert (restored(small)["a"] == 0).all()
+
+
+def test_a_scale_that_is_missing_is_said():
+    small = rounded({"a": np.ones((2, 3), np.float32)})
+    del small["a.scale"]
+    with pytest.raises(ValueError, match=r"a\.scale is missing"):
+        restored(small)

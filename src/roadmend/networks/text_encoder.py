@@ -14,6 +14,7 @@ Floats = NDArray[np.float32]
 Tensors = Mapping[str, NDArray[Any]]
 
 _EPSILON = np.float32(1e-5)  # of the layer norms, as torch has it
+_SCALE = ".scale"  # behind the name of a tensor whose rows were rounded
 
 
 class TextReader:
@@ -96,7 +97,7 @@ class TextReader:
 
 
 def take(tensors: Tensors, name: str, sizes: tuple[int, ...]) -> Floats:
-    """A tensor of a model as float32; one that was rounded for its file (:func:`rounded`) is given its scale back.
+    """A tensor of a model as float32.
 
     Raises:
         ValueError: it is missing, has another shape or holds what is not finite.
@@ -107,8 +108,6 @@ def take(tensors: Tensors, name: str, sizes: tuple[int, ...]) -> Floats:
     if found.shape != sizes:
         raise ValueError(f"{name}: shape {sizes} wanted, got {found.shape}")
     values: Floats = found.astype(np.float32)
-    if found.dtype == np.int8:
-        values *= take(tensors, f"{name}.scale", sizes[:1])[:, None]
     if not np.isfinite(values).all():
         raise ValueError(f"{name} holds what is not finite")
     return values
@@ -123,5 +122,18 @@ def rounded(tensors: Tensors) -> dict[str, NDArray[Any]]:
             continue
         scale = np.maximum(np.abs(values).max(axis=1), np.finfo(np.float32).tiny) / 127
         found[name] = np.rint(values / scale[:, None]).astype(np.int8)
-        found[f"{name}.scale"] = scale.astype(np.float32)
+        found[name + _SCALE] = scale.astype(np.float32)
+    return found
+
+
+def restored(tensors: Tensors) -> dict[str, NDArray[Any]]:
+    """Tensors as they were before :func:`rounded`, but for the rounding.
+
+    Raises:
+        ValueError: a scale is missing or does not fit.
+    """
+    found = {name: values for name, values in tensors.items() if not name.endswith(_SCALE)}
+    for name, values in found.items():
+        if values.dtype == np.int8:
+            found[name] = values.astype(np.float32) * take(tensors, name + _SCALE, values.shape[:1])[:, None]
     return found

@@ -18,6 +18,7 @@ class ClaimSource(StrEnum):
 
     SUMMARY = "summary"
     SKETCH = "sketch"
+    TRAINED = "trained reader"
 
 
 @dataclass(frozen=True, slots=True, order=True)

@@ -1,0 +1,69 @@
+"""What the network says of a crash: which of its outputs stands for which value of the scenario language."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roadmend.safe.claims import WayRelation
+from roadmend.safe.dsl import Action, Compass, DslModel, Position, RoadType, Side, Time, Weather
+
+HEADINGS = (Position.S2N, Position.W2E, Position.N2S, Position.E2W)  # clockwise, as STEMS
+STEMS = (Compass.NORTH, Compass.EAST, Compass.SOUTH, Compass.WEST)
+RELATIONS = (WayRelation.SAME, WayRelation.FROM_LEFT, WayRelation.OPPOSITE, WayRelation.FROM_RIGHT)
+"""Of a second heading to a first, by how many quarter turns it lies further round, clockwise."""
+
+ACTIONS = tuple(Action)
+MODELS = tuple(DslModel)
+ROADS = tuple(RoadType)
+LANES = tuple(range(1, 9))
+TIMES = tuple(Time)
+WEATHERS = tuple(Weather)
+TOUCHED = (None, *Side)  # where the second of two vehicles was struck by the first; None where it was not
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """One thing that the network is asked.
+
+    Attributes:
+        name: of the question.
+        values: possible answers, in the order of the outputs.
+        weight: of its loss in training.
+    """
+
+    name: str
+    values: tuple[Any, ...]
+    weight: float
+
+
+OF_VEHICLE = (Question("heading", HEADINGS, 1.0), Question("action", ACTIONS, 0.5), Question("model", MODELS, 0.3))
+OF_PAIR = (
+    Question("relation", RELATIONS, 1.0),
+    Question("struck_side", TOUCHED, 0.5),
+    Question("striking_side", TOUCHED, 0.3),
+)
+OF_TEXT = (
+    Question("road_type", ROADS, 0.5),
+    Question("stem", STEMS, 0.5),
+    Question("lanes", LANES, 0.3),
+    Question("time", TIMES, 0.2),
+    Question("weather", WEATHERS, 0.2),
+)
+
+
+def width_of(questions: tuple[Question, ...]) -> int:
+    """Outputs that a group of questions takes."""
+    return sum(len(question.values) for question in questions)
+
+
+def shares_of(logits: NDArray[np.float32], questions: tuple[Question, ...]) -> dict[str, NDArray[np.float64]]:
+    """Probabilities (..., answers) of each question of a group, from its logits (..., outputs)."""
+    found, at = {}, 0
+    for question in questions:
+        own = logits[..., at : at + len(question.values)].astype(np.float64)
+        own = np.exp(own - own.max(axis=-1, keepdims=True))
+        found[question.name] = own / own.sum(axis=-1, keepdims=True)
+        at += len(question.values)
+    return found
