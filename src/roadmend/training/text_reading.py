@@ -3,6 +3,8 @@
 import random
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
@@ -10,8 +12,14 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
+from roadmend.core.bounded_file import read_text
+from roadmend.core.bounds import ARGUMENT
+from roadmend.core.errors import InputError
+from roadmend.core.whole_file import written_beside
+from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
 from roadmend.networks.encoder import Head, TextEncoder
 from roadmend.networks.shape import HeadShape, TextShape
+from roadmend.training.optimizer_state import load_optimizer, optimizer_tensors
 
 UNASKED = -1  # an answer that is not known
 _SORTED_TOGETHER = 8  # batches whose texts are sorted by their length, so that little is padding
@@ -19,6 +27,10 @@ _SMOOTHING = 0.05  # of the answers
 _WARM_UP = 0.06  # share of the steps in which the learning rate rises
 _LEAST_RATE = 0.02  # share of it that is left at the end
 _LARGEST_GRADIENT = 1.0
+_DECAY = 0.01  # of the weights, by AdamW
+_KIND = "text_training"  # of the files that a training keeps
+_MEMORIES = ("step", "exp_avg", "exp_avg_sq")  # that AdamW has of each parameter
+_DONE = "epochs"  # the file that says how many are done
 
 Weights = Sequence[tuple[int, float]]  # of each question of a group: how many answers, and the weight of its loss
 
@@ -97,16 +109,30 @@ class _Batch:
     text: Tensor
 
 
+@dataclass(frozen=True, slots=True)
+class Pace:
+    """How lessons are taught.
+
+    Attributes:
+        epochs: times that each is.
+        batch: lessons at a time.
+        learning_rate: of the encoder; that of its words is a quarter of it, that of the heads five times.
+        seed: of all that is drawn.
+    """
+
+    epochs: int
+    batch: int
+    learning_rate: float
+    seed: int
+
+
 def fit(
     network: TextNetwork,
     lessons: Sequence[Draw],
     questions: Questions,
-    *,
-    epochs: int,
-    batch: int,
-    learning_rate: float,
-    seed: int,
-    told: Callable[[int, float], None],
+    pace: Pace,
+    keep: Path,
+    told: Callable[[int, int, float], None],
 ) -> None:
     """Teach the lessons, each once an epoch, in an order and a form that are drawn.
 
@@ -114,38 +140,85 @@ def fit(
         network: learns, in place.
         lessons: to be drawn anew in every epoch.
         questions: that they answer.
-        epochs: times that each is taught.
-        batch: lessons at a time.
-        learning_rate: of the encoder; that of its words is a quarter of it, that of the heads five times.
-        seed: of all that is drawn.
-        told: hears after every step how many there were, and the mean loss of the last [nat].
+        pace: how.
+        keep: folder for the state after the last epoch; where it holds one of the same training, that goes on, and comes
+            to the same in the end.
+        told: hears after every step how many are done of how many, and the loss of the last [nat].
+
+    Raises:
+        InputError: the folder holds the state of something else, or cannot be written.
     """
-    generator = random.Random(f"roadmend/text-reading/{seed}")
-    torch.manual_seed(seed)
-    words = [*network.encoder.pieces.parameters()]
-    encoder = [each for name, each in network.encoder.named_parameters() if not name.startswith("pieces.")]
-    heads = [each for name, each in network.named_parameters() if not name.startswith("encoder.")]
-    rates = (learning_rate, learning_rate / 4, learning_rate * 5)
-    groups = [{"params": each, "lr": rate} for each, rate in zip((encoder, words, heads), rates, strict=True)]
-    optimizer = torch.optim.AdamW(groups, weight_decay=0.01)
-    steps = epochs * -(-len(lessons) // batch)
-    rising = max(1, round(_WARM_UP * steps))
-    schedule = torch.optim.lr_scheduler.LambdaLR(
-        optimizer, lambda step: min(1.0, (step + 1) / rising) * max(_LEAST_RATE, 1.0 - step / steps)
-    )
+    groups = _groups(network, pace.learning_rate)
+    optimizer = torch.optim.AdamW(groups, weight_decay=_DECAY)
+    whole, rest = divmod(len(lessons), pace.batch * _SORTED_TOGETHER)
+    steps = whole * _SORTED_TOGETHER + -(-rest // pace.batch)  # an epoch
+    rising = max(1, round(_WARM_UP * steps * pace.epochs))
+    begin = load_training(keep, network, optimizer)
     network.train()
-    done = 0
-    for _ in range(epochs):
-        for samples in _batches(lessons, batch, generator):
+    for epoch in range(begin, pace.epochs):
+        generator = random.Random(f"roadmend/text-reading/{pace.seed}/{epoch}")
+        torch.manual_seed(generator.getrandbits(63))
+        for step, samples in enumerate(_batches(lessons, pace.batch, generator), start=epoch * steps):
+            share = min(1.0, (step + 1) / rising) * max(_LEAST_RATE, 1.0 - step / (steps * pace.epochs))
+            for group, own in zip(optimizer.param_groups, groups, strict=True):
+                group["lr"] = share * own["rate"]
             loss = _loss(network, _stacked(samples), questions)
             optimizer.zero_grad()
             loss.backward()  # type: ignore[no-untyped-call]
             nn.utils.clip_grad_norm_(network.parameters(), _LARGEST_GRADIENT)
             optimizer.step()
-            schedule.step()
-            done += 1
-            told(done, float(loss.detach()))
+            told(step + 1, steps * pace.epochs, float(loss.detach()))
+        save_training(keep, network, optimizer, epoch + 1)
     network.eval()
+
+
+def _groups(network: TextNetwork, rate: float) -> list[dict[str, Any]]:
+    words = [*network.encoder.pieces.parameters()]
+    encoder = [each for name, each in network.encoder.named_parameters() if not name.startswith("pieces.")]
+    heads = [each for name, each in network.named_parameters() if not name.startswith("encoder.")]
+    rates = zip((encoder, words, heads), (rate, rate / 4, rate * 5), strict=True)
+    return [{"params": each, "lr": own, "rate": own} for each, own in rates]
+
+
+def save_training(folder: Path, network: nn.Module, optimizer: torch.optim.Optimizer, epochs: int) -> None:
+    """Keep the state of a training after some epochs, whole or not at all.
+
+    Raises:
+        InputError: it cannot be written.
+    """
+    weights = {name: value.numpy() for name, value in network.state_dict().items()}
+    memory = optimizer_tensors(optimizer, "")
+    header = {"kind": _KIND, "configuration": {"epochs": epochs}, "data_digest": "", "metrics": {}, "ancestry": []}
+    parts = {"weights": weights} | {
+        part: {name: value for name, value in memory.items() if name.endswith(f".{part}")} for part in _MEMORIES
+    }
+    for part, tensors in parts.items():  # apart, for together they are larger than a model may be
+        save_checkpoint(folder / f"{part}-{epochs}.safetensors", tensors, header)
+    with written_beside(folder / _DONE) as beside:
+        beside.write_text(f"{epochs}\n", encoding="utf-8")
+    for part in parts:
+        (folder / f"{part}-{epochs - 1}.safetensors").unlink(missing_ok=True)
+
+
+def load_training(folder: Path, network: nn.Module, optimizer: torch.optim.Optimizer) -> int:
+    """Give a training the state that was kept, and say after how many epochs that was; 0 where none was.
+
+    Raises:
+        InputError: what was kept is damaged, or of another network.
+    """
+    done = folder / _DONE
+    if not done.is_file():
+        return 0
+    text = read_text(done, ARGUMENT).strip()
+    if not text.isdecimal():
+        raise InputError(str(done), "says no number of epochs", "remove the folder, and begin anew")
+    found = {part: load_checkpoint(folder / f"{part}-{text}.safetensors", _KIND).tensors for part in ("weights", *_MEMORIES)}
+    try:
+        network.load_state_dict({name: torch.from_numpy(value.copy()) for name, value in found["weights"].items()})
+    except RuntimeError:
+        raise InputError(str(folder), "holds the training of another network", "give another folder") from None
+    load_optimizer(optimizer, {name: value for part in _MEMORIES for name, value in found[part].items()}, "")
+    return int(text)
 
 
 def _batches(lessons: Sequence[Draw], batch: int, generator: random.Random) -> Iterator[Sequence[TextSample]]:

@@ -1,0 +1,161 @@
+"""The training of the trained reader: made-up crashes first, told ones after, and what it has learned on those held out."""
+
+import random
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from pydantic import Field
+
+from roadmend.core.fanout import Mapper
+from roadmend.core.parameters import Parameters
+from roadmend.networks.bert_files import fewer_pieces, read_bert
+from roadmend.networks.text_encoder import rounded
+from roadmend.safe.trained.crash_network import head_shapes
+from roadmend.safe.trained.lessons import Lesson, questions_of_training
+from roadmend.safe.trained.made_up import made_up_lesson
+from roadmend.safe.trained.marked_text import MARKS
+from roadmend.safe.trained.outputs import OF_PAIR, OF_TEXT, OF_VEHICLE, Question
+from roadmend.safe.trained.told_crashes import ToldCrash, told_lesson
+from roadmend.safe.trained.word_pieces import BEGIN, END, UNKNOWN, WordPieces
+from roadmend.training.text_reading import UNASKED, Draw, Pace, TextNetwork, TextSample, fit
+
+_ROUNDS = 8  # in which made-up crashes are taught, the state being kept after each
+_LONGEST_SIGN = 3  # letters of pieces that are always kept, so that every word falls apart into something
+
+Told = Callable[[str, int, int, float], None]  # a stage, how much of how much is done, and the loss
+
+
+class Schooling(Parameters):
+    """How the trained reader is trained."""
+
+    made_up: int = Field(24_000, ge=0, le=1_000_000, description="made-up crashes to begin with")
+    beside: int = Field(300, ge=0, le=100_000, description="made-up crashes in every epoch of told ones")
+    epochs: int = Field(10, ge=1, le=200, description="passes through the told crashes")
+    batch: int = Field(8, ge=1, le=256, description="texts a step; of made-up ones, which are short, twice as many")
+    learning_rate: float = Field(2e-4, gt=0.0, le=0.1, description="of the encoder; rises, then falls to 2 % along a line")
+    dropout: float = Field(0.1, ge=0.0, le=0.9, description="share of values dropped in training")
+    pieces: int = Field(12_000, ge=100, le=200_000, description="most common pieces that are kept, beside those of the texts")
+    trust: dict[str, float] = Field(
+        {"heading": 0.5, "relation": 0.5, "road_type": 0.5, "stem": 0.5, "lanes": 0.5},
+        description="share of the network's log-odds that counts beside the rules' claims",
+    )
+    held_out: tuple[str, ...] = Field((), description="authors whose texts are not learned from, but measured on")
+
+
+@dataclass(frozen=True, slots=True)
+class Schooled:
+    """What came of it.
+
+    Attributes:
+        tensors: of the model's file.
+        header: the rest of it, but for the digests of data and models.
+    """
+
+    tensors: dict[str, Any]
+    header: dict[str, Any]
+
+
+def school(
+    told: Sequence[ToldCrash], base: Path, settings: Schooling, seed: int, work: Path, mapper: Mapper, watch: Told
+) -> Schooled:
+    """Train.
+
+    Args:
+        told: crashes to learn from and to be measured on.
+        base: folder of the BERT encoder to begin from.
+        settings: how.
+        seed: of all that is drawn.
+        work: folder for the state of the training, which goes on there if it was interrupted.
+        mapper: reads the texts by the rules, which find the names.
+        watch: hears how far it has come.
+
+    Raises:
+        InputError: the encoder is missing or damaged, or the folder holds something else.
+    """
+    shape, tensors, vocabulary = read_bert(base, MARKS)
+    lessons, measured = list[Lesson](), list[Lesson]()
+    for done, (crash, lesson) in enumerate(zip(told, mapper(told_lesson, told), strict=True), start=1):
+        watch("reading", done, len(told), 0.0)
+        if lesson is not None:
+            (measured if crash.author in settings.held_out else lessons).append(lesson)
+    kept = _kept(vocabulary, lessons, settings.pieces)
+    tensors, vocabulary = fewer_pieces(tensors, vocabulary, kept)
+    shape = shape.model_copy(update={"pieces": len(kept)})
+    pieces = WordPieces(vocabulary)
+    torch.manual_seed(seed)
+    network = TextNetwork(shape, head_shapes(shape.hidden), settings.dropout)
+    network.encoder.load_state_dict({name: torch.from_numpy(value) for name, value in tensors.items()}, strict=False)
+
+    def made_up(generator: random.Random) -> TextSample:
+        return made_up_lesson(generator).draw(pieces, generator)
+
+    def teach(stage: str, draws: Sequence[Draw], pace: Pace) -> None:
+        fit(network, draws, questions_of_training(), pace, work / stage.replace(" ", "-"), partial(_tell, watch, stage))
+
+    rate = settings.learning_rate
+    if settings.made_up:
+        each = -(-settings.made_up // _ROUNDS)
+        teach("made-up crashes", [made_up] * each, Pace(_ROUNDS, 2 * settings.batch, rate, seed))
+    draws: list[Draw] = [partial(_drawn, lesson, pieces) for lesson in lessons]
+    draws += [made_up] * settings.beside
+    teach("told crashes", draws, Pace(settings.epochs, settings.batch, rate, seed + 1))
+    metrics = {"lessons": len(lessons), "held_out": len(measured), **_measure(network, measured, pieces)}
+    weights = rounded({name: value.numpy() for name, value in network.state_dict().items()})
+    header = {
+        "configuration": {**settings.model_dump(mode="json"), "seed": seed},
+        "metrics": metrics,
+        "shape": shape.model_dump(mode="json"),
+        "vocabulary": vocabulary,
+        "trust": dict(settings.trust),
+    }
+    return Schooled(weights, header)
+
+
+def _tell(watch: Told, stage: str, done: int, of: int, loss: float) -> None:
+    watch(stage, done, of, loss)
+
+
+def _drawn(lesson: Lesson, pieces: WordPieces, generator: random.Random) -> TextSample:
+    return lesson.draw(pieces, generator)
+
+
+def _kept(vocabulary: Sequence[str], lessons: Sequence[Lesson], most: int) -> list[int]:
+    """Places of the pieces that stay: common ones, which a vocabulary of BERT has first, short ones, and those of the texts."""
+    whole = WordPieces(vocabulary)
+    used = {UNKNOWN, BEGIN, END}
+    for lesson in lessons:
+        for quarters in range(4):
+            used |= {vocabulary[place] for place in whole.split(lesson.crash.turned(quarters).text)[0]}
+    plain = [place for place, piece in enumerate(vocabulary) if piece.isascii() and not piece.startswith("[")]
+    signs = [place for place in plain if len(vocabulary[place].removeprefix("##")) < _LONGEST_SIGN]
+    return sorted({*plain[:most], *signs, *(place for place, piece in enumerate(vocabulary) if piece in used)})
+
+
+@torch.no_grad()
+def _measure(network: TextNetwork, lessons: Sequence[Lesson], pieces: WordPieces) -> Mapping[str, float]:
+    """Of the questions that can be asked about the lessons, the share that is answered right, by question."""
+    right: dict[str, list[bool]] = {}
+    generator = random.Random(0)
+    for lesson in lessons:
+        sample = lesson.draw(pieces, generator)
+        inputs = (torch.from_numpy(each)[None] for each in (sample.pieces, sample.marks))
+        whole = torch.ones(1, len(sample.pieces), dtype=torch.bool)
+        logits = network(*inputs, whole, torch.from_numpy(sample.shares)[None])
+        known = (sample.vehicles, sample.pairs, sample.text)
+        for questions, found, answers in zip((OF_VEHICLE, OF_PAIR, OF_TEXT), logits, known, strict=True):
+            _count(questions, found[0].numpy(), answers, right)
+    return {name: round(float(np.mean(marks)), 4) for name, marks in right.items()}
+
+
+def _count(questions: Sequence[Question], logits: Any, answers: Any, right: dict[str, list[bool]]) -> None:
+    at = 0
+    for place, question in enumerate(questions):
+        best = logits[..., at : at + len(question.values)].argmax(-1)
+        at += len(question.values)
+        asked = answers[..., place]
+        right.setdefault(question.name, []).extend((best == asked)[asked != UNASKED].tolist())
