@@ -149,7 +149,7 @@ def _measure(network: TextNetwork, lessons: Sequence[Lesson], pieces: WordPieces
         known = (sample.vehicles, sample.pairs, sample.text)
         for questions, found, answers in zip((OF_VEHICLE, OF_PAIR, OF_TEXT), logits, known, strict=True):
             _count(questions, found[0].numpy(), answers, right)
-    return {name: round(float(np.mean(marks)), 4) for name, marks in right.items()}
+    return {name: round(float(np.mean(marks)), 4) for name, marks in right.items() if marks}
 
 
 def _count(questions: Sequence[Question], logits: Any, answers: Any, right: dict[str, list[bool]]) -> None:

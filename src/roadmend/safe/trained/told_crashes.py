@@ -6,15 +6,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from roadmend.core.bounded_file import read_lines
-from roadmend.core.bounds import TEXT, Bounds
+from roadmend.core.bounded_file import read_lines, read_text
+from roadmend.core.bounds import CRASH, TEXT, Bounds
 from roadmend.core.errors import InputError
-from roadmend.core.json_text import parse_json
+from roadmend.core.json_text import parse_json, read_json
 from roadmend.safe.reading.reader import read_claims
 from roadmend.safe.trained.lessons import Lesson, lesson_of, names_by_words
 from roadmend.safe.trained.marked_text import SEATS, named_crash
 
-_MEND = "give a JSON Lines file of told crashes: author, name, text, key"
+_MEND = "give a JSON Lines file of told crashes (author, name, text, key), or AUTHOR-NAME.txt beside AUTHOR-NAME.oracle.json"
+_KEY = ".oracle.json"  # of a text in a file of its own
 _LINE = Bounds(size=64_000, values=2_000, depth=16)
 
 
@@ -38,11 +39,13 @@ class ToldCrash:
 
 
 def read_told(path: Path) -> list[ToldCrash]:
-    """Read a file of told crashes.
+    """Read a file of told crashes, ``.jsonl``, or a text ``.txt`` with its key beside it.
 
     Raises:
         InputError: it is missing, damaged, or holds none.
     """
+    if path.suffix == ".txt":
+        return [_read_text(path)]
     found = [*_read(path)]
     if not found:
         raise InputError(str(path), "holds no told crash", _MEND)
@@ -54,12 +57,27 @@ def _read(path: Path) -> Iterator[ToldCrash]:
         where = f"{path}, line {number}"
         content = parse_json(line, where, _LINE, _MEND, is_line=True)
         try:
-            key = dict(content["key"])
-            [dict(each) for each in key["vehicles"]]
             called = tuple(tuple(map(str, row)) for row in content.get("called") or ())
+            key = _key(content["key"])
             yield ToldCrash(str(content["author"]), str(content["name"]), str(content["text"]), key, called)
         except (KeyError, TypeError, ValueError, AttributeError):
             raise InputError(where, "is no told crash", _MEND) from None
+
+
+def _read_text(path: Path) -> ToldCrash:
+    beside = path.with_name(path.stem + _KEY)
+    try:
+        key = _key(read_json(beside, _LINE, _MEND))
+    except (KeyError, TypeError, ValueError):
+        raise InputError(str(beside), "is no key of a told crash", _MEND) from None
+    author, _, name = path.stem.partition("-")
+    return ToldCrash(author, name, read_text(path, CRASH, _MEND).strip(), key)
+
+
+def _key(content: Any) -> dict[str, Any]:
+    key = dict(content)
+    key["vehicles"] = [dict(each) for each in key["vehicles"]]
+    return key
 
 
 def told_line(crash: ToldCrash) -> str:
