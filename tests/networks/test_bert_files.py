@@ -50,7 +50,9 @@ def bert(folder, scope="", **changes):
         "hidden_act": "gelu",
     }
     (folder / "config.json").write_text(json.dumps(settings | changes))
-    (folder / "tokenizer.json").write_text(json.dumps({"model": {"vocab": {word: at for at, word in enumerate(WORDS)}}}))
+    (folder / "tokenizer.json").write_text(
+        json.dumps({"model": {"vocab": {word: at for at, word in enumerate(WORDS)}}})
+    )
     safetensors.numpy.save_file({scope + name: value for name, value in tensors.items()}, folder / "model.safetensors")
     return tensors
 

@@ -55,6 +55,7 @@ _TRAIN: Table = {
     "need": ("roadmend.cli.train_monitors", "need", "A monitor of need for a model of ADReFT."),
     "changes": ("roadmend.cli.train_monitors", "changes", "A monitor of lane changes for a model of ADReFT."),
     "self-oracle": ("roadmend.cli.train_rivals", "self_oracle", "The autoencoder of the rival ModelRepair."),
+    "reader": ("roadmend.cli.train_reader", "reader", "The network that reads crash reports beside the rules."),
     "rivals": ("roadmend.cli.train_rivals", "rivals", "The rivals' best settings on the validation split."),
 }
 

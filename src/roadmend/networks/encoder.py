@@ -172,4 +172,5 @@ class TextEncoder(nn.Module):
         states = self.drop(self.norm(states))
         for layer in self.layers:
             states = layer(states, mask[:, None, None, :])
-        return states
+        read: Tensor = states
+        return read

@@ -1,4 +1,4 @@
-"""The embedded backend: a parser of English and rules, no language model, no network, the same answer every time."""
+"""The embedded backend: a parser of English, rules and a small trained network; no language model, nothing over a network."""
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -16,8 +16,10 @@ from roadmend.safe.reading.reader import SummaryClaims, assemble, read_claims
 from roadmend.safe.reading.weighing import JudgedField
 from roadmend.safe.report import CrashReport
 from roadmend.safe.sketch_claims import SketchClaims, claims_of_sketch
+from roadmend.safe.trained.trained_claims import trained_claims
 
 ReadSketch = Callable[[Image, Cast], SketchClaims]
+ReadText = Callable[[str, SummaryClaims], Sequence[AnyClaim]]
 
 _WORDS = re.compile(r"[^\W\d_]+")
 _ENGLISH = """
@@ -57,15 +59,23 @@ _SECOND = 0.1  # a second reading that is told
 
 
 class EmbeddedExtractor:
-    """Reads the summary, and of the sketch what its reader makes claims of; one scene has to satisfy both.
+    """Reads the summary by rules and by a trained network, and the sketch; one scene has to satisfy what they claim.
 
     Args:
         read_sketch: makes claims of a sketch, given the summary's cast.
+        read_text: makes more claims of the summary, given those of the rules; None for none.
         solver: let the fields decide about each other; without, each stands alone, to see what that is good for.
     """
 
-    def __init__(self, read_sketch: ReadSketch = claims_of_sketch, *, solver: bool = True) -> None:
+    def __init__(
+        self,
+        read_sketch: ReadSketch = claims_of_sketch,
+        read_text: ReadText | None = trained_claims,
+        *,
+        solver: bool = True,
+    ) -> None:
         self.read_sketch = read_sketch
+        self.read_text = read_text
         self.solver = solver
 
     def extract(self, report: CrashReport, watch: Watch = unwatched) -> Extraction:
@@ -84,11 +94,12 @@ class EmbeddedExtractor:
         said = read_claims(report.summary)
         if said is None:
             raise ExtractionError("the summary speaks of no vehicle; is it the report of a crash?")
-        more: Sequence[AnyClaim] = ()
+        more = [*self.read_text(report.summary, said)] if self.read_text is not None else []
         sketch = "there is none"
         if report.sketch is not None:
             seen = self.read_sketch(report.sketch, said.cast)
-            more, sketch = seen.claims, seen.note
+            more += seen.claims
+            sketch = seen.note
         reading = assemble(said, more, solver=self.solver)
         evidence = {name: _evidence(finding, report.summary) for name, finding in reading.findings.items()}
         notes = [*report.notes, *_limits(said, reading), *_doubts(reading.findings)]

@@ -212,7 +212,9 @@ def load_training(folder: Path, network: nn.Module, optimizer: torch.optim.Optim
     text = read_text(done, ARGUMENT).strip()
     if not text.isdecimal():
         raise InputError(str(done), "says no number of epochs", "remove the folder, and begin anew")
-    found = {part: load_checkpoint(folder / f"{part}-{text}.safetensors", _KIND).tensors for part in ("weights", *_MEMORIES)}
+    found = {
+        part: load_checkpoint(folder / f"{part}-{text}.safetensors", _KIND).tensors for part in ("weights", *_MEMORIES)
+    }
     try:
         network.load_state_dict({name: torch.from_numpy(value.copy()) for name, value in found["weights"].items()})
     except RuntimeError:

@@ -15,7 +15,13 @@ TURNED = {
     "runs N-S, V1 W on Elm": "runs E-W, V1 N on Elm",
     "on 12 E. Main St": "on 12 S. Main St",
 }
-KEPT = ["the driver's side", "the easter parade in Weston", "Mr. W. E. Northam", "e-mail, s and n", "Norther Inc. V1's boot"]
+KEPT = [
+    "the driver's side",
+    "the easter parade in Weston",
+    "Mr. W. E. Northam",
+    "e-mail, s and n",
+    "Norther Inc. V1's boot",
+]
 
 
 @pytest.mark.parametrize(("text", "turned"), TURNED.items())

@@ -1,5 +1,7 @@
 """Texts in pieces of words."""
 
+import itertools
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -41,4 +43,4 @@ def test_what_every_text_needs_must_be_there():
 def test_any_text_is_taken_apart_in_order(text):
     _, spans = WordPieces(WORDS).split(text)
     assert all(start < end <= len(text) for start, end in spans)
-    assert all(one[1] <= other[0] for one, other in zip(spans, spans[1:], strict=False))
+    assert all(one[1] <= other[0] for one, other in itertools.pairwise(spans))

@@ -11,22 +11,20 @@ _QUARTER = 2  # points of the compass
 
 _WORD = re.compile(
     r"""
-    (?<![A-Za-z'’])(?:
+    (?<![A-Za-z'\u2019])(?:
         (?P<between>(?:north|south)(?P<joint>[- ]?)(?:east|west)) (?P<end1>ern(?:ly|er|most)?|bounds?|erly|wards?)?(?![A-Za-z])
       | (?P<point>north|south|east|west) (?P<end2>ern(?:ly|er|most)?|bounds?|erly|wards?|most|side)?(?![A-Za-z])
       | (?P<letter>[NSEW]) (?=/?B(?:D|ND)?(?![A-Za-z]))        # E/B, NB
     )
-  | (?<![A-Za-z0-9'’.]) (?P<letters>NE|NW|SE|SW)(?![A-Za-z.])
-  | (?<![A-Za-z0-9'’.]) (?-i:(?<![A-Z]\.\ )(?P<alone>[NSEW])) (?=\.?(?:[-/ ,;:)]|$)) (?!\.\ ?[A-Z]\.)  # W on Elm; N-S; but no initials
+  | (?<![A-Za-z0-9'\u2019.]) (?P<letters>NE|NW|SE|SW)(?![A-Za-z.])
+  | (?<![A-Za-z0-9'\u2019.]) (?-i:(?<![A-Z]\.\ )(?P<alone>[NSEW])) (?=\.?(?:[-/ ,;:)]|$)) (?!\.\ ?[A-Z]\.)  # W on Elm; N-S; but no initials
   | (?-i:(?<=[NSEW]-)(?P<last>[NSEW])) (?![A-Za-z])
     """,
     re.VERBOSE | re.IGNORECASE,
 )
 
 
-def turn_text(
-    text: str, places: Sequence[tuple[int, int]], quarters: int
-) -> tuple[str, list[tuple[int, int]]]:
+def turn_text(text: str, places: Sequence[tuple[int, int]], quarters: int) -> tuple[str, list[tuple[int, int]]]:
     """A text whose points of the compass lie so many quarter turns further clockwise, and where places in it then are.
 
     Only words for points of the compass change; what hangs on them without naming one, as the morning sun, does not.

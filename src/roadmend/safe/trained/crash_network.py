@@ -12,8 +12,9 @@ from roadmend.core.errors import InputError
 from roadmend.core.settings import check_parameters
 from roadmend.networks.checkpoint import load_checkpoint
 from roadmend.networks.compiled_encoder import CompiledHead
+from roadmend.networks.kernels import Floats, linear
 from roadmend.networks.shape import HeadShape, TextShape
-from roadmend.networks.text_encoder import Floats, TextReader, restored
+from roadmend.networks.text_encoder import TextReader, restored
 from roadmend.safe.trained.marked_text import MARKS, MarkedText
 from roadmend.safe.trained.outputs import OF_PAIR, OF_TEXT, OF_VEHICLE, shares_of, width_of
 from roadmend.safe.trained.word_pieces import WordPieces
@@ -64,8 +65,7 @@ class CrashNetwork:
         shape = check_parameters(checkpoint.header.get("shape"), TextShape, f"{where}, shape")
         try:
             self.pieces = WordPieces(checkpoint.header.get("vocabulary") or ())
-            if len(self.pieces.vocabulary) != shape.pieces or shape.marks != MARKS:
-                raise ValueError("the vocabulary or the marks are not those of its shape")
+            _check(self.pieces, shape)
             tensors = restored(checkpoint.tensors)
             self.encoder = TextReader(shape, tensors)
             self._heads = {
@@ -78,7 +78,8 @@ class CrashNetwork:
         """Answer all questions about one text, however long."""
         states = self._states(text)
         weights = text.shares / text.shares.sum(axis=1, keepdims=True)
-        own, begin, mean = weights @ states, states[0], states.mean(axis=0)
+        own, begin, mean = np.empty((len(weights), states.shape[1]), np.float32), states[0], states.mean(axis=0)
+        linear(weights, states, np.zeros(states.shape[1], np.float32), own)
         count = len(own)
         vehicles = np.stack([self._heads["vehicle"].apply(np.concatenate([each, begin])) for each in own])
         pairs = np.zeros((count, count, width_of(OF_PAIR)), np.float32)
@@ -99,5 +100,17 @@ class CrashNetwork:
         for start in range(0, count - step, step):
             at = min(start, count - size)
             skip = 0 if at == 0 else size // 4
-            states[at + skip : at + size] = self.encoder.read(text.pieces[at : at + size], text.marks[at : at + size])[skip:]
+            states[at + skip : at + size] = self.encoder.read(text.pieces[at : at + size], text.marks[at : at + size])[
+                skip:
+            ]
         return states
+
+
+def _check(pieces: WordPieces, shape: TextShape) -> None:
+    """Refuse a vocabulary or marks that the encoder's shape does not have.
+
+    Raises:
+        ValueError: so it is.
+    """
+    if len(pieces.vocabulary) != shape.pieces or shape.marks != MARKS:
+        raise ValueError("the vocabulary or the marks are not those of its shape")

@@ -15,7 +15,6 @@ from roadmend.safe.trained.word_pieces import WordPieces
 from roadmend.training.text_reading import UNASKED, Questions, TextSample
 
 _FORGOTTEN = 0.1  # share of names that a lesson leaves unmarked, since rules do not find all
-_LONGEST = 512  # pieces of a text that is learned from
 
 Ints = NDArray[np.int64]
 
@@ -42,17 +41,23 @@ class Lesson:
     pairs: Ints
     text: Ints
 
-    def draw(self, pieces: WordPieces, generator: random.Random) -> TextSample:
-        """The lesson as it is taught this time: turned on the compass, seats given anew, some names forgotten."""
+    def draw(self, pieces: WordPieces, longest: int, generator: random.Random) -> TextSample:
+        """The lesson as it is taught this time: turned on the compass, seats given anew, some names forgotten.
+
+        Args:
+            pieces: take the text apart.
+            longest: text that the encoder can read, in pieces; the rest is cut off.
+            generator: draws.
+        """
         quarters = generator.randrange(4)
         crash = self.crash.turned(quarters)
         names = tuple(name for name in crash.names if generator.random() >= _FORGOTTEN)
         seats = generator.sample(range(SEATS), crash.count)
         marked = mark_text(replace(crash, names=names), pieces, seats)
         return TextSample(
-            marked.pieces[:_LONGEST],
-            marked.marks[:_LONGEST],
-            _somewhere(marked.shares[:, :_LONGEST]),
+            marked.pieces[:longest],
+            marked.marks[:longest],
+            _somewhere(marked.shares[:, :longest]),
             _turned(self.vehicles, OF_VEHICLE, "heading", quarters),
             self.pairs,
             _turned(self.text, OF_TEXT, "stem", quarters),
@@ -128,7 +133,9 @@ def _pairs(vehicles: Sequence[Sequence[int]], collisions: Sequence[Mapping[str, 
 
 def names_by_words(text: str, called: Sequence[Sequence[str]]) -> NamedCrash:
     """A text whose vehicles are named by given words, wherever these stand in it as whole words; longer ones first."""
-    words = sorted(((word, at) for at, row in enumerate(called) for word in row if word), key=lambda each: -len(each[0]))
+    words = sorted(
+        ((word, at) for at, row in enumerate(called) for word in row if word), key=lambda each: -len(each[0])
+    )
     taken, names = np.zeros(len(text), bool), list[Name]()
     low = text.lower()
     for word, vehicle in words:

@@ -130,7 +130,12 @@ class _Teller:
             me, other = draw.sample(range(2), 2)
             body = bodies[other]
             found = [*range(2)]
-            mine = {"first": [f"my {bodies[me]}", "I"], "subject": ["I"], "object": ["me", f"my {bodies[me]}"], "owner": ["my"]}
+            mine = {
+                "first": [f"my {bodies[me]}", "I"],
+                "subject": ["I"],
+                "object": ["me", f"my {bodies[me]}"],
+                "owner": ["my"],
+            }
             theirs = {
                 "first": [f"a {colours[0]} {body}", f"a {body}", f"some {body}"],
                 "subject": [f"the {body}", "the other driver", "he", "she", "the other car"],
@@ -206,7 +211,9 @@ class _Teller:
         if draw.random() < 0.4:
             return [alone, self._way(1 - first)]
         relation = (scene.headings[1 - first] - scene.headings[first]) % 4
-        beside = self._say("beside", _BESIDE[relation], a=first, street=self.streets[0 if relation % 2 == 0 else 1 - first])
+        beside = self._say(
+            "beside", _BESIDE[relation], a=first, street=self.streets[0 if relation % 2 == 0 else 1 - first]
+        )
         return [alone, beside] if draw.random() < 0.85 else [beside, alone]
 
     def _way(self, vehicle: int) -> str:
@@ -226,7 +233,9 @@ class _Teller:
         if scene.kind == "merge":
             return [self._say("deeds", "merge", a=draw.randrange(2))]
         deed = {"out_of_the_stem": "out", "left_turn": "left_turn", "oncoming": "astray", "behind": "stop"}
-        return [self._say("deeds", deed.get(scene.kind, "change"), a=draw.randrange(2) if scene.kind == "oncoming" else 0)]
+        return [
+            self._say("deeds", deed.get(scene.kind, "change"), a=draw.randrange(2) if scene.kind == "oncoming" else 0)
+        ]
 
     def _struck(self) -> str:
         """The contact, as the headings allow it."""

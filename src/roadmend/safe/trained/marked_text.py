@@ -106,9 +106,7 @@ def mark_text(crash: NamedCrash, pieces: WordPieces, seats: Sequence[int] | None
     return MarkedText(np.array(whole, np.int64), marks, shares)
 
 
-def _mark(
-    name: Name, at: int, seats: Sequence[int], marks: NDArray[np.int64], shares: NDArray[np.float32]
-) -> None:
+def _mark(name: Name, at: int, seats: Sequence[int], marks: NDArray[np.int64], shares: NDArray[np.float32]) -> None:
     if len(name.vehicles) == 1:
         marks[at] = 1 + seats[name.vehicles[0]]
     elif not name.vehicles:

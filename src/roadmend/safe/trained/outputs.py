@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from roadmend.core import portable_math
 from roadmend.safe.claims import WayRelation
 from roadmend.safe.dsl import Action, Compass, DslModel, Position, RoadType, Side, Time, Weather
 
@@ -63,7 +64,7 @@ def shares_of(logits: NDArray[np.float32], questions: tuple[Question, ...]) -> d
     found, at = {}, 0
     for question in questions:
         own = logits[..., at : at + len(question.values)].astype(np.float64)
-        own = np.exp(own - own.max(axis=-1, keepdims=True))
+        own = portable_math.exp(own - own.max(axis=-1, keepdims=True))
         found[question.name] = own / own.sum(axis=-1, keepdims=True)
         at += len(question.values)
     return found

@@ -37,9 +37,13 @@ class Schooling(Parameters):
     beside: int = Field(300, ge=0, le=100_000, description="made-up crashes in every epoch of told ones")
     epochs: int = Field(10, ge=1, le=200, description="passes through the told crashes")
     batch: int = Field(8, ge=1, le=256, description="texts a step; of made-up ones, which are short, twice as many")
-    learning_rate: float = Field(2e-4, gt=0.0, le=0.1, description="of the encoder; rises, then falls to 2 % along a line")
+    learning_rate: float = Field(
+        2e-4, gt=0.0, le=0.1, description="of the encoder; rises, then falls to 2 % along a line"
+    )
     dropout: float = Field(0.1, ge=0.0, le=0.9, description="share of values dropped in training")
-    pieces: int = Field(12_000, ge=100, le=200_000, description="most common pieces that are kept, beside those of the texts")
+    pieces: int = Field(
+        12_000, ge=100, le=200_000, description="most common pieces that are kept, beside those of the texts"
+    )
     trust: dict[str, float] = Field(
         {"heading": 0.5, "relation": 0.5, "road_type": 0.5, "stem": 0.5, "lanes": 0.5},
         description="share of the network's log-odds that counts beside the rules' claims",
@@ -92,7 +96,7 @@ def school(
     network.encoder.load_state_dict({name: torch.from_numpy(value) for name, value in tensors.items()}, strict=False)
 
     def made_up(generator: random.Random) -> TextSample:
-        return made_up_lesson(generator).draw(pieces, generator)
+        return made_up_lesson(generator).draw(pieces, shape.positions, generator)
 
     def teach(stage: str, draws: Sequence[Draw], pace: Pace) -> None:
         fit(network, draws, questions_of_training(), pace, work / stage.replace(" ", "-"), partial(_tell, watch, stage))
@@ -101,7 +105,7 @@ def school(
     if settings.made_up:
         each = -(-settings.made_up // _ROUNDS)
         teach("made-up crashes", [made_up] * each, Pace(_ROUNDS, 2 * settings.batch, rate, seed))
-    draws: list[Draw] = [partial(_drawn, lesson, pieces) for lesson in lessons]
+    draws: list[Draw] = [partial(lesson.draw, pieces, shape.positions) for lesson in lessons]
     draws += [made_up] * settings.beside
     teach("told crashes", draws, Pace(settings.epochs, settings.batch, rate, seed + 1))
     metrics = {"lessons": len(lessons), "held_out": len(measured), **_measure(network, measured, pieces)}
@@ -118,10 +122,6 @@ def school(
 
 def _tell(watch: Told, stage: str, done: int, of: int, loss: float) -> None:
     watch(stage, done, of, loss)
-
-
-def _drawn(lesson: Lesson, pieces: WordPieces, generator: random.Random) -> TextSample:
-    return lesson.draw(pieces, generator)
 
 
 def _kept(vocabulary: Sequence[str], lessons: Sequence[Lesson], most: int) -> list[int]:
@@ -142,7 +142,7 @@ def _measure(network: TextNetwork, lessons: Sequence[Lesson], pieces: WordPieces
     right: dict[str, list[bool]] = {}
     generator = random.Random(0)
     for lesson in lessons:
-        sample = lesson.draw(pieces, generator)
+        sample = lesson.draw(pieces, network.encoder.shape.positions, generator)
         inputs = (torch.from_numpy(each)[None] for each in (sample.pieces, sample.marks))
         whole = torch.ones(1, len(sample.pieces), dtype=torch.bool)
         logits = network(*inputs, whole, torch.from_numpy(sample.shares)[None])

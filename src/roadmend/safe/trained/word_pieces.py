@@ -31,7 +31,9 @@ class WordPieces:
     def split(self, text: str) -> tuple[list[int], list[tuple[int, int]]]:
         """The pieces of a text by their place in the vocabulary, and the characters of the text that each stands for."""
         found = [
-            (place, span) for word in _WORD.finditer(_plain(text)) for place, span in self._taken_apart(word[0], word.start())
+            (place, span)
+            for word in _WORD.finditer(_plain(text))
+            for place, span in self._taken_apart(word[0], word.start())
         ]
         return [place for place, _ in found], [span for _, span in found]
 

@@ -1,0 +1,200 @@
+"""The training of the trained reader, small: it learns, goes on where it stopped, and reads the same without torch."""
+
+import random
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+import torch
+
+from roadmend.core.errors import InputError
+from roadmend.networks.checkpoint import save_checkpoint
+from roadmend.safe.reading.reader import read_claims
+from roadmend.safe.trained.crash_network import KIND, CrashNetwork, head_shapes
+from roadmend.safe.trained.lessons import lesson_of, names_by_words
+from roadmend.safe.trained.marked_text import MARKS, mark_text
+from roadmend.safe.trained.outputs import OF_PAIR, OF_TEXT, OF_VEHICLE, shares_of
+from roadmend.safe.trained.schooling import Schooling, school
+from roadmend.safe.trained.told_crashes import read_told, told_lesson
+from roadmend.safe.trained.trained_claims import TrainedReader
+from roadmend.training.text_reading import TextNetwork
+from tests.safe.trained.small_bert import KEY, TEXT, write_bert, write_told
+
+SETTINGS = Schooling(made_up=16, beside=4, epochs=3, batch=4, pieces=100, held_out=("bob",))
+CRASH = names_by_words(TEXT, [["A car", "the car"], ["A van"]])
+
+
+def untold(stage, done, of, loss):
+    pass
+
+
+def learn(folder, settings=SETTINGS, watch=untold, work="work", seed=0):
+    told = read_told(write_told(folder / "told.jsonl"))
+    return school(told, write_bert(folder / "bert"), settings, seed, folder / work, map, watch)
+
+
+def saved(schooled, path):
+    save_checkpoint(path, schooled.tensors, {**schooled.header, "kind": KIND, "data_digest": "", "ancestry": []})
+    return path
+
+
+@pytest.fixture(scope="module")
+def schooled(tmp_path_factory):
+    return learn(tmp_path_factory.mktemp("schooled"))
+
+
+@pytest.fixture(scope="module")
+def network(schooled, tmp_path_factory):
+    return CrashNetwork(saved(schooled, tmp_path_factory.mktemp("network") / "small.safetensors"))
+
+
+def test_what_authors_wrote_who_are_held_out_is_measured_on(schooled):
+    metrics = schooled.header["metrics"]
+    assert (metrics["lessons"], metrics["held_out"]) == (3, 3)
+    assert {"heading", "relation", "road_type", "weather"} <= {*metrics}
+    assert "time" not in metrics
+    assert "stem" not in metrics
+
+
+def test_it_learns(tmp_path):
+    losses = []
+    learn(
+        tmp_path,
+        SETTINGS.model_copy(update={"made_up": 0, "beside": 0, "epochs": 60, "learning_rate": 2e-3, "dropout": 0.0}),
+        lambda stage, done, of, loss: losses.append(loss) if stage == "told crashes" else None,
+    )
+    assert np.mean(losses[-10:]) < 0.6 * np.mean(losses[:10])
+
+
+def test_the_same_settings_give_the_same_weights_however_often_it_stopped(schooled, tmp_path):
+    class Stopped(Exception):
+        pass
+
+    def stop_in(wanted: str) -> Iterator[None]:
+        def watch(stage, done, of, loss):
+            if stage == wanted and done == of - 1:
+                raise Stopped
+
+        return watch
+
+    for stage in ("made-up crashes", "told crashes"):
+        with pytest.raises(Stopped):
+            learn(tmp_path, watch=stop_in(stage))
+    again = learn(tmp_path)
+    assert all((again.tensors[name] == value).all() for name, value in schooled.tensors.items())
+    other = learn(tmp_path, work="other", seed=1)
+    assert any((other.tensors[name] != value).any() for name, value in schooled.tensors.items())
+
+
+def test_the_state_of_another_network_is_refused(tmp_path):
+    learn(tmp_path)
+    with pytest.raises(InputError, match="training of another network"):
+        told = read_told(tmp_path / "told.jsonl")
+        school(told, write_bert(tmp_path / "bert", layers=2), SETTINGS, 0, tmp_path / "work", map, untold)
+
+
+def test_it_reads_without_torch_as_with_it(schooled, network):
+    shape = network.encoder.shape
+    twin = TextNetwork(shape, head_shapes(shape.hidden)).eval()
+    twin.load_state_dict({name: torch.from_numpy(value) for name, value in restored_of(schooled).items()})
+    marked = mark_text(CRASH, network.pieces)
+    inputs = [torch.from_numpy(each)[None] for each in (marked.pieces, marked.marks)]
+    with torch.no_grad():
+        logits = twin(*inputs, torch.ones_like(inputs[0], dtype=torch.bool), torch.from_numpy(marked.shares)[None])
+    answers = network.answer(marked)
+    for found, questions, own in zip(
+        (answers.vehicles, answers.pairs, answers.text), (OF_VEHICLE, OF_PAIR, OF_TEXT), logits, strict=True
+    ):
+        for name, shares in shares_of(own[0].numpy(), questions).items():
+            assert np.abs(found[name] - shares).max() < 1e-4
+
+
+def restored_of(schooled):
+    from roadmend.networks.text_encoder import restored
+
+    return restored(schooled.tensors)
+
+
+def test_a_text_longer_than_the_encoder_is_read_in_windows(network):
+    size = network.encoder.shape.positions
+    crash = names_by_words(f"{TEXT} " * 30, [["A car", "the car"], ["A van"]])
+    marked = mark_text(crash, network.pieces)
+    assert len(marked.pieces) > 2 * size
+    states = network._states(marked)
+    assert np.isfinite(states).all()
+    assert (np.abs(states).sum(axis=1) > 0).all()
+    short = mark_text(CRASH, network.pieces)
+    assert (network._states(short) == network.encoder.read(short.pieces, short.marks)).all()
+
+
+def test_claims_are_of_the_vehicles_by_their_place_and_turn_with_the_text(network):
+    reader = TrainedReader(network)
+    said = read_claims(TEXT)
+    claims = reader.claims(TEXT, said)
+    paths = {claim.path for claim in claims if hasattr(claim, "path")}
+    assert paths == {
+        "vehicles[0].initial_position",
+        "vehicles[1].initial_position",
+        "road_type",
+        "stem_direction",
+        "num_lanes",
+    }
+    assert sum(hasattr(claim, "relation") for claim in claims) == 4
+    assert {str(claim.source) for claim in claims} == {"trained reader"}
+    turned = CRASH.turned(1).text
+    before, after = reader.answers(TEXT, said), reader.answers(turned, read_claims(turned))
+    assert np.abs(np.roll(before.vehicles["heading"], 1, axis=-1) - after.vehicles["heading"]).max() < 1e-9
+    assert np.abs(before.pairs["relation"] - after.pairs["relation"]).max() < 1e-9
+
+
+def test_names_are_those_of_the_rules_or_the_noted_ones(tmp_path):
+    told = read_told(write_told(tmp_path / "told.jsonl", 1))[0]
+    assert told_lesson(told).crash.count == 2
+    noted = read_told(write_told(tmp_path / "noted.jsonl", 1, text="It rained on A car and A van of glass."))[0]
+    assert told_lesson(noted).crash.names
+    bare = read_told(write_told(tmp_path / "bare.jsonl", 1, text="It rained.", called=[]))[0]
+    assert told_lesson(bare) is None
+
+
+@pytest.mark.parametrize("line", ["{}", "[]", '{"author": "a", "name": "1", "text": "t", "key": {"vehicles": 3}}', "x"])
+def test_a_line_that_is_no_told_crash_is_refused(tmp_path, line):
+    path = tmp_path / "told.jsonl"
+    path.write_text(line + "\n")
+    with pytest.raises(InputError, match="line 1"):
+        read_told(path)
+
+
+def test_a_text_with_its_key_beside_it_is_a_told_crash(tmp_path):
+    import json
+
+    path = tmp_path / "ann-07.txt"
+    path.write_text(TEXT)
+    with pytest.raises(InputError, match=r"ann-07\.oracle\.json"):
+        read_told(path)
+    path.with_name("ann-07.oracle.json").write_text(json.dumps(KEY))
+    (found,) = read_told(path)
+    assert (found.author, found.name, found.text) == ("ann", "07", TEXT)
+    assert lesson_of(CRASH, found.key).draw(network_pieces(), 40, random.Random(0)).text.shape == (len(OF_TEXT),)
+
+
+def network_pieces():
+    from roadmend.safe.trained.word_pieces import WordPieces
+    from tests.safe.trained.small_bert import WORDS
+
+    return WordPieces(WORDS)
+
+
+def test_a_model_of_something_else_is_refused(schooled, tmp_path):
+    with pytest.raises(InputError, match="no model of crash texts"):
+        CrashNetwork(saved_with(schooled, tmp_path / "a.safetensors", vocabulary=["[UNK]", "[CLS]", "[SEP]"]))
+    with pytest.raises(InputError, match="no model of crash texts"):
+        CrashNetwork(saved_with(schooled, tmp_path / "b.safetensors", vocabulary=3))
+    with pytest.raises(InputError, match="shape"):
+        CrashNetwork(saved_with(schooled, tmp_path / "c.safetensors", shape={"pieces": -1}))
+    assert MARKS == 10
+
+
+def saved_with(schooled, path, **changes):
+    header = {**schooled.header, "kind": KIND, "data_digest": "", "ancestry": [], **changes}
+    save_checkpoint(path, schooled.tensors, header)
+    return path
