@@ -67,18 +67,18 @@ def test_it_learns(tmp_path):
 
 
 def test_the_same_settings_give_the_same_weights_however_often_it_stopped(schooled, tmp_path):
-    class Stopped(Exception):
+    class StoppedError(Exception):
         pass
 
     def stop_in(wanted: str) -> Iterator[None]:
         def watch(stage, done, of, loss):
             if stage == wanted and done == of - 1:
-                raise Stopped
+                raise StoppedError
 
         return watch
 
     for stage in ("made-up crashes", "told crashes"):
-        with pytest.raises(Stopped):
+        with pytest.raises(StoppedError):
             learn(tmp_path, watch=stop_in(stage))
     again = learn(tmp_path)
     assert all((again.tensors[name] == value).all() for name, value in schooled.tensors.items())
@@ -88,9 +88,9 @@ def test_the_same_settings_give_the_same_weights_however_often_it_stopped(school
 
 def test_the_state_of_another_network_is_refused(tmp_path):
     learn(tmp_path)
+    told, deeper = read_told(tmp_path / "told.jsonl"), write_bert(tmp_path / "bert", layers=2)
     with pytest.raises(InputError, match="training of another network"):
-        told = read_told(tmp_path / "told.jsonl")
-        school(told, write_bert(tmp_path / "bert", layers=2), SETTINGS, 0, tmp_path / "work", map, untold)
+        school(told, deeper, SETTINGS, 0, tmp_path / "work", map, untold)
 
 
 def test_it_reads_without_torch_as_with_it(schooled, network):
