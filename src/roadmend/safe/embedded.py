@@ -16,7 +16,7 @@ from roadmend.safe.reading.reader import SummaryClaims, assemble, read_claims
 from roadmend.safe.reading.weighing import JudgedField
 from roadmend.safe.report import CrashReport
 from roadmend.safe.sketch_claims import SketchClaims, claims_of_sketch
-from roadmend.safe.trained.trained_claims import trained_claims
+from roadmend.safe.trained.trained_claims import trained_claims, trained_reader
 
 ReadSketch = Callable[[Image, Cast], SketchClaims]
 ReadText = Callable[[str, SummaryClaims], Sequence[AnyClaim]]
@@ -104,7 +104,8 @@ class EmbeddedExtractor:
         evidence = {name: _evidence(finding, report.summary) for name, finding in reading.findings.items()}
         notes = [*report.notes, *_limits(said, reading), *_doubts(reading.findings)]
         notes += [f"vehicle {said.cast[place].number} touched nothing and was left out" for place in reading.left_out]
-        return Extraction(reading.scenario, evidence, sketch, tuple(notes), reader=engine())
+        by = engine() + (f", {trained_reader()}" if self.read_text is trained_claims else "")
+        return Extraction(reading.scenario, evidence, sketch, tuple(notes), reader=by)
 
 
 def _limits(said: SummaryClaims, reading: ReportReading) -> Iterator[str]:

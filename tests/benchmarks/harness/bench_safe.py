@@ -30,6 +30,7 @@ from roadmend.world.network import cache_folder
 _TEXTS = Path(__file__).parents[1] / "crash_texts"
 _MEASURED = "measured-*.txt"
 _DRAWS = 1  # episodes of a role without a search
+_PARTS = ("solver", "trained")  # of the reader of texts
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +47,10 @@ class _Bench:
     work: Path
     halves: Mapping[str, frozenset[str]]
 
-    def read(self, *, sketch: bool, solver: bool = True, paths: Sequence[Path] | None = None) -> list[ReadCrash]:
-        """Read the reports, or other paths."""
+    def read(
+        self, *, sketch: bool, without: str | None = None, paths: Sequence[Path] | None = None
+    ) -> list[ReadCrash]:
+        """Read the reports, or other paths; without a part of the reader, if one is named."""
         paths = self.reports if paths is None else paths
         with counting() as progress:
             task = progress.add_task("reading" if sketch else "reading, text only", total=len(paths))
@@ -57,7 +60,8 @@ class _Bench:
                 self.workers,
                 lambda done: progress.update(task, completed=done),
                 sketch=sketch,
-                solver=solver,
+                solver=without != "solver",
+                trained=without != "trained",
             )
 
     def cases(self, read: Sequence[ReadCrash]) -> list[CrashCase]:
@@ -116,7 +120,7 @@ class _Bench:
 @click.option(
     "--without",
     multiple=True,
-    type=click.Choice(["solver", "sketch"]),
+    type=click.Choice(["sketch", *_PARTS]),
     help="Also measure without a part. Without the search is always measured.",
 )
 @click.option(
@@ -177,13 +181,15 @@ def safe(
     ablations: dict[str, Any] = {"search": {"reproduction": bench.reproduce(cases, "one draw", _DRAWS)}}
     if "sketch" in without:
         ablations["sketch"] = {"reproduction": bench.reproduce(bench.cases(text), "without sketch", budget)}
-    if "solver" in without:
-        bare = bench.read(sketch=True, solver=False)
-        alone = bench.read(sketch=False, solver=False)
-        ablations["solver"] = {
+    for part in (each for each in _PARTS if each in without):
+        bare, alone = bench.read(sketch=True, without=part), bench.read(sketch=False, without=part)
+        ablations[part] = {
             "extraction": measure_extraction(alone, bare, oracles, bench.halves),
-            "reproduction": bench.reproduce(bench.cases(bare), "without solver", budget),
+            "reproduction": bench.reproduce(bench.cases(bare), f"without {part}", budget),
         }
+        if measured:
+            others = measure_registers(bench.read(sketch=False, without=part, paths=measured), texts)
+            ablations[part]["extraction"]["other_registers"] = others
     chosen = " ".join(f"--policy {policy}" for policy in policies)
     options = "".join(f" --without {name}" for name in without)
     known = " --crash-records RECORDS" if records is not None else ""

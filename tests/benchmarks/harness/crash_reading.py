@@ -14,6 +14,7 @@ from roadmend.safe.dsl_data import dump_data, parse_data
 from roadmend.safe.embedded import EmbeddedExtractor
 from roadmend.safe.report import CrashReport, load_report
 from roadmend.safe.sketch_claims import is_sketch_read
+from roadmend.safe.trained.trained_claims import trained_claims, trained_reader
 
 _FORMAT = "roadmend-bench-reading/1"
 
@@ -48,6 +49,7 @@ def read_crashes(
     *,
     sketch: bool = True,
     solver: bool = True,
+    trained: bool = True,
 ) -> list[ReadCrash]:
     """Read reports, or take what an earlier call has read.
 
@@ -58,20 +60,21 @@ def read_crashes(
         told: hears how many are done.
         sketch: look at the sketch too.
         solver: let the reader's consistency solver decide.
+        trained: let the trained reader claim, too.
 
     Raises:
         InputError: a report's files are broken.
     """
     reports = [load_report(path) for path in paths]
     reports = [report if sketch else replace(report, sketch=None) for report in reports]
-    decided = (sketch, solver, is_sketch_read())
+    decided = (sketch, solver, trained_reader() if trained else None, is_sketch_read())
     keys = [entry_key([__name__], report.case, report.digest(), *decided) for report in reports]
     with Journal(work / "readings.jsonl", _FORMAT) as journal:
         missing = [(key, report) for key, report in zip(keys, reports, strict=True) if journal.get(key) is None]
         done = len(reports) - len(missing)
         told(done)
         with fan_out(workers, len(missing)) as mapper:
-            answers = mapper(partial(_read, solver=solver), [report for _, report in missing])
+            answers = mapper(partial(_read, solver=solver, trained=trained), [report for _, report in missing])
             for (key, _), answer in zip(missing, answers, strict=True):
                 journal.add(key, answer)
                 done += 1
@@ -80,9 +83,10 @@ def read_crashes(
     return [ReadCrash(each["name"], each["data"], each["confidence"], each["problem"]) for each in found if each]
 
 
-def _read(report: CrashReport, *, solver: bool) -> dict[str, Any]:
+def _read(report: CrashReport, *, solver: bool, trained: bool) -> dict[str, Any]:
+    reader = EmbeddedExtractor(read_text=trained_claims if trained else None, solver=solver)
     try:
-        extraction = EmbeddedExtractor(solver=solver).extract(report)
+        extraction = reader.extract(report)
     except RoadmendError as error:
         return {"name": report.case, "data": None, "confidence": {}, "problem": str(error)}
     confidence = {

@@ -30,6 +30,15 @@ def trained_claims(summary: str, said: SummaryClaims) -> tuple[AnyClaim, ...]:
     return TrainedReader(_shipped()).claims(summary, said)
 
 
+def trained_reader() -> str:
+    """The shipped network by name and digest, for a result to say.
+
+    Raises:
+        InputError: as for its claims.
+    """
+    return f"{SHIPPED} {_shipped().digest[:12]}"
+
+
 class TrainedReader:
     """Makes claims of a summary.
 
