@@ -30,7 +30,7 @@ from roadmend.world.network import cache_folder
 _TEXTS = Path(__file__).parents[1] / "crash_texts"
 _MEASURED = "measured-*.txt"
 _DRAWS = 1  # episodes of a role without a search
-_PARTS = ("solver", "trained")  # of the reader of texts
+_PARTS = ("solver", "trained-reader")  # of the reader of texts
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,9 +47,7 @@ class _Bench:
     work: Path
     halves: Mapping[str, frozenset[str]]
 
-    def read(
-        self, *, sketch: bool, without: str | None = None, paths: Sequence[Path] | None = None
-    ) -> list[ReadCrash]:
+    def read(self, *, sketch: bool, without: str | None = None, paths: Sequence[Path] | None = None) -> list[ReadCrash]:
         """Read the reports, or other paths; without a part of the reader, if one is named."""
         paths = self.reports if paths is None else paths
         with counting() as progress:
@@ -61,7 +59,7 @@ class _Bench:
                 lambda done: progress.update(task, completed=done),
                 sketch=sketch,
                 solver=without != "solver",
-                trained=without != "trained",
+                trained=without != "trained-reader",
             )
 
     def cases(self, read: Sequence[ReadCrash]) -> list[CrashCase]:

@@ -77,7 +77,11 @@ def _reproduction(content: Mapping[str, Any]) -> Iterator[_Line]:
     yield "by the program's own reading of the report", own, _NOT_MEASURED
     for name, ablation in content["ablations"].items():
         told = [_of(each, "reproduced") for each in ablation["reproduction"].values()]
-        yield f"control: without {name}" + (", one random draw" if name == "search" else ""), told, _NOT_MEASURED
+        yield (
+            f"control: without {name.replace('-', ' ')}" + (", one random draw" if name == "search" else ""),
+            told,
+            _NOT_MEASURED,
+        )
 
 
 def _extraction(content: Mapping[str, Any]) -> Iterator[_Line]:
@@ -106,7 +110,7 @@ def _extraction(content: Mapping[str, Any]) -> Iterator[_Line]:
         for group, found in ablation.get("extraction", {}).items():
             cells = ", ".join(f"{category} {found[category]:.1f}" for category in _CATEGORIES)
             yield (
-                f"read right, {group.replace('_', ' ')}, text only, control: without {name}",
+                f"read right, {group.replace('_', ' ')}, text only, control: without {name.replace('-', ' ')}",
                 f"{cells} %",
                 _NOT_MEASURED,
             )
