@@ -6,7 +6,8 @@ import pytest
 
 from roadmend.cli.main import main
 from roadmend.networks.checkpoint import load_checkpoint
-from tests.safe.trained.small_bert import write_bert, write_told
+from tests.networks.small_bert import write_bert
+from tests.safe.trained.told import write_told
 
 SETTINGS = "made_up: 8\nbeside: 0\nepochs: 1\nbatch: 4\npieces: 100\nheld_out: [bob]\n"
 

@@ -10,51 +10,7 @@ import torch
 from roadmend.core.errors import InputError
 from roadmend.networks.bert_files import fewer_pieces, read_bert
 from roadmend.networks.text_encoder import TextReader
-
-WORDS = ["[PAD]", "[UNK]", "[CLS]", "[SEP]", "car", "##s", "hit", "the"]
-WIDTH, INNER = 12, 20
-
-
-def bert(folder, scope="", **changes):
-    """Write the files of a small BERT with drawn weights, and return these."""
-    generator = np.random.default_rng(4)
-
-    def drawn(*sizes):
-        return generator.normal(size=sizes, scale=0.3).astype(np.float32)
-
-    tensors = {
-        "embeddings.word_embeddings.weight": drawn(len(WORDS), WIDTH),
-        "embeddings.position_embeddings.weight": drawn(16, WIDTH),
-        "embeddings.token_type_embeddings.weight": drawn(2, WIDTH),
-        "embeddings.LayerNorm.weight": drawn(WIDTH),
-        "embeddings.LayerNorm.bias": drawn(WIDTH),
-    }
-    own = "encoder.layer.0."
-    sizes = {
-        **dict.fromkeys(("attention.self.query", "attention.self.key", "attention.self.value"), (WIDTH, WIDTH)),
-        "attention.output.dense": (WIDTH, WIDTH),
-        "intermediate.dense": (INNER, WIDTH),
-        "output.dense": (WIDTH, INNER),
-    }
-    for name, (rows, columns) in sizes.items():
-        tensors |= {f"{own}{name}.weight": drawn(rows, columns), f"{own}{name}.bias": drawn(rows)}
-    for name in ("attention.output.LayerNorm", "output.LayerNorm"):
-        tensors |= {f"{own}{name}.weight": drawn(WIDTH), f"{own}{name}.bias": drawn(WIDTH)}
-    settings = {
-        "model_type": "bert",
-        "hidden_size": WIDTH,
-        "num_hidden_layers": 1,
-        "num_attention_heads": 2,
-        "intermediate_size": INNER,
-        "max_position_embeddings": 16,
-        "hidden_act": "gelu",
-    }
-    (folder / "config.json").write_text(json.dumps(settings | changes))
-    (folder / "tokenizer.json").write_text(
-        json.dumps({"model": {"vocab": {word: at for at, word in enumerate(WORDS)}}})
-    )
-    safetensors.numpy.save_file({scope + name: value for name, value in tensors.items()}, folder / "model.safetensors")
-    return tensors
+from tests.networks.small_bert import INNER, WIDTH, WORDS, write_bert
 
 
 def read_by_torch(tensors, pieces):
@@ -89,29 +45,35 @@ def tensors_of_embeddings(tensors):
 
 @pytest.mark.parametrize("scope", ["", "bert."])
 def test_it_reads_as_the_bert_does(tmp_path, scope):
-    tensors = bert(tmp_path, scope)
+    tensors = write_bert(tmp_path, scope)
     shape, found, vocabulary = read_bert(tmp_path, marks=3)
     assert vocabulary == WORDS
-    assert (shape.pieces, shape.positions, shape.hidden, shape.layers, shape.marks) == (8, 16, WIDTH, 1, 3)
-    pieces = np.array([2, 7, 4, 5, 6, 3])
+    assert (shape.pieces, shape.positions, shape.hidden, shape.layers, shape.marks) == (len(WORDS), 512, WIDTH, 1, 3)
+    pieces = np.array([2, 90, 41, 5, 6, 3])
     reader = TextReader(shape, found | {"marks.weight": np.zeros((3, WIDTH), np.float32)}, prefix="")
     read = reader.read(pieces, np.zeros(6, np.int64))
     assert np.abs(read - read_by_torch(tensors, pieces)).max() < 1e-4
 
 
-def test_a_list_of_words_serves_as_well(tmp_path):
-    bert(tmp_path)
-    (tmp_path / "tokenizer.json").unlink()
-    (tmp_path / "vocab.txt").write_text("\n".join(WORDS) + "\n")
+def test_the_file_of_a_tokenizer_serves_as_well(tmp_path):
+    write_bert(tmp_path)
+    (tmp_path / "vocab.txt").unlink()
+    vocabulary = {word: place for place, word in enumerate(WORDS)}
+    (tmp_path / "tokenizer.json").write_text(json.dumps({"model": {"vocab": vocabulary}}))
     assert read_bert(tmp_path, marks=3)[2] == WORDS
 
 
 def test_it_can_forget_pieces(tmp_path):
-    bert(tmp_path)
+    write_bert(tmp_path)
     _, tensors, vocabulary = read_bert(tmp_path, marks=3)
-    fewer, left = fewer_pieces(tensors, vocabulary, [1, 2, 3, 7])
+    fewer, left = fewer_pieces(tensors, vocabulary, [1, 2, 3, WORDS.index("the")])
     assert left == ["[UNK]", "[CLS]", "[SEP]", "the"]
-    assert (fewer["pieces.weight"] == tensors["pieces.weight"][[1, 2, 3, 7]]).all()
+    assert (fewer["pieces.weight"] == tensors["pieces.weight"][[1, 2, 3, WORDS.index("the")]]).all()
+
+
+def only_tokenizer(folder, content):
+    (folder / "vocab.txt").unlink()
+    (folder / "tokenizer.json").write_text(content)
 
 
 @pytest.mark.parametrize(
@@ -119,16 +81,16 @@ def test_it_can_forget_pieces(tmp_path):
     [
         (lambda folder: (folder / "config.json").write_text("{}"), "is not that of a BERT encoder"),
         (lambda folder: (folder / "config.json").unlink(), "config.json"),
-        (lambda folder: (folder / "tokenizer.json").write_text('{"model": {}}'), "holds no vocabulary"),
-        (lambda folder: (folder / "tokenizer.json").write_text("[]"), "holds no fields"),
+        (lambda folder: only_tokenizer(folder, '{"model": {}}'), "holds no vocabulary"),
+        (lambda folder: only_tokenizer(folder, "[]"), "holds no fields"),
         (lambda folder: (folder / "model.safetensors").write_bytes(b"cut"), "its weights are not those"),
         (lambda folder: safetensors.numpy.save_file({}, folder / "model.safetensors"), "no word embeddings"),
-        (lambda folder: bert(folder, hidden_act="relu"), "rectify by 'relu'"),
-        (lambda folder: bert(folder, num_hidden_layers=2), "its weights are not those"),
+        (lambda folder: write_bert(folder, hidden_act="relu"), "rectify by 'relu'"),
+        (lambda folder: write_bert(folder, num_hidden_layers=2), "its weights are not those"),
     ],
 )
 def test_what_is_no_bert_is_refused_in_a_line(tmp_path, damage, told):
-    bert(tmp_path)
+    write_bert(tmp_path)
     damage(tmp_path)
     with pytest.raises(InputError, match=told) as caught:
         read_bert(tmp_path, marks=3)

@@ -6,7 +6,8 @@ import torch
 
 from roadmend.networks.encoder import TextEncoder
 from roadmend.networks.shape import TextShape
-from roadmend.networks.text_encoder import TextReader, restored, rounded
+from roadmend.networks.tensors import restored, rounded
+from roadmend.networks.text_encoder import TextReader
 
 SHAPE = TextShape(pieces=50, positions=20, marks=4, hidden=24, layers=2, heads=3, feed_forward=40)
 PIECES, MARKS = np.array([2, 7, 7, 49, 0, 3]), np.array([0, 1, 1, 3, 0, 2])

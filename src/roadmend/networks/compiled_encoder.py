@@ -1,6 +1,5 @@
 """The compiled twins of SceneEncoder and Head: what drives, without torch. They agree with torch to 2e-5."""
 
-from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any
 
@@ -8,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.jit import compiled
+from roadmend.networks.checkpoint import Tensors
 from roadmend.networks.kernels import Floats, add_and_normalise, attend, gelu, linear, rectify
 from roadmend.networks.kernels import sigmoid as _sigmoid
 from roadmend.networks.shape import EncoderShape, HeadShape
-
-Tensors = Mapping[str, NDArray[Any]]
+from roadmend.networks.tensors import linear_map, take
 
 
 class CompiledEncoder:
@@ -100,9 +99,9 @@ def pack_perceptron(shape: HeadShape, tensors: Tensors, prefix: str) -> Floats:
     Raises:
         ValueError: a tensor is missing, has another shape or holds what is not finite.
     """
-    parts = []
+    parts = list[Floats]()
     for place, (inputs, outputs) in enumerate(pairwise(shape.widths)):
-        parts += _linear(tensors, f"{prefix}layers.{place}", outputs, inputs)
+        parts += linear_map(tensors, f"{prefix}layers.{place}", outputs, inputs)
     return np.concatenate([part.ravel() for part in parts])
 
 
@@ -115,41 +114,22 @@ def plain(values: NDArray[Any]) -> Floats:
     return result if result.flags.writeable else result.copy()
 
 
-def _take(tensors: Tensors, name: str, *shape: int) -> Floats:
-    """One tensor, checked."""
-    if name not in tensors:
-        raise ValueError(f"tensor {name} is missing")
-    tensor = tensors[name]
-    if tensor.shape != shape:
-        raise ValueError(f"tensor {name}: shape {shape} wanted, got {tensor.shape}")
-    result = np.ascontiguousarray(tensor, np.float32)
-    if not np.isfinite(result).all():
-        raise ValueError(f"tensor {name} holds what is not finite")
-    return result
-
-
-def _linear(tensors: Tensors, name: str, outputs: int, inputs: int) -> list[Floats]:
-    """A linear map as the kernels want it: the weight as (inputs, outputs), torch has it the other way, and the bias."""
-    weight = _take(tensors, f"{name}.weight", outputs, inputs)
-    return [np.ascontiguousarray(weight.T), _take(tensors, f"{name}.bias", outputs)]
-
-
 def _pack_encoder(shape: EncoderShape, tensors: Tensors, prefix: str) -> Floats:
     """All weights in one array, in the order in which _encode takes them."""
     width, inner = shape.hidden, shape.feed_forward
-    parts = [*_linear(tensors, f"{prefix}embed", width, shape.attributes), _take(tensors, f"{prefix}cls", width)]
+    parts = [*linear_map(tensors, f"{prefix}embed", width, shape.attributes), take(tensors, f"{prefix}cls", width)]
     scale = np.float32((width // shape.heads) ** -0.5)
     for place in range(shape.layers):
         name = f"{prefix}layers.{place}."
-        weight, bias = _linear(tensors, f"{name}attention_in", 3 * width, width)
+        weight, bias = linear_map(tensors, f"{name}attention_in", 3 * width, width)
         # The scale of the attention goes into the queries here, once.
         parts += [weight[:, :width] * scale, bias[:width] * scale]
         parts += [weight[:, width:], bias[width:]]
-        parts += _linear(tensors, f"{name}attention_out", width, width)
-        parts += [_take(tensors, f"{name}norm1.{part}", width) for part in ("weight", "bias")]
-        parts += _linear(tensors, f"{name}feed_in", inner, width)
-        parts += _linear(tensors, f"{name}feed_out", width, inner)
-        parts += [_take(tensors, f"{name}norm2.{part}", width) for part in ("weight", "bias")]
+        parts += linear_map(tensors, f"{name}attention_out", width, width)
+        parts += [take(tensors, f"{name}norm1.{part}", width) for part in ("weight", "bias")]
+        parts += linear_map(tensors, f"{name}feed_in", inner, width)
+        parts += linear_map(tensors, f"{name}feed_out", width, inner)
+        parts += [take(tensors, f"{name}norm2.{part}", width) for part in ("weight", "bias")]
     return np.concatenate([part.ravel() for part in parts])
 
 

@@ -1,17 +1,13 @@
 """The compiled twins of SetEncoder and Excerpt: what drives, without torch."""
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.core.jit import compiled
+from roadmend.networks.checkpoint import Tensors
 from roadmend.networks.compiled_encoder import pack_perceptron, plain
 from roadmend.networks.kernels import Floats, linear, rectify
 from roadmend.networks.shape import ExcerptShape, SetShape
-
-Tensors = Mapping[str, NDArray[Any]]
 
 
 class CompiledSetEncoder:

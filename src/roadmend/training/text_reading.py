@@ -1,7 +1,7 @@
 """Fits a network that answers questions about texts, the vehicles they name and pairs of these."""
 
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from roadmend.core.whole_file import written_beside
 from roadmend.networks.checkpoint import load_checkpoint, save_checkpoint
 from roadmend.networks.encoder import Head, TextEncoder
 from roadmend.networks.shape import HeadShape, TextShape
+from roadmend.training.imitation import tensors_of
 from roadmend.training.optimizer_state import load_optimizer, optimizer_tensors
 
 UNASKED = -1  # an answer that is not known
@@ -99,6 +100,22 @@ class TextNetwork(nn.Module):
             self.pair(self.drop(pairs)),
             self.text(self.drop(torch.cat([mean, begin[:, 0]], -1))),
         )
+
+
+def begin_network(
+    shape: TextShape, heads: dict[str, HeadShape], encoder: Mapping[str, NDArray[Any]], dropout: float, seed: int
+) -> TextNetwork:
+    """A network with the weights of an encoder, as far as these are given; all others are drawn."""
+    torch.manual_seed(seed)
+    network = TextNetwork(shape, heads, dropout)
+    network.encoder.load_state_dict({name: torch.from_numpy(value) for name, value in encoder.items()}, strict=False)
+    return network
+
+
+@torch.no_grad()
+def logits_of(network: TextNetwork, sample: TextSample) -> tuple[NDArray[np.float32], ...]:
+    """What a network says of one text: about its vehicles (V, .), pairs of them (V, V, .), and the text (.)."""
+    return tuple(each[0].numpy() for each in network(*_stacked([sample]).inputs))
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,7 +203,7 @@ def save_training(folder: Path, network: nn.Module, optimizer: torch.optim.Optim
     Raises:
         InputError: it cannot be written.
     """
-    weights = {name: value.numpy() for name, value in network.state_dict().items()}
+    weights = tensors_of(network)
     memory = optimizer_tensors(optimizer, "")
     header = {"kind": _KIND, "configuration": {"epochs": epochs}, "data_digest": "", "metrics": {}, "ancestry": []}
     parts = {"weights": weights} | {

@@ -11,7 +11,8 @@ from roadmend.safe.trained.marked_text import SEATS, SOMEBODY_ELSE, Name, NamedC
 from roadmend.safe.trained.outputs import HEADINGS, OF_PAIR, OF_TEXT, OF_VEHICLE, RELATIONS, TOUCHED
 from roadmend.safe.trained.word_pieces import WordPieces
 from roadmend.training.text_reading import UNASKED
-from tests.safe.trained.small_bert import KEY, TEXT, WORDS
+from tests.networks.small_bert import WORDS
+from tests.safe.trained.told import KEY, TEXT
 
 PIECES = WordPieces(WORDS)
 CRASH = names_by_words(TEXT, [["A car", "the car"], ["A van"]])

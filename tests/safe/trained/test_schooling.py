@@ -1,5 +1,6 @@
 """The training of the trained reader, small: it learns, goes on where it stopped, and reads the same without torch."""
 
+import json
 import random
 from collections.abc import Iterator
 
@@ -9,6 +10,7 @@ import torch
 
 from roadmend.core.errors import InputError
 from roadmend.networks.checkpoint import save_checkpoint
+from roadmend.networks.tensors import restored
 from roadmend.safe.reading.reader import read_claims
 from roadmend.safe.trained.crash_network import KIND, CrashNetwork, head_shapes
 from roadmend.safe.trained.lessons import lesson_of, names_by_words
@@ -17,8 +19,10 @@ from roadmend.safe.trained.outputs import OF_PAIR, OF_TEXT, OF_VEHICLE, shares_o
 from roadmend.safe.trained.schooling import Schooling, school
 from roadmend.safe.trained.told_crashes import read_told, told_lesson
 from roadmend.safe.trained.trained_claims import TrainedReader
+from roadmend.safe.trained.word_pieces import WordPieces
 from roadmend.training.text_reading import TextNetwork
-from tests.safe.trained.small_bert import KEY, TEXT, write_bert, write_told
+from tests.networks.small_bert import WORDS, write_bert
+from tests.safe.trained.told import KEY, TEXT, write_told
 
 SETTINGS = Schooling(made_up=16, beside=4, epochs=3, batch=4, pieces=100, held_out=("bob",))
 CRASH = names_by_words(TEXT, [["A car", "the car"], ["A van"]])
@@ -30,7 +34,8 @@ def untold(stage, done, of, loss):
 
 def learn(folder, settings=SETTINGS, watch=untold, work="work", seed=0):
     told = read_told(write_told(folder / "told.jsonl"))
-    return school(told, write_bert(folder / "bert"), settings, seed, folder / work, map, watch)
+    write_bert(folder / "bert")
+    return school(told, folder / "bert", settings, seed, folder / work, map, watch)
 
 
 def saved(schooled, path):
@@ -88,15 +93,16 @@ def test_the_same_settings_give_the_same_weights_however_often_it_stopped(school
 
 def test_the_state_of_another_network_is_refused(tmp_path):
     learn(tmp_path)
-    told, deeper = read_told(tmp_path / "told.jsonl"), write_bert(tmp_path / "bert", layers=2)
+    told = read_told(tmp_path / "told.jsonl")
+    write_bert(tmp_path / "bert", layers=2)
     with pytest.raises(InputError, match="training of another network"):
-        school(told, deeper, SETTINGS, 0, tmp_path / "work", map, untold)
+        school(told, tmp_path / "bert", SETTINGS, 0, tmp_path / "work", map, untold)
 
 
 def test_it_reads_without_torch_as_with_it(schooled, network):
     shape = network.encoder.shape
     twin = TextNetwork(shape, head_shapes(shape.hidden)).eval()
-    twin.load_state_dict({name: torch.from_numpy(value) for name, value in restored_of(schooled).items()})
+    twin.load_state_dict({name: torch.from_numpy(value) for name, value in restored(schooled.tensors).items()})
     marked = mark_text(CRASH, network.pieces)
     inputs = [torch.from_numpy(each)[None] for each in (marked.pieces, marked.marks)]
     with torch.no_grad():
@@ -107,12 +113,6 @@ def test_it_reads_without_torch_as_with_it(schooled, network):
     ):
         for name, shares in shares_of(own[0].numpy(), questions).items():
             assert np.abs(found[name] - shares).max() < 1e-4
-
-
-def restored_of(schooled):
-    from roadmend.networks.text_encoder import restored
-
-    return restored(schooled.tensors)
 
 
 def test_a_text_longer_than_the_encoder_is_read_in_windows(network):
@@ -165,8 +165,6 @@ def test_a_line_that_is_no_told_crash_is_refused(tmp_path, line):
 
 
 def test_a_text_with_its_key_beside_it_is_a_told_crash(tmp_path):
-    import json
-
     path = tmp_path / "ann-07.txt"
     path.write_text(TEXT)
     with pytest.raises(InputError, match=r"ann-07\.oracle\.json"):
@@ -174,14 +172,7 @@ def test_a_text_with_its_key_beside_it_is_a_told_crash(tmp_path):
     path.with_name("ann-07.oracle.json").write_text(json.dumps(KEY))
     (found,) = read_told(path)
     assert (found.author, found.name, found.text) == ("ann", "07", TEXT)
-    assert lesson_of(CRASH, found.key).draw(network_pieces(), 40, random.Random(0)).text.shape == (len(OF_TEXT),)
-
-
-def network_pieces():
-    from roadmend.safe.trained.word_pieces import WordPieces
-    from tests.safe.trained.small_bert import WORDS
-
-    return WordPieces(WORDS)
+    assert lesson_of(CRASH, found.key).draw(WordPieces(WORDS), 40, random.Random(0)).text.shape == (len(OF_TEXT),)
 
 
 def test_a_model_of_something_else_is_refused(schooled, tmp_path):

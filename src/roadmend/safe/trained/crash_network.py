@@ -14,7 +14,8 @@ from roadmend.networks.checkpoint import load_checkpoint
 from roadmend.networks.compiled_encoder import CompiledHead
 from roadmend.networks.kernels import Floats, linear
 from roadmend.networks.shape import HeadShape, TextShape
-from roadmend.networks.text_encoder import TextReader, restored
+from roadmend.networks.tensors import restored
+from roadmend.networks.text_encoder import TextReader
 from roadmend.safe.trained.marked_text import MARKS, MarkedText
 from roadmend.safe.trained.outputs import OF_PAIR, OF_TEXT, OF_VEHICLE, shares_of, width_of
 from roadmend.safe.trained.word_pieces import WordPieces

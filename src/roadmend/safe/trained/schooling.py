@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import torch
 from pydantic import Field
 
 from roadmend.core.fanout import Mapper
 from roadmend.core.parameters import Parameters
 from roadmend.networks.bert_files import fewer_pieces, read_bert
-from roadmend.networks.text_encoder import rounded
+from roadmend.networks.tensors import rounded
 from roadmend.safe.trained.crash_network import head_shapes
 from roadmend.safe.trained.lessons import Lesson, questions_of_training
 from roadmend.safe.trained.made_up import made_up_lesson
@@ -22,7 +21,17 @@ from roadmend.safe.trained.marked_text import MARKS
 from roadmend.safe.trained.outputs import OF_PAIR, OF_TEXT, OF_VEHICLE, Question
 from roadmend.safe.trained.told_crashes import ToldCrash, told_lesson
 from roadmend.safe.trained.word_pieces import BEGIN, END, UNKNOWN, WordPieces
-from roadmend.training.text_reading import UNASKED, Draw, Pace, TextNetwork, TextSample, fit
+from roadmend.training.imitation import tensors_of
+from roadmend.training.text_reading import (
+    UNASKED,
+    Draw,
+    Pace,
+    TextNetwork,
+    TextSample,
+    begin_network,
+    fit,
+    logits_of,
+)
 
 _ROUNDS = 8  # in which made-up crashes are taught, the state being kept after each
 _LONGEST_SIGN = 3  # letters of pieces that are always kept, so that every word falls apart into something
@@ -91,9 +100,7 @@ def school(
     tensors, vocabulary = fewer_pieces(tensors, vocabulary, kept)
     shape = shape.model_copy(update={"pieces": len(kept)})
     pieces = WordPieces(vocabulary)
-    torch.manual_seed(seed)
-    network = TextNetwork(shape, head_shapes(shape.hidden), settings.dropout)
-    network.encoder.load_state_dict({name: torch.from_numpy(value) for name, value in tensors.items()}, strict=False)
+    network = begin_network(shape, head_shapes(shape.hidden), tensors, settings.dropout, seed)
 
     def made_up(generator: random.Random) -> TextSample:
         return made_up_lesson(generator).draw(pieces, shape.positions, generator)
@@ -109,7 +116,6 @@ def school(
     draws += [made_up] * settings.beside
     teach("told crashes", draws, Pace(settings.epochs, settings.batch, rate, seed + 1))
     metrics = {"lessons": len(lessons), "held_out": len(measured), **_measure(network, measured, pieces)}
-    weights = rounded({name: value.numpy() for name, value in network.state_dict().items()})
     header = {
         "configuration": {**settings.model_dump(mode="json"), "seed": seed},
         "metrics": metrics,
@@ -117,7 +123,7 @@ def school(
         "vocabulary": vocabulary,
         "trust": dict(settings.trust),
     }
-    return Schooled(weights, header)
+    return Schooled(rounded(tensors_of(network)), header)
 
 
 def _tell(watch: Told, stage: str, done: int, of: int, loss: float) -> None:
@@ -136,19 +142,17 @@ def _kept(vocabulary: Sequence[str], lessons: Sequence[Lesson], most: int) -> li
     return sorted({*plain[:most], *signs, *(place for place, piece in enumerate(vocabulary) if piece in used)})
 
 
-@torch.no_grad()
 def _measure(network: TextNetwork, lessons: Sequence[Lesson], pieces: WordPieces) -> Mapping[str, float]:
     """Of the questions that can be asked about the lessons, the share that is answered right, by question."""
     right: dict[str, list[bool]] = {}
     generator = random.Random(0)
     for lesson in lessons:
         sample = lesson.draw(pieces, network.encoder.shape.positions, generator)
-        inputs = (torch.from_numpy(each)[None] for each in (sample.pieces, sample.marks))
-        whole = torch.ones(1, len(sample.pieces), dtype=torch.bool)
-        logits = network(*inputs, whole, torch.from_numpy(sample.shares)[None])
         known = (sample.vehicles, sample.pairs, sample.text)
-        for questions, found, answers in zip((OF_VEHICLE, OF_PAIR, OF_TEXT), logits, known, strict=True):
-            _count(questions, found[0].numpy(), answers, right)
+        for questions, found, answers in zip(
+            (OF_VEHICLE, OF_PAIR, OF_TEXT), logits_of(network, sample), known, strict=True
+        ):
+            _count(questions, found, answers, right)
     return {name: round(float(np.mean(marks)), 4) for name, marks in right.items() if marks}
 
 

@@ -1,4 +1,4 @@
-"""A BERT encoder of a few weights, as files, and told crashes for it to learn from."""
+"""A BERT encoder of a few weights, as files."""
 
 import json
 
@@ -11,8 +11,16 @@ WORDS = ["[PAD]", "[UNK]", "[CLS]", "[SEP]", *SIGNS, *(f"##{sign}" for sign in S
 WORDS += ["north", "south", "east", "west", "##bound", "car", "van", "hit", "the", "left", "right", "was", "on"]
 
 
-def write_bert(folder, layers=1, positions=512):
-    """Write the files of a small encoder with drawn weights."""
+def write_bert(folder, scope="", layers=1, positions=512, **changes):
+    """Write the files of a small encoder with drawn weights, and return these.
+
+    Args:
+        folder: is made.
+        scope: before the names of the weights.
+        layers: that there are.
+        positions: longest text.
+        changes: of its configuration, which then does not fit.
+    """
     folder.mkdir(exist_ok=True)
     generator = np.random.default_rng(1)
 
@@ -23,8 +31,8 @@ def write_bert(folder, layers=1, positions=512):
         "embeddings.word_embeddings.weight": drawn(len(WORDS), WIDTH),
         "embeddings.position_embeddings.weight": drawn(positions, WIDTH),
         "embeddings.token_type_embeddings.weight": drawn(2, WIDTH),
-        "embeddings.LayerNorm.weight": np.ones(WIDTH, np.float32),
-        "embeddings.LayerNorm.bias": np.zeros(WIDTH, np.float32),
+        "embeddings.LayerNorm.weight": drawn(WIDTH),
+        "embeddings.LayerNorm.bias": drawn(WIDTH),
     }
     maps = dict.fromkeys([f"attention.self.{name}" for name in ("query", "key", "value")], (WIDTH, WIDTH))
     maps |= {
@@ -38,8 +46,8 @@ def write_bert(folder, layers=1, positions=512):
             tensors |= {f"{own}{name}.weight": drawn(*sizes), f"{own}{name}.bias": drawn(sizes[0])}
         for name in ("attention.output.LayerNorm", "output.LayerNorm"):
             tensors |= {
-                f"{own}{name}.weight": np.ones(WIDTH, np.float32),
-                f"{own}{name}.bias": np.zeros(WIDTH, np.float32),
+                f"{own}{name}.weight": drawn(WIDTH),
+                f"{own}{name}.bias": drawn(WIDTH),
             }
     settings = {
         "hidden_size": WIDTH,
@@ -49,29 +57,7 @@ def write_bert(folder, layers=1, positions=512):
         "max_position_embeddings": positions,
         "hidden_act": "gelu",
     }
-    (folder / "config.json").write_text(json.dumps(settings))
+    (folder / "config.json").write_text(json.dumps(settings | changes))
     (folder / "vocab.txt").write_text("\n".join(WORDS) + "\n")
-    safetensors.numpy.save_file(tensors, folder / "model.safetensors")
-    return folder
-
-
-TEXT = "A car was northbound on Elm. A van was westbound on Oak and hit the car in the left side. It was raining."
-KEY = {
-    "road_type": "Intersection",
-    "num_lanes": 2,
-    "stem_direction": None,
-    "vehicles": [
-        {"model": "Sedan", "initial_position": "S2N", "action": "Move Forward", "speed_limit_mph": None},
-        {"model": "Minivan", "initial_position": "E2W", "action": "Move Forward", "speed_limit_mph": None},
-    ],
-    "env": {"time": None, "weather": "Rainy"},
-    "collisions": [{"striking": 2, "struck": 1, "striking_side": "front", "struck_side": "right"}],
-}
-
-
-def write_told(path, count=6, **changes):
-    """Write a file of told crashes, all alike."""
-    content = {"text": TEXT, "key": KEY, "called": [["A car", "the car"], ["A van"]]} | changes
-    lines = [json.dumps(content | {"author": "ann" if at % 2 else "bob", "name": f"{at:02}"}) for at in range(count)]
-    path.write_text("\n".join(lines) + "\n")
-    return path
+    safetensors.numpy.save_file({scope + name: value for name, value in tensors.items()}, folder / "model.safetensors")
+    return tensors
