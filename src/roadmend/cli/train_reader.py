@@ -11,7 +11,7 @@ import click
 from roadmend import __version__
 from roadmend.cli.call import call_again
 from roadmend.cli.command import ExampleCommand
-from roadmend.cli.options import FILE, FOLDER, JSON, MODEL_OUT, SEED, WORKERS, options_of, settings_file
+from roadmend.cli.options import DEVICE, FILE, FOLDER, JSON, MODEL_OUT, SEED, WORKERS, options_of, settings_file
 from roadmend.cli.output import told_stages
 from roadmend.core.bounded_file import read_bytes
 from roadmend.core.bounds import MODEL
@@ -55,6 +55,7 @@ class ReaderOptions:
         int,
         click.option("--threads", default=2, show_default=True, type=click.IntRange(1, 256), help="Of the processor."),
     ]
+    device: Annotated[str, DEVICE]
     workers: Annotated[int, WORKERS]
     as_json: Annotated[bool, JSON]
 
@@ -72,7 +73,7 @@ def reader(given: ReaderOptions) -> None:
 
     TOLD are crashes with keys: JSON Lines, or texts with NAME.oracle.json beside them. It begins with made-up crashes,
     learns from the told ones, and is measured on those of authors that the configuration holds out. The state is kept
-    after every epoch: the same command goes on where it was interrupted. The number of threads decides the last bits.
+    after every epoch: the same command goes on where it was interrupted. The device and the number of threads decide the last bits.
     """
     from roadmend.safe.trained.schooling import Schooling, school  # noqa: PLC0415 - torch is for this command alone
     from roadmend.safe.trained.told_crashes import read_told, told_line  # noqa: PLC0415
@@ -81,13 +82,13 @@ def reader(given: ReaderOptions) -> None:
     settings = read_settings(given.file or config_folder() / "training" / _SETTINGS, Schooling, "mend the file")
     told = [crash for path in given.told for crash in read_told(path)]
     work = given.work or given.out.with_name(f"{given.out.stem}.training")
-    choose_torch_device("cpu", given.threads)
+    device = choose_torch_device(given.device, given.threads)
     with told_stages() as report, fan_out(given.workers, len(told)) as mapper:
 
         def watch(stage: str, done: int, of: int, loss: float) -> None:
             report(stage, done, of, f"loss {loss:.2f}" if loss else "")
 
-        schooled = school(told, given.encoder, settings, given.seed, work, mapper, watch)
+        schooled = school(told, given.encoder, settings, given.seed, work, mapper, watch, device)
     encoder = hashlib.sha256(read_bytes(given.encoder / "model.safetensors", MODEL, "give an encoder")).hexdigest()
     header = {
         **schooled.header,

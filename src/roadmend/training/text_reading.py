@@ -28,6 +28,7 @@ _SMOOTHING = 0.05  # of the answers
 _WARM_UP = 0.06  # share of the steps in which the learning rate rises
 _LEAST_RATE = 0.02  # share of it that is left at the end
 _LARGEST_GRADIENT = 1.0
+_HEADS, _WORDS = 10.0, 0.25  # their learning rates, of that of the encoder
 _DECAY = 0.01  # of the weights, by AdamW
 _KIND = "text_training"  # of the files that a training keeps
 _MEMORIES = ("step", "exp_avg", "exp_avg_sq")  # that AdamW has of each parameter
@@ -115,7 +116,7 @@ def begin_network(
 @torch.no_grad()
 def logits_of(network: TextNetwork, sample: TextSample) -> tuple[NDArray[np.float32], ...]:
     """What a network says of one text: about its vehicles (V, .), pairs of them (V, V, .), and the text (.)."""
-    return tuple(each[0].numpy() for each in network(*_stacked([sample]).inputs))
+    return tuple(each[0].cpu().numpy() for each in network(*_stacked([sample], _device(network)).inputs))
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +134,7 @@ class Pace:
     Attributes:
         epochs: times that each is.
         batch: lessons at a time.
-        learning_rate: of the encoder; that of its words is a quarter of it, that of the heads five times.
+        learning_rate: of the encoder; that of its words is a quarter of it, that of the heads ten times.
         seed: of all that is drawn.
     """
 
@@ -154,7 +155,7 @@ def fit(
     """Teach the lessons, each once an epoch, in an order and a form that are drawn.
 
     Args:
-        network: learns, in place.
+        network: learns, in place, on the device that it is on.
         lessons: to be drawn anew in every epoch.
         questions: that they answer.
         pace: how.
@@ -165,6 +166,7 @@ def fit(
     Raises:
         InputError: the folder holds the state of something else, or cannot be written.
     """
+    device = _device(network)
     groups = _groups(network, pace.learning_rate)
     optimizer = torch.optim.AdamW(groups, weight_decay=_DECAY)
     whole, rest = divmod(len(lessons), pace.batch * _SORTED_TOGETHER)
@@ -179,7 +181,7 @@ def fit(
             share = min(1.0, (step + 1) / rising) * max(_LEAST_RATE, 1.0 - step / (steps * pace.epochs))
             for group, own in zip(optimizer.param_groups, groups, strict=True):
                 group["lr"] = share * own["rate"]
-            loss = _loss(network, _stacked(samples), questions)
+            loss = _loss(network, _stacked(samples, device), questions)
             optimizer.zero_grad()
             loss.backward()  # type: ignore[no-untyped-call]
             nn.utils.clip_grad_norm_(network.parameters(), _LARGEST_GRADIENT)
@@ -189,11 +191,15 @@ def fit(
     network.eval()
 
 
+def _device(network: TextNetwork) -> torch.device:
+    return network.encoder.pieces.weight.device
+
+
 def _groups(network: TextNetwork, rate: float) -> list[dict[str, Any]]:
     words = [*network.encoder.pieces.parameters()]
     encoder = [each for name, each in network.encoder.named_parameters() if not name.startswith("pieces.")]
     heads = [each for name, each in network.named_parameters() if not name.startswith("encoder.")]
-    rates = zip((encoder, words, heads), (rate, rate / 4, rate * 5), strict=True)
+    rates = zip((encoder, words, heads), (rate, rate * _WORDS, rate * _HEADS), strict=True)
     return [{"params": each, "lr": own, "rate": own} for each, own in rates]
 
 
@@ -251,7 +257,7 @@ def _batches(lessons: Sequence[Draw], batch: int, generator: random.Random) -> I
         yield from rows
 
 
-def _stacked(samples: Sequence[TextSample]) -> _Batch:
+def _stacked(samples: Sequence[TextSample], device: torch.device) -> _Batch:
     size, length = len(samples), max(len(each.pieces) for each in samples)
     count = max(len(each.shares) for each in samples)
     pieces, marks = (torch.zeros(size, length, dtype=torch.int64) for _ in range(2))
@@ -265,19 +271,24 @@ def _stacked(samples: Sequence[TextSample]) -> _Batch:
         shares[at, :own, :end] = torch.from_numpy(each.shares)
         vehicles[at, :own], pairs[at, :own, :own] = torch.from_numpy(each.vehicles), torch.from_numpy(each.pairs)
     text = torch.stack([torch.from_numpy(each.text) for each in samples])
+    pieces, marks, mask, shares, vehicles, pairs, text = (
+        each.to(device) for each in (pieces, marks, mask, shares, vehicles, pairs, text)
+    )
     return _Batch((pieces, marks, mask, shares), vehicles, pairs, text)
 
 
 def _loss(network: TextNetwork, batch: _Batch, questions: Questions) -> Tensor:
     """The weighted sum of the cross entropies of all questions [nat]."""
-    total = torch.zeros(())
+    total = torch.zeros((), device=batch.text.device)
     wanted = (
         (questions.vehicles, batch.vehicles),
         (questions.pairs, batch.pairs),
         (questions.text, batch.text),
     )
-    for logits, (weights, answers) in zip(network(*batch.inputs), wanted, strict=True):
-        at = 0
+    with torch.autocast(batch.text.device.type, torch.bfloat16):  # in half of the time
+        answered = network(*batch.inputs)
+    for outputs, (weights, answers) in zip(answered, wanted, strict=True):
+        logits, at = outputs.float(), 0
         for place, (count, weight) in enumerate(weights):
             own, known = logits[..., at : at + count].reshape(-1, count), answers[..., place].reshape(-1)
             at += count

@@ -17,7 +17,7 @@ from roadmend.safe.trained.lessons import lesson_of, names_by_words
 from roadmend.safe.trained.marked_text import MARKS, mark_text
 from roadmend.safe.trained.outputs import OF_PAIR, OF_TEXT, OF_VEHICLE, shares_of
 from roadmend.safe.trained.schooling import Schooling, school
-from roadmend.safe.trained.told_crashes import read_told, told_lesson
+from roadmend.safe.trained.told_crashes import named_told, read_told
 from roadmend.safe.trained.trained_claims import TrainedReader
 from roadmend.safe.trained.word_pieces import WordPieces
 from roadmend.training.text_reading import TextNetwork
@@ -132,13 +132,10 @@ def test_claims_are_of_the_vehicles_by_their_place_and_turn_with_the_text(networ
     said = read_claims(TEXT)
     claims = reader.claims(TEXT, said)
     paths = {claim.path for claim in claims if hasattr(claim, "path")}
-    assert paths == {
-        "vehicles[0].initial_position",
-        "vehicles[1].initial_position",
-        "road_type",
-        "stem_direction",
-        "num_lanes",
-    }
+    fields = ("initial_position", "action", "model")
+    own = {f"vehicles[{place}].{field}" for place in (0, 1) for field in fields}
+    texts = {"road_type", "stem_direction", "num_lanes", "env.time", "env.weather"}
+    assert paths - {f"vehicles[{place}].speed_limit_mph" for place in (0, 1)} == own | texts
     assert sum(hasattr(claim, "relation") for claim in claims) == 4
     assert {str(claim.source) for claim in claims} == {"trained reader"}
     turned = CRASH.turned(1).text
@@ -149,11 +146,11 @@ def test_claims_are_of_the_vehicles_by_their_place_and_turn_with_the_text(networ
 
 def test_names_are_those_of_the_rules_or_the_noted_ones(tmp_path):
     told = read_told(write_told(tmp_path / "told.jsonl", 1))[0]
-    assert told_lesson(told).crash.count == 2
+    assert named_told(told).count == 2
     noted = read_told(write_told(tmp_path / "noted.jsonl", 1, text="It rained on A car and A van of glass."))[0]
-    assert told_lesson(noted).crash.names
+    assert named_told(noted).names
     bare = read_told(write_told(tmp_path / "bare.jsonl", 1, text="It rained.", called=[]))[0]
-    assert told_lesson(bare) is None
+    assert named_told(bare) is None
 
 
 @pytest.mark.parametrize("line", ["{}", "[]", '{"author": "a", "name": "1", "text": "t", "key": {"vehicles": 3}}', "x"])

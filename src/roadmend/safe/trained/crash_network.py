@@ -62,7 +62,7 @@ class CrashNetwork:
         checkpoint = load_checkpoint(path, KIND)
         self.digest = checkpoint.digest
         self.header: Mapping[str, Any] = checkpoint.header
-        where = str(path)
+        self.where = where = str(path)
         shape = check_parameters(checkpoint.header.get("shape"), TextShape, f"{where}, shape")
         try:
             self.pieces = WordPieces(checkpoint.header.get("vocabulary") or ())

@@ -14,6 +14,7 @@ from roadmend.safe.trained.outputs import HEADINGS, OF_PAIR, OF_TEXT, OF_VEHICLE
 from roadmend.safe.trained.word_pieces import WordPieces
 from roadmend.training.text_reading import UNASKED, Questions, TextSample
 
+_FIELDS = {"heading": "initial_position", "action": "action", "model": "model", "speed_limit": "speed_limit_mph"}
 _FORGOTTEN = 0.1  # share of names that a lesson leaves unmarked, since rules do not find all
 
 Ints = NDArray[np.int64]
@@ -87,8 +88,7 @@ def lesson_of(crash: NamedCrash, key: Mapping[str, Any]) -> Lesson:
     vehicles = key["vehicles"]
     if len(vehicles) != crash.count:
         raise ValueError(f"{crash.count} vehicles in the text, {len(vehicles)} in its key")
-    fields = {"heading": "initial_position", "action": "action", "model": "model"}
-    own = [[_place(each.get(fields[asked.name]), asked) for asked in OF_VEHICLE] for each in vehicles]
+    own = [[_place(_said_of(each, asked), asked) for asked in OF_VEHICLE] for each in vehicles]
     stem = key.get("stem_direction") if key.get("road_type") == RoadType.T_INTERSECTION else None
     environment = key.get("env") or {}
     said = {
@@ -104,6 +104,12 @@ def lesson_of(crash: NamedCrash, key: Mapping[str, Any]) -> Lesson:
         _pairs(own, key.get("collisions") or ()),
         np.array([_place(said[asked.name], asked) for asked in OF_TEXT], np.int64),
     )
+
+
+def _said_of(vehicle: Mapping[str, Any], asked: Question) -> Any:
+    """What a key says of a vehicle; a limit in whole miles."""
+    value = vehicle.get(_FIELDS[asked.name])
+    return round(value) if isinstance(value, float) else value
 
 
 def _place(value: Any, asked: Question) -> int:

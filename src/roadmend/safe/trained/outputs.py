@@ -21,6 +21,10 @@ ROADS = tuple(RoadType)
 LANES = tuple(range(1, 9))
 TIMES = tuple(Time)
 WEATHERS = tuple(Weather)
+_KMH = 1.609344  # in a mile an hour
+LIMITS = (None, *sorted({*range(5, 90, 5), *(round(limit / _KMH) for limit in range(10, 140, 10))}))
+"""Posted limits [mph] of both systems; None where the text tells none."""
+
 TOUCHED = (None, *Side)  # where the second of two vehicles was struck by the first; None where it was not
 
 
@@ -39,7 +43,12 @@ class Question:
     weight: float
 
 
-OF_VEHICLE = (Question("heading", HEADINGS, 1.0), Question("action", ACTIONS, 0.5), Question("model", MODELS, 0.3))
+OF_VEHICLE = (
+    Question("heading", HEADINGS, 1.0),
+    Question("action", ACTIONS, 0.5),
+    Question("model", MODELS, 0.3),
+    Question("speed_limit", LIMITS, 0.3),
+)
 OF_PAIR = (
     Question("relation", RELATIONS, 1.0),
     Question("struck_side", TOUCHED, 0.5),

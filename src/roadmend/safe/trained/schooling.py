@@ -19,7 +19,8 @@ from roadmend.safe.trained.lessons import Lesson, questions_of_training
 from roadmend.safe.trained.made_up import made_up_lesson
 from roadmend.safe.trained.marked_text import MARKS
 from roadmend.safe.trained.outputs import OF_PAIR, OF_TEXT, OF_VEHICLE, Question
-from roadmend.safe.trained.told_crashes import ToldCrash, told_lesson
+from roadmend.safe.trained.told_crashes import ToldCrash, told_lessons
+from roadmend.safe.trained.trained_claims import QUESTIONS
 from roadmend.safe.trained.word_pieces import BEGIN, END, UNKNOWN, WordPieces
 from roadmend.training.imitation import tensors_of
 from roadmend.training.text_reading import (
@@ -42,19 +43,22 @@ Told = Callable[[str, int, int, float], None]  # a stage, how much of how much i
 class Schooling(Parameters):
     """How the trained reader is trained."""
 
-    made_up: int = Field(24_000, ge=0, le=1_000_000, description="made-up crashes to begin with")
+    made_up: int = Field(40_000, ge=0, le=1_000_000, description="made-up crashes to begin with")
     beside: int = Field(300, ge=0, le=100_000, description="made-up crashes in every epoch of told ones")
     epochs: int = Field(10, ge=1, le=200, description="passes through the told crashes")
-    batch: int = Field(8, ge=1, le=256, description="texts a step; of made-up ones, which are short, twice as many")
+    batch: int = Field(16, ge=1, le=256, description="texts a step; of made-up ones, which are short, twice as many")
     learning_rate: float = Field(
-        2e-4, gt=0.0, le=0.1, description="of the encoder; rises, then falls to 2 % along a line"
+        1e-4, gt=0.0, le=0.1, description="of the encoder; rises, then falls to 2 % along a line"
+    )
+    made_up_learning_rate: float = Field(
+        5e-5, gt=0.0, le=0.1, description="with made-up crashes, which say little that real texts do"
     )
     dropout: float = Field(0.1, ge=0.0, le=0.9, description="share of values dropped in training")
     pieces: int = Field(
         12_000, ge=100, le=200_000, description="most common pieces that are kept, beside those of the texts"
     )
     trust: dict[str, float] = Field(
-        {"heading": 0.5, "relation": 0.5, "road_type": 0.5, "stem": 0.5, "lanes": 0.5},
+        dict.fromkeys(QUESTIONS, 0.25),
         description="share of the network's log-odds that counts beside the rules' claims",
     )
     held_out: tuple[str, ...] = Field((), description="authors whose texts are not learned from, but measured on")
@@ -74,7 +78,14 @@ class Schooled:
 
 
 def school(
-    told: Sequence[ToldCrash], base: Path, settings: Schooling, seed: int, work: Path, mapper: Mapper, watch: Told
+    told: Sequence[ToldCrash],
+    base: Path,
+    settings: Schooling,
+    seed: int,
+    work: Path,
+    mapper: Mapper,
+    watch: Told,
+    device: str = "cpu",
 ) -> Schooled:
     """Train.
 
@@ -86,21 +97,21 @@ def school(
         work: folder for the state of the training, which goes on there if it was interrupted.
         mapper: reads the texts by the rules, which find the names.
         watch: hears how far it has come.
+        device: of torch, to compute on.
 
     Raises:
         InputError: the encoder is missing or damaged, or the folder holds something else.
     """
     shape, tensors, vocabulary = read_bert(base, MARKS)
     lessons, measured = list[Lesson](), list[Lesson]()
-    for done, (crash, lesson) in enumerate(zip(told, mapper(told_lesson, told), strict=True), start=1):
-        watch("reading", done, len(told), 0.0)
+    for crash, lesson in zip(told, told_lessons(told, work, mapper, partial(_read, watch, len(told))), strict=True):
         if lesson is not None:
             (measured if crash.author in settings.held_out else lessons).append(lesson)
     kept = _kept(vocabulary, lessons, settings.pieces)
     tensors, vocabulary = fewer_pieces(tensors, vocabulary, kept)
     shape = shape.model_copy(update={"pieces": len(kept)})
     pieces = WordPieces(vocabulary)
-    network = begin_network(shape, head_shapes(shape.hidden), tensors, settings.dropout, seed)
+    network = begin_network(shape, head_shapes(shape.hidden), tensors, settings.dropout, seed).to(device)
 
     def made_up(generator: random.Random) -> TextSample:
         return made_up_lesson(generator).draw(pieces, shape.positions, generator)
@@ -108,13 +119,14 @@ def school(
     def teach(stage: str, draws: Sequence[Draw], pace: Pace) -> None:
         fit(network, draws, questions_of_training(), pace, work / stage.replace(" ", "-"), partial(_tell, watch, stage))
 
-    rate = settings.learning_rate
     if settings.made_up:
         each = -(-settings.made_up // _ROUNDS)
-        teach("made-up crashes", [made_up] * each, Pace(_ROUNDS, 2 * settings.batch, rate, seed))
+        teach(
+            "made-up crashes", [made_up] * each, Pace(_ROUNDS, 2 * settings.batch, settings.made_up_learning_rate, seed)
+        )
     draws: list[Draw] = [partial(lesson.draw, pieces, shape.positions) for lesson in lessons]
     draws += [made_up] * settings.beside
-    teach("told crashes", draws, Pace(settings.epochs, settings.batch, rate, seed + 1))
+    teach("told crashes", draws, Pace(settings.epochs, settings.batch, settings.learning_rate, seed + 1))
     metrics = {"lessons": len(lessons), "held_out": len(measured), **_measure(network, measured, pieces)}
     header = {
         "configuration": {**settings.model_dump(mode="json"), "seed": seed},
@@ -124,6 +136,10 @@ def school(
         "trust": dict(settings.trust),
     }
     return Schooled(rounded(tensors_of(network)), header)
+
+
+def _read(watch: Told, of: int, done: int) -> None:
+    watch("reading", done, of, 0.0)
 
 
 def _tell(watch: Told, stage: str, done: int, of: int, loss: float) -> None:

@@ -1,7 +1,7 @@
 """Told crashes with their keys, from files: what the trained reader learns from and is measured on."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,12 +9,15 @@ from typing import Any
 from roadmend.core.bounded_file import read_lines, read_text
 from roadmend.core.bounds import CRASH, TEXT, Bounds
 from roadmend.core.errors import InputError
+from roadmend.core.fanout import Mapper
+from roadmend.core.journal import Journal, entry_key
 from roadmend.core.json_text import parse_json, read_json
 from roadmend.safe.reading.reader import read_claims
 from roadmend.safe.trained.lessons import Lesson, lesson_of, names_by_words
-from roadmend.safe.trained.marked_text import SEATS, named_crash
+from roadmend.safe.trained.marked_text import SEATS, Name, NamedCrash, named_crash
 
 _MEND = "give a JSON Lines file of told crashes (author, name, text, key), or AUTHOR-NAME.txt beside AUTHOR-NAME.oracle.json"
+_NAMES = "roadmend-told-names/1"
 _KEY = ".oracle.json"  # of a text in a file of its own
 _LINE = Bounds(size=64_000, values=2_000, depth=16)
 
@@ -86,12 +89,46 @@ def told_line(crash: ToldCrash) -> str:
     return json.dumps(content | ({"called": crash.called} if crash.called else {}), ensure_ascii=False)
 
 
-def told_lesson(crash: ToldCrash) -> Lesson | None:
-    """What can be learned from a told crash: its names as the rules find them, or as they were noted; None if as neither."""
+def told_lessons(
+    told: Sequence[ToldCrash], work: Path, mapper: Mapper, watch: Callable[[int], None]
+) -> list[Lesson | None]:
+    """What can be learned from each told crash; None where the text names other vehicles than its key.
+
+    Args:
+        told: the crashes.
+        work: folder in which it is kept where names stand, for reading by the rules takes long.
+        mapper: reads the texts.
+        watch: hears after each text how many are read.
+
+    Raises:
+        InputError: the folder's file is in use, of another format or damaged, or cannot be written.
+    """
+    keys = [entry_key([__name__], told_line(crash)) for crash in told]
+    with Journal(work / "names.jsonl", _NAMES) as journal:
+        missing = {key: crash for key, crash in zip(keys, told, strict=True) if journal.get(key) is None}
+        for done, (key, named) in enumerate(
+            zip(missing, mapper(named_told, [*missing.values()]), strict=True), start=len({*keys}) - len(missing) + 1
+        ):
+            names = None if named is None else [[each.start, each.end, each.vehicles] for each in named.names]
+            journal.add(key, {"names": names})
+            watch(done)
+        found = [(journal.get(key) or {}).get("names") for key in keys]
+    return [_lesson(crash, names) for crash, names in zip(told, found, strict=True)]
+
+
+def _lesson(crash: ToldCrash, names: Sequence[tuple[int, int, Sequence[int]]] | None) -> Lesson | None:
+    if names is None:
+        return None
+    own = tuple(Name(start, end, tuple(vehicles)) for start, end, vehicles in names)
+    return lesson_of(NamedCrash(crash.text, own, len(crash.key["vehicles"])), crash.key)
+
+
+def named_told(crash: ToldCrash) -> NamedCrash | None:
+    """A told crash with its names as the rules find them, or as they were noted; None where neither fits its key."""
     said = read_claims(crash.text)
     count = len(crash.key["vehicles"])
     if not 0 < count <= SEATS:
         return None
     if said is not None and len(said.kept) == count:
-        return lesson_of(named_crash(crash.text, said), crash.key)
-    return lesson_of(names_by_words(crash.text, crash.called), crash.key) if len(crash.called) == count else None
+        return named_crash(crash.text, said)
+    return names_by_words(crash.text, crash.called) if len(crash.called) == count else None

@@ -1,24 +1,54 @@
 """What the trained reader says of a summary, as claims for the solver to weigh beside those of the rules."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from roadmend.core.errors import InputError
 from roadmend.networks.checkpoint import find_model
 from roadmend.safe.claims import AnyClaim, Claim, ClaimSource, DirectionClaim
 from roadmend.safe.reading.reader import SummaryClaims
 from roadmend.safe.trained.crash_network import Answers, CrashNetwork
 from roadmend.safe.trained.marked_text import SEATS, mark_text, named_crash
-from roadmend.safe.trained.outputs import HEADINGS, LANES, RELATIONS, ROADS, STEMS
+from roadmend.safe.trained.outputs import (
+    ACTIONS,
+    HEADINGS,
+    LANES,
+    LIMITS,
+    MODELS,
+    RELATIONS,
+    ROADS,
+    STEMS,
+    TIMES,
+    WEATHERS,
+)
 
 SHIPPED = "crash-text"
 _TURNS = 4  # a text is read as it stands and with its compass turned, and what comes out is averaged
 _REASON = "the trained reader takes the text so"
 _SURELY = 1e-4  # no probability is nearer to 0 or 1
+_FEW = 8  # values of a question whose every answer is claimed or disclaimed
+_WORTH_SAYING = 0.1  # least probability of an answer among more than these
+_OF_VEHICLE: Sequence[tuple[str, str, tuple[Any, ...]]] = (  # question, field of the scenario, its values
+    ("heading", "initial_position", HEADINGS),
+    ("action", "action", ACTIONS),
+    ("model", "model", MODELS),
+    ("speed_limit", "speed_limit_mph", LIMITS),
+)
+_OF_TEXT: Sequence[tuple[str, str, tuple[Any, ...]]] = (
+    ("road_type", "road_type", ROADS),
+    ("stem", "stem_direction", STEMS),
+    ("lanes", "num_lanes", LANES),
+    ("time", "env.time", TIMES),
+    ("weather", "env.weather", WEATHERS),
+)
+
+QUESTIONS = (*(each[0] for each in (*_OF_VEHICLE, *_OF_TEXT)), "relation")
+"""Whose answers are claimed."""
 
 
 def trained_claims(summary: str, said: SummaryClaims) -> tuple[AnyClaim, ...]:
@@ -44,11 +74,17 @@ class TrainedReader:
 
     Args:
         network: that reads it. Its header's "trust" says by question how much of its log-odds count.
+
+    Raises:
+        InputError: it does not say so of every question.
     """
 
     def __init__(self, network: CrashNetwork) -> None:
         self.network = network
-        self.trust: Mapping[str, float] = network.header["trust"]
+        self.trust: Mapping[str, float] = network.header.get("trust") or {}
+        if missing := [name for name in QUESTIONS if not isinstance(self.trust.get(name), int | float)]:
+            what = f"does not say how far its answers about {missing[0]} are trusted"
+            raise InputError(network.where, what, "give another file")
 
     def claims(self, summary: str, said: SummaryClaims) -> tuple[AnyClaim, ...]:
         """All that it claims, about the vehicles that took part by their place in the cast."""
@@ -67,21 +103,21 @@ class TrainedReader:
 
     def _claims(self, answers: Answers, kept: tuple[int, ...]) -> Iterator[AnyClaim]:
         for seat, place in enumerate(kept):
-            path = f"vehicles[{place}].initial_position"
-            yield from self._of(path, "heading", HEADINGS, answers.vehicles["heading"][seat])
+            for question, field, values in _OF_VEHICLE:
+                yield from self._of(f"vehicles[{place}].{field}", question, values, answers.vehicles[question][seat])
         for first in range(len(kept)):
             for second in range(first + 1, len(kept)):
                 for relation, share in zip(RELATIONS, answers.pairs["relation"][first, second], strict=True):
                     yield DirectionClaim(
                         kept[first], kept[second], relation, self._held("relation", share), ClaimSource.TRAINED, _REASON
                     )
-        yield from self._of("road_type", "road_type", ROADS, answers.text["road_type"])
-        yield from self._of("stem_direction", "stem", STEMS, answers.text["stem"])
-        yield from self._of("num_lanes", "lanes", LANES, answers.text["lanes"])
+        for question, path, values in _OF_TEXT:
+            yield from self._of(path, question, values, answers.text[question])
 
     def _of(self, path: str, question: str, values: tuple[Any, ...], shares: Any) -> Iterator[Claim]:
         for value, share in zip(values, shares, strict=True):
-            yield Claim(path, value, self._held(question, share), ClaimSource.TRAINED, _REASON)
+            if value is not None and (len(values) <= _FEW or share >= _WORTH_SAYING):
+                yield Claim(path, value, self._held(question, share), ClaimSource.TRAINED, _REASON)
 
     def _held(self, question: str, share: float) -> float:
         """A probability whose log-odds count as far as they are trusted."""
