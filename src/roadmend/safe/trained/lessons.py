@@ -14,7 +14,13 @@ from roadmend.safe.trained.outputs import HEADINGS, OF_PAIR, OF_TEXT, OF_VEHICLE
 from roadmend.safe.trained.word_pieces import WordPieces
 from roadmend.training.text_reading import UNASKED, Questions, TextSample
 
-_FIELDS = {"heading": "initial_position", "action": "action", "model": "model", "speed_limit": "speed_limit_mph"}
+_FIELDS = {
+    "heading": "initial_position",
+    "ramp": "initial_position",
+    "action": "action",
+    "model": "model",
+    "speed_limit": "speed_limit_mph",
+}
 _FORGOTTEN = 0.1  # share of names that a lesson leaves unmarked, since rules do not find all
 
 Ints = NDArray[np.int64]

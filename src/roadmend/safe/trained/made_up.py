@@ -218,7 +218,7 @@ class _Teller:
 
     def _way(self, vehicle: int) -> str:
         ways = _phrases()["told"]
-        told = 0 if self.generator.random() < 0.5 else self.generator.randrange(len(ways))
+        told = 0 if self.generator.random() < 0.4 else self.generator.randrange(len(ways))
         return self._say("told", told, a=vehicle)
 
     def _deeds(self) -> list[str]:

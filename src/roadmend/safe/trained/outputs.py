@@ -11,6 +11,7 @@ from roadmend.safe.claims import WayRelation
 from roadmend.safe.dsl import Action, Compass, DslModel, Position, RoadType, Side, Time, Weather
 
 HEADINGS = (Position.S2N, Position.W2E, Position.N2S, Position.E2W)  # clockwise, as STEMS
+RAMP = (Position.MAIN_ROAD, Position.ON_RAMP)  # instead of a heading, where roads merge
 STEMS = (Compass.NORTH, Compass.EAST, Compass.SOUTH, Compass.WEST)
 RELATIONS = (WayRelation.SAME, WayRelation.FROM_LEFT, WayRelation.OPPOSITE, WayRelation.FROM_RIGHT)
 """Of a second heading to a first, by how many quarter turns it lies further round, clockwise."""
@@ -48,6 +49,7 @@ OF_VEHICLE = (
     Question("action", ACTIONS, 0.5),
     Question("model", MODELS, 0.3),
     Question("speed_limit", LIMITS, 0.3),
+    Question("ramp", RAMP, 0.3),
 )
 OF_PAIR = (
     Question("relation", RELATIONS, 1.0),

@@ -11,6 +11,7 @@ import numpy as np
 from roadmend.core.errors import InputError
 from roadmend.networks.checkpoint import find_model
 from roadmend.safe.claims import AnyClaim, Claim, ClaimSource, DirectionClaim
+from roadmend.safe.dsl import RoadType
 from roadmend.safe.reading.reader import SummaryClaims
 from roadmend.safe.trained.crash_network import Answers, CrashNetwork
 from roadmend.safe.trained.marked_text import SEATS, mark_text, named_crash
@@ -20,6 +21,7 @@ from roadmend.safe.trained.outputs import (
     LANES,
     LIMITS,
     MODELS,
+    RAMP,
     RELATIONS,
     ROADS,
     STEMS,
@@ -38,6 +40,7 @@ _OF_VEHICLE: Sequence[tuple[str, str, tuple[Any, ...]]] = (  # question, field o
     ("action", "action", ACTIONS),
     ("model", "model", MODELS),
     ("speed_limit", "speed_limit_mph", LIMITS),
+    ("ramp", "initial_position", RAMP),
 )
 _OF_TEXT: Sequence[tuple[str, str, tuple[Any, ...]]] = (
     ("road_type", "road_type", ROADS),
@@ -102,8 +105,11 @@ class TrainedReader:
         return Answers(*(_mean([getattr(each, group) for each in found]) for group in ("vehicles", "pairs", "text")))
 
     def _claims(self, answers: Answers, kept: tuple[int, ...]) -> Iterator[AnyClaim]:
+        merges = ROADS[int(answers.text["road_type"].argmax())] is RoadType.MERGING
         for seat, place in enumerate(kept):
             for question, field, values in _OF_VEHICLE:
+                if question == "ramp" and not merges:
+                    continue  # elsewhere nobody was asked in training
                 yield from self._of(f"vehicles[{place}].{field}", question, values, answers.vehicles[question][seat])
         for first in range(len(kept)):
             for second in range(first + 1, len(kept)):
