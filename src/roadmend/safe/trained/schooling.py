@@ -34,6 +34,13 @@ from roadmend.training.text_reading import (
     logits_of,
 )
 
+_TRUST = dict.fromkeys(QUESTIONS, 0.25) | {
+    "model": 0.5,
+    "speed_limit": 0.5,
+    "road_type": 0.2,
+    "stem": 0.15,
+    "lanes": 0.15,
+}
 _ROUNDS = 8  # in which made-up crashes are taught, the state being kept after each
 _LONGEST_SIGN = 3  # letters of pieces that are always kept, so that every word falls apart into something
 
@@ -58,7 +65,7 @@ class Schooling(Parameters):
         12_000, ge=100, le=200_000, description="most common pieces that are kept, beside those of the texts"
     )
     trust: dict[str, float] = Field(
-        dict.fromkeys(QUESTIONS, 0.25),
+        _TRUST,
         description="share of the network's log-odds that counts beside the rules' claims",
     )
     held_out: tuple[str, ...] = Field((), description="authors whose texts are not learned from, but measured on")
