@@ -50,6 +50,9 @@ _OF_TEXT: Sequence[tuple[str, str, tuple[Any, ...]]] = (
     ("weather", "env.weather", WEATHERS),
 )
 
+_MAYBE_UNTOLD = frozenset({"num_lanes", "env.time", "env.weather"})
+"""Fields of which the network cannot say that the text does not tell them: where the rules find nothing, they stay open."""
+
 QUESTIONS = (*(each[0] for each in (*_OF_VEHICLE, *_OF_TEXT)), "relation")
 """Whose answers are claimed."""
 
@@ -93,7 +96,10 @@ class TrainedReader:
         """All that it claims, about the vehicles that took part by their place in the cast."""
         if not 0 < len(said.kept) <= SEATS:
             return ()
-        return tuple(self._claims(self.answers(summary, said), said.kept))
+        told = {each.path for each in said.claims if isinstance(each, Claim)}
+        silent = {path for path in _MAYBE_UNTOLD if path not in told}
+        found = self._claims(self.answers(summary, said), said.kept)
+        return tuple(each for each in found if not (isinstance(each, Claim) and each.path in silent))
 
     def answers(self, summary: str, said: SummaryClaims) -> Answers:
         """The mean of what it answers, the compass turned by each number of quarters and the answers turned back."""
