@@ -19,7 +19,7 @@ HEAD_ON = {
     "env": {"time": "Daytime", "weather": None},
 }
 SUMMARY = (
-    "Vehicle one, a 2001 Ford Taurus four-door sedan, was traveling east on a two-lane, two-way road. Vehicle two, a "
+    "Vehicle one, a 2001 Ford Taurus four-door sedan, was traveling east on a straight two-lane road. Vehicle two, a "
     "2003 Dodge Ram pickup truck, was traveling west on the same road. It was daylight and the weather was clear. The "
     "posted speed limit was 35 mph. Vehicle two crossed the centerline and its front struck the front of Vehicle one."
 )
