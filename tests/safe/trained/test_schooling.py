@@ -144,6 +144,13 @@ def test_claims_are_of_the_vehicles_by_their_place_and_turn_with_the_text(networ
     assert np.abs(before.pairs["relation"] - after.pairs["relation"]).max() < 1e-9
 
 
+def test_what_the_rules_find_nothing_of_stays_open(network):
+    reader = TrainedReader(network)
+    for text, told in ((TEXT, set()), (f"{TEXT} It was night. Elm has four lanes.", {"env.time", "num_lanes"})):
+        paths = {claim.path for claim in reader.claims(text, read_claims(text)) if hasattr(claim, "path")}
+        assert paths & {"env.time", "num_lanes", "env.weather"} == told | {"env.weather"}
+
+
 def test_names_are_those_of_the_rules_or_the_noted_ones(tmp_path):
     told = read_told(write_told(tmp_path / "told.jsonl", 1))[0]
     assert named_told(told).count == 2
@@ -180,6 +187,8 @@ def test_a_model_of_something_else_is_refused(schooled, tmp_path):
     with pytest.raises(InputError, match="shape"):
         CrashNetwork(saved_with(schooled, tmp_path / "c.safetensors", shape={"pieces": -1}))
     assert MARKS == 10
+    with pytest.raises(InputError, match=r"d\.safetensors: does not say how far its answers about heading are trusted"):
+        TrainedReader(CrashNetwork(saved_with(schooled, tmp_path / "d.safetensors", trust={"time": 1.0})))
 
 
 def saved_with(schooled, path, **changes):
