@@ -12,7 +12,7 @@ from roadmend.safe.report import load_report
 from roadmend.safe.trained.trained_claims import trained_claims
 
 TEXTS = Path(__file__).parent / "crash_texts"
-LEAST = {trained_claims: 88.0, None: 70.0}  # [%] read right in every field; the later ones, from 255 on, are harder
+LEAST = {True: 88.0, False: 70.0}  # [%] read right in every field; the later ones, from 255 on, are harder
 
 
 def test_every_text_has_its_oracle_and_the_other_way_round():
@@ -21,21 +21,25 @@ def test_every_text_has_its_oracle_and_the_other_way_round():
     assert sum(name.startswith("measured-") for name in texts) >= 60
 
 
-@pytest.mark.parametrize("read_text", [trained_claims, None])
-def test_what_the_reader_was_written_on_is_still_understood_and_best_with_a_solver(read_text):
-    paths = sorted(TEXTS.glob("developed-*.txt"))[::3]  # a third does, in a third of the time
+@pytest.mark.parametrize("trained", [True, False])
+def test_what_the_reader_was_written_on_is_still_understood_and_best_with_a_solver(trained):
+    paths = sorted(TEXTS.glob("developed-*.txt"))[:: 9 if trained else 3]  # fewer do, in less time
     known = load_oracles(TEXTS)
     oracles = {path.stem: known[path.stem] for path in paths}
-    with_solver, without = (
-        score(
-            {path.stem: _read(path, EmbeddedExtractor(read_text=read_text, solver=solver)) for path in paths},
-            oracles,
-            text_only=True,
-        )
-        for solver in (True, False)
-    )
-    assert with_solver.overall >= LEAST[read_text]
-    assert without.overall < with_solver.overall
+    claims = {}
+
+    def read_once(summary, said):
+        if summary not in claims:
+            claims[summary] = trained_claims(summary, said)
+        return claims[summary]
+
+    def found(solver):
+        extractor = EmbeddedExtractor(read_text=read_once if trained else None, solver=solver)
+        return score({path.stem: _read(path, extractor) for path in paths}, oracles, text_only=True).overall
+
+    best = found(solver=True)
+    assert best >= LEAST[trained]
+    assert found(solver=False) < best
 
 
 def _read(path, extractor):

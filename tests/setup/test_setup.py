@@ -331,6 +331,7 @@ class TestExtras:
             ("safe", ""),
             ("safe extrct x", ""),
             ("train adreft --seed 3", "training"),
+            ("train reader told.jsonl", "reading training"),
             ("sera cycle", "language reports sera training"),
             ("bench sera", "export foxglove language reading reports sera sketch training"),
             ("train --help", ""),

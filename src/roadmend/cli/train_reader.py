@@ -63,7 +63,7 @@ class ReaderOptions:
 @click.command(
     cls=ExampleCommand,
     examples=[
-        "roadmend train reader config/corpora/told-crashes.jsonl --encoder all-MiniLM-L6-v2 --out reader.safetensors"
+        "roadmend train reader config/crashes/told-crashes.jsonl --encoder all-MiniLM-L6-v2 --out reader.safetensors"
     ],
     resumes="",
 )
