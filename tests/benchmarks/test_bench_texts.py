@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 
 from bench import main
+from harness.bench_texts import _held_out
+from harness.scoring import load_oracles
 
 TEXTS = Path(__file__).parent / "crash_texts"
 
@@ -31,7 +33,16 @@ def test_sets_are_scored_apart(folder, tmp_path, capsys, monkeypatch):
     assert json.loads(capsys.readouterr().out) == content
     one, two = content["sets"]["one"], content["sets"]["two"]
     assert (one["cases"], one["overall"], two["overall"], two["road"], two["actors"]) == (1, 100.0, 0.0, 0.0, 100.0)
+    assert (one["without_trained_reader"]["cases"], two["without_trained_reader"]["overall"]) == (1, 0.0)
     assert {"one", "two"} <= {*(tmp_path / "texts.md").read_text().split()}
+
+
+def test_the_texts_held_out_are_those_of_authors_that_the_model_did_not_learn_from(tmp_path):
+    folder = _held_out(tmp_path / "held_out")
+    authors = {"mixed-1", "adjusters-1", "claims-3", "chats-4"}
+    oracles = load_oracles(folder)
+    assert len(oracles) == len([*folder.glob("*.txt")]) == 240
+    assert {name.removeprefix("held_out-").rpartition("-")[0] for name in oracles} == authors
 
 
 def test_a_folder_without_oracles_is_refused(tmp_path, capsys):

@@ -16,6 +16,7 @@ Coordinates = tuple[tuple[float, float], ...]  # [m] x, y in the map frame, in t
 EXTRA_PREFIX = "x-"
 MAX_LANES = 24
 MAX_SPEED_LIMIT = 100  # [mph]
+KM_PER_MILE = 1.609344
 
 
 class RoadType(StrEnum):

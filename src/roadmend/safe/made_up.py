@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from roadmend.core.yaml_file import parse_yaml
+from roadmend.safe.dsl import KM_PER_MILE
 
 _NUMBER = re.compile(r"\d+")
 _TENS = re.compile(r"\b(?:twen|thir|for|fif|six|seven|eigh|nine)ty\b|\bhundred\b", re.IGNORECASE)
-_KMH = 1.609344  # [km/h] in a mile an hour
 _TABLES = {"striking_side": "sides", "struck_side": "sides", "action": "actions", "weather": "weather"}
 
 
@@ -38,7 +38,7 @@ def _has_limit(summary: str, mph: float) -> bool:
     if _TENS.search(summary):
         return True
     numbers = [int(match[0][:6]) for match in _NUMBER.finditer(summary)]
-    return any(abs(number - mph) <= 0.5 or abs(number - mph * _KMH) <= 2.5 for number in numbers)
+    return any(abs(number - mph) <= 0.5 or abs(number - mph * KM_PER_MILE) <= 2.5 for number in numbers)
 
 
 @functools.cache

@@ -13,6 +13,7 @@ from harness.figures import Figures
 from harness.safe_extraction import gather_oracles, measure_extraction, measure_registers
 from harness.safe_reproduction import measure_records, measure_reproduction
 from harness.safe_rows import PAPER, rows_of
+from harness.scoring import load_oracles
 from roadmend.cli.options import WORKERS
 from roadmend.cli.output import counting
 from roadmend.cli.safe import judge_through, work_through
@@ -172,7 +173,7 @@ def safe(
     extraction = measure_extraction(text, sketch, oracles, bench.halves)
     measured = sorted(texts.glob(_MEASURED))
     if measured:
-        extraction["other_registers"] = measure_registers(bench.read(sketch=False, paths=measured), texts)
+        extraction["other_registers"] = measure_registers(bench.read(sketch=False, paths=measured), load_oracles(texts))
     cases = bench.cases(sketch)
     tested = bench.test(cases)
     found = bench.reproduce(cases, "search", budget)
@@ -186,7 +187,7 @@ def safe(
             "reproduction": bench.reproduce(bench.cases(bare), f"without {part}", budget),
         }
         if measured:
-            others = measure_registers(bench.read(sketch=False, without=part, paths=measured), texts)
+            others = measure_registers(bench.read(sketch=False, without=part, paths=measured), load_oracles(texts))
             ablations[part]["extraction"]["other_registers"] = others
     chosen = " ".join(f"--policy {policy}" for policy in policies)
     options = "".join(f" --without {name}" for name in without)

@@ -66,9 +66,8 @@ def measure_extraction(
     return content
 
 
-def measure_registers(texts: Sequence[ReadCrash], folder: Path) -> dict[str, Any] | None:
-    """The scores on texts in other words than NHTSA's, with what is right beside each; None where there is none."""
-    oracles = load_oracles(folder)
+def measure_registers(texts: Sequence[ReadCrash], oracles: Mapping[str, Oracle]) -> dict[str, Any] | None:
+    """The scores on texts in other words than NHTSA's; None where none has an oracle."""
     found = _score(texts, oracles, text_only=True)
     if found is None:
         return None

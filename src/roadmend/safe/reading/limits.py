@@ -6,13 +6,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from roadmend.safe.claims import Claim, Span
-from roadmend.safe.dsl import MAX_SPEED_LIMIT, Position
+from roadmend.safe.dsl import KM_PER_MILE, MAX_SPEED_LIMIT, Position
 from roadmend.safe.reading.facts import AXES, Text, claim, direction, of_vehicle
 from roadmend.safe.reading.lexicon import word_set
 from roadmend.safe.reading.tokens import Item, Sentence, Words
 from roadmend.safe.reading.wording import Wording, patterns, wording
 
-_KMH = 1.609344
 _MOST_MPH = 85  # no road of miles is posted for more
 _USUAL_MPH = 75  # where nothing tells that the country counts miles
 _OF_MILES = re.compile(
@@ -199,7 +198,7 @@ def _in_mph(items: Words, place: int, unit: str) -> tuple[int, int]:
             return round(other if its_unit == "mph" else number), ahead + 1
         if items.at(ahead).low not in {"(", "/", "or", ","}:
             break
-    return round(number if unit == "mph" else number / _KMH), last
+    return round(number if unit == "mph" else number / KM_PER_MILE), last
 
 
 def _posted(limit: PostedLimit, items: Words, place: int, last: int, sentence: Sentence, text: Text) -> PostedLimit:

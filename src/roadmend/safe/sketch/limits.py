@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from roadmend.safe.claims import Box
+from roadmend.safe.dsl import KM_PER_MILE
 from roadmend.safe.sketch.words import SketchWord, box_of, in_lines
 
-KM_PER_MILE = 1.609344
 _LOWEST, _HIGHEST = 5, 85  # [mph] posted anywhere in the United States
 _STEP = 5  # [mph] limits are posted in
 _ROUNDED = 2.6  # [mph] a limit in km/h and its miles differ by rounding

@@ -10,17 +10,10 @@ from numpy.typing import NDArray
 
 from roadmend.safe.dsl import RoadType
 from roadmend.safe.trained.marked_text import SEATS, Name, NamedCrash, mark_text
-from roadmend.safe.trained.outputs import HEADINGS, OF_PAIR, OF_TEXT, OF_VEHICLE, STEMS, Question
+from roadmend.safe.trained.outputs import HEADINGS, OF_PAIR, OF_TEXT, OF_VEHICLE, STEMS, ReaderQuestion
 from roadmend.safe.trained.word_pieces import WordPieces
 from roadmend.training.text_reading import UNASKED, Questions, TextSample
 
-_FIELDS = {
-    "heading": "initial_position",
-    "ramp": "initial_position",
-    "action": "action",
-    "model": "model",
-    "speed_limit": "speed_limit_mph",
-}
 _FORGOTTEN = 0.1  # share of names that a lesson leaves unmarked, since rules do not find all
 
 Ints = NDArray[np.int64]
@@ -33,7 +26,7 @@ def questions_of_training() -> Questions:
 
 
 @dataclass(frozen=True, slots=True)
-class Lesson:
+class CrashLesson:
     """A told crash, and the answers to what is asked of it.
 
     Attributes:
@@ -77,7 +70,7 @@ def _somewhere(shares: NDArray[np.float32]) -> NDArray[np.float32]:
     return shares
 
 
-def _turned(answers: Ints, questions: Sequence[Question], name: str, quarters: int) -> Ints:
+def _turned(answers: Ints, questions: Sequence[ReaderQuestion], name: str, quarters: int) -> Ints:
     at = next(place for place, question in enumerate(questions) if question.name == name)
     found = answers.copy()
     own = found[..., at]
@@ -85,7 +78,7 @@ def _turned(answers: Ints, questions: Sequence[Question], name: str, quarters: i
     return found
 
 
-def lesson_of(crash: NamedCrash, key: Mapping[str, Any]) -> Lesson:
+def lesson_of(crash: NamedCrash, key: Mapping[str, Any]) -> CrashLesson:
     """A lesson from a text and its key, the fields of the scenario language as JSON has them.
 
     Raises:
@@ -94,31 +87,21 @@ def lesson_of(crash: NamedCrash, key: Mapping[str, Any]) -> Lesson:
     vehicles = key["vehicles"]
     if len(vehicles) != crash.count:
         raise ValueError(f"{crash.count} vehicles in the text, {len(vehicles)} in its key")
-    own = [[_place(_said_of(each, asked), asked) for asked in OF_VEHICLE] for each in vehicles]
-    stem = key.get("stem_direction") if key.get("road_type") == RoadType.T_INTERSECTION else None
-    environment = key.get("env") or {}
-    said = {
-        "road_type": key.get("road_type"),
-        "stem": stem,
-        "lanes": key.get("num_lanes"),
-        "time": environment.get("time"),
-        "weather": environment.get("weather"),
-    }
-    return Lesson(
+    own = [[_place(each.get(asked.field), asked) for asked in OF_VEHICLE] for each in vehicles]
+    whole = {**key, **{f"env.{name}": value for name, value in (key.get("env") or {}).items()}}
+    if key.get("road_type") != RoadType.T_INTERSECTION:
+        whole["stem_direction"] = None
+    return CrashLesson(
         crash,
         np.array(own, np.int64).reshape(len(own), len(OF_VEHICLE)),
         _pairs(own, key.get("collisions") or ()),
-        np.array([_place(said[asked.name], asked) for asked in OF_TEXT], np.int64),
+        np.array([_place(whole.get(asked.field), asked) for asked in OF_TEXT], np.int64),
     )
 
 
-def _said_of(vehicle: Mapping[str, Any], asked: Question) -> Any:
-    """What a key says of a vehicle; a limit in whole miles."""
-    value = vehicle.get(_FIELDS[asked.name])
-    return round(value) if isinstance(value, float) else value
-
-
-def _place(value: Any, asked: Question) -> int:
+def _place(value: Any, asked: ReaderQuestion) -> int:
+    """Which of a question's answers a value is; UNASKED where none."""
+    value = round(value) if isinstance(value, float) else value  # a limit, in whole miles
     return asked.values.index(value) if value in asked.values else UNASKED
 
 

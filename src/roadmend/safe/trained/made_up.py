@@ -15,7 +15,7 @@ from typing import Any
 import yaml
 
 from roadmend.safe.dsl import Action, RoadType, Side
-from roadmend.safe.trained.lessons import Lesson, lesson_of
+from roadmend.safe.trained.lessons import CrashLesson, lesson_of
 from roadmend.safe.trained.marked_text import Name, NamedCrash
 from roadmend.safe.trained.outputs import HEADINGS, STEMS
 
@@ -48,7 +48,7 @@ _MARK = re.compile("\x01([01])([^\x02]*)\x02")  # around the names of vehicles u
 
 
 @dataclass(frozen=True, slots=True)
-class _Scene:
+class _MadeUpCrash:
     """Two vehicles that meet; headings and the stem in quarter turns clockwise from north."""
 
     kind: str
@@ -59,13 +59,13 @@ class _Scene:
     lanes: int
 
 
-def made_up_lesson(generator: random.Random) -> Lesson:
+def made_up_lesson(generator: random.Random) -> CrashLesson:
     """Draw a scene and tell it."""
     scene = _draw(generator)
     return _Teller(scene, generator).lesson()
 
 
-def _draw(generator: random.Random) -> _Scene:
+def _draw(generator: random.Random) -> _MadeUpCrash:
     kind = generator.choices([*_KINDS], [*_KINDS.values()])[0]
     road = generator.choice(_ROADS[kind])
     relation = {"left_turn": _OPPOSITE, "oncoming": _OPPOSITE}.get(kind, _SAME)
@@ -84,14 +84,14 @@ def _draw(generator: random.Random) -> _Scene:
         aside = {"out_of_the_stem": 2, "left_turn": 3}.get(kind, generator.choice([1, 3]))
         stem = (first + aside) % 4
     lanes = generator.choice([2, 2, 2, 3, 4, 4, 5, 6])
-    return _Scene(kind, road, (first, (first + relation) % 4), (actions[0], actions[1]), stem, lanes)
+    return _MadeUpCrash(kind, road, (first, (first + relation) % 4), (actions[0], actions[1]), stem, lanes)
 
 
 @dataclass(slots=True)
 class _Teller:
     """Tells one scene."""
 
-    scene: _Scene
+    scene: _MadeUpCrash
     generator: random.Random
     names: list[Mapping[str, Sequence[str]]] = field(default_factory=list)
     introduced: set[int] = field(default_factory=set)
@@ -99,7 +99,7 @@ class _Teller:
     landmark: str = ""
     contact: Mapping[str, Any] = field(default_factory=dict)
 
-    def lesson(self) -> Lesson:
+    def lesson(self) -> CrashLesson:
         """The text with its key."""
         scene, draw = self.scene, self.generator
         self.names = self._named()

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from roadmend.core import portable_math
 from roadmend.safe.claims import WayRelation
-from roadmend.safe.dsl import Action, Compass, DslModel, Position, RoadType, Side, Time, Weather
+from roadmend.safe.dsl import KM_PER_MILE, Action, Compass, DslModel, Position, RoadType, Side, Time, Weather
 
 HEADINGS = (Position.S2N, Position.W2E, Position.N2S, Position.E2W)  # clockwise, as STEMS
 RAMP = (Position.MAIN_ROAD, Position.ON_RAMP)  # instead of a heading, where roads merge
@@ -22,55 +22,59 @@ ROADS = tuple(RoadType)
 LANES = tuple(range(1, 9))
 TIMES = tuple(Time)
 WEATHERS = tuple(Weather)
-_KMH = 1.609344  # in a mile an hour
-LIMITS = (None, *sorted({*range(5, 90, 5), *(round(limit / _KMH) for limit in range(10, 140, 10))}))
+LIMITS = (None, *sorted({*range(5, 90, 5), *(round(limit / KM_PER_MILE) for limit in range(10, 140, 10))}))
 """Posted limits [mph] of both systems; None where the text tells none."""
 
 TOUCHED = (None, *Side)  # where the second of two vehicles was struck by the first; None where it was not
 
 
 @dataclass(frozen=True, slots=True)
-class Question:
+class ReaderQuestion:
     """One thing that the network is asked.
 
     Attributes:
         name: of the question.
+        field: of the scenario language, that of a vehicle or a collision from there on, which the answer is a value of.
         values: possible answers, in the order of the outputs.
         weight: of its loss in training.
     """
 
     name: str
+    field: str
     values: tuple[Any, ...]
     weight: float
 
 
 OF_VEHICLE = (
-    Question("heading", HEADINGS, 1.0),
-    Question("action", ACTIONS, 0.5),
-    Question("model", MODELS, 0.3),
-    Question("speed_limit", LIMITS, 0.3),
-    Question("ramp", RAMP, 0.3),
+    ReaderQuestion("heading", "initial_position", HEADINGS, 1.0),
+    ReaderQuestion("action", "action", ACTIONS, 0.5),
+    ReaderQuestion("model", "model", MODELS, 0.3),
+    ReaderQuestion("speed_limit", "speed_limit_mph", LIMITS, 0.3),
+    ReaderQuestion("ramp", "initial_position", RAMP, 0.3),
 )
+RELATION = ReaderQuestion("relation", "", RELATIONS, 1.0)  # of two fields
 OF_PAIR = (
-    Question("relation", RELATIONS, 1.0),
-    Question("struck_side", TOUCHED, 0.5),
-    Question("striking_side", TOUCHED, 0.3),
+    RELATION,
+    ReaderQuestion("struck_side", "struck_side", TOUCHED, 0.5),
+    ReaderQuestion("striking_side", "striking_side", TOUCHED, 0.3),
 )
 OF_TEXT = (
-    Question("road_type", ROADS, 0.5),
-    Question("stem", STEMS, 0.5),
-    Question("lanes", LANES, 0.3),
-    Question("time", TIMES, 0.2),
-    Question("weather", WEATHERS, 0.2),
+    ReaderQuestion("road_type", "road_type", ROADS, 0.5),
+    ReaderQuestion("stem", "stem_direction", STEMS, 0.5),
+    ReaderQuestion("lanes", "num_lanes", LANES, 0.3),
+    ReaderQuestion("time", "env.time", TIMES, 0.2),
+    ReaderQuestion("weather", "env.weather", WEATHERS, 0.2),
 )
+CLAIMED = (*OF_VEHICLE, *OF_TEXT, RELATION)
+"""What claims are made of; of contacts none are."""
 
 
-def width_of(questions: tuple[Question, ...]) -> int:
+def width_of(questions: tuple[ReaderQuestion, ...]) -> int:
     """Outputs that a group of questions takes."""
     return sum(len(question.values) for question in questions)
 
 
-def shares_of(logits: NDArray[np.float32], questions: tuple[Question, ...]) -> dict[str, NDArray[np.float64]]:
+def shares_of(logits: NDArray[np.float32], questions: tuple[ReaderQuestion, ...]) -> dict[str, NDArray[np.float64]]:
     """Probabilities (..., answers) of each question of a group, from its logits (..., outputs)."""
     found, at = {}, 0
     for question in questions:

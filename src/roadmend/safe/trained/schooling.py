@@ -15,12 +15,11 @@ from roadmend.core.parameters import Parameters
 from roadmend.networks.bert_files import fewer_pieces, read_bert
 from roadmend.networks.tensors import rounded
 from roadmend.safe.trained.crash_network import head_shapes
-from roadmend.safe.trained.lessons import Lesson, questions_of_training
+from roadmend.safe.trained.lessons import CrashLesson, questions_of_training
 from roadmend.safe.trained.made_up import made_up_lesson
 from roadmend.safe.trained.marked_text import MARKS
-from roadmend.safe.trained.outputs import OF_PAIR, OF_TEXT, OF_VEHICLE, Question
+from roadmend.safe.trained.outputs import CLAIMED, OF_PAIR, OF_TEXT, OF_VEHICLE, ReaderQuestion
 from roadmend.safe.trained.told_crashes import ToldCrash, told_lessons
-from roadmend.safe.trained.trained_claims import QUESTIONS
 from roadmend.safe.trained.word_pieces import BEGIN, END, UNKNOWN, WordPieces
 from roadmend.training.imitation import tensors_of
 from roadmend.training.text_reading import (
@@ -34,7 +33,7 @@ from roadmend.training.text_reading import (
     logits_of,
 )
 
-_TRUST = dict.fromkeys(QUESTIONS, 0.25) | {
+_TRUST = {each.name: 0.25 for each in CLAIMED} | {
     "model": 0.5,
     "speed_limit": 0.5,
     "road_type": 0.2,
@@ -110,7 +109,7 @@ def school(
         InputError: the encoder is missing or damaged, or the folder holds something else.
     """
     shape, tensors, vocabulary = read_bert(base, MARKS)
-    lessons, measured = list[Lesson](), list[Lesson]()
+    lessons, measured = list[CrashLesson](), list[CrashLesson]()
     for crash, lesson in zip(told, told_lessons(told, work, mapper, partial(_read, watch, len(told))), strict=True):
         if lesson is not None:
             (measured if crash.author in settings.held_out else lessons).append(lesson)
@@ -153,7 +152,7 @@ def _tell(watch: Told, stage: str, done: int, of: int, loss: float) -> None:
     watch(stage, done, of, loss)
 
 
-def _kept(vocabulary: Sequence[str], lessons: Sequence[Lesson], most: int) -> list[int]:
+def _kept(vocabulary: Sequence[str], lessons: Sequence[CrashLesson], most: int) -> list[int]:
     """Places of the pieces that stay: common ones, which a vocabulary of BERT has first, short ones, and those of the texts."""
     whole = WordPieces(vocabulary)
     used = {UNKNOWN, BEGIN, END}
@@ -165,7 +164,7 @@ def _kept(vocabulary: Sequence[str], lessons: Sequence[Lesson], most: int) -> li
     return sorted({*plain[:most], *signs, *(place for place, piece in enumerate(vocabulary) if piece in used)})
 
 
-def _measure(network: TextNetwork, lessons: Sequence[Lesson], pieces: WordPieces) -> Mapping[str, float]:
+def _measure(network: TextNetwork, lessons: Sequence[CrashLesson], pieces: WordPieces) -> Mapping[str, float]:
     """Of the questions that can be asked about the lessons, the share that is answered right, by question."""
     right: dict[str, list[bool]] = {}
     generator = random.Random(0)
@@ -179,7 +178,7 @@ def _measure(network: TextNetwork, lessons: Sequence[Lesson], pieces: WordPieces
     return {name: round(float(np.mean(marks)), 4) for name, marks in right.items() if marks}
 
 
-def _count(questions: Sequence[Question], logits: Any, answers: Any, right: dict[str, list[bool]]) -> None:
+def _count(questions: Sequence[ReaderQuestion], logits: Any, answers: Any, right: dict[str, list[bool]]) -> None:
     at = 0
     for place, question in enumerate(questions):
         best = logits[..., at : at + len(question.values)].argmax(-1)

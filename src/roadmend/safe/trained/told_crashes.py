@@ -13,7 +13,7 @@ from roadmend.core.fanout import Mapper
 from roadmend.core.journal import Journal, entry_key
 from roadmend.core.json_text import parse_json, read_json
 from roadmend.safe.reading.reader import read_claims
-from roadmend.safe.trained.lessons import Lesson, lesson_of, names_by_words
+from roadmend.safe.trained.lessons import CrashLesson, lesson_of, names_by_words
 from roadmend.safe.trained.marked_text import SEATS, Name, NamedCrash, named_crash
 
 _MEND = "give a JSON Lines file of told crashes (author, name, text, key), or AUTHOR-NAME.txt beside AUTHOR-NAME.oracle.json"
@@ -91,7 +91,7 @@ def told_line(crash: ToldCrash) -> str:
 
 def told_lessons(
     told: Sequence[ToldCrash], work: Path, mapper: Mapper, watch: Callable[[int], None]
-) -> list[Lesson | None]:
+) -> list[CrashLesson | None]:
     """What can be learned from each told crash; None where the text names other vehicles than its key.
 
     Args:
@@ -116,7 +116,7 @@ def told_lessons(
     return [_lesson(crash, names) for crash, names in zip(told, found, strict=True)]
 
 
-def _lesson(crash: ToldCrash, names: Sequence[tuple[int, int, Sequence[int]]] | None) -> Lesson | None:
+def _lesson(crash: ToldCrash, names: Sequence[tuple[int, int, Sequence[int]]] | None) -> CrashLesson | None:
     if names is None:
         return None
     own = tuple(Name(start, end, tuple(vehicles)) for start, end, vehicles in names)

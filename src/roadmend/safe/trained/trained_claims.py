@@ -1,7 +1,7 @@
 """What the trained reader says of a summary, as claims for the solver to weigh beside those of the rules."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -15,19 +15,7 @@ from roadmend.safe.dsl import RoadType
 from roadmend.safe.reading.reader import SummaryClaims
 from roadmend.safe.trained.crash_network import Answers, CrashNetwork
 from roadmend.safe.trained.marked_text import SEATS, mark_text, named_crash
-from roadmend.safe.trained.outputs import (
-    ACTIONS,
-    HEADINGS,
-    LANES,
-    LIMITS,
-    MODELS,
-    RAMP,
-    RELATIONS,
-    ROADS,
-    STEMS,
-    TIMES,
-    WEATHERS,
-)
+from roadmend.safe.trained.outputs import CLAIMED, OF_TEXT, OF_VEHICLE, RELATION, ROADS, ReaderQuestion
 
 SHIPPED = "crash-text"
 _TURNS = 4  # a text is read as it stands and with its compass turned, and what comes out is averaged
@@ -35,26 +23,8 @@ _REASON = "the trained reader takes the text so"
 _SURELY = 1e-4  # no probability is nearer to 0 or 1
 _FEW = 8  # values of a question whose every answer is claimed or disclaimed
 _WORTH_SAYING = 0.1  # least probability of an answer among more than these
-_OF_VEHICLE: Sequence[tuple[str, str, tuple[Any, ...]]] = (  # question, field of the scenario, its values
-    ("heading", "initial_position", HEADINGS),
-    ("action", "action", ACTIONS),
-    ("model", "model", MODELS),
-    ("speed_limit", "speed_limit_mph", LIMITS),
-    ("ramp", "initial_position", RAMP),
-)
-_OF_TEXT: Sequence[tuple[str, str, tuple[Any, ...]]] = (
-    ("road_type", "road_type", ROADS),
-    ("stem", "stem_direction", STEMS),
-    ("lanes", "num_lanes", LANES),
-    ("time", "env.time", TIMES),
-    ("weather", "env.weather", WEATHERS),
-)
-
 _MAYBE_UNTOLD = frozenset({"num_lanes", "env.time", "env.weather"})
 """Fields of which the network cannot say that the text does not tell them: where the rules find nothing, they stay open."""
-
-QUESTIONS = (*(each[0] for each in (*_OF_VEHICLE, *_OF_TEXT)), "relation")
-"""Whose answers are claimed."""
 
 
 def trained_claims(summary: str, said: SummaryClaims) -> tuple[AnyClaim, ...]:
@@ -88,7 +58,7 @@ class TrainedReader:
     def __init__(self, network: CrashNetwork) -> None:
         self.network = network
         self.trust: Mapping[str, float] = network.header.get("trust") or {}
-        if missing := [name for name in QUESTIONS if not isinstance(self.trust.get(name), int | float)]:
+        if missing := [each.name for each in CLAIMED if not isinstance(self.trust.get(each.name), int | float)]:
             what = f"does not say how far its answers about {missing[0]} are trusted"
             raise InputError(network.where, what, "give another file")
 
@@ -113,28 +83,28 @@ class TrainedReader:
     def _claims(self, answers: Answers, kept: tuple[int, ...]) -> Iterator[AnyClaim]:
         merges = ROADS[int(answers.text["road_type"].argmax())] is RoadType.MERGING
         for seat, place in enumerate(kept):
-            for question, field, values in _OF_VEHICLE:
-                if question == "ramp" and not merges:
+            for asked in OF_VEHICLE:
+                if asked.name == "ramp" and not merges:
                     continue  # elsewhere nobody was asked in training
-                yield from self._of(f"vehicles[{place}].{field}", question, values, answers.vehicles[question][seat])
+                yield from self._of(f"vehicles[{place}].{asked.field}", asked, answers.vehicles[asked.name][seat])
         for first in range(len(kept)):
             for second in range(first + 1, len(kept)):
-                for relation, share in zip(RELATIONS, answers.pairs["relation"][first, second], strict=True):
-                    yield DirectionClaim(
-                        kept[first], kept[second], relation, self._held("relation", share), ClaimSource.TRAINED, _REASON
-                    )
-        for question, path, values in _OF_TEXT:
-            yield from self._of(path, question, values, answers.text[question])
+                shares = answers.pairs[RELATION.name][first, second]
+                for relation, share in zip(RELATION.values, shares, strict=True):
+                    held = self._held(RELATION, share)
+                    yield DirectionClaim(kept[first], kept[second], relation, held, ClaimSource.TRAINED, _REASON)
+        for asked in OF_TEXT:
+            yield from self._of(asked.field, asked, answers.text[asked.name])
 
-    def _of(self, path: str, question: str, values: tuple[Any, ...], shares: Any) -> Iterator[Claim]:
-        for value, share in zip(values, shares, strict=True):
-            if value is not None and (len(values) <= _FEW or share >= _WORTH_SAYING):
-                yield Claim(path, value, self._held(question, share), ClaimSource.TRAINED, _REASON)
+    def _of(self, path: str, asked: ReaderQuestion, shares: Any) -> Iterator[Claim]:
+        for value, share in zip(asked.values, shares, strict=True):
+            if value is not None and (len(asked.values) <= _FEW or share >= _WORTH_SAYING):
+                yield Claim(path, value, self._held(asked, share), ClaimSource.TRAINED, _REASON)
 
-    def _held(self, question: str, share: float) -> float:
+    def _held(self, asked: ReaderQuestion, share: float) -> float:
         """A probability whose log-odds count as far as they are trusted."""
         share = min(max(float(share), _SURELY), 1.0 - _SURELY)
-        return 1.0 / (1.0 + math.exp(-self.trust[question] * math.log(share / (1.0 - share))))
+        return 1.0 / (1.0 + math.exp(-self.trust[asked.name] * math.log(share / (1.0 - share))))
 
 
 def _turned_back(answers: Answers, quarters: int) -> Answers:
