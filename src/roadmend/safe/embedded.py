@@ -19,7 +19,7 @@ from roadmend.safe.sketch_claims import SketchClaims, claims_of_sketch
 from roadmend.safe.trained.trained_claims import trained_claims, trained_reader
 
 ReadSketch = Callable[[Image, Cast], SketchClaims]
-ReadText = Callable[[str, SummaryClaims], Sequence[AnyClaim]]
+ReadText = Callable[[str, SummaryClaims], tuple[SummaryClaims, Sequence[AnyClaim]]]
 
 _WORDS = re.compile(r"[^\W\d_]+")
 _ENGLISH = """
@@ -63,7 +63,7 @@ class EmbeddedExtractor:
 
     Args:
         read_sketch: makes claims of a sketch, given the summary's cast.
-        read_text: makes more claims of the summary, given those of the rules; None for none.
+        read_text: makes more claims of the summary, given those of the rules, whose cast it may put right; None for none.
         solver: let the fields decide about each other; without, each stands alone, to see what that is good for.
     """
 
@@ -94,7 +94,10 @@ class EmbeddedExtractor:
         said = read_claims(report.summary)
         if said is None:
             raise ExtractionError("the summary speaks of no vehicle; is it the report of a crash?")
-        more = [*self.read_text(report.summary, said)] if self.read_text is not None else []
+        more, found = list[AnyClaim](), said
+        if self.read_text is not None:
+            said, claims = self.read_text(report.summary, said)
+            more += claims
         sketch = "there is none"
         if report.sketch is not None:
             seen = self.read_sketch(report.sketch, said.cast)
@@ -103,6 +106,10 @@ class EmbeddedExtractor:
         reading = assemble(said, more, solver=self.solver)
         evidence = {name: _evidence(finding, report.summary) for name, finding in reading.findings.items()}
         notes = [*report.notes, *_limits(said, reading), *_doubts(reading.findings)]
+        notes += [
+            f"vehicle {each.number} ({each.names[0] if each.names else 'unnamed'}) was found by the trained reader alone"
+            for each in said.cast[len(found.cast) :]
+        ]
         notes += [f"vehicle {said.cast[place].number} touched nothing and was left out" for place in reading.left_out]
         by = engine() + (f", {trained_reader()}" if self.read_text is trained_claims else "")
         return Extraction(reading.scenario, evidence, sketch, tuple(notes), reader=by)

@@ -48,6 +48,7 @@ class TextSample:
         vehicles: (V, questions) int64.
         pairs: (V, V, questions) int64.
         text: (questions,) int64.
+        parties: (T, questions) int64, of each piece.
     """
 
     pieces: NDArray[np.int64]
@@ -56,6 +57,7 @@ class TextSample:
     vehicles: NDArray[np.int64]
     pairs: NDArray[np.int64]
     text: NDArray[np.int64]
+    parties: NDArray[np.int64]
 
 
 Draw = Callable[[random.Random], TextSample]  # a lesson, as it comes this time
@@ -63,24 +65,26 @@ Draw = Callable[[random.Random], TextSample]  # a lesson, as it comes this time
 
 @dataclass(frozen=True, slots=True)
 class Questions:
-    """Of vehicles, of pairs and of the text."""
+    """Of vehicles, of pairs, of the text and of its pieces."""
 
     vehicles: Weights
     pairs: Weights
     text: Weights
+    parties: Weights
 
 
 class TextNetwork(nn.Module):
-    """A text encoder and three heads, under the names of the shipped file."""
+    """A text encoder and four heads, under the names of the shipped file."""
 
     def __init__(self, shape: TextShape, heads: dict[str, HeadShape], dropout: float = 0.0) -> None:
         super().__init__()
         self.encoder = TextEncoder(shape, dropout)
-        self.vehicle, self.pair, self.text = (Head(heads[name]) for name in ("vehicle", "pair", "text"))
+        names = ("vehicle", "pair", "text", "party")
+        self.vehicle, self.pair, self.text, self.party = (Head(heads[name]) for name in names)
         self.drop = nn.Dropout(dropout)
 
-    def forward(self, pieces: Tensor, marks: Tensor, mask: Tensor, shares: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        """Logits about vehicles (B, V, .), about pairs (B, V, V, .), and about texts (B, .).
+    def forward(self, pieces: Tensor, marks: Tensor, mask: Tensor, shares: Tensor) -> tuple[Tensor, ...]:
+        """Logits about vehicles (B, V, .), about pairs (B, V, V, .), about texts (B, .), and about pieces (B, T, .).
 
         Args:
             pieces: (B, T) int64.
@@ -100,6 +104,7 @@ class TextNetwork(nn.Module):
             self.vehicle(self.drop(vehicles)),
             self.pair(self.drop(pairs)),
             self.text(self.drop(torch.cat([mean, begin[:, 0]], -1))),
+            self.party(self.drop(states)),
         )
 
 
@@ -115,7 +120,7 @@ def begin_network(
 
 @torch.no_grad()
 def logits_of(network: TextNetwork, sample: TextSample) -> tuple[NDArray[np.float32], ...]:
-    """What a network says of one text: about its vehicles (V, .), pairs of them (V, V, .), and the text (.)."""
+    """What a network says of one text: about its vehicles (V, .), pairs of them (V, V, .), the text (.) and its pieces (T, .)."""
     return tuple(each[0].cpu().numpy() for each in network(*_stacked([sample], _device(network)).inputs))
 
 
@@ -125,6 +130,7 @@ class _Batch:
     vehicles: Tensor
     pairs: Tensor
     text: Tensor
+    parties: Tensor
 
 
 @dataclass(frozen=True, slots=True)
@@ -264,17 +270,18 @@ def _stacked(samples: Sequence[TextSample], device: torch.device) -> _Batch:
     mask, shares = torch.zeros(size, length, dtype=torch.bool), torch.zeros(size, count, length)
     vehicles = torch.full((size, count, samples[0].vehicles.shape[-1]), UNASKED)
     pairs = torch.full((size, count, count, samples[0].pairs.shape[-1]), UNASKED)
+    parties = torch.full((size, length, samples[0].parties.shape[-1]), UNASKED)
     for at, each in enumerate(samples):
         own, end = len(each.shares), len(each.pieces)
         pieces[at, :end], marks[at, :end] = torch.from_numpy(each.pieces), torch.from_numpy(each.marks)
-        mask[at, :end] = True
+        mask[at, :end], parties[at, :end] = True, torch.from_numpy(each.parties)
         shares[at, :own, :end] = torch.from_numpy(each.shares)
         vehicles[at, :own], pairs[at, :own, :own] = torch.from_numpy(each.vehicles), torch.from_numpy(each.pairs)
     text = torch.stack([torch.from_numpy(each.text) for each in samples])
-    pieces, marks, mask, shares, vehicles, pairs, text = (
-        each.to(device) for each in (pieces, marks, mask, shares, vehicles, pairs, text)
+    pieces, marks, mask, shares, vehicles, pairs, text, parties = (
+        each.to(device) for each in (pieces, marks, mask, shares, vehicles, pairs, text, parties)
     )
-    return _Batch((pieces, marks, mask, shares), vehicles, pairs, text)
+    return _Batch((pieces, marks, mask, shares), vehicles, pairs, text, parties)
 
 
 def _loss(network: TextNetwork, batch: _Batch, questions: Questions) -> Tensor:
@@ -284,6 +291,7 @@ def _loss(network: TextNetwork, batch: _Batch, questions: Questions) -> Tensor:
         (questions.vehicles, batch.vehicles),
         (questions.pairs, batch.pairs),
         (questions.text, batch.text),
+        (questions.parties, batch.parties),
     )
     with torch.autocast(batch.text.device.type, torch.bfloat16):  # in half of the time
         answered = network(*batch.inputs)

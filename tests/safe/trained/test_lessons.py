@@ -7,8 +7,8 @@ import pytest
 
 from roadmend.safe.trained.lessons import lesson_of, names_by_words
 from roadmend.safe.trained.made_up import made_up_lesson
-from roadmend.safe.trained.marked_text import SEATS, SOMEBODY_ELSE, Name, NamedCrash, mark_text
-from roadmend.safe.trained.outputs import HEADINGS, OF_PAIR, OF_TEXT, OF_VEHICLE, RELATIONS, TOUCHED
+from roadmend.safe.trained.marked_text import SOMEBODY_ELSE, Name, NamedCrash, mark_text
+from roadmend.safe.trained.outputs import HEADINGS, OF_PAIR, OF_TEXT, OF_VEHICLE, RELATIONS, SEATS, TOUCHED
 from roadmend.safe.trained.word_pieces import WordPieces
 from roadmend.training.text_reading import UNASKED
 from tests.networks.small_bert import WORDS
@@ -113,3 +113,18 @@ def test_made_up_crashes_agree_with_their_keys():
         assert (struck > 0).sum() == 1
         assert np.isin(struck, range(len(TOUCHED))).sum() == 2
     assert told > 5
+
+
+def test_who_is_named_is_asked_of_a_text_without_marks():
+    seen = []
+    for seed in range(40):
+        sample = LESSON.draw(PIECES, 512, random.Random(seed))
+        parties = sample.parties[:, 0]
+        if (parties == UNASKED).all():
+            continue
+        assert not sample.marks.any()
+        words = [WORDS[piece] for piece in sample.pieces]
+        named = [(word, party) for word, party in zip(words, parties, strict=True) if party]
+        assert named == [("a", 1), ("car", 1), ("a", 2), ("van", 2), ("the", 1), ("car", 1)]
+        seen.append(seed)
+    assert 2 < len(seen) < 20

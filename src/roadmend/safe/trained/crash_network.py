@@ -17,7 +17,7 @@ from roadmend.networks.shape import HeadShape, TextShape
 from roadmend.networks.tensors import restored
 from roadmend.networks.text_encoder import TextReader
 from roadmend.safe.trained.marked_text import MARKS, MarkedText
-from roadmend.safe.trained.outputs import OF_PAIR, OF_TEXT, OF_VEHICLE, shares_of, width_of
+from roadmend.safe.trained.outputs import OF_PAIR, OF_PIECE, OF_TEXT, OF_VEHICLE, shares_of, width_of
 from roadmend.safe.trained.word_pieces import WordPieces
 
 KIND = "crash_text"
@@ -45,6 +45,7 @@ def head_shapes(hidden: int) -> dict[str, HeadShape]:
         "vehicle": HeadShape(inputs=2 * hidden, hidden=(hidden,), outputs=width_of(OF_VEHICLE)),
         "pair": HeadShape(inputs=4 * hidden, hidden=(hidden,), outputs=width_of(OF_PAIR)),
         "text": HeadShape(inputs=2 * hidden, hidden=(hidden,), outputs=width_of(OF_TEXT)),
+        "party": HeadShape(inputs=hidden, hidden=(hidden,), outputs=width_of(OF_PIECE)),
     }
 
 
@@ -90,6 +91,11 @@ class CrashNetwork:
                 pairs[first, second] = self._heads["pair"].apply(row)
         whole = self._heads["text"].apply(np.concatenate([mean, begin]))
         return Answers(shares_of(vehicles, OF_VEHICLE), shares_of(pairs, OF_PAIR), shares_of(whole, OF_TEXT))
+
+    def parties(self, text: MarkedText) -> NDArray[np.float64]:
+        """Probabilities (T, 1 + SEATS) of whom each piece of a text without marks names: nobody, or the first who is named, and so on."""
+        logits = np.stack([self._heads["party"].apply(state) for state in self._states(text)])
+        return shares_of(logits, OF_PIECE)["party"]
 
     def _states(self, text: MarkedText) -> Floats:
         """What each piece has come to mean; a long text is read in windows, each piece where it stands furthest inside."""

@@ -9,19 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roadmend.safe.dsl import RoadType
-from roadmend.safe.trained.marked_text import SEATS, Name, NamedCrash, mark_text
-from roadmend.safe.trained.outputs import HEADINGS, OF_PAIR, OF_TEXT, OF_VEHICLE, STEMS, ReaderQuestion
+from roadmend.safe.trained.marked_text import NOBODY, MarkedText, Name, NamedCrash, mark_text
+from roadmend.safe.trained.outputs import HEADINGS, OF_PAIR, OF_PIECE, OF_TEXT, OF_VEHICLE, SEATS, STEMS, ReaderQuestion
 from roadmend.safe.trained.word_pieces import WordPieces
 from roadmend.training.text_reading import UNASKED, Questions, TextSample
 
 _FORGOTTEN = 0.1  # share of names that a lesson leaves unmarked, since rules do not find all
+
+_UNMARKED = 0.2  # share of lessons in which nobody is marked, and who is named is asked
 
 Ints = NDArray[np.int64]
 
 
 def questions_of_training() -> Questions:
     """What lessons ask, as the network is fitted to it."""
-    groups = ([(len(each.values), each.weight) for each in group] for group in (OF_VEHICLE, OF_PAIR, OF_TEXT))
+    groups = ([(len(each.values), each.weight) for each in group] for group in (OF_VEHICLE, OF_PAIR, OF_TEXT, OF_PIECE))
     return Questions(*groups)
 
 
@@ -42,7 +44,7 @@ class CrashLesson:
     text: Ints
 
     def draw(self, pieces: WordPieces, longest: int, generator: random.Random) -> TextSample:
-        """The lesson as it is taught this time: turned on the compass, seats given anew, some names forgotten.
+        """The lesson as it is taught this time: turned on the compass, seats given anew, some names forgotten or all unmarked.
 
         Args:
             pieces: take the text apart.
@@ -51,17 +53,37 @@ class CrashLesson:
         """
         quarters = generator.randrange(4)
         crash = self.crash.turned(quarters)
-        names = tuple(name for name in crash.names if generator.random() >= _FORGOTTEN)
-        seats = generator.sample(range(SEATS), crash.count)
-        marked = mark_text(replace(crash, names=names), pieces, seats)
+        if generator.random() < _UNMARKED:
+            marked = mark_text(crash, pieces)
+            parties = _parties(marked)
+            marks = np.full_like(marked.marks, NOBODY)
+        else:
+            names = tuple(name for name in crash.names if generator.random() >= _FORGOTTEN)
+            seats = generator.sample(range(SEATS), crash.count)
+            marked = mark_text(replace(crash, names=names), pieces, seats)
+            parties = np.full_like(marked.marks, UNASKED)
+            marks = marked.marks
         return TextSample(
             marked.pieces[:longest],
-            marked.marks[:longest],
+            marks[:longest],
             _somewhere(marked.shares[:, :longest]),
             _turned(self.vehicles, OF_VEHICLE, "heading", quarters),
             self.pairs,
             _turned(self.text, OF_TEXT, "stem", quarters),
+            parties[:longest, None],
         )
+
+
+def _parties(marked: MarkedText) -> Ints:
+    """Whom each piece names, by the order in which they are first named; UNASKED where several at once."""
+    found = np.zeros(len(marked.marks), np.int64)
+    order: dict[int, int] = {}
+    for at, mark in enumerate(marked.marks.tolist()):
+        if 0 < mark <= SEATS:
+            found[at] = order.setdefault(mark, len(order) + 1)
+        elif mark == NOBODY and at and marked.shares[:, at].any():
+            found[at] = UNASKED
+    return found
 
 
 def _somewhere(shares: NDArray[np.float32]) -> NDArray[np.float32]:

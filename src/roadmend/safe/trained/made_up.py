@@ -14,7 +14,7 @@ from typing import Any
 
 import yaml
 
-from roadmend.safe.dsl import Action, RoadType, Side
+from roadmend.safe.dsl import KM_PER_MILE, Action, RoadType, Side, Time, Weather
 from roadmend.safe.trained.lessons import CrashLesson, lesson_of
 from roadmend.safe.trained.marked_text import Name, NamedCrash
 from roadmend.safe.trained.outputs import HEADINGS, STEMS
@@ -44,12 +44,14 @@ _ROADS: Mapping[str, Sequence[RoadType]] = {  # where each kind happens
     "side_by_side": _STRAIGHT * 2 + _CURVE,
     "merge": _MERGING,
 }
+_TELLS = 0.5  # of each of light, weather and limits, how often it is told
+_LIMITS: Mapping[str, Sequence[int]] = {"mph": range(20, 75, 5), "kmh": range(30, 140, 10)}  # that are posted
 _MARK = re.compile("\x01([01])([^\x02]*)\x02")  # around the names of vehicles until the text is whole
 
 
 @dataclass(frozen=True, slots=True)
 class _MadeUpCrash:
-    """Two vehicles that meet; headings and the stem in quarter turns clockwise from north."""
+    """Two vehicles that meet; headings and the stem in quarter turns clockwise from north; of light, weather and limit those that are told."""
 
     kind: str
     road: RoadType
@@ -57,6 +59,10 @@ class _MadeUpCrash:
     actions: tuple[Action, Action]
     stem: int | None
     lanes: int
+    light: str | None
+    weather: str | None
+    limit: int | None  # on the first vehicle's road, as it is posted
+    unit: str  # of the limit, "mph" or "kmh"
 
 
 def made_up_lesson(generator: random.Random) -> CrashLesson:
@@ -84,7 +90,24 @@ def _draw(generator: random.Random) -> _MadeUpCrash:
         aside = {"out_of_the_stem": 2, "left_turn": 3}.get(kind, generator.choice([1, 3]))
         stem = (first + aside) % 4
     lanes = generator.choice([2, 2, 2, 3, 4, 4, 5, 6])
-    return _MadeUpCrash(kind, road, (first, (first + relation) % 4), (actions[0], actions[1]), stem, lanes)
+    weather = generator.choice([*Weather]) if generator.random() < _TELLS else None
+    light = generator.choice([*Time]) if generator.random() < _TELLS else None
+    if weather is Weather.SUNNY:
+        light = Time.DAYTIME
+    unit = generator.choices([*_LIMITS], [7, 3])[0]
+    limit = generator.choice(_LIMITS[unit]) if kind != "merge" and generator.random() < _TELLS else None
+    return _MadeUpCrash(
+        kind,
+        road,
+        (first, (first + relation) % 4),
+        (actions[0], actions[1]),
+        stem,
+        lanes,
+        light,
+        weather,
+        limit,
+        unit,
+    )
 
 
 @dataclass(slots=True)
@@ -113,6 +136,8 @@ class _Teller:
         if tells_lanes:
             parts.insert(draw.randrange(len(parts) + 1), self._say("lanes", scene.lanes))
         parts += [*self._deeds(), self._struck()]
+        for about in self._surroundings():
+            parts.insert(draw.choice([0, len(parts), draw.randrange(len(parts) + 1)]), about)
         for _ in range(draw.randrange(4)):
             parts.insert(draw.randrange(len(parts) + 1), draw.choice(_phrases()["beside_the_point"]))
         text = " ".join(parts)
@@ -237,6 +262,16 @@ class _Teller:
             self._say("deeds", deed.get(scene.kind, "change"), a=draw.randrange(2) if scene.kind == "oncoming" else 0)
         ]
 
+    def _surroundings(self) -> list[str]:
+        """Light, weather and the limit, as far as they are told."""
+        scene = self.scene
+        found = [
+            self._say(name, value) for name, value in (("light", scene.light), ("weather", scene.weather)) if value
+        ]
+        if scene.limit is not None:
+            found.append(self._say("limits", scene.unit, limit=str(scene.limit)))
+        return found
+
     def _struck(self) -> str:
         """The contact, as the headings allow it."""
         scene, draw = self.scene, self.generator
@@ -258,6 +293,9 @@ class _Teller:
         scene = self.scene
         merging = scene.road is RoadType.MERGING
         striking = order.index(self.contact["striking"]) + 1
+        limit = scene.limit
+        if limit is not None and scene.unit == "kmh":
+            limit = round(limit / KM_PER_MILE)
         return {
             "road_type": scene.road.value if tells_place else None,
             "num_lanes": scene.lanes if tells_lanes else None,
@@ -266,9 +304,11 @@ class _Teller:
                 {
                     "initial_position": None if merging else HEADINGS[scene.headings[at]].value,
                     "action": scene.actions[at].value,
+                    "speed_limit_mph": limit if (scene.headings[at] - scene.headings[0]) % 2 == 0 else None,
                 }
                 for at in order
             ],
+            "env": {"time": scene.light, "weather": scene.weather},
             "collisions": [{**self.contact, "striking": striking, "struck": 3 - striking}],
         }
 

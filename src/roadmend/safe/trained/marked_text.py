@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from roadmend.safe.reading.reader import SummaryClaims
 from roadmend.safe.trained.compass_words import turn_text
+from roadmend.safe.trained.outputs import SEATS
 from roadmend.safe.trained.word_pieces import WordPieces
 
-SEATS = 8  # vehicles that marks can tell apart
 NOBODY, SOMEBODY_ELSE = 0, SEATS + 1  # marks: of what names no vehicle, and of what names one that took no part
 MARKS = SEATS + 2
 _SHARED = 0.3  # of the weight of a name is left to one of several vehicles that it stands for

@@ -10,6 +10,7 @@ from roadmend.core import portable_math
 from roadmend.safe.claims import WayRelation
 from roadmend.safe.dsl import KM_PER_MILE, Action, Compass, DslModel, Position, RoadType, Side, Time, Weather
 
+SEATS = 8  # vehicles that are told apart
 HEADINGS = (Position.S2N, Position.W2E, Position.N2S, Position.E2W)  # clockwise, as STEMS
 RAMP = (Position.MAIN_ROAD, Position.ON_RAMP)  # instead of a heading, where roads merge
 STEMS = (Compass.NORTH, Compass.EAST, Compass.SOUTH, Compass.WEST)
@@ -19,11 +20,11 @@ RELATIONS = (WayRelation.SAME, WayRelation.FROM_LEFT, WayRelation.OPPOSITE, WayR
 ACTIONS = tuple(Action)
 MODELS = tuple(DslModel)
 ROADS = tuple(RoadType)
-LANES = tuple(range(1, 9))
-TIMES = tuple(Time)
-WEATHERS = tuple(Weather)
+LANES = (None, *range(1, 9))
+TIMES = (None, *Time)
+WEATHERS = (None, *Weather)
 LIMITS = (None, *sorted({*range(5, 90, 5), *(round(limit / KM_PER_MILE) for limit in range(10, 140, 10))}))
-"""Posted limits [mph] of both systems; None where the text tells none."""
+"""Posted limits [mph] of both systems; None, here and above, where the text tells nothing of it."""
 
 TOUCHED = (None, *Side)  # where the second of two vehicles was struck by the first; None where it was not
 
@@ -65,6 +66,9 @@ OF_TEXT = (
     ReaderQuestion("time", "env.time", TIMES, 0.2),
     ReaderQuestion("weather", "env.weather", WEATHERS, 0.2),
 )
+OF_PIECE = (ReaderQuestion("party", "", (None, *range(SEATS)), 1.0),)
+"""Which of those who took part a piece of an unmarked text names, in the order in which they are first named; None: no one."""
+
 CLAIMED = (*OF_VEHICLE, *OF_TEXT, RELATION)
 """What claims are made of; of contacts none are."""
 

@@ -18,7 +18,7 @@ from roadmend.safe.trained.crash_network import head_shapes
 from roadmend.safe.trained.lessons import CrashLesson, questions_of_training
 from roadmend.safe.trained.made_up import made_up_lesson
 from roadmend.safe.trained.marked_text import MARKS
-from roadmend.safe.trained.outputs import CLAIMED, OF_PAIR, OF_TEXT, OF_VEHICLE, ReaderQuestion
+from roadmend.safe.trained.outputs import CLAIMED, OF_PAIR, OF_PIECE, OF_TEXT, OF_VEHICLE, ReaderQuestion
 from roadmend.safe.trained.told_crashes import ToldCrash, told_lessons
 from roadmend.safe.trained.word_pieces import BEGIN, END, UNKNOWN, WordPieces
 from roadmend.training.imitation import tensors_of
@@ -39,6 +39,7 @@ _TRUST = {each.name: 0.25 for each in CLAIMED} | {
     "road_type": 0.2,
     "stem": 0.15,
     "lanes": 0.15,
+    "cast": 0.9,
 }
 _ROUNDS = 8  # in which made-up crashes are taught, the state being kept after each
 _LONGEST_SIGN = 3  # letters of pieces that are always kept, so that every word falls apart into something
@@ -65,7 +66,7 @@ class Schooling(Parameters):
     )
     trust: dict[str, float] = Field(
         _TRUST,
-        description="share of the network's log-odds that counts beside the rules' claims",
+        description="share of the network's log-odds that counts beside the rules' claims; of the cast, certainty needed to follow it",
     )
     held_out: tuple[str, ...] = Field((), description="authors whose texts are not learned from, but measured on")
 
@@ -170,9 +171,9 @@ def _measure(network: TextNetwork, lessons: Sequence[CrashLesson], pieces: WordP
     generator = random.Random(0)
     for lesson in lessons:
         sample = lesson.draw(pieces, network.encoder.shape.positions, generator)
-        known = (sample.vehicles, sample.pairs, sample.text)
+        known = (sample.vehicles, sample.pairs, sample.text, sample.parties)
         for questions, found, answers in zip(
-            (OF_VEHICLE, OF_PAIR, OF_TEXT), logits_of(network, sample), known, strict=True
+            (OF_VEHICLE, OF_PAIR, OF_TEXT, OF_PIECE), logits_of(network, sample), known, strict=True
         ):
             _count(questions, found, answers, right)
     return {name: round(float(np.mean(marks)), 4) for name, marks in right.items() if marks}

@@ -14,7 +14,8 @@ from roadmend.core.journal import Journal, entry_key
 from roadmend.core.json_text import parse_json, read_json
 from roadmend.safe.reading.reader import read_claims
 from roadmend.safe.trained.lessons import CrashLesson, lesson_of, names_by_words
-from roadmend.safe.trained.marked_text import SEATS, Name, NamedCrash, named_crash
+from roadmend.safe.trained.marked_text import Name, NamedCrash, named_crash
+from roadmend.safe.trained.outputs import SEATS
 
 _MEND = "give a JSON Lines file of told crashes (author, name, text, key), or AUTHOR-NAME.txt beside AUTHOR-NAME.oracle.json"
 _NAMES = "roadmend-told-names/1"

@@ -14,8 +14,9 @@ from roadmend.safe.claims import AnyClaim, Claim, ClaimSource, DirectionClaim
 from roadmend.safe.dsl import RoadType
 from roadmend.safe.reading.reader import SummaryClaims
 from roadmend.safe.trained.crash_network import Answers, CrashNetwork
-from roadmend.safe.trained.marked_text import SEATS, mark_text, named_crash
-from roadmend.safe.trained.outputs import CLAIMED, OF_TEXT, OF_VEHICLE, RELATION, ROADS, ReaderQuestion
+from roadmend.safe.trained.marked_text import NamedCrash, mark_text
+from roadmend.safe.trained.outputs import CLAIMED, OF_TEXT, OF_VEHICLE, RELATION, ROADS, SEATS, ReaderQuestion
+from roadmend.safe.trained.parties import find_parties, recast
 
 SHIPPED = "crash-text"
 _TURNS = 4  # a text is read as it stands and with its compass turned, and what comes out is averaged
@@ -23,17 +24,18 @@ _REASON = "the trained reader takes the text so"
 _SURELY = 1e-4  # no probability is nearer to 0 or 1
 _FEW = 8  # values of a question whose every answer is claimed or disclaimed
 _WORTH_SAYING = 0.1  # least probability of an answer among more than these
-_MAYBE_UNTOLD = frozenset({"num_lanes", "env.time", "env.weather"})
-"""Fields of which the network cannot say that the text does not tell them: where the rules find nothing, they stay open."""
+_CAST = (
+    "cast"  # in the header's "trust": how sure the network must be of each who took part to be followed in who they are
+)
 
 
-def trained_claims(summary: str, said: SummaryClaims) -> tuple[AnyClaim, ...]:
-    """The claims of the shipped network; none where the text speaks of more vehicles than it can tell apart.
+def trained_claims(summary: str, said: SummaryClaims) -> tuple[SummaryClaims, tuple[AnyClaim, ...]]:
+    """What the rules say with the cast as the shipped network has it, and its claims; none of more vehicles than it can tell apart.
 
     Raises:
         InputError: the model is missing or damaged, or a library that it needs is not installed.
     """
-    return TrainedReader(_shipped()).claims(summary, said)
+    return TrainedReader(_shipped()).read(summary, said)
 
 
 def trained_reader() -> str:
@@ -58,22 +60,20 @@ class TrainedReader:
     def __init__(self, network: CrashNetwork) -> None:
         self.network = network
         self.trust: Mapping[str, float] = network.header.get("trust") or {}
-        if missing := [each.name for each in CLAIMED if not isinstance(self.trust.get(each.name), int | float)]:
+        names = [_CAST, *(each.name for each in CLAIMED)]
+        if missing := [name for name in names if not isinstance(self.trust.get(name), int | float)]:
             what = f"does not say how far its answers about {missing[0]} are trusted"
             raise InputError(network.where, what, "give another file")
 
-    def claims(self, summary: str, said: SummaryClaims) -> tuple[AnyClaim, ...]:
-        """All that it claims, about the vehicles that took part by their place in the cast."""
-        if not 0 < len(said.kept) <= SEATS:
-            return ()
-        told = {each.path for each in said.claims if isinstance(each, Claim)}
-        silent = {path for path in _MAYBE_UNTOLD if path not in told}
-        found = self._claims(self.answers(summary, said), said.kept)
-        return tuple(each for each in found if not (isinstance(each, Claim) and each.path in silent))
+    def read(self, summary: str, said: SummaryClaims) -> tuple[SummaryClaims, tuple[AnyClaim, ...]]:
+        """What the rules say with the cast put right, and all that the network claims, about vehicles by their place in the cast."""
+        found = recast(summary, said, find_parties(self.network, summary), self.trust[_CAST])
+        if not 0 < len(found.said.kept) <= SEATS:
+            return found.said, ()
+        return found.said, tuple(self._claims(self.answers(found.crash), found.said.kept))
 
-    def answers(self, summary: str, said: SummaryClaims) -> Answers:
+    def answers(self, crash: NamedCrash) -> Answers:
         """The mean of what it answers, the compass turned by each number of quarters and the answers turned back."""
-        crash = named_crash(summary, said)
         found = [
             _turned_back(self.network.answer(mark_text(crash.turned(quarters), self.network.pieces)), quarters)
             for quarters in range(_TURNS)
