@@ -1,9 +1,11 @@
 """The embedded backend on reports that are none, or not quite."""
 
+from dataclasses import replace
+
 import pytest
 
 from roadmend.language.chat import Image
-from roadmend.safe.claims import Claim, ClaimSource
+from roadmend.safe.claims import CastMember, Claim, ClaimSource
 from roadmend.safe.dsl import Position
 from roadmend.safe.dsl_data import dump_data
 from roadmend.safe.embedded import EmbeddedExtractor
@@ -54,6 +56,16 @@ def test_a_pedestrian_is_said():
     )
     assert len(extraction.scenario.vehicles) == 1
     assert any("pedestrian" in note for note in extraction.notes)
+
+
+def test_a_vehicle_that_the_rules_missed_is_said():
+    def read_text(_, said):
+        more = CastMember(3, ("the bus",), None)
+        return replace(said, cast=(*said.cast, more), kept=(*said.kept, len(said.cast))), ()
+
+    extraction = EmbeddedExtractor(read_text=read_text).extract(CrashReport("case", SUMMARY))
+    assert len(extraction.scenario.vehicles) == 3
+    assert "vehicle 3 (the bus) was found by the trained reader alone" in extraction.notes
 
 
 def test_a_vehicle_alone_is_said():

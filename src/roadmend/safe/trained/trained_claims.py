@@ -94,7 +94,9 @@ class TrainedReader:
                     held = self._held(RELATION, share)
                     yield DirectionClaim(kept[first], kept[second], relation, held, ClaimSource.TRAINED, _REASON)
         for asked in OF_TEXT:
-            yield from self._of(asked.field, asked, answers.text[asked.name])
+            shares = answers.text[asked.name]
+            if asked.values[int(shares.argmax())] is not None:  # else the text does not tell it
+                yield from self._of(asked.field, asked, shares)
 
     def _of(self, path: str, asked: ReaderQuestion, shares: Any) -> Iterator[Claim]:
         for value, share in zip(asked.values, shares, strict=True):
