@@ -125,11 +125,26 @@ def _lesson(crash: ToldCrash, names: Sequence[tuple[int, int, Sequence[int]]] | 
 
 
 def named_told(crash: ToldCrash) -> NamedCrash | None:
-    """A told crash with its names as the rules find them, or as they were noted; None where neither fits its key."""
+    """A told crash with its names as the rules find them, or as they were noted; None where neither fits its key.
+
+    The rules find more of them, pronouns too, but what they find is taken only where it contradicts no noted name.
+    """
     said = read_claims(crash.text)
     count = len(crash.key["vehicles"])
     if not 0 < count <= SEATS:
         return None
-    if said is not None and len(said.kept) == count:
-        return named_crash(crash.text, said)
-    return names_by_words(crash.text, crash.called) if len(crash.called) == count else None
+    noted = names_by_words(crash.text, crash.called) if len(crash.called) == count else None
+    found = named_crash(crash.text, said) if said is not None and len(said.kept) == count else None
+    return found if found is not None and (noted is None or _agree(found, noted)) else noted
+
+
+def _agree(found: NamedCrash, noted: NamedCrash) -> bool:
+    """Whether each vehicle is called somewhere as it was noted, and nowhere as another one was."""
+    alike = set[int]()
+    for own in found.names:
+        for other in noted.names:
+            if own.start < other.end and other.start < own.end and len(own.vehicles) == 1:
+                if own.vehicles != other.vehicles:
+                    return False
+                alike.update(own.vehicles)
+    return alike == {*range(found.count)}
