@@ -63,7 +63,7 @@ class EmbeddedExtractor:
 
     Args:
         read_sketch: makes claims of a sketch, given the summary's cast.
-        read_text: makes more claims of the summary, given those of the rules, whose cast it may put right; None for none.
+        read_text: makes more claims of the summary, given those of the rules, whose cast it may add to; None for none.
         solver: let the fields decide about each other; without, each stands alone, to see what that is good for.
     """
 

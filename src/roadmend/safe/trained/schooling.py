@@ -34,12 +34,13 @@ from roadmend.training.text_reading import (
 )
 
 _TRUST = {each.name: 0.25 for each in CLAIMED} | {
+    "action": 0.4,
     "model": 0.5,
     "speed_limit": 0.5,
     "road_type": 0.2,
     "stem": 0.15,
-    "lanes": 0.15,
-    "cast": 0.9,
+    "lanes": 0.25,
+    "cast": 0.8,
 }
 _ROUNDS = 8  # in which made-up crashes are taught, the state being kept after each
 _LONGEST_SIGN = 3  # letters of pieces that are always kept, so that every word falls apart into something
@@ -66,7 +67,7 @@ class Schooling(Parameters):
     )
     trust: dict[str, float] = Field(
         _TRUST,
-        description="share of the network's log-odds that counts beside the rules' claims; of the cast, certainty needed to follow it",
+        description="share of the network's log-odds that counts beside the rules' claims; of the cast, the certainty that adds to it",
     )
     held_out: tuple[str, ...] = Field((), description="authors whose texts are not learned from, but measured on")
 

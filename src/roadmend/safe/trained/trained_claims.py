@@ -24,9 +24,7 @@ _REASON = "the trained reader takes the text so"
 _SURELY = 1e-4  # no probability is nearer to 0 or 1
 _FEW = 8  # values of a question whose every answer is claimed or disclaimed
 _WORTH_SAYING = 0.1  # least probability of an answer among more than these
-_CAST = (
-    "cast"  # in the header's "trust": how sure the network must be of each who took part to be followed in who they are
-)
+_CAST = "cast"  # in the header's "trust": how sure the network must be of all who took part, where the rules find fewer
 
 
 def trained_claims(summary: str, said: SummaryClaims) -> tuple[SummaryClaims, tuple[AnyClaim, ...]]:
