@@ -19,7 +19,7 @@ def folder(tmp_path):
     there.mkdir()
     text = (TEXTS / "developed-01.txt").read_text()
     oracle = json.loads((TEXTS / "developed-01.oracle.json").read_text())
-    other = oracle | {"num_lanes": 7, "alternatives": {}}
+    other = oracle | {"num_lanes": 7, "alternatives": {}, "env": {**oracle["env"], "time": None}}
     for name, right in (("one-1", oracle), ("two-1", other)):
         (there / f"{name}.txt").write_text(text)
         (there / f"{name}.oracle.json").write_text(json.dumps(right))
@@ -34,6 +34,8 @@ def test_sets_are_scored_apart(folder, tmp_path, capsys, monkeypatch):
     one, two = content["sets"]["one"], content["sets"]["two"]
     assert (one["cases"], one["overall"], two["overall"], two["road"], two["actors"]) == (1, 100.0, 0.0, 0.0, 100.0)
     assert (one["without_trained_reader"]["cases"], two["without_trained_reader"]["overall"]) == (1, 0.0)
+    assert one["left_open"]["filled"] == 0
+    assert (two["left_open"]["fields"], two["left_open"]["filled"]) == (one["left_open"]["fields"] + 1, 1)
     assert {"one", "two"} <= {*(tmp_path / "texts.md").read_text().split()}
 
 

@@ -99,6 +99,7 @@ def _rows(sets: Mapping[str, Mapping[str, Any]]) -> Sequence[Sequence[str]]:
             "without the trained reader",
             "usual values",
             f"right, of fields given with {SURE} or more",
+            "filled, of fields that the key leaves open",
         ]
     ]
     for name, found in sets.items():
@@ -108,5 +109,8 @@ def _rows(sets: Mapping[str, Mapping[str, Any]]) -> Sequence[Sequence[str]]:
         surest = next(each for each in found["calibration"] if each["low"] == SURE)
         right = right_of(surest)
         alone, usual = (f"{found[control]['overall']:.1f}" for control in ("without_trained_reader", "majority"))
-        rows.append([name.replace("_", " "), str(cases), *shares, f"{low:.1f} .. {high:.1f}", alone, usual, right])
+        filled, bare = (of["left_open"] for of in (found, found["without_trained_reader"]))
+        invented = f"{filled['filled']} of {filled['fields']}, {bare['filled']} without the trained reader"
+        interval = f"{low:.1f} .. {high:.1f}"
+        rows.append([name.replace("_", " "), str(cases), *shares, interval, alone, usual, right, invented])
     return rows

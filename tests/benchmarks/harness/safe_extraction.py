@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.crash_reading import ReadCrash
-from harness.scoring import Oracle, Scores, calibrate, load_oracles, majority, mark, oracles_of_records, score
+from harness.scoring import Oracle, Scores, calibrate, filled, load_oracles, majority, mark, oracles_of_records, score
 
 OTHER = "other"  # reports of neither half
 
@@ -72,7 +72,11 @@ def measure_registers(texts: Sequence[ReadCrash], oracles: Mapping[str, Oracle])
     if found is None:
         return None
     marked = calibrate(_marked(texts, oracles, text_only=True))
-    return {**asdict(found), "calibration": [asdict(each) for each in marked]}
+    invented = [
+        is_given for each in texts if each.name in oracles for is_given in filled(each.data, oracles[each.name])
+    ]
+    left_open = {"fields": len(invented), "filled": sum(invented)}
+    return {**asdict(found), "calibration": [asdict(each) for each in marked], "left_open": left_open}
 
 
 def _score(read: Sequence[ReadCrash], oracles: Mapping[str, Oracle], *, text_only: bool) -> Scores | None:

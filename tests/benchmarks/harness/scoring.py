@@ -78,6 +78,14 @@ def mark(reading: Reading, oracle: Oracle, *, text_only: bool) -> dict[str, bool
     return marks
 
 
+def filled(reading: Reading, oracle: Oracle) -> list[bool]:
+    """Of each field that the oracle leaves open, but for stems and what it has ``alternatives`` for, whether the reading gives it."""
+    found = {} if reading is None else dict(_fields(reading))
+    others = {"stem_direction", *(oracle.get("alternatives") or ())}
+    open_ = (name for name, value in _fields(oracle) if value is None and name not in others)
+    return [_plain(found.get(name)) not in _NOT_APPLICABLE for name in open_]
+
+
 def by_category(marks: Mapping[str, bool]) -> dict[str, bool]:
     """Whether each category of a case is right throughout."""
     right = dict.fromkeys(CATEGORIES, True)
