@@ -15,7 +15,6 @@ from roadmend.safe.trained.word_pieces import WordPieces
 from roadmend.training.text_reading import UNASKED, Questions, TextSample
 
 _FORGOTTEN = 0.1  # share of names that a lesson leaves unmarked, since rules do not find all
-
 _UNMARKED = 0.2  # share of lessons in which nobody is marked, and who is named is asked
 
 Ints = NDArray[np.int64]

@@ -61,10 +61,10 @@ def find_parties(network: CrashNetwork, summary: str) -> list[Party]:
 
 
 def recast(summary: str, said: SummaryClaims, parties: Sequence[Party], least: float) -> Recast:
-    """Let those join the cast whom the network is sure of and the rules lack.
+    """Take the cast from the network where it is sure of more who took part than the rules have.
 
-    Not where the text numbers its vehicles, since the rules seldom miss a number. Nobody leaves the cast: of those whom the network
-    leaves out, it does so wrongly too often.
+    Not where the text numbers its vehicles, since the rules seldom miss a number. Nor where it finds fewer: of the texts
+    by authors held out that costs more than it wins.
 
     Args:
         summary: the text.
