@@ -163,6 +163,9 @@ def test_names_are_those_of_the_rules_or_the_noted_ones(tmp_path):
     assert named_told(told).count == 2
     noted = read_told(write_told(tmp_path / "noted.jsonl", 1, text="It rained on A car and A van of glass."))[0]
     assert named_told(noted).names
+    swapped = read_told(write_told(tmp_path / "swapped.jsonl", 1, called=[["A van"], ["A car", "the car"]]))[0]
+    assert {TEXT[each.start : each.end]: each.vehicles for each in named_told(swapped).names}["A van"] == (0,)
+    assert {TEXT[each.start : each.end]: each.vehicles for each in named_told(told).names}["A van"] == (1,)
     bare = read_told(write_told(tmp_path / "bare.jsonl", 1, text="It rained.", called=[]))[0]
     assert named_told(bare) is None
 

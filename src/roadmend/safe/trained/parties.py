@@ -60,11 +60,15 @@ def find_parties(network: CrashNetwork, summary: str) -> list[Party]:
     return [Party(tuple(each[:2] for each in places), max(each[2] for each in places)) for places in rows]
 
 
+def is_numbered(said: SummaryClaims) -> bool:
+    """Whether the text numbers vehicles that took part; the rules seldom miss a number, and no other party is looked for."""
+    return any(said.text.spoken.roll.vehicles[place].description.number is not None for place in said.kept)
+
+
 def recast(summary: str, said: SummaryClaims, parties: Sequence[Party], least: float) -> Recast:
     """Take the cast from the network where it is sure of more who took part than the rules have.
 
-    Not where the text numbers its vehicles, since the rules seldom miss a number. Nor where it finds fewer: of the texts
-    by authors held out that costs more than it wins.
+    Where it finds fewer it is not followed: of the texts by authors held out that costs more than it wins.
 
     Args:
         summary: the text.
@@ -73,9 +77,7 @@ def recast(summary: str, said: SummaryClaims, parties: Sequence[Party], least: f
         least: certainty that the network needs of each party to be followed.
     """
     crash = named_crash(summary, said)
-    described = (said.text.spoken.roll.vehicles[place].description for place in said.kept)
-    lacks = len(said.kept) < len(parties) <= SEATS and min(each.certainty for each in parties) >= least
-    if not lacks or any(each.number is not None for each in described):
+    if not len(said.kept) < len(parties) <= SEATS or min(each.certainty for each in parties) < least:
         return Recast(said, crash)
     members = _members(said, parties)
     cast, kept = [*said.cast], list[int]()

@@ -16,7 +16,7 @@ from roadmend.safe.reading.reader import SummaryClaims
 from roadmend.safe.trained.crash_network import Answers, CrashNetwork
 from roadmend.safe.trained.marked_text import NamedCrash, mark_text
 from roadmend.safe.trained.outputs import CLAIMED, OF_TEXT, OF_VEHICLE, RELATION, ROADS, SEATS, ReaderQuestion
-from roadmend.safe.trained.parties import find_parties, recast
+from roadmend.safe.trained.parties import find_parties, is_numbered, recast
 
 SHIPPED = "crash-text"
 _TURNS = 4  # a text is read as it stands and with its compass turned, and what comes out is averaged
@@ -64,8 +64,9 @@ class TrainedReader:
             raise InputError(network.where, what, "give another file")
 
     def read(self, summary: str, said: SummaryClaims) -> tuple[SummaryClaims, tuple[AnyClaim, ...]]:
-        """What the rules say with the cast put right, and all that the network claims, about vehicles by their place in the cast."""
-        found = recast(summary, said, find_parties(self.network, summary), self.trust[_CAST])
+        """What the rules say with those whom they lack in the cast, and all that the network claims, about vehicles by their place in the cast."""
+        parties = [] if is_numbered(said) else find_parties(self.network, summary)
+        found = recast(summary, said, parties, self.trust[_CAST])
         if not 0 < len(found.said.kept) <= SEATS:
             return found.said, ()
         return found.said, tuple(self._claims(self.answers(found.crash), found.said.kept))
