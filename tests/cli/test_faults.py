@@ -38,8 +38,10 @@ def test_a_killed_policy_is_safe_and_reported_and_what_was_run_is_not_run_again(
     file = tmp_path / "campaign.yaml"
     file.write_text(CAMPAIGN)
     arguments = ["faults", "--config", str(file), "--out", str(tmp_path / "out"), "--page"]
-    assert main([*arguments, "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
+    code = main([*arguments, "--json"])
+    out, err = capsys.readouterr()
+    assert code == 0, err
+    told = json.loads(out)
     bare, killed, distorted, *files = told["rows"]
     assert (bare["runs"], bare["safe"]) == (1, 1)
     assert killed["runs"] + told["too_late"] == 1
