@@ -1,5 +1,6 @@
 """Two runs on one machine never hear each other."""
 
+import os
 import subprocess
 import sys
 
@@ -11,11 +12,11 @@ from roadmend.nodes.domain import own_domain
 
 
 @pytest.fixture
-def few(monkeypatch, tmp_path):
+def few(monkeypatch):
     """Three domains that nobody else on this machine knows of."""
     monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
     monkeypatch.setattr(domains, "_DOMAINS", range(1, 4))
-    monkeypatch.setattr(domains.tempfile, "gettempdir", lambda: str(tmp_path))
+    monkeypatch.setattr(domains, "_MARK", f"roadmend-test-{os.getpid()}-domain-")
 
 
 def test_two_runs_never_share_a_domain(few):
@@ -23,13 +24,17 @@ def test_two_runs_never_share_a_domain(few):
         assert len({first, second, third}) == 3
 
 
-def test_a_run_of_another_process_is_respected(monkeypatch, tmp_path):
+def test_a_run_of_another_process_is_respected_whatever_its_folder_for_temporary_files(monkeypatch, tmp_path):
     monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
     code = (
         "from roadmend.nodes.domain import own_domain\nwith own_domain() as number: print(number, flush=True); input()"
     )
     with subprocess.Popen(
-        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", code],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "TMPDIR": str(tmp_path)},
     ) as other:
         taken = int(other.stdout.readline())
         monkeypatch.setattr(domains, "_DOMAINS", range(1, 100))

@@ -1,21 +1,24 @@
 """A DDS domain of its own for every run, so that parallel runs on one machine do not hear each other."""
 
 import contextlib
-import fcntl
+import errno
 import os
-import tempfile
+import socket
 from collections.abc import Iterator
-from pathlib import Path
 
 from roadmend.core.errors import InputError, RoadmendError
 
 _DOMAINS = range(1, 100)  # above 101 the ports of a domain meet Linux's ephemeral ports
+_MARK = "roadmend-domain-"
 _DOMAIN_MAX = 232  # beyond, the port numbers of a domain pass 65535
 
 
 @contextlib.contextmanager
 def own_domain() -> Iterator[int]:
     """A domain id that no other run on this machine holds; ROS_DOMAIN_ID wins where it is set.
+
+    What marks it as taken is the name of a socket in Linux' abstract namespace. That is one for all who share the network's
+    ports, whoever they are and whatever their TMPDIR, and the name is free again when its process is gone.
 
     Raises:
         InputError: ROS_DOMAIN_ID is out of range.
@@ -27,14 +30,15 @@ def own_domain() -> Iterator[int]:
             raise InputError("ROS_DOMAIN_ID", f"{chosen} is no DDS domain", f"choose 0 to {_DOMAIN_MAX} or unset it")
         yield int(chosen)
         return
-    folder = Path(tempfile.gettempdir())
     first = os.getpid()
     for step in _DOMAINS:
         number = 1 + (first + step) % len(_DOMAINS)
-        with (folder / f"roadmend-domain-{os.getuid()}-{number}.lock").open("w") as lock:
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as mark:
             try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
+                mark.bind(f"\0{_MARK}{number}")
+            except OSError as error:
+                if error.errno != errno.EADDRINUSE:
+                    raise
                 continue
             yield number
             return
