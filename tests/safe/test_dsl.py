@@ -66,3 +66,9 @@ def test_collisions_need_two_vehicles_that_are_there():
 def test_own_fields_need_their_prefix():
     with pytest.raises(ValueError, match="x-"):
         DescribedEnvironment(None, None, {"wind": 3})
+
+
+@pytest.mark.parametrize("name", ["x-a\nb", "x-a\u2028b", "x-<a", "x-a>", "x-a "])
+def test_own_fields_fit_into_a_line_of_the_text_form(name):
+    with pytest.raises(ValueError, match="x-"):
+        DescribedEnvironment(None, None, {name: 3})

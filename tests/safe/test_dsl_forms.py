@@ -159,6 +159,8 @@ def changed(**changes):
         (changed(vehicles=[changed()["vehicles"][1] | {"action": [[16**270, 0]]}]), r"action\[0\]: .* is no point"),
         (changed(road_type={date(2020, 1, 1): 1}), r"field road_type: \{datetime.*is none of"),
         (changed(**{"x-when": date(2020, 1, 1)}), 'field x-when: holds .*"2020-01-01"; write it in quotes'),
+        (changed(**{"x-a\nb": 1}), r"field x-a\\nb: is none of .*; start fields of your own with x- and write"),
+        (changed(**{"x-<a": 1}), "field x-<a: is none of"),
         (changed(env={"time": None, "weather": None, "x-a": {date(2020, 1, 1): 1}}), "field env.x-a: holds"),
     ],
 )

@@ -298,5 +298,11 @@ class CrashScenario:
 
 def _check_extras(extras: Extras) -> None:
     for name in extras:
-        if not name.startswith(EXTRA_PREFIX):
-            raise ValueError(f"{name} is no field of the language; fields of your own start with {EXTRA_PREFIX}")
+        if not is_extra_name(name):
+            raise ValueError(f"{name!r} is no field of the language; fields of your own start with {EXTRA_PREFIX}")
+
+
+def is_extra_name(name: str) -> bool:
+    """Whether a field of a user's own may be called so: it has the prefix, and fits into a line of the text form."""
+    is_one_line = name.isprintable() and name == name.strip() and not {*name} & {*"<>"}
+    return name.startswith(EXTRA_PREFIX) and is_one_line

@@ -27,6 +27,7 @@ from roadmend.safe.dsl import (
     StruckObject,
     Time,
     Weather,
+    is_extra_name,
 )
 
 Word = TypeVar("Word", bound=StrEnum)
@@ -131,10 +132,12 @@ class _Parser:
         if not isinstance(content, Mapping):
             raise self.fail(field, f"is {_shown(content)}, not fields with values")
         for name in content:
-            if name not in needed and name not in optional and not (extensible and str(name).startswith(EXTRA_PREFIX)):
+            if name not in needed and name not in optional and not (extensible and is_extra_name(str(name))):
                 known = ", ".join([*needed, *optional])
                 raise self.fail(
-                    _join(field, str(name)), f"is none of {known}", f"start fields of your own with {EXTRA_PREFIX}"
+                    _join(field, _in_a_line(str(name))),
+                    f"is none of {known}",
+                    f"start fields of your own with {EXTRA_PREFIX} and write their names in a line, without < and >",
                 )
         for name in needed:
             if name not in content:
@@ -291,6 +294,10 @@ def _outwards(field: str) -> Iterator[str]:
 
 def _join(parent: str, name: str) -> str:
     return f"{parent}.{name}" if parent else name
+
+
+def _in_a_line(name: str) -> str:
+    return name if name.isprintable() else repr(name)[1:-1]
 
 
 def _is_number(value: object) -> bool:
