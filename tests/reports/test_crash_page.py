@@ -167,6 +167,11 @@ def test_in_a_browser_the_run_plays_to_the_contact_and_phrases_find_their_rows(t
       result.other = document.getElementById("ending").textContent;
       document.querySelector('[data-fields~="vehicles[0].initial_position"]').click();
       result.chosen = [...document.querySelectorAll("tr.chosen")].map((row) => row.dataset.field);
+      const row = document.querySelector('tr[data-field="env.weather"]');
+      row.focus();
+      result.focused = document.activeElement === row;
+      row.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter", bubbles: true }));
+      result.by_key = [...document.querySelectorAll("tr.chosen")].map((row) => row.dataset.field);
       const pixels = document.getElementById("scene").getContext("2d").getImageData(0, 0, 1200, 620).data;
       result.drawn = new Set(pixels).size > 8;
       document.body.dataset.result = JSON.stringify(result);
@@ -188,5 +193,7 @@ def test_in_a_browser_the_run_plays_to_the_contact_and_phrases_find_their_rows(t
     assert result["end"] == "0.2 s, contact"
     assert result["other"] == "case-v2-0: as built"
     assert "vehicles[0].initial_position" in result["chosen"]
+    assert result["focused"]
+    assert result["by_key"] == ["env.weather"]
     assert result["drawn"]
     assert "error" not in result
