@@ -7,9 +7,11 @@ import json
 import pytest
 from PIL import Image
 
-from roadmend.core.errors import InputError
+from roadmend.core.errors import ForeignError, InputError
 from roadmend.language.chat import Image as Picture
+from roadmend.language.chat import Reply
 from roadmend.language.exchange import ReplayModel, dump_exchanges
+from roadmend.language.foreign import ForeignModel
 from roadmend.language.openai_chat import OpenAIModel, OpenAISettings
 from roadmend.safe.backends import BackendOptions, open_extractor
 from roadmend.safe.dsl_data import dump_data
@@ -353,6 +355,22 @@ def test_a_refusal_ends_the_matter():
 def test_a_server_in_trouble_ends_the_matter():
     with pytest.raises(ExtractionError, match="answered 500"):
         run(Brain(answers=[(500, {}, {"error": {"message": "oops"}})]))
+
+
+def test_what_a_model_of_the_users_own_answered_is_kept_when_it_fails_later():
+    class Once:
+        asked = 0
+
+        def ask(self, request):
+            self.asked += 1
+            if self.asked > 1:
+                raise KeyError("lost")
+            return Reply(json.dumps(META), "own")
+
+    with pytest.raises(ExtractionError, match=r"backend own:Once: failed in ask for .*KeyError: 'lost'") as caught:
+        LanguageExtractor(ForeignModel("own:Once", Once()), StageOneOptions()).extract(REPORT)
+    assert isinstance(caught.value.__cause__, ForeignError)
+    assert [exchange.reply.text for exchange in caught.value.exchanges] == [json.dumps(META)]
 
 
 def test_instructions_in_a_report_stay_data():

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TypeVar
 
+from roadmend.core.errors import ForeignError
 from roadmend.language.chat import AnswerError, ChatModel, LanguageError, Request
 from roadmend.language.endpoint_habits import PICTURES
 from roadmend.language.exchange import RecordingModel
@@ -81,6 +82,8 @@ class LanguageExtractor:
             )
         except LanguageError as error:
             raise ExtractionError(str(error), tuple(model.exchanges)) from None
+        except ForeignError as error:  # what was answered before may have cost money
+            raise ExtractionError(str(error), tuple(model.exchanges)) from error
         checks = check.of_scenario(scenario, meta) if check is not None else [*unchecked(scenario)]
         settled, evidence = settle(scenario, checks, check.reading if check is not None else None, report.summary)
         notes = (*report.notes, *self._notes(check, evidence))
