@@ -1,6 +1,5 @@
 """``roadmend train reader``: the network that reads crash reports beside the rules."""
 
-import hashlib
 import json
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,8 +12,6 @@ from roadmend.cli.call import call_again
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.options import DEVICE, FILE, FOLDER, JSON, MODEL_OUT, SEED, WORKERS, options_of, settings_file
 from roadmend.cli.output import told_stages
-from roadmend.core.bounded_file import read_bytes
-from roadmend.core.bounds import MODEL
 from roadmend.core.fanout import fan_out
 from roadmend.core.resources import config_folder
 from roadmend.core.settings import read_settings
@@ -76,7 +73,7 @@ def reader(given: ReaderOptions) -> None:
     after every epoch: the same command goes on where it was interrupted. The device and the number of threads decide the last bits.
     """
     from roadmend.safe.trained.schooling import Schooling, school  # noqa: PLC0415 - torch is for this command alone
-    from roadmend.safe.trained.told_crashes import read_told, told_line  # noqa: PLC0415
+    from roadmend.safe.trained.told_crashes import read_told  # noqa: PLC0415
     from roadmend.training.device import choose_torch_device  # noqa: PLC0415
 
     settings = read_settings(given.file or config_folder() / "training" / _SETTINGS, Schooling, "mend the file")
@@ -89,12 +86,9 @@ def reader(given: ReaderOptions) -> None:
             report(stage, done, of, f"loss {loss:.2f}" if loss else "")
 
         schooled = school(told, given.encoder, settings, given.seed, work, mapper, watch, device)
-    encoder = hashlib.sha256(read_bytes(given.encoder / "model.safetensors", MODEL, "give an encoder")).hexdigest()
     header = {
         **schooled.header,
         "kind": "crash_text",
-        "data_digest": hashlib.sha256("\n".join(map(told_line, told)).encode()).hexdigest(),
-        "ancestry": [encoder],
         "roadmend": __version__,
         "command": call_again(always=("seed", "threads"), with_places=False),
     }

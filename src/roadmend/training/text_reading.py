@@ -156,6 +156,7 @@ def fit(
     questions: Questions,
     pace: Pace,
     keep: Path,
+    identity: str,
     told: Callable[[int, int, float], None],
 ) -> None:
     """Teach the lessons, each once an epoch, in an order and a form that are drawn.
@@ -167,6 +168,7 @@ def fit(
         pace: how.
         keep: folder for the state after the last epoch; where it holds one of the same training, that goes on, and comes
             to the same in the end.
+        identity: digest of all that decides what comes out.
         told: hears after every step how many are done of how many, and the loss of the last [nat].
 
     Raises:
@@ -178,7 +180,7 @@ def fit(
     whole, rest = divmod(len(lessons), pace.batch * _SORTED_TOGETHER)
     steps = whole * _SORTED_TOGETHER + -(-rest // pace.batch)  # an epoch
     rising = max(1, round(_WARM_UP * steps * pace.epochs))
-    begin = load_training(keep, network, optimizer)
+    begin = load_training(keep, network, optimizer, identity)
     network.train()
     for epoch in range(begin, pace.epochs):
         generator = random.Random(f"roadmend/text-reading/{pace.seed}/{epoch}")
@@ -193,7 +195,7 @@ def fit(
             nn.utils.clip_grad_norm_(network.parameters(), _LARGEST_GRADIENT)
             optimizer.step()
             told(step + 1, steps * pace.epochs, float(loss.detach()))
-        save_training(keep, network, optimizer, epoch + 1)
+        save_training(keep, network, optimizer, epoch + 1, identity)
     network.eval()
 
 
@@ -209,15 +211,23 @@ def _groups(network: TextNetwork, rate: float) -> list[dict[str, Any]]:
     return [{"params": each, "lr": own, "rate": own} for each, own in rates]
 
 
-def save_training(folder: Path, network: nn.Module, optimizer: torch.optim.Optimizer, epochs: int) -> None:
-    """Keep the state of a training after some epochs, whole or not at all.
+def save_training(
+    folder: Path, network: nn.Module, optimizer: torch.optim.Optimizer, epochs: int, identity: str
+) -> None:
+    """Keep the state of a training, by its identity, after some epochs, whole or not at all.
 
     Raises:
         InputError: it cannot be written.
     """
     weights = tensors_of(network)
     memory = optimizer_tensors(optimizer, "")
-    header = {"kind": _KIND, "configuration": {"epochs": epochs}, "data_digest": "", "metrics": {}, "ancestry": []}
+    header = {
+        "kind": _KIND,
+        "configuration": {"epochs": epochs},
+        "data_digest": identity,
+        "metrics": {},
+        "ancestry": [],
+    }
     parts = {"weights": weights} | {
         part: {name: value for name, value in memory.items() if name.endswith(f".{part}")} for part in _MEMORIES
     }
@@ -229,11 +239,11 @@ def save_training(folder: Path, network: nn.Module, optimizer: torch.optim.Optim
         (folder / f"{part}-{epochs - 1}.safetensors").unlink(missing_ok=True)
 
 
-def load_training(folder: Path, network: nn.Module, optimizer: torch.optim.Optimizer) -> int:
+def load_training(folder: Path, network: nn.Module, optimizer: torch.optim.Optimizer, identity: str) -> int:
     """Give a training the state that was kept, and say after how many epochs that was; 0 where none was.
 
     Raises:
-        InputError: what was kept is damaged, or of another network.
+        InputError: what was kept is damaged, or of another training.
     """
     done = folder / _DONE
     if not done.is_file():
@@ -241,13 +251,15 @@ def load_training(folder: Path, network: nn.Module, optimizer: torch.optim.Optim
     text = read_text(done, ARGUMENT).strip()
     if not text.isdecimal():
         raise InputError(str(done), "says no number of epochs", "remove the folder, and begin anew")
-    found = {
-        part: load_checkpoint(folder / f"{part}-{text}.safetensors", _KIND).tensors for part in ("weights", *_MEMORIES)
-    }
+    files = {part: load_checkpoint(folder / f"{part}-{text}.safetensors", _KIND) for part in ("weights", *_MEMORIES)}
+    if any(file.header["data_digest"] != identity for file in files.values()):
+        what = "holds a training of other texts, settings, seed, encoder or code"
+        raise InputError(str(folder), what, "give another folder, or remove this one")
+    found = {part: file.tensors for part, file in files.items()}
     try:
         network.load_state_dict({name: torch.from_numpy(value.copy()) for name, value in found["weights"].items()})
     except RuntimeError:
-        raise InputError(str(folder), "holds the training of another network", "give another folder") from None
+        raise InputError(str(folder), "holds no whole training", "remove it, and begin anew") from None
     load_optimizer(optimizer, {name: value for part in _MEMORIES for name, value in found[part].items()}, "")
     return int(text)
 

@@ -39,7 +39,7 @@ def learn(folder, settings=SETTINGS, watch=untold, work="work", seed=0):
 
 
 def saved(schooled, path):
-    save_checkpoint(path, schooled.tensors, {**schooled.header, "kind": KIND, "data_digest": "", "ancestry": []})
+    save_checkpoint(path, schooled.tensors, {**schooled.header, "kind": KIND})
     return path
 
 
@@ -91,12 +91,30 @@ def test_the_same_settings_give_the_same_weights_however_often_it_stopped(school
     assert any((other.tensors[name] != value).any() for name, value in schooled.tensors.items())
 
 
-def test_the_state_of_another_network_is_refused(tmp_path):
+def test_the_state_of_another_training_is_refused(tmp_path):
     learn(tmp_path)
+    for change in ({"seed": 1}, {"settings": SETTINGS.model_copy(update={"held_out": ("ann",)})}):
+        with pytest.raises(InputError, match="made-up-crashes: holds a training of other texts, settings, seed"):
+            learn(tmp_path, **change)
+    learn(tmp_path, SETTINGS.model_copy(update={"trust": {**SETTINGS.trust, "heading": 0.3}}))  # teaches nothing else
     told = read_told(tmp_path / "told.jsonl")
+    with pytest.raises(InputError, match="holds a training of other texts"):
+        school(told[:-1], tmp_path / "bert", SETTINGS, 0, tmp_path / "work", map, untold)
     write_bert(tmp_path / "bert", layers=2)
-    with pytest.raises(InputError, match="training of another network"):
+    with pytest.raises(InputError, match="holds a training of other texts"):
         school(told, tmp_path / "bert", SETTINGS, 0, tmp_path / "work", map, untold)
+
+
+def test_authors_who_are_held_out_have_written_something(tmp_path):
+    with pytest.raises(InputError, match="held_out: bobby wrote none of the told crashes; choose of ann, bob"):
+        learn(tmp_path, SETTINGS.model_copy(update={"held_out": ("bob", "bobby")}))
+
+
+@pytest.mark.parametrize("change", [{"headng": 0.2}, {"heading": -0.1}, {"heading": 1.1}, {"heading": None}])
+def test_trust_is_a_share_for_each_answer(change):
+    trust = {name: share for name, share in {**SETTINGS.trust, **change}.items() if share is not None}
+    with pytest.raises(ValueError, match="trust"):
+        Schooling(trust=trust)
 
 
 def test_it_reads_without_torch_as_with_it(schooled, network):
@@ -178,6 +196,23 @@ def test_a_line_that_is_no_told_crash_is_refused(tmp_path, line):
         read_told(path)
 
 
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ({"road_type": "Crossing"}, 'road_type: "Crossing" is none of Straight, Curve'),
+        ({"env": {"weather": "raining hard"}}, 'env.weather: "raining hard" is none of'),
+        ({"env": "rainy"}, "is no told crash"),
+        ({"collisions": 3}, "is no told crash"),
+        ({"collisions": [{"striking": "2", "struck": 1}]}, r'collisions\[0\].striking: "2" is no number'),
+        ({"vehicles": [{"initial_position": "North"}]}, r'vehicles\[0\].initial_position: "North" is none of W2E'),
+    ],
+)
+def test_a_key_that_the_scenario_language_does_not_have_is_refused(tmp_path, change, complaint):
+    path = write_told(tmp_path / "told.jsonl", 1, key=KEY | change)
+    with pytest.raises(InputError, match=rf"told\.jsonl, line 1: .*{complaint}"):
+        read_told(path)
+
+
 def test_a_text_with_its_key_beside_it_is_a_told_crash(tmp_path):
     path = tmp_path / "ann-07.txt"
     path.write_text(TEXT)
@@ -202,6 +237,6 @@ def test_a_model_of_something_else_is_refused(schooled, tmp_path):
 
 
 def saved_with(schooled, path, **changes):
-    header = {**schooled.header, "kind": KIND, "data_digest": "", "ancestry": [], **changes}
+    header = {**schooled.header, "kind": KIND, **changes}
     save_checkpoint(path, schooled.tensors, header)
     return path

@@ -1,5 +1,6 @@
 """The training of the trained reader: made-up crashes first, told ones after, and what it has learned on those held out."""
 
+import hashlib
 import random
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -8,9 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, field_validator
 
+from roadmend.core.bounded_file import read_bytes
+from roadmend.core.bounds import MODEL
+from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
+from roadmend.core.journal import entry_key
 from roadmend.core.parameters import Parameters
 from roadmend.networks.bert_files import fewer_pieces, read_bert
 from roadmend.networks.tensors import rounded
@@ -19,7 +24,7 @@ from roadmend.safe.trained.lessons import CrashLesson, questions_of_training
 from roadmend.safe.trained.made_up import made_up_lesson
 from roadmend.safe.trained.marked_text import MARKS
 from roadmend.safe.trained.outputs import CLAIMED, OF_PAIR, OF_PIECE, OF_TEXT, OF_VEHICLE, ReaderQuestion
-from roadmend.safe.trained.told_crashes import ToldCrash, told_lessons
+from roadmend.safe.trained.told_crashes import ToldCrash, told_lessons, told_line
 from roadmend.safe.trained.word_pieces import BEGIN, END, UNKNOWN, WordPieces
 from roadmend.training.imitation import tensors_of
 from roadmend.training.text_reading import (
@@ -71,6 +76,15 @@ class Schooling(Parameters):
     )
     held_out: tuple[str, ...] = Field((), description="authors whose texts are not learned from, but measured on")
 
+    @field_validator("trust")
+    @classmethod
+    def _check_trust(cls, trust: dict[str, float]) -> dict[str, float]:
+        if {*trust} != {*_TRUST}:
+            raise ValueError(f"give a number for each of {', '.join(_TRUST)}, and for nothing else")
+        if not all(0.0 <= share <= 1.0 for share in trust.values()):
+            raise ValueError("each share lies between 0 and 1")
+        return trust
+
 
 @dataclass(frozen=True, slots=True)
 class Schooled:
@@ -78,7 +92,7 @@ class Schooled:
 
     Attributes:
         tensors: of the model's file.
-        header: the rest of it, but for the digests of data and models.
+        header: the rest of it, but for how the command was called.
     """
 
     tensors: dict[str, Any]
@@ -108,9 +122,18 @@ def school(
         device: of torch, to compute on.
 
     Raises:
-        InputError: the encoder is missing or damaged, or the folder holds something else.
+        InputError: the encoder is missing or damaged, the folder holds something else, or an author who is to be held out
+            wrote nothing.
     """
+    absent = [author for author in settings.held_out if author not in {crash.author for crash in told}]
+    if absent:
+        what = f"{', '.join(absent)} wrote none of the told crashes"
+        raise InputError("held_out", what, f"choose of {', '.join(sorted({crash.author for crash in told}))}")
     shape, tensors, vocabulary = read_bert(base, MARKS)
+    encoder = hashlib.sha256(read_bytes(base / "model.safetensors", MODEL, "give an encoder")).hexdigest()
+    data = hashlib.sha256("\n".join(map(told_line, told)).encode()).hexdigest()
+    decided = settings.model_dump(mode="json", exclude={"trust"})
+    identity = entry_key([__name__], decided, seed, data, encoder)
     lessons, measured = list[CrashLesson](), list[CrashLesson]()
     for crash, lesson in zip(told, told_lessons(told, work, mapper, partial(_read, watch, len(told))), strict=True):
         if lesson is not None:
@@ -125,7 +148,8 @@ def school(
         return made_up_lesson(generator).draw(pieces, shape.positions, generator)
 
     def teach(stage: str, draws: Sequence[Draw], pace: Pace) -> None:
-        fit(network, draws, questions_of_training(), pace, work / stage.replace(" ", "-"), partial(_tell, watch, stage))
+        keep = work / stage.replace(" ", "-")
+        fit(network, draws, questions_of_training(), pace, keep, identity, partial(_tell, watch, stage))
 
     if settings.made_up:
         each = -(-settings.made_up // _ROUNDS)
@@ -142,6 +166,8 @@ def school(
         "shape": shape.model_dump(mode="json"),
         "vocabulary": vocabulary,
         "trust": dict(settings.trust),
+        "data_digest": data,
+        "ancestry": [encoder],
     }
     return Schooled(rounded(tensors_of(network)), header)
 

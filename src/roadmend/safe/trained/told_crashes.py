@@ -1,7 +1,7 @@
 """Told crashes with their keys, from files: what the trained reader learns from and is measured on."""
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.fanout import Mapper
 from roadmend.core.journal import Journal, entry_key
 from roadmend.core.json_text import parse_json, read_json
+from roadmend.safe.dsl import Action, Compass, DslModel, Position, RoadType, Side, Time, Weather
 from roadmend.safe.reading.reader import read_claims
 from roadmend.safe.trained.lessons import CrashLesson, lesson_of, names_by_words
 from roadmend.safe.trained.marked_text import Name, NamedCrash, named_crash
@@ -20,6 +21,10 @@ from roadmend.safe.trained.outputs import SEATS
 _MEND = "give a JSON Lines file of told crashes (author, name, text, key), or AUTHOR-NAME.txt beside AUTHOR-NAME.oracle.json"
 _NAMES = "roadmend-told-names/1"
 _KEY = ".oracle.json"  # of a text in a file of its own
+_OF_CRASH = {"road_type": RoadType, "stem_direction": Compass, "num_lanes": None}  # words, or None for a number
+_OF_VEHICLE = {"initial_position": Position, "action": Action, "model": DslModel, "speed_limit_mph": None}
+_OF_ENVIRONMENT = {"time": Time, "weather": Weather}
+_OF_COLLISION = {"striking": None, "struck": None, "striking_side": Side, "struck_side": Side}
 _LINE = Bounds(size=64_000, values=2_000, depth=16)
 
 
@@ -62,7 +67,7 @@ def _read(path: Path) -> Iterator[ToldCrash]:
         content = parse_json(line, where, _LINE, _MEND, is_line=True)
         try:
             called = tuple(tuple(map(str, row)) for row in content.get("called") or ())
-            key = _key(content["key"])
+            key = _key(content["key"], where)
             yield ToldCrash(str(content["author"]), str(content["name"]), str(content["text"]), key, called)
         except (KeyError, TypeError, ValueError, AttributeError):
             raise InputError(where, "is no told crash", _MEND) from None
@@ -71,17 +76,32 @@ def _read(path: Path) -> Iterator[ToldCrash]:
 def _read_text(path: Path) -> ToldCrash:
     beside = path.with_name(path.stem + _KEY)
     try:
-        key = _key(read_json(beside, _LINE, _MEND))
+        key = _key(read_json(beside, _LINE, _MEND), str(beside))
     except (KeyError, TypeError, ValueError):
         raise InputError(str(beside), "is no key of a told crash", _MEND) from None
     author, _, name = path.stem.partition("-")
     return ToldCrash(author, name, read_text(path, CRASH, _MEND).strip(), key)
 
 
-def _key(content: Any) -> dict[str, Any]:
+def _key(content: Any, where: str) -> dict[str, Any]:
     key = dict(content)
     key["vehicles"] = [dict(each) for each in key["vehicles"]]
+    rows = [(f"vehicles[{at}].", each, _OF_VEHICLE) for at, each in enumerate(key["vehicles"])]
+    rows += [("", key, _OF_CRASH), ("env.", dict(key.get("env") or {}), _OF_ENVIRONMENT)]
+    rows += [(f"collisions[{at}].", dict(each), _OF_COLLISION) for at, each in enumerate(key.get("collisions") or ())]
+    for place, row, kinds in rows:
+        for name, kind in kinds.items():
+            value = row.get(name)
+            if value is not None and not _fits(value, kind):
+                wanted = "is no number" if kind is None else f"is none of {', '.join(kind)}"
+                raise InputError(where, f"{place}{name}: {json.dumps(value)[:60]} {wanted}", _MEND)
     return key
+
+
+def _fits(value: Any, kind: Iterable[str] | None) -> bool:
+    if kind is None:
+        return isinstance(value, int | float) and not isinstance(value, bool)
+    return isinstance(value, str) and (value in {*kind} or value.capitalize() in {*Side} & {*kind})
 
 
 def told_line(crash: ToldCrash) -> str:
