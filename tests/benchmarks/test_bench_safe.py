@@ -26,6 +26,7 @@ def test_bench_writes_the_figures_with_the_papers_beside(tmp_path):
     (report / "head-on" / "oracle.json").write_text(json.dumps(HEAD_ON), encoding="utf-8")
     (tmp_path / "records").mkdir()
     (tmp_path / "records" / "head-on.json").write_text(json.dumps(RECORD), encoding="utf-8")
+    (tmp_path / "texts").mkdir()
     options = ["--policy", "modular", "--samples", "1", "--budget", "12", "--workers", "1"]
     options += [
         "--crash-records",

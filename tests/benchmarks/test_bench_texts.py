@@ -7,7 +7,7 @@ import pytest
 
 from bench import main
 from harness.bench_texts import _held_out
-from harness.scoring import load_oracles
+from harness.scoring import ORACLE, load_oracles
 
 TEXTS = Path(__file__).parent / "crash_texts"
 
@@ -45,6 +45,13 @@ def test_the_texts_held_out_are_those_of_authors_that_the_model_did_not_learn_fr
     oracles = load_oracles(folder)
     assert len(oracles) == len([*folder.glob("*.txt")]) == 240
     assert {name.removeprefix("held_out-").rpartition("-")[0] for name in oracles} == authors
+
+
+def test_of_texts_that_an_earlier_model_was_measured_on_none_is_left(tmp_path):
+    (tmp_path / "held_out").mkdir()
+    for name in ("held_out-bob-1.txt", f"held_out-bob-1.{ORACLE}"):
+        (tmp_path / "held_out" / name).write_text("{}")
+    assert not any("bob" in name for name in load_oracles(_held_out(tmp_path / "held_out")))
 
 
 def test_a_folder_without_oracles_is_refused(tmp_path, capsys):

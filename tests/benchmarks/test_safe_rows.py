@@ -24,3 +24,15 @@ def test_where_no_field_was_read_with_confidence_there_is_a_dash():
 
 def test_a_share_says_of_how_many_it_is():
     assert right_of({"right": 0.875, "count": 8}) == "87.5 % of 8"
+
+
+def test_without_records_and_other_texts_there_is_neither_a_judgement_nor_a_row_of_it():
+    content = json.loads(json.dumps(COMMITTED))
+    assert any("one random draw" in row[0] for row in rows_of(content))
+    content["records"]["records"] = 0
+    content["extraction"]["other_registers"] = None
+    for ablation in content["ablations"].values():
+        ablation.get("extraction", {})["other_registers"] = None
+    titles = [row[0] for row in rows_of(content)]
+    assert not any("one random draw" in title or "by the judge" in title for title in titles)
+    assert not any("other registers" in title for title in titles)

@@ -47,6 +47,13 @@ def test_pages_are_written_where_they_are_wanted(tmp_path, capsys):
     assert "as built, not driven" in page
 
 
+def test_another_trained_reader_reads_anew(tmp_path, capsys, monkeypatch):
+    read(capsys, REPORTS / "curve", "--out", tmp_path)
+    monkeypatch.setattr("roadmend.safe.embedded.trained_reader", lambda: "crash-text of another training")
+    _, done = read(capsys, REPORTS / "curve", "--out", tmp_path)
+    assert [each["is_new"] for each in done] == [True]
+
+
 def test_a_second_call_does_what_is_left(tmp_path, capsys):
     read(capsys, REPORTS, "--out", tmp_path)
     (tmp_path / "curve.json").unlink()

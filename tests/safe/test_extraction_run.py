@@ -41,3 +41,22 @@ def test_a_backend_of_ones_own_that_fails_fails_for_that_report(run):
 def test_what_every_report_needs_ends_the_run(run):
     with pytest.raises(InputError, match="not installed"):
         run(InputError("the parser", "is not installed", "install it"))
+
+
+def test_what_fails_now_does_not_leave_what_was_read_before(run, tmp_path):
+    run(ForeignError("backend", "is away", "wait"))
+    out = tmp_path / "out"
+    (out / "a.html").write_text("a page")
+    assert (out / "a.json").is_file()
+    assert all(not each.is_new for each in run(ForeignError("backend", "is away", "wait")) if each.case != "b")
+    (tmp_path / "a.txt").rename(tmp_path / "b.txt")
+    (tmp_path / "a.txt").write_text("")
+    assert {each.case for each in run(ForeignError("backend", "is away", "wait")) if each.error} == {"a", "b"}
+    assert not [*out.glob("a.*")]
+
+
+def test_another_setting_reads_anew(tmp_path):
+    (tmp_path / "a.txt").write_text("V1 hit V2.")
+    for setting, is_new in (("network 1", True), ("network 1", False), ("network 2", True)):
+        (done,) = extract_reports([tmp_path / "a.txt"], Extracting(None), [setting], tmp_path / "out", 1)
+        assert done.is_new == is_new

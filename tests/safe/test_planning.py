@@ -43,4 +43,8 @@ def test_policies_whose_files_would_have_one_name_are_refused(tmp_path):
     cases = [CrashCase("head-on", HEAD_ON)]
     with pytest.raises(InputError, match=r"policy a-b\.safetensors: is called"):
         plan(Task.TEST, cases, ["a/b.safetensors", "a-b.safetensors"], tmp_path)
-    assert plan(Task.TEST, cases, ["modular", "modular"], Path("out"))
+
+
+def test_a_policy_that_is_named_twice_counts_once():
+    once, twice = (plan(Task.TEST, [CrashCase("head-on", HEAD_ON)], ["modular"] * of, Path("out")) for of in (1, 2))
+    assert once == twice

@@ -1,13 +1,16 @@
 """The described crash is found where it can happen, is the one described, and happens again from the file."""
 
+from dataclasses import replace
+
 import pytest
 
 from roadmend.core.outcome import EventKind
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
+from roadmend.safe import reproduction
 from roadmend.safe.dsl import DescribedCollision
 from roadmend.safe.likeness import Likeness
-from roadmend.safe.reproduction import NEAREST, REPRODUCED, reproduce
+from roadmend.safe.reproduction import NEAREST, REPRODUCED, reproduce, run_trial
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario_file import load_scenario, save_scenario
 
@@ -52,6 +55,17 @@ def test_a_budget_that_runs_out_says_how_near_it_came():
     found = reproduce(role(ALL["parked"], 0), "modular", 2)
     assert (found.scenario, found.episodes) == (None, 2)
     assert "nearest" in found.outcome
+
+
+def test_the_nearest_is_told_in_metres_and_is_the_least_of_all(monkeypatch):
+    gaps = iter([1.0, 5.0, 2.0])
+
+    def drive(scenario, policy):
+        trial = run_trial(scenario, policy)
+        return replace(trial, summary=replace(trial.summary, min_distance=next(gaps)))
+
+    monkeypatch.setattr(reproduction, "run_trial", drive)
+    assert reproduce(role(ALL["parked"], 0), "modular", 3).outcome == "no contact; the nearest was 1.0 m"
 
 
 def test_another_crash_than_the_described_one_is_called_the_nearest():

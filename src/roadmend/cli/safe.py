@@ -145,12 +145,14 @@ def extract(given: ExtractOptions) -> int:
     extractor = open_extractor(
         given.language.backend, BackendOptions(options, given.language.settings, given.language.recording)
     )
-    # What a model is, and that a sketch is read by a program that may be there or not.
+    reader = getattr(extractor, "reader", extractor)  # of a language model, what its answers are held against
+    # What a model is, by what its answers are settled, and that a sketch is read by a program that may be there or not.
     decided = [
         given.language.backend,
         str(options),
         str(is_sketch_read()),
         getattr(getattr(extractor, "model", None), "identity", ""),
+        getattr(reader, "identity", "") if reader is extractor or options.cross_check else "",
     ]
     done = []
     with counting() as progress:

@@ -78,6 +78,11 @@ class EmbeddedExtractor:
         self.read_text = read_text
         self.solver = solver
 
+    @property
+    def identity(self) -> str:
+        """The parser and the network by name, version and digest, for a result to say."""
+        return engine() + (f", {trained_reader()}" if self.read_text is trained_claims else "")
+
     def extract(self, report: CrashReport, watch: Watch = unwatched) -> Extraction:
         """Read one report.
 
@@ -111,8 +116,7 @@ class EmbeddedExtractor:
             for each in said.cast[len(found.cast) :]
         ]
         notes += [f"vehicle {said.cast[place].number} touched nothing and was left out" for place in reading.left_out]
-        by = engine() + (f", {trained_reader()}" if self.read_text is trained_claims else "")
-        return Extraction(reading.scenario, evidence, sketch, tuple(notes), reader=by)
+        return Extraction(reading.scenario, evidence, sketch, tuple(notes), reader=self.identity)
 
 
 def _limits(said: SummaryClaims, reading: ReportReading) -> Iterator[str]:

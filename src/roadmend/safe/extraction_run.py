@@ -75,11 +75,13 @@ def _extract_one(path: Path, extractor: Extractor, settings: Sequence[str], out:
     try:
         report = load_report(path)
     except InputError as error:
+        _remove_results(out, case)
         return Extracted(case, None, str(error), (), is_new=True)
     key = entry_key([__name__, type(extractor).__module__], report.digest(), *settings)
     known = _known(out, case, key)
     if known is not None:
         return known
+    _remove_results(out, case)
     try:
         extraction = extractor.extract(report)
     except ExtractionError as error:
@@ -89,6 +91,12 @@ def _extract_one(path: Path, extractor: Extractor, settings: Sequence[str], out:
     except ForeignError as error:  # a backend of the user's own may well answer about the other reports
         return Extracted(case, None, f"{path}: {error}", (), is_new=True)
     return keep_extraction(extraction, case, key, out)
+
+
+def _remove_results(out: Path, case: str) -> None:
+    """Take away what an earlier call read, with other settings or of another text: what fails now shall not leave it."""
+    for ending in (".evidence.json", ".json", ".html"):
+        (out / f"{case}{ending}").unlink(missing_ok=True)
 
 
 def _known(out: Path, case: str, key: str) -> Extracted | None:

@@ -41,7 +41,7 @@ def plan(
     _check_names("policy", policies)
     return [
         CrashTestJob(task, role, policy, seed, index, budget, out, draw)
-        for policy in policies
+        for policy in dict.fromkeys(policies)  # what is named twice counts once
         for name, crash in readable
         for role in roles_of(name, crash)
         for index in range(samples)

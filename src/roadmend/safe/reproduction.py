@@ -85,7 +85,7 @@ def reproduce(role: CrashRole, policy: str, budget: int, seed: int = 0) -> Crash
     generator = generator_of(role, f"reproduce/{policy}/{seed}")
     best: tuple[float, Parameters, CrashTestEpisode] | None = None
     found: _Found | None = None
-    said = "nobody came near"
+    said, nearest = "nobody came near", math.inf
     for episode in range(budget):
         drawn = _next(space, best, role, generator, fresh=episode % _FRESH == 0)
         try:
@@ -105,15 +105,16 @@ def reproduce(role: CrashRole, policy: str, budget: int, seed: int = 0) -> Crash
                 return CrashReproduction(role.report, role.number, policy, episode + 1, scenario, said, trial, own)
             gap = _DIFFERENT * _weight(own)  # the wrong crash is a step to the right one if little of it is wrong
         elif math.isfinite(gap):
-            said = f"no contact; the nearest was {min(gap, best[0]) if best else gap:.1f} m"
+            nearest = min(nearest, gap)
+            said = f"no contact; the nearest was {nearest:.1f} m"
             gap += _DIFFERENT
         if best is None or gap < best[0] or episode % _RESTART == 0:
             best = (gap, drawn, trial)
     if found is None:
         return CrashReproduction(role.report, role.number, policy, budget, None, said)
     said = "; ".join(found.own.failed.values())
-    nearest = found.scenario.model_copy(update={"name": f"{role.report}-{role.name}-{NEAREST}-{policy}"})
-    return CrashReproduction(role.report, role.number, policy, budget, nearest, said, found.trial, found.own)
+    closest = found.scenario.model_copy(update={"name": f"{role.report}-{role.name}-{NEAREST}-{policy}"})
+    return CrashReproduction(role.report, role.number, policy, budget, closest, said, found.trial, found.own)
 
 
 def _weight(own: Judgement) -> float:

@@ -125,7 +125,7 @@ class _Bench:
 @click.option(
     "--texts",
     default=_TEXTS,
-    type=click.Path(path_type=Path, file_okay=False),
+    type=click.Path(path_type=Path, file_okay=False, exists=True),
     help="Folder of measured-NAME.txt in other words than NHTSA's, each with its NAME.oracle.json. The committed ones.",
 )
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0, 2**31 - 1))
@@ -192,6 +192,7 @@ def safe(
     chosen = " ".join(f"--policy {policy}" for policy in policies)
     options = "".join(f" --without {name}" for name in without)
     known = " --crash-records RECORDS" if records is not None else ""
+    known += "" if texts == _TEXTS else " --texts TEXTS"
     command = (
         f"./roadmend bench safe REPORTS{known} {chosen} --samples {samples} --budget {budget} --seed {seed}{options}"
     )
@@ -200,7 +201,7 @@ def safe(
         "extraction": extraction,
         **_tests(len(cases), tested),
         "records": measure_records(bench.records, reports),
-        "reproduction": {**_totals(found), "policies": found},
+        "reproduction": {**_totals(found, is_judged=bool(bench.records)), "policies": found},
         "ablations": ablations,
         "paper": PAPER,
     }
@@ -208,10 +209,17 @@ def safe(
     return 0
 
 
-def _totals(found: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """The figures that stand for all policies: those of the policy with which the fewest crashes happen again."""
+def _totals(found: Mapping[str, Mapping[str, Any]], *, is_judged: bool) -> dict[str, Any]:
+    """The figures that stand for all policies: those of the policy with which the fewest crashes happen again.
+
+    Without records nobody judges, and how many do is None.
+    """
     least = min(found.values(), key=lambda each: each["reproduced"])
-    return {"reports": least["reports"], "built": least["run"], "reproduced": least["reproduced"]}
+    return {
+        "reports": least["reports"],
+        "built": least["run"],
+        "reproduced": least["reproduced"] if is_judged else None,
+    }
 
 
 def _tests(reports: int, tested: Mapping[str, TestSummary]) -> dict[str, Any]:

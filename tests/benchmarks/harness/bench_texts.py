@@ -78,11 +78,15 @@ def _read(paths: Sequence[Path], work: Path, workers: int, *, trained: bool) -> 
 def _held_out(folder: Path) -> Path:
     """A folder with the told crashes that the shipped reader was only measured on, as texts with oracles."""
     authors = load_checkpoint(find_model(SHIPPED), KIND).header["configuration"]["held_out"]
+    files = dict[str, str]()
     for crash in read_told(config_folder() / "crashes" / "told-crashes.jsonl"):
         if crash.author in authors:
             name = f"{_HELD_OUT}-{crash.author}-{crash.name}"
-            files = {f"{name}.txt": crash.text, f"{name}.{ORACLE}": json.dumps(crash.key)}
-            write_texts(folder, files)
+            files |= {f"{name}.txt": crash.text, f"{name}.{ORACLE}": json.dumps(crash.key)}
+    write_texts(folder, files)
+    for path in folder.iterdir():  # of other authors, whom an earlier model was measured on
+        if path.name not in files:
+            path.unlink()
     return folder
 
 

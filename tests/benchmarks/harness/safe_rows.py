@@ -75,7 +75,7 @@ def _reproduction(content: Mapping[str, Any]) -> Iterator[_Line]:
         yield "control: records of other crashes on such a road accepted", wrong, _NOT_MEASURED
     own = [f"{each['by_own_reading']} of {each['reports']}" for each in found]
     yield "by the program's own reading of the report", own, _NOT_MEASURED
-    for name, ablation in content["ablations"].items():
+    for name, ablation in content["ablations"].items() if content["records"]["records"] else ():
         told = [_of(each, "reproduced") for each in ablation["reproduction"].values()]
         yield (
             f"control: without {name.replace('-', ' ')}" + (", one random draw" if name == "search" else ""),
@@ -108,6 +108,8 @@ def _extraction(content: Mapping[str, Any]) -> Iterator[_Line]:
 
     for name, ablation in content["ablations"].items():
         for group, found in ablation.get("extraction", {}).items():
+            if found is None:
+                continue
             cells = ", ".join(f"{category} {found[category]:.1f}" for category in _CATEGORIES)
             yield (
                 f"read right, {group.replace('_', ' ')}, text only, control: without {name.replace('-', ' ')}",
