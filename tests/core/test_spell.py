@@ -33,3 +33,19 @@ def test_spells_are_uninterrupted_and_know_their_dose():
     assert first.dose == pytest.approx(0.05 * (0.5 + 1.0))
     assert first.end == pytest.approx(0.15)
     assert second == Spell(0.25, 1, 1.5)
+
+
+def test_an_answer_counts_until_the_next_one_whatever_the_rate():
+    builder = SpellBuilder()
+    for step, final in enumerate([0.5, 0.0, -0.5, 0.5, -1.0]):
+        builder.add(0.1 * step, answer(final))
+    first, last = builder.spells
+    assert (first.ticks, first.end - first.begin, first.dose) == (2, pytest.approx(0.2), pytest.approx(0.1 * 1.5))
+    assert last == Spell(0.4, 1, 1.5)  # none follows
+
+
+def test_a_clock_that_was_set_back_shortens_nothing():
+    builder = SpellBuilder()
+    for time in (7.0, 7.05, 0.0):
+        builder.add(time, answer(0.0))
+    assert builder.spells == (Spell(7.0, 3, 1.5),)

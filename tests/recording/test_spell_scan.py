@@ -108,3 +108,10 @@ def test_a_shadow_in_the_bag_is_not_taken_for_what_was_done(accounts):
 def test_a_long_bag_holds_a_second_at_once(accounts):
     ticks = [("/repair/state", tick, state(-0.4 if tick % 10 == 0 else 0.5)) for tick in range(100)]
     assert [begin for begin, *_ in accounts(*ticks)] == [*range(0, 100, 10)]
+
+
+def test_time_and_dose_are_true_at_another_rate_than_ours(accounts, tmp_path):
+    accounts(*(("/repair/state", 2 * step, state(-0.7 if 10 <= step < 30 else 0.5)) for step in range(40)))
+    (found,) = bag_info(tmp_path / "bag").spells
+    told = found.as_dict()
+    assert (told["ticks"], told["duration"], told["dose"]) == (20, pytest.approx(2.0), pytest.approx(2.4))
