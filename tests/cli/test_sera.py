@@ -1,6 +1,7 @@
 """``roadmend sera`` on small banks."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -72,6 +73,8 @@ def test_an_export_comes_back_as_the_same_bank(bank, tmp_path, capsys):
         (lambda lines: [lines[0], '{"digest": "x"}'], "line 2: has other fields than"),
         (lambda lines: [lines[0], lines[1].replace('"weather":"', '"weather":"x')], "line 2: field weather"),
         (lambda lines: [lines[0], lines[1].replace('"seed":', '"seed":1')], "line 2: has another digest"),
+        (lambda lines: [lines[0], re.sub('"friction":[^,]+', '"friction":1e999', lines[1], count=1)], "field friction"),
+        (lambda lines: [lines[0], lines[1].replace('"car":', '"car":-')], "line 2: field participants.car"),
     ],
 )
 def test_a_bad_export_is_refused_and_leaves_nothing(bank, tmp_path, capsys, change, message):

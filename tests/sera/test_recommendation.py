@@ -2,15 +2,17 @@
 
 import dataclasses
 
+import numpy as np
 import pytest
 
 from harness.generated import generate
 from roadmend.core.errors import InputError
 from roadmend.sera.bank import Bank, build_bank
+from roadmend.sera.descriptor import OutcomeStatistics
 from roadmend.sera.filters import Filters
 from roadmend.sera.pattern import FailurePattern, PatternEvidence
 from roadmend.sera.recommendation import recommend, shares
-from roadmend.sera.reflection import difficulty_of
+from roadmend.sera.reflection import EmbeddedReflector, candidates_of, difficulty_of
 
 from .banks import PLAIN, cut_in, entry, ran
 
@@ -152,6 +154,21 @@ def test_a_small_bank_gives_what_it_has_and_an_empty_one_nothing(tmp_path):
     with made_of(tmp_path, []) as bank:
         found = recommend(bank, [CUT_IN], 3)
         assert (found.initial, found.refined, found.random, found.missing) == ((), (), (), 3)
+
+
+def test_a_count_of_zero_says_nothing(tmp_path):
+    never = entry("never", participants={"car": 0}, outcomes=(OutcomeStatistics("modular", {"GOAL": 0}),))
+    with made_of(tmp_path, [never, entry("cut-in", hazards=cut_in("truck")), entry("dry")]) as bank:
+        assert np.isfinite(bank.vectors(range(3))).all()
+        found = recommend(bank, [CUT_IN], 1)
+        assert [bank.entry(pick.number).name for pick in found.refined] == ["cut-in"]
+
+
+def test_the_second_look_ends_where_likenesses_are_no_numbers(tmp_path):
+    with made_of(tmp_path, [entry("one", hazards=cut_in()), entry("other")]) as bank:
+        pool = candidates_of(bank, [CUT_IN], [bank.search(CUT_IN, 2)])
+    damaged = dataclasses.replace(pool, scores=np.full_like(pool.scores, np.nan))
+    assert EmbeddedReflector().reflect(damaged, [damaged.pick(0, 0)])[1] == []
 
 
 def test_no_pattern_is_refused(generated):

@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Literal, Self, cast, get_args
+from typing import Annotated, Literal, Self, cast, get_args
 
-from pydantic import ConfigDict
+from pydantic import ConfigDict, Field
 
 from roadmend.core.outcome import EventKind
 from roadmend.world.families import FamilyName
@@ -19,10 +19,11 @@ Side = Literal["ahead", "behind", "left", "right", "oncoming"]
 Light = Literal["daytime", "nighttime"]
 Density = Literal["light", "medium", "dense"]
 OutcomeName = Literal["GOAL", "COLLISION", "TIMEOUT", "OFF_ROUTE", "ABORTED"]
+Count = Annotated[int, Field(ge=0)]
 
 PARTICIPANTS: tuple[ParticipantKind, ...] = (*get_args(VehicleKind), "pedestrian")
 SUCCESS: OutcomeName = "GOAL"
-_STRICT = ConfigDict(extra="forbid")
+_STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
 _MEDIUM_FROM, _DENSE_FROM = 6, 13  # participants
 
 assert set(get_args(OutcomeName)) == {kind.name for kind in EventKind if kind.is_final}
@@ -72,7 +73,7 @@ class OutcomeStatistics:
     __pydantic_config__ = _STRICT
 
     policy: str
-    outcomes: Mapping[OutcomeName, int]  # runs by how they ended
+    outcomes: Mapping[OutcomeName, Count]  # runs by how they ended
     min_distance: float | None = None  # [m] to anybody, the least of all runs; None where nobody was met
     method: str = "none"
 
@@ -102,8 +103,8 @@ class Descriptor:
 
     road: RoadDescriptor
     manoeuvre: EgoManoeuvre | None  # of the ego; None where the road does not tell
-    participants: Mapping[ParticipantKind, int]  # others by kind; none with a count of 0
-    drivers: Mapping[DriverName, int]  # others by habit; none with a count of 0
+    participants: Mapping[ParticipantKind, Count]  # others by kind
+    drivers: Mapping[DriverName, Count]  # others by habit
     hazards: tuple[Hazard, ...]
     weather: Weather
     light: Light

@@ -162,7 +162,7 @@ class EmbeddedReflector:
         while picks:
             gains = worth.gains(picks)
             row, into = np.unravel_index(int(np.argmax(gains)), gains.shape)
-            if gains[row, into] < _LEAST_GAIN:
+            if not gains[row, into] >= _LEAST_GAIN:  # NaN, of a bank that was damaged, ends it too
                 break
             out, new = picks[row], pool.candidates[into].number
             others = [pick for pick in picks if pick is not out]

@@ -29,7 +29,7 @@ _FAILED = frozenset(f"outcome:{name}" for name in get_args(OutcomeName)) - {f"ou
 
 @dataclass(frozen=True, slots=True)
 class Features:
-    """Terms with their counts, and the quantities that are known."""
+    """Terms with their counts, none of 0, and the quantities that are known."""
 
     terms: Mapping[str, int] = field(default_factory=dict)
     quantities: Mapping[str, float] = field(default_factory=dict)
@@ -83,7 +83,7 @@ def _of_descriptor(descriptor: Descriptor) -> Features:
         ),
         "difficulty": descriptor.difficulty,
     }
-    return Features(dict(terms), {name: float(value) for name, value in quantities.items() if value is not None})
+    return Features(dict(+terms), {name: float(value) for name, value in quantities.items() if value is not None})
 
 
 def _of_pattern(pattern: FailurePattern) -> Features:
