@@ -109,6 +109,18 @@ def test_recommend_from_a_pattern_file(bank, tmp_path, capsys):
     assert "coverage" in capsys.readouterr().out
 
 
+def test_what_is_excluded_does_not_come_under_another_name_either(bank, tmp_path, capsys):
+    renamed, both = tmp_path / "renamed.yaml", tmp_path / "both.bank"
+    renamed.write_text(DEMO.read_text().replace("name: demo-exit", "name: the-same"))
+    command = ["sera", "bank", "build", "--sample", "6", str(DEMO), str(renamed), "--out", str(both), "--json"]
+    assert main(command) == 0
+    assert json.loads(capsys.readouterr().out)["merged"] == 1
+    command = ["sera", "recommend", "--bank", str(both), "--pattern", "a highway exit", "-k", "31", "--json"]
+    for path, kept in (([], 1), (["--exclude", str(DEMO)], 0), (["--exclude", str(renamed)], 0)):
+        assert main([*command, *path]) == 0
+        assert [each["name"] for each in json.loads(capsys.readouterr().out)["refined"]].count("demo-exit") == kept
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [

@@ -131,7 +131,7 @@ class RecommendOptions:
             "--exclude",
             multiple=True,
             type=FILE,
-            help="Scenario file that must not come, as one of the evaluation set. May be repeated.",
+            help="Scenario file that must not come, as one of the evaluation set, under whatever name. May be repeated.",
         ),
     ]
     language: Annotated[LanguageChoice, language_options]
@@ -154,11 +154,11 @@ class RecommendOptions:
 def recommend(given: RecommendOptions) -> None:
     """Select the best scenarios for each failure pattern, and swap what the selection as a whole is better without."""
     wanted = [pattern for each in given.patterns for pattern in read_patterns(each)]
-    digests = [load_scenario(path).digest for path in given.exclude]
+    excluded = [load_scenario(path) for path in given.exclude]
     filters = filters_of(given.terms)
     asked = open_backend(given.language, given.out)
     with Bank(given.bank_file, given.embedder) as opened, keeping_exchanges(asked, given.out):
-        found = recommend_from(opened, wanted, given.count, filters, digests, given.seed, asked.reflector)
+        found = recommend_from(opened, wanted, given.count, filters, excluded, given.seed, asked.reflector)
         content = content_of(found, wanted, opened)
     content["usage"] = {model: asdict(used) for model, used in asked.usage().items()}
     text = json.dumps(content, indent=2)

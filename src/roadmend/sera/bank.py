@@ -34,6 +34,7 @@ from roadmend.sera.near_equality import nearly_equal, skeleton
 from roadmend.sera.pattern import FailurePattern
 from roadmend.sera.vector_index import Mask, VectorIndex
 from roadmend.sera.words import words_of_pattern
+from roadmend.world.scenario import Scenario
 
 _TRAINED_ON = 100_000  # descriptors
 _CHUNK = 2048  # descriptors at a time
@@ -121,11 +122,16 @@ def _like(connection: sqlite3.Connection, entry: BankEntry) -> tuple[str | None,
     near: int | None = None
     for number, other in read_entries(connection, "WHERE skeleton = ?", (shape,)):
         assert other.scenario is not None
-        if entry.scenario.model_copy(update={"name": other.name}).digest == other.digest:
+        if _are_same(entry.scenario, other.scenario):
             return shape, number, True
         if near is None and nearly_equal(numbers, skeleton(other.scenario)[1]):
             near = number
     return shape, near, False
+
+
+def _are_same(one: Scenario, other: Scenario) -> bool:
+    """Whether two scenarios differ in nothing but their names."""
+    return one.model_copy(update={"name": other.name}).digest == other.digest
 
 
 def _add_outcomes(connection: sqlite3.Connection, number: int, entry: BankEntry) -> None:
@@ -217,7 +223,11 @@ class Bank:
         return vector
 
     def search(
-        self, pattern: FailurePattern, count: int, filters: Filters | None = None, exclude: Collection[str] = ()
+        self,
+        pattern: FailurePattern,
+        count: int,
+        filters: Filters | None = None,
+        exclude: Collection[str | Scenario] = (),
     ) -> list[Hit]:
         """The entries that fit a pattern best, best first; none from an empty bank.
 
@@ -225,7 +235,7 @@ class Bank:
             pattern: what is looked for.
             count: at most so many.
             filters: what an entry must be besides.
-            exclude: digests of scenarios that must not come, for instance those of an evaluation set.
+            exclude: what must not come, for instance of an evaluation set: scenarios, under whatever name, or digests.
 
         Raises:
             InputError: nothing that the pattern says means anything to this bank, or its embedder cannot be used.
@@ -236,15 +246,31 @@ class Bank:
         numbers, scores = self.index.search(self.embed(pattern), count, self.allowed(filters, exclude))
         return [Hit(int(number), float(score)) for number, score in zip(numbers, scores, strict=True)]
 
-    def allowed(self, filters: Filters | None = None, exclude: Collection[str] = ()) -> Mask | None:
-        """Which entries may be found, shape (entries,); None for all."""
+    def allowed(self, filters: Filters | None = None, exclude: Collection[str | Scenario] = ()) -> Mask | None:
+        """Which entries may be found, shape (entries,); None for all.
+
+        Raises:
+            InputError: an entry that is like an excluded scenario is damaged.
+        """
         passed = filters.matches(self._facets) if filters is not None else None
-        for digest in sorted(exclude):
-            row = self._connection.execute("SELECT number FROM entries WHERE digest = ?", (digest,)).fetchone()
-            if row is not None:
-                passed = np.ones(len(self), dtype=np.bool_) if passed is None else passed
-                passed[row[0]] = False
+        numbers = [number for each in exclude for number in self._numbers_of(each)]
+        if numbers:
+            passed = np.ones(len(self), dtype=np.bool_) if passed is None else passed
+            passed[numbers] = False
         return passed
+
+    def _numbers_of(self, wanted: str | Scenario) -> list[int]:
+        """Numbers of the entries of a scenario, or of one with that digest."""
+        digest = wanted if isinstance(wanted, str) else wanted.digest
+        found = [
+            number for (number,) in self._connection.execute("SELECT number FROM entries WHERE digest = ?", (digest,))
+        ]
+        if not isinstance(wanted, str):
+            alike = read_entries(self._connection, "WHERE skeleton = ?", (skeleton(wanted)[0],))
+            found += [
+                number for number, each in alike if each.scenario is not None and _are_same(wanted, each.scenario)
+            ]
+        return found
 
     def entry(self, number: int) -> BankEntry:
         """One entry.

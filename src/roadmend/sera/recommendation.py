@@ -39,7 +39,7 @@ def recommend(
     patterns: Sequence[FailurePattern],
     count: int | Sequence[int],
     filters: Filters | None = None,
-    exclude: Collection[str] = (),
+    exclude: Collection[str | Scenario] = (),
     seed: int = 0,
     reflector: Reflector | None = None,
 ) -> Recommendation:
@@ -50,7 +50,7 @@ def recommend(
         patterns: what the policy fails at, at least one; earlier ones choose first.
         count: scenarios for each pattern: one number for all, or one for each (see ``shares``).
         filters: what every scenario must be.
-        exclude: digests of scenarios that must not come, those of the evaluation set.
+        exclude: what must not come, of the evaluation set: scenarios, under whatever name, or digests.
         seed: of the random selection.
         reflector: makes the refined selection of the first; the embedded one if None.
 
@@ -111,7 +111,7 @@ def _draw(
     patterns: Sequence[FailurePattern],
     count: int,
     filters: Filters | None,
-    exclude: Collection[str],
+    exclude: Collection[str | Scenario],
     seed: int,
 ) -> list[tuple[int, int]]:
     """Numbers of entries, each with the pattern that it stands for."""
