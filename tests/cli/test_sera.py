@@ -121,6 +121,13 @@ def test_what_is_excluded_does_not_come_under_another_name_either(bank, tmp_path
         assert [each["name"] for each in json.loads(capsys.readouterr().out)["refined"]].count("demo-exit") == kept
 
 
+def test_words_beyond_the_basic_plane_come_back_from_a_pattern_file(tmp_path):
+    patterns = [FailurePattern("exit", "a 🚚 cuts in")]
+    file = tmp_path / "patterns.json"
+    file.write_text(dump_patterns(patterns))
+    assert read_patterns(str(file)) == patterns
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [

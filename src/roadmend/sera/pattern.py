@@ -8,6 +8,7 @@ from pathlib import Path
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from roadmend.core.errors import InputError
+from roadmend.core.json_text import read_json
 from roadmend.core.settings import describe
 from roadmend.core.yaml_file import read_yaml
 from roadmend.sera.descriptor import (
@@ -108,7 +109,8 @@ def read_patterns(given: str) -> list[FailurePattern]:
         if not given.strip():
             raise InputError("pattern", "is empty", "give a file or some words, as 'cut-in at an exit in rain'")
         return [FailurePattern(name=given, words=given)]
-    content = read_yaml(path, _REMEDY)
+    # YAML refuses the halves that JSON escapes a character beyond U+FFFF by.
+    content = read_json(path, mend=_REMEDY) if path.suffix.lower() == ".json" else read_yaml(path, _REMEDY)
     patterns = parse_patterns(content if isinstance(content, list) else [content], given)
     if not patterns:
         raise InputError(given, "holds no pattern", _REMEDY)
