@@ -67,6 +67,26 @@ def test_a_model_that_invents_is_one_line_and_leaves_the_exchanges_alone(tmp_pat
     assert [path.name for path in tmp_path.iterdir()] == ["patterns.exchanges.jsonl"]
 
 
+def test_what_was_paid_for_outlives_a_call_that_fails(tmp_path, capsys, endpoint):
+    out = tmp_path / "patterns.json"
+    kept = out.with_suffix(".exchanges.jsonl")
+    command = ["sera", "analyse", str(SAMPLES / "collision"), "--workers", "1", "--attempts", "1", "--out", str(out)]
+    with serving(analysis) as (_, url):
+        endpoint(url)
+        assert main([*command, "--backend", "openai"]) == 0
+    paid = kept.read_text(encoding="utf-8")
+    with serving(as_completion({"analysis": "...", "patterns": []})) as (_, url):
+        endpoint(url)
+        assert main([*command, "--backend", "openai"]) == 1
+    both = kept.read_text(encoding="utf-8")
+    assert both.startswith(paid)
+    assert len(both.splitlines()) == 2
+    other = [*command[:2], str(SAMPLES / "repaired"), *command[3:]]  # the recording has no answer for it
+    assert main([*other, "--backend", "replay", "--recording", str(kept)]) == 1
+    assert kept.read_text(encoding="utf-8") == both
+    capsys.readouterr()
+
+
 @pytest.mark.parametrize(
     "command", [["analyse", str(SAMPLES / "collision")], ["recommend", "--bank", "b", "--pattern", "rain"]]
 )

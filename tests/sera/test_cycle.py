@@ -7,6 +7,7 @@ import pytest
 
 from roadmend.core.errors import InputError
 from roadmend.language.chat import AnswerError
+from roadmend.language.exchange import load_exchanges
 from roadmend.measures.driving import DrivingMeasures
 from roadmend.sera.analysis import BagAnalysis
 from roadmend.sera.analysis_report import NOTHING
@@ -15,8 +16,11 @@ from roadmend.sera.bank import Bank, build_bank
 from roadmend.sera.cycle import Cycle, CycleOptions, PolicyEvaluation, TunedPolicy
 from roadmend.sera.describe import entry_of
 from roadmend.sera.incident import Other
+from roadmend.sera.language_analyser import LanguageAnalyser
+from roadmend.sera.language_reflection import LanguageReflector
 from roadmend.world.families import sample_scenario
 
+from ..language.server import texts  # noqa: TID252 - one server for all rooms
 from .recorded import incident
 from .speaking import speaking
 
@@ -171,10 +175,25 @@ def test_an_empty_bank_or_one_of_descriptions_ends_it_with_a_note(cycle, tmp_pat
 def test_what_a_language_model_was_asked_is_kept_though_nothing_came_of_it(cycle, tmp_path):
     with speaking({"analysis": "...", "patterns": []}) as (model, _):
         opened = Backend.open("embedded")
-        from roadmend.sera.language_analyser import LanguageAnalyser
-
         asking = Backend(LanguageAnalyser(model, 1), opened.reflector, model)
         with pytest.raises(AnswerError, match="of no pattern"):
             cycle(backend=asking)
     kept = tmp_path / "cycle" / "generation-0" / "language.exchanges.jsonl"
     assert len(kept.read_text(encoding="utf-8").splitlines()) == 1
+
+
+def test_what_an_interrupted_generation_was_told_stays_when_it_goes_on(cycle, tmp_path):
+    def shown(body):
+        (one,) = json.loads(texts(body)[2])["incidents"]
+        pattern = {"name": "cut-in", "words": "A truck cuts in at the exit.", "what": one["what"], "evidence": [1]}
+        return {"analysis": "...", "patterns": [pattern | {part: one[part] for part in ("where", "who", "why")}]}
+
+    kept = tmp_path / "cycle" / "generation-0" / "language.exchanges.jsonl"
+    with speaking(shown, "no answer", {"analysis": "...", "swaps": []}) as (model, _):
+        asking = Backend(LanguageAnalyser(model, 1), LanguageReflector(model, 1), model)
+        with pytest.raises(AnswerError):
+            cycle(backend=asking, generations=1)
+        cycle(backend=asking, generations=1)
+        cycle(backend=asking, generations=1)
+    told = [None if each.reply is None else each.reply.text for each in load_exchanges(kept)]
+    assert [each[:13] for each in told] == ['{"analysis": ', "no answer", '{"analysis": ']

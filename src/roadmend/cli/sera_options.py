@@ -13,7 +13,6 @@ from roadmend.cli.language_options import LanguageChoice
 from roadmend.cli.options import FILE, options_of, settings_file
 from roadmend.core.errors import InputError
 from roadmend.core.resources import config_folder
-from roadmend.core.whole_file import write_text
 from roadmend.language.exchange import ENDING
 from roadmend.sera.backends import Backend
 from roadmend.sera.evaluation_set import chosen_set
@@ -132,13 +131,15 @@ def open_backend(choice: LanguageChoice, out: Path | None) -> Backend:
 
 @contextmanager
 def keeping_exchanges(backend: Backend, out: Path | None) -> Iterator[None]:
-    """Writes beside the output what was said to a language model, also when nothing comes of it.
+    """Writes beside the output what was said to a language model; when nothing comes of it, after what is there.
 
     Raises:
         InputError: the place cannot be written.
     """
+    is_done = False
     try:
         yield
+        is_done = True
     finally:
-        if out is not None and backend.model is not None and backend.model.exchanges:
-            write_text(out.with_suffix(ENDING), backend.exchanges())
+        if out is not None:
+            backend.keep(out.with_suffix(ENDING), adding=not is_done)

@@ -167,6 +167,7 @@ class ReplayModel:
             b"".join(read_bytes(file, TEXT, "give a recording of exchanges") for file in files)
         ).hexdigest()
         """What tells it from another recording."""
+        self.files = tuple(files)
         self.left: dict[str, deque[Exchange]] = defaultdict(deque)
         self.lock = threading.Lock()
         for file in files:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
+from roadmend.core.whole_file import written_beside
 from roadmend.language.exchange import RecordingModel, Usage, dump_exchanges, usage_of
 from roadmend.language.models import open_model
 from roadmend.language.question import ATTEMPTS
@@ -45,6 +46,24 @@ class Backend:
     def exchanges(self) -> str:
         """What was said to the model and what it answered, one JSON object a line; a replay reads it."""
         return dump_exchanges(self.model.exchanges) if self.model is not None else ""
+
+    def keep(self, path: Path, *, adding: bool) -> None:
+        """Keep in a file what was said so far; a recording that is being replayed stays as it is.
+
+        Args:
+            path: of the file.
+            adding: to what is there, which is replaced otherwise.
+
+        Raises:
+            InputError: the place cannot be written.
+        """
+        said = self.exchanges()
+        replayed = () if self.model is None else getattr(self.model.model, "files", ())
+        if not said or (path.exists() and any(path.samefile(each) for each in replayed)):
+            return
+        with written_beside(path) as beside:
+            earlier = path.read_bytes() if adding and path.exists() else b""
+            beside.write_bytes(earlier + said.encode("utf-8"))
 
     def usage(self) -> dict[str, Usage]:
         """What was used up so far, by model."""

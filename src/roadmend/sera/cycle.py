@@ -120,6 +120,7 @@ class Cycle:
         self._folder = folder
         self._options = options
         self._report = report
+        self._is_resumed = False  # whether a step of the generation came out of its file
 
     def run(self, policy: str) -> Iterator[Generation]:
         """The generations, each as soon as it is known; fewer than asked for where there is nothing more to learn.
@@ -148,12 +149,15 @@ class Cycle:
 
     def _learn(self, generation: Generation, bags: Sequence[Path]) -> Generation:
         folder = self._folder / f"generation-{generation.number}"
+        self._is_resumed = False
+        is_done = False
         try:
-            return self._learned(generation, bags, folder)
+            learned = self._learned(generation, bags, folder)
+            is_done = True
+            return learned
         finally:
-            said = self._backend.exchanges()
-            if said and self._backend.model is not None:
-                write_text(folder / f"language{ENDING}", said)
+            self._backend.keep(folder / f"language{ENDING}", adding=self._is_resumed or not is_done)
+            if self._backend.model is not None:
                 self._backend.model.exchanges.clear()
 
     def _learned(self, generation: Generation, bags: Sequence[Path], folder: Path) -> Generation:
@@ -278,6 +282,7 @@ class Cycle:
         try:
             content: dict[str, Any] = read_json(path)
             if content["key"] == key and (needed is None or needed.exists()):
+                self._is_resumed = True
                 return content
         except (InputError, KeyError, TypeError):
             pass  # not done, or not to the end
