@@ -17,7 +17,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
 from roadmend.networks.checkpoint import find_model
 from roadmend.sera.bank import Bank
-from roadmend.sera.evaluation_set import corpus_set, disjoint, known_in
+from roadmend.sera.evaluation_set import Known, corpus_set, disjoint
 from roadmend.sera.recommendation import Stage, read_selection, scenarios_of
 from roadmend.training.device import choose_torch_device
 from roadmend.training.few_shot import FewShotRepair, Labour, TuningOrigin, few_shot_repair
@@ -89,11 +89,7 @@ def tune(given: TuneOptions) -> None:
     selection = read_selection(given.selected, given.stage)
     with Bank(given.bank_file) as bank:
         scenarios = scenarios_of(selection, bank)
-    hard = (
-        []
-        if given.validation is None
-        else disjoint(corpus_set(given.validation, given.split), known_in([given.bank_file]))
-    )
+    hard = [] if given.validation is None else disjoint(corpus_set(given.validation, given.split), Known.of(scenarios))
     command = call_again(always=("policy", "stage", "seed"), with_places=False)
     origin = TuningOrigin(selection.digest, _digest(given.bank_file), command)
     choose_torch_device("cpu", 1)

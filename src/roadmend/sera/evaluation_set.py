@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Self
 
 from roadmend.core.bounded_file import open_regular
 from roadmend.core.errors import InputError
@@ -21,6 +22,14 @@ class Known:
 
     digests: frozenset[str] = frozenset()
     contents: frozenset[str] = frozenset()
+
+    @classmethod
+    def of(cls, scenarios: Sequence[Scenario], digests: Iterable[str] = ()) -> Self:
+        """Some scenarios, and others of which only the digests are there."""
+        return cls(
+            frozenset({*digests, *(scenario.digest for scenario in scenarios)}),
+            frozenset(content_digest(scenario) for scenario in scenarios),
+        )
 
     def holds(self, scenario: Scenario) -> bool:
         """Whether the scenario is among them, under whatever name."""
@@ -80,10 +89,7 @@ def known_in(paths: Iterable[Path]) -> Known:
             scenarios.append(load_scenario(path))
         else:
             scenarios += corpus_set(path, None)
-    return Known(
-        frozenset(digests | {scenario.digest for scenario in scenarios}),
-        frozenset(content_digest(scenario) for scenario in scenarios),
-    )
+    return Known.of(scenarios, digests)
 
 
 def disjoint(scenarios: Sequence[Scenario], known: Known) -> list[Scenario]:
