@@ -63,8 +63,11 @@ def acceleration(time, wanted, lateral=0.0, turn=0.0):
     return ACCELERATION(header=header(time, "base_link"), accel=accel)
 
 
-def record(folder, stands_at=60.0, objects_until=9.0, begin=100.0, repaired=lambda step: None):
-    """5 s at 10 m/s toward one who stands: odometry at 50 Hz, detections at 10 Hz, commands at 20 Hz."""
+def record(folder, stands_at=60.0, objects_until=9.0, begin=100.0, repaired=lambda step: None, stamped=True):
+    """5 s at 10 m/s toward one who stands: odometry at 50 Hz, detections at 10 Hz, commands at 20 Hz.
+
+    Commands that are not ``stamped`` arrive 2 ms later, and what was done has the odometry's stamp and log time.
+    """
     streams = []
     for step in range(500):
         after = 0.01 * step
@@ -75,10 +78,14 @@ def record(folder, stands_at=60.0, objects_until=9.0, begin=100.0, repaired=lamb
             one = detection("7", stands_at - x, 0.0)
             streams.append(("/detections", time, detections(time, one, frame="base_link")))
         if step % 5 == 0:
-            streams.append(("/drive/accel", time, acceleration(time, 0.5)))
+            seen = begin + 0.01 * (step - step % 2)
+            told = time if stamped else seen
             if (repair := repaired(step)) is not None:
-                state = messages.repair_message_of(repair, "rss", messages.header_of(time))
-                streams.append(("/repair/state", time + 0.001, state))
+                state = messages.repair_message_of(repair, "rss", messages.header_of(told))
+                streams.append(("/repair/state", told + 0.001, state))
+            arrives = time if stamped else time + 0.002
+            streams.append(("/drive/accel", arrives, acceleration(time if stamped else 0.0, 0.5)))
+    streams.sort(key=lambda stream: stream[1])
     with BagWriter(folder) as writer:
         for topic, kind in {topic: type_of(message) for topic, _, message in streams}.items():
             writer.add_topic(topic, kind, [Qos()])

@@ -44,12 +44,13 @@ def test_the_method_steps_in_before_the_one_who_stands_and_nobody_moves_on_it(ba
     assert [trigger.object_id for trigger in seen[-20][1].repair.triggers] == [7]
 
 
-def test_what_a_repair_node_did_then_is_what_was_done(tmp_path):
+@pytest.mark.parametrize("stamped", [True, False])
+def test_what_a_repair_node_did_then_is_what_was_done(tmp_path, stamped):
     bag = tmp_path / "bag"
-    record(bag)
+    record(bag, stamped=stamped)
     bare, answers = shadow(bag)
     then = [answer.repair for _, answer in answers]
-    summary, _ = shadow(record(tmp_path / "repaired", repaired=lambda step: then[step // 5]))
+    summary, _ = shadow(record(tmp_path / "repaired", repaired=lambda step: then[step // 5], stamped=stamped))
     assert summary.interventions_then == summary.interventions_now == bare.interventions_now
     assert summary.agreement == 1.0 > bare.agreement
 

@@ -14,6 +14,7 @@ from roadmend.recording.foreign_objects import OBJECT_READERS, EgoOutline
 from roadmend.recording.foreign_repair import Answer, ForeignRepair
 from roadmend.recording.reader import BagReader
 from roadmend.recording.shadow import ShadowComparison, ShadowSummary
+from roadmend.recording.ticks import LATE_NS
 from roadmend.recording.topics import REPAIR_STATE, TYPES, own
 from roadmend.repair.guard import GuardedRepairer
 
@@ -110,7 +111,7 @@ def run_foreign_shadow(
     repair.use(repairer)
     comparison, speed = ShadowComparison(), 0.0
     states = state_topics(reader)
-    judged: _Judged | None = None  # the last answer, until it is known what was done
+    pairing = _Pairing(comparison)
     takers: Mapping[str, Callable[[Any, float], None]] = {
         foreign_repair.EGO: repair.take_ego,
         foreign_repair.OBJECTS: repair.take_objects,
@@ -119,13 +120,11 @@ def run_foreign_shadow(
     }
     inputs = {topic: name for name, topic in found.items()}
     for message in reader.messages([*inputs, *states]):
+        now = 1e-9 * message.time_ns
         if message.topic in states:
-            if judged is not None:
-                done = judged.repaired(message.value.final_action)
-                comparison.add(*done, intervened=message.value.intervened)
-                judged = None
+            pairing.tell(messages.stamp_of(message.value.header), now, message.value)
             continue
-        name, now = inputs[message.topic], 1e-9 * message.time_ns
+        name = inputs[message.topic]
         try:
             if name != foreign_repair.COMMAND:
                 takers[name](message.value, now)
@@ -138,12 +137,9 @@ def run_foreign_shadow(
             ) from error
         answer = repair.take_command(message.value, now)
         if answer is not None:
-            if judged is not None:
-                comparison.add(*judged, intervened=False)
-            judged = _Judged(now, form.read(message.value), answer.repair, speed)
+            pairing.judge(answer.stamp, _Judged(now, form.read(message.value), answer.repair, speed))
             watcher(message.time_ns, answer)
-    if judged is not None:
-        comparison.add(*judged, intervened=False)
+    pairing.close()
     if not comparison.count:
         raise InputError(str(reader.path), f"holds no message on {topics.command}", "name the topic of the commands")
     return comparison.summary(is_repaired=bool(states))
@@ -160,6 +156,54 @@ class _Judged(NamedTuple):
     def repaired(self, action: float) -> "_Judged":
         """The same where ``action``, throttle - brake, was sent."""
         return self._replace(done=Command.from_action(action))
+
+
+class _Pairing:
+    """Brings what was done to the answer of the other method with the same stamp, whichever stands first in the bag.
+
+    Commands without a stamp have the odometry's, and so have their states, which may lie before them.
+    """
+
+    def __init__(self, comparison: ShadowComparison) -> None:
+        self._comparison = comparison
+        self._judged: dict[int, _Judged] = {}  # by stamp [ns], until it is known what was done
+        self._told: dict[int, tuple[float, Any]] = {}  # likewise the log time [s] and state, until it has been judged
+
+    def judge(self, stamp: int, judged: _Judged) -> None:
+        """Take in an answer of the other method."""
+        self._let_go(judged.time)
+        if stamp in self._told:
+            self._add(judged, self._told.pop(stamp)[1])
+        else:
+            self._leave(stamp)
+            self._judged[stamp] = judged
+
+    def tell(self, stamp: int, now: float, state: Any) -> None:
+        """Take in what a repair node did, at the log time ``now`` [s]."""
+        self._let_go(now)
+        if stamp in self._judged:
+            self._add(self._judged.pop(stamp), state)
+        else:
+            self._told[stamp] = now, state
+
+    def close(self) -> None:
+        """Of what is left nobody has told that it was changed."""
+        for stamp in [*self._judged]:
+            self._leave(stamp)
+
+    def _let_go(self, now: float) -> None:
+        late = now - 1e-9 * LATE_NS
+        for stamp in [stamp for stamp, judged in self._judged.items() if judged.time < late]:
+            self._leave(stamp)
+        for stamp in [stamp for stamp, (then, _) in self._told.items() if then < late]:
+            del self._told[stamp]
+
+    def _leave(self, stamp: int) -> None:
+        if stamp in self._judged:
+            self._comparison.add(*self._judged.pop(stamp), intervened=False)
+
+    def _add(self, judged: _Judged, state: Any) -> None:
+        self._comparison.add(*judged.repaired(state.final_action), intervened=state.intervened)
 
 
 def state_topics(reader: BagReader) -> list[str]:

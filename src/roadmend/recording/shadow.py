@@ -36,7 +36,7 @@ class ShadowComparison:
         self._difference = 0.0
 
     def add(self, time: float, done: Command, answer: Repair, speed: float, *, intervened: bool) -> None:
-        """One answer of the other method.
+        """One answer of the other method, in any order.
 
         Args:
             time: of the simulation [s].
@@ -51,7 +51,7 @@ class ShadowComparison:
         self._now += answer.intervened
         if (command.throttle, command.brake) == (done.throttle, done.brake):
             self._same += 1
-        elif self._first is None:
+        elif self._first is None or time < self._first:
             self._first = time
         change = abs(asked_acceleration(command, speed) - asked_acceleration(done, speed))
         self._difference += change if math.isfinite(change) else 0.0
