@@ -4,6 +4,8 @@ from roadmend.core.errors import InputError
 from roadmend.recording import definitions
 from roadmend.recording.definitions import Definition, computed_hash, find
 
+from .idl import HEADER_IDL
+
 TYPES = [
     "std_msgs/msg/String",
     "nav_msgs/msg/Odometry",
@@ -55,6 +57,22 @@ def test_each_contained_type_appears_once(prefix):
 def test_the_hash_is_computed_where_none_is_installed(prefix):
     (prefix / "Inner.msg").write_text("int8 value\n")
     assert find("my_msgs/msg/Inner").type_hash.startswith("RIHS01_")
+
+
+def test_the_hash_of_what_rosbag2_writes_as_idl_is_that_of_the_message():
+    assert computed_hash("std_msgs/msg/Header", HEADER_IDL, "ros2idl") == find("std_msgs/msg/Header").type_hash
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("Other one\n", r"definition of my_msgs/msg/Outer: lacks the type 'my_msgs/msg/Other'; give it whole"),
+        ("%%%", "definition of my_msgs/msg/Outer: cannot be parsed; "),
+    ],
+)
+def test_a_definition_without_its_parts_or_without_sense_is_one_line(text, message):
+    with pytest.raises(InputError, match=message):
+        computed_hash("my_msgs/msg/Outer", text)
 
 
 @pytest.mark.parametrize(

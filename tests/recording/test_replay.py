@@ -5,6 +5,10 @@ import itertools
 import pytest
 
 from roadmend.core.errors import InputError
+from roadmend.recording.codec import encode
+from roadmend.recording.conversion import convert
+from roadmend.recording.definitions import Definition, computed_hash, find
+from roadmend.recording.messages import HEADER
 from roadmend.recording.qos import Qos
 from roadmend.recording.reader import BagReader
 from roadmend.recording.replay import (
@@ -16,6 +20,8 @@ from roadmend.recording.replay import (
     select_topics,
 )
 from roadmend.recording.writer import BagWriter
+
+from .idl import HEADER_IDL
 
 SECOND = 10**9
 LATCHED = Qos(history="unknown", depth=0, durability="transient_local")
@@ -85,8 +91,6 @@ def test_topics_are_chosen_by_name(corpus):
 
 
 def test_a_type_that_is_missing_or_defined_otherwise_is_refused(tmp_path, make):
-    from roadmend.recording.definitions import Definition, computed_hash, find
-
     other = "string data\nint32 more\n"
     absent = Definition("absent_msgs/msg/None", "int32 data\n", "")
     with BagWriter(tmp_path / "bag") as writer:
@@ -109,6 +113,33 @@ def test_a_type_that_is_missing_or_defined_otherwise_is_refused(tmp_path, make):
         check_definition(reader, "/other")
     with pytest.raises(InputError, match="no such message type is installed"):
         check_definition(reader, "/absent")
+
+
+def test_a_type_that_was_made_from_idl_is_read_converted_and_played(tmp_path):
+    message = HEADER(frame_id="map")
+    with BagWriter(tmp_path / "bag") as writer:
+        definition = Definition("std_msgs/msg/Header", HEADER_IDL, "", "ros2idl")
+        writer.add_topic("/header", definition.type_name, (), definition)
+        writer.write("/header", 7, encode(message))
+    reader = BagReader(tmp_path / "bag")
+    assert [each.value.frame_id for each in reader.messages()] == ["map"]
+    check_definition(reader, "/header")
+    assert convert(tmp_path / "bag", tmp_path / "sql", "sqlite3").messages == 1
+    assert convert(tmp_path / "sql", tmp_path / "again", "mcap").messages == 1
+    assert BagReader(tmp_path / "again").definitions["std_msgs/msg/Header"].text == HEADER_IDL
+
+
+def test_an_incomplete_definition_is_refused_in_one_line(tmp_path):
+    with BagWriter(tmp_path / "bag") as writer:
+        definition = Definition("my_msgs/msg/Outer", "Other one\n", "")
+        writer.add_topic("/outer", definition.type_name, (), definition)
+        writer.write("/outer", 7, encode(HEADER()))
+    message = "definition of my_msgs/msg/Outer: lacks the type 'my_msgs/msg/Other'"
+    with pytest.raises(InputError, match=message):
+        check_definition(BagReader(tmp_path / "bag"), "/outer")
+    with pytest.raises(InputError, match=message):
+        convert(tmp_path / "bag", tmp_path / "sql", "sqlite3")
+    assert not (tmp_path / "sql").exists()
 
 
 def test_an_offer_serves_whoever_the_recorded_ones_served():

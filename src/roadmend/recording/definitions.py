@@ -14,7 +14,19 @@ from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_
 
 from roadmend.core.errors import InputError
 
-ENCODINGS = {"ros2msg": get_types_from_msg, "ros2idl": get_types_from_idl}  # of definitions, with their parsers
+_IDL_HEAD = re.compile(r"^={80}\nIDL: .*\n", re.MULTILINE)  # as rosbag2 parts the type and those that it contains
+_IDL_INCLUDE = re.compile(r"^#include .*\n", re.MULTILINE)
+
+
+def _types_from_idl(text: str, _type_name: str) -> Any:
+    types: dict[str, Any] = {}
+    for part in _IDL_HEAD.split(text):
+        if part.strip():
+            types |= get_types_from_idl(_IDL_INCLUDE.sub("", part))
+    return types
+
+
+ENCODINGS = {"ros2msg": get_types_from_msg, "ros2idl": _types_from_idl}  # of definitions, with their parsers
 _PRIMITIVES = frozenset(
     {
         "bool",
@@ -82,10 +94,20 @@ def find(type_name: str) -> Definition:
 
 
 def computed_hash(type_name: str, text: str, encoding: str = "ros2msg") -> str:
-    """The type's hash (REP 2016, RIHS01) worked out from its complete definition."""
+    """The type's hash (REP 2016, RIHS01) worked out from its complete definition.
+
+    Raises:
+        InputError: it cannot be parsed, or lacks a type that it contains.
+    """
     store = get_typestore(Stores.EMPTY)
-    store.register(ENCODINGS[encoding](text, type_name))
-    return str(store.hash_rihs01(type_name))
+    try:
+        store.register(ENCODINGS[encoding](text, type_name))
+        return str(store.hash_rihs01(type_name))
+    except Exception as error:  # the parser raises whatever it stumbles over, and says much
+        what = f"lacks the type {error}" if isinstance(error, KeyError) else "cannot be parsed"
+        raise InputError(
+            f"definition of {type_name}", what, "give it whole, with every type that it contains"
+        ) from error
 
 
 def _collect(name: str, texts: dict[str, str]) -> None:

@@ -48,7 +48,9 @@ def is_installed(recorded: Definition) -> bool:
     """Whether the installed definition of a type is the one that it was recorded with, as far as the bag tells.
 
     Raises:
-        InputError: the type is not installed.
+        InputError: the type is not installed, or what the bag tells cannot be used.
     """
-    told = recorded.type_hash or (computed_hash(recorded.type_name, recorded.text) if recorded.text else "")
+    told = recorded.type_hash
+    if not told and recorded.text:
+        told = computed_hash(recorded.type_name, recorded.text, recorded.encoding)
     return not told or told == find(recorded.type_name).type_hash
