@@ -103,6 +103,31 @@ def test_files_of_a_size(tmp_path, make, compression):
     assert [record.data for record in BagReader(tmp_path / "bag").records()] == payloads
 
 
+@pytest.mark.parametrize("where", ["attachment", "latched"])
+def test_what_each_file_repeats_does_not_fill_it(tmp_path, make, where):
+    options = BagOptions(chunk_size=1000, flush_interval=0.0, max_bagfile_size=100_000)
+    with BagWriter(tmp_path / "bag", options) as writer:
+        writer.add_topic("/text", TEXT)
+        writer.add_topic("/map", TEXT, [LATCHED])
+        if where == "attachment":
+            writer.add_attachment("map", "application/octet-stream", make.random.bytes(150_000))
+        else:
+            writer.write("/map", 0, make.random.bytes(150_000))
+        for number in range(50):
+            writer.write("/text", number, make.text(f"{number}"))
+    assert len(list((tmp_path / "bag").glob("*.mcap"))) <= 2
+    assert len(texts(BagReader(tmp_path / "bag"), "/text")) == 50
+
+
+def test_a_file_has_a_message_of_its_own_before_the_next_begins(tmp_path, make):
+    with BagWriter(tmp_path / "bag", BagOptions(max_bagfile_duration=1.0)) as writer:
+        writer.add_topic("/map", TEXT, [LATCHED])
+        writer.write("/map", 0, make.text("first"))
+        writer.split()
+        writer.write("/map", 5 * SECOND, make.text("second"))
+    assert [file.count for file in BagReader(tmp_path / "bag").files] == [1, 2]
+
+
 def test_a_late_message_lies_in_the_next_file_and_is_read_in_order(tmp_path, make):
     with BagWriter(tmp_path / "bag", BagOptions(max_bagfile_duration=1.0)) as writer:
         writer.add_topic("/text", TEXT)

@@ -32,7 +32,7 @@ class BagOptions:
     compression: Compression = Compression.ZSTD
     chunk_size: int = 1 << 20  # [bytes] before compression, at which a chunk is written
     flush_interval: float = 0.25  # [s] of wall time after which a chunk is written even if it is small
-    max_bagfile_size: int = 0  # [bytes] on disk at which the next file begins; 0: never
+    max_bagfile_size: int = 0  # [bytes] on disk beyond what each file repeats, at which the next begins; 0: never
     max_bagfile_duration: float = 0.0  # [s] of message time after which the next file begins; 0: never
     self_contained: bool = True  # each further file repeats metadata, attachments and what latched topics hold
 
@@ -46,6 +46,14 @@ class _Topic:
     count: int = 0  # messages, repeated ones included
     sequence: int = 0
     latched: deque[tuple[bytes, int]] | None = None  # what a late joiner would get: bytes and sequence number
+
+
+@dataclass(frozen=True, slots=True)
+class _Repeated:
+    """What of a file stands in earlier ones already."""
+
+    size: int = 0  # [bytes]
+    count: int = 0  # messages
 
 
 class BagWriter:
@@ -73,6 +81,7 @@ class BagWriter:
         self._metadata: dict[str, dict[str, str]] = {}
         self._attachments: dict[str, Attachment] = {}
         self._finished: list[FileSummary] = []
+        self._repeated = _Repeated()
         self._max_ns = options.max_bagfile_duration * _SECOND
         try:
             _take(folder, claimed=claimed)
@@ -248,11 +257,11 @@ class BagWriter:
 
     def _is_full(self, time_ns: int) -> bool:
         file, options = self._file, self._options
-        if not file.count:
+        if file.count <= self._repeated.count:
             return False
         if self._max_ns and time_ns - file.start_ns >= self._max_ns:
             return True
-        return bool(options.max_bagfile_size) and file.size >= options.max_bagfile_size
+        return bool(options.max_bagfile_size) and file.size - self._repeated.size >= options.max_bagfile_size
 
     def _split(self, time_ns: int) -> None:
         """Begin the next file so that it can be played without the ones before."""
@@ -275,6 +284,9 @@ class BagWriter:
             for data, sequence in held:
                 self._file.write(name, time_ns, data, time_ns, sequence)
             self._topics[name].count += len(held)
+        if repeated:
+            self._file.flush()  # else their chunk would count as written later
+        self._repeated = _Repeated(self._file.size, self._file.count)
 
     def _finish(self) -> dict[str, object]:
         """Complete the present file; returns the description of the bag up to here."""
