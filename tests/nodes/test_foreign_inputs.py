@@ -195,6 +195,18 @@ def test_a_command_that_ends_is_replaced_by_stops(stack):
     one.until(lambda: one.states[-1].state == RepairState.PASS, one.ego, far(one), one.command)
 
 
+def test_a_vehicle_that_brakes_less_presses_its_brake_further_for_the_same_stop(stack):
+    one = stack(input_timeout=1.0, full_brake=6.0, **TYPES)
+    one.node.create_subscription(AccelStamped, "/drive/repaired", one.commands.append, 10)
+    one.until(lambda: one.commands and one.commands[-1].accel.linear.x == 1.0, one.ego, far(one), one.command)
+    one.until(lambda: one.commands[-1].accel.linear.x != 1.0, one.ego, far(one))
+    assert one.commands[-1].accel.linear.x == pytest.approx(-4.0)
+    assert one.states[-1].state == RepairState.STALE_COMMAND
+    one.until(lambda: one.states[-1].state == RepairState.REPAIRED, one.ego, one.objects, one.command)
+    one.until(lambda: one.commands[-1].accel.linear.x < -4.01, one.ego, one.objects, one.command)
+    assert one.commands[-1].accel.linear.x <= -5.0 + 1e-9
+
+
 def far(stack):
     return lambda: stack.objects(ahead=400.0)
 

@@ -347,6 +347,20 @@ def test_a_parameter_of_the_method_can_be_changed_at_run_time(bench):
     assert [state.state for state in there.tick(3)] == [RepairStatus.PASS]
 
 
+@pytest.mark.parametrize("method", ["rule", "rss", "predictive", "gated"])
+def test_guard_and_method_reckon_with_the_vehicles_full_brake_unless_the_methods_own_is_given(bench, method):
+    node = bench(method=method, full_brake=6.0).node
+    assert node._repairer.parameters.full_brake == node.get_parameter(f"{method}.full_brake").value == 6.0
+    node.set_parameters([Parameter(f"{method}.full_brake", value=7.0)])
+    assert node.get_parameter(f"{method}.full_brake").value == 7.0
+    assert node._repairer.parameters.full_brake == 6.0
+
+
+def test_a_methods_own_full_brake_comes_before_the_vehicles(bench):
+    node = bench(method="rss", full_brake=6.0, **{"rss.full_brake": 9.0}).node
+    assert node._made._parameters.full_brake == 9.0
+
+
 @pytest.mark.parametrize(
     ("parameter", "value", "reason"),
     [

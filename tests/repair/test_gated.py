@@ -26,6 +26,12 @@ def test_it_steps_in_where_monitor_and_rule_say_so(rule):
     assert propose([], rule=rule, threshold=0.0).score == 0.0  # so does the rule, whatever the monitor says
 
 
+@pytest.mark.parametrize("full", [6.0, 10.0])
+def test_the_rule_brakes_with_its_share_of_the_full_deceleration(full):
+    near = [Box(1, 20.0, 0.0, speed=12.0)]
+    assert propose(near, rule="rss", threshold=0.0, full_brake=full).action * full == pytest.approx(-5.0)
+
+
 def test_of_two_rules_the_harder_braking_counts():
     near = [Box(1, 14.0, 0.0)]
     both, *alone = (propose(near, rule=rule, threshold=0.0) for rule in ("both", "rss", "predictive"))

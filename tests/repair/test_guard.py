@@ -460,6 +460,13 @@ def test_the_brake_of_a_controlled_stop_is_its_share_of_the_full_deceleration(de
     assert repairer.controlled_stop(RepairStatus.STALE_COMMAND).command == Command(0.0, brake)
 
 
+@pytest.mark.parametrize("full", [6.0, 10.0])
+def test_the_rule_brakes_with_its_share_of_the_full_deceleration_too(full):
+    near = step(guarded(Scripted(fail), full_brake=full), [Box(1, 15.0, 0.0)])
+    assert near.status == RepairStatus.MODEL_FAULT
+    assert near.final_action * full == pytest.approx(-5.0)
+
+
 def test_without_parameters_the_defaults_hold_and_the_name_is_the_methods():
     repairer = GuardedRepairer(Scripted())
     assert repairer.parameters == GuardParameters()

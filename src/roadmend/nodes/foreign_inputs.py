@@ -21,6 +21,7 @@ from roadmend.recording.foreign_commands import COMMAND_FORMS, PEDALS, Pedals
 from roadmend.recording.foreign_objects import OBJECT_READERS, EgoOutline
 from roadmend.recording.foreign_repair import Answer, ForeignRepair
 from roadmend.repair.guard import GuardedRepairer
+from roadmend.repair.parameters import FullBrake
 
 DISCOVERY_PERIOD_S = 0.2  # [s] of wall time between two looks at the graph
 WATCH_PERIOD_S = 0.01  # [s] between two looks at the ages of what has arrived
@@ -50,12 +51,7 @@ class ForeignParameters(Parameters):
         le=20.0,
         description="acceleration at full throttle, where commands are accelerations [m/s2]",
     )
-    full_brake: float = Field(
-        PEDALS.full_brake,
-        ge=0.5,
-        le=20.0,
-        description="deceleration at full brake, where commands are accelerations [m/s2]",
-    )
+    full_brake: FullBrake = PEDALS.full_brake
 
 
 class _Input:

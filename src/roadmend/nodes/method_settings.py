@@ -17,13 +17,14 @@ from roadmend.repair.registry import METHOD_REGISTRY, METHODS
 class MethodSettings:
     """Declares the parameters of all methods, those of one from outside too, and reads those of the one that runs."""
 
-    def __init__(self, node: Node, method: str, policy: str) -> None:
+    def __init__(self, node: Node, method: str, policy: str, full_brake: float) -> None:
         """Declare.
 
         Args:
             node: whose parameters they are.
             method: the method that is asked for, in any of its ways.
             policy: whose models and tuned settings are its defaults; empty for the plain ones.
+            full_brake: deceleration of the ego at brake 1 [m/s2], the default of every method of ours that reckons with it.
 
         Raises:
             InputError: there is no such method, or a parameter of it has a value that it cannot have.
@@ -35,7 +36,9 @@ class MethodSettings:
         fitted = fitting(method, policy) if policy else {}
         for name, entry in {**METHODS, self._found.label: self._found.entry}.items():
             is_mine = name == self._found.label
-            fields = declare_own(node, name, entry.parameters, fitted if is_mine else None, is_fixed=False)
+            brakes = name in METHODS and "full_brake" in entry.parameters.model_fields
+            defaults = ({"full_brake": full_brake} if brakes else {}) | (fitted if is_mine else {})
+            fields = declare_own(node, name, entry.parameters, defaults, is_fixed=False)
             if is_mine:
                 self._fields = [*fields]
 

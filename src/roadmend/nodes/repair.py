@@ -113,19 +113,19 @@ class RepairNode(SteadyLifecycleNode):
         settings = declare_parameters(self, RepairNodeParameters)
         foreign = declare_parameters(self, ForeignParameters)
         self._plans_are_optional = settings.trajectory == "optional"
-        self._method, self._seed = settings.method, settings.seed
-        self._writer = settings.writer
+        self._method, self._seed, self._writer = settings.method, settings.seed, settings.writer
         self._is_newest = settings.inputs == "newest"
         self._times = Times.of(settings)
+        self._guard = GuardParameters(budget=self._times.budget, full_brake=foreign.full_brake)
         self._autostart, self._summary = settings.autostart, settings.summary
         self._journal = Path(settings.journal) if settings.journal else None
-        self._settings = method = MethodSettings(self, settings.method, settings.policy)
+        self._settings = method = MethodSettings(self, settings.method, settings.policy, foreign.full_brake)
         self._configuration = ConfigurationAnnouncer(self, "repair", lambda: method.running(self._made), method.is_told)
         return foreign
 
     def _make_repairer(self, changed: Sequence[Parameter] = ()) -> GuardedRepairer:
         made = make_method(self._method, self._settings.values(changed), self._seed)
-        repairer = GuardedRepairer(made, GuardParameters(budget=self._times.budget))
+        repairer = GuardedRepairer(made, self._guard)
         repairer.warm_up()  # compiling on the first tick would look like an overrun
         self._made = made
         return repairer

@@ -77,8 +77,10 @@ class GatedRepair:
 
 
 def _rss(given: GatedParameters) -> RssRepair:
-    return RssRepair(RssParameters(time_gap=given.time_gap, horizon=given.rss_horizon))
+    return RssRepair(RssParameters(time_gap=given.time_gap, horizon=given.rss_horizon, full_brake=given.full_brake))
 
 
 def _predictive(given: GatedParameters) -> PredictiveRepair:
-    return PredictiveRepair(PredictiveParameters(horizon=given.horizon, margin=given.margin, adaptive=False))
+    return PredictiveRepair(
+        PredictiveParameters(horizon=given.horizon, margin=given.margin, adaptive=False, full_brake=given.full_brake)
+    )

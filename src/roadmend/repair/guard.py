@@ -50,7 +50,7 @@ class GuardedRepairer:
         self.parameters = parameters or GuardParameters()
         self.stop_brake = min(1.0, self.parameters.stop_deceleration / self.parameters.full_brake)
         self._method = method
-        self._rule = RssRepair()
+        self._rule = RssRepair(RssParameters(full_brake=self.parameters.full_brake))
         self._route: Route | None = None
         self._method_fault = ""
         self.first_fault = ""  # why the method, ever since it was made, first could not answer; not that it was slow

@@ -6,7 +6,7 @@ from pydantic import Field
 
 from roadmend.core.parameters import Parameters
 
-FullBrake = Annotated[float, Field(ge=2.0, le=12.0, description="deceleration of the ego at brake 1 [m/s2]")]
+FullBrake = Annotated[float, Field(ge=0.5, le=20.0, description="deceleration of the ego at brake 1 [m/s2]")]
 Hold = Annotated[float, Field(ge=0.0, le=2.0, description="least duration of an intervention [s]")]
 Clear = Annotated[float, Field(ge=0.0, le=2.0, description="how long the scene must be clear before release [s]")]
 
@@ -122,3 +122,4 @@ class GatedParameters(AdreftParameters):
     margin: float = Field(0.3, ge=0.0, le=3.0, description="of PredictiveBrake, as there [m]")
     time_gap: float = Field(0.5, ge=0.0, le=3.0, description="of RSS, as there [s]")
     rss_horizon: float = Field(3.0, ge=1.0, le=10.0, description="horizon of RSS, as there [s]")
+    full_brake: FullBrake = 8.0
