@@ -9,7 +9,7 @@ import numpy as np
 from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.interfaces import Repairer
 from roadmend.core.repair import Repair
-from roadmend.core.route import RightOfWay, Route, Stage, Zone
+from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
 from roadmend.core.scene import COLUMNS, EgoState, ObjectList, Scene
 
 TICK = 0.05  # [s]
@@ -76,12 +76,11 @@ def curved_route(radius: float = 20.0) -> Route:
     return Route("curve", 4.5, 1.8, 150.0, 60.0, (stage_of(x, y),), (), ())
 
 
-def two_lane_route() -> Route:
-    """Lane y = 0, then lane y = 3.2."""
+def two_lane_route(begin: float = 0.0, end: float = 500.0) -> Route:
+    """Lane y = 0, then lane y = 3.2; the change may begin from arc length ``begin`` to ``end`` [m], 100 m at x = 0."""
     x = np.arange(-100.0, 401.0, 2.0)
-    return Route(
-        "lanes", 4.5, 1.8, 450.0, 60.0, (stage_of(x, np.zeros_like(x)), stage_of(x, np.full_like(x, 3.2))), (), ()
-    )
+    stages = (stage_of(x, np.zeros_like(x)), stage_of(x, np.full_like(x, 3.2)))
+    return Route("lanes", 4.5, 1.8, 450.0, 60.0, stages, (Window(begin, end),), ())
 
 
 def keep_on(scene: Scene, action: float = 0.2, speed: float | None = None, points: int = 30) -> Decision:

@@ -72,6 +72,23 @@ def test_on_the_last_stage_there_is_nowhere_to_go():
     assert not any(ways([3.2] * 5))
 
 
+@pytest.mark.parametrize(
+    ("begin", "end", "expected"), [(100.0, 100.0, True), (90.0, 99.9, False), (100.1, 110.0, False)]
+)
+def test_a_change_begins_within_its_window_alone(begin, end, expected):
+    change = LaneChange(2.0)
+    change.reset(two_lane_route(begin, end))
+    change.begin(scene_of([]))
+    assert change.is_under_way is expected
+
+
+def test_without_a_window_the_vehicle_ignores_the_wish():
+    change = LaneChange(2.0)
+    change.reset(replace(two_lane_route(), windows=()))
+    change.begin(scene_of([]))
+    assert not change.is_under_way
+
+
 def test_a_clock_that_goes_back_ends_a_change_that_has_not_left_its_lane():
     change = LaneChange(2.0)
     change.reset(two_lane_route())
@@ -113,6 +130,8 @@ NEAR, FAR, BEHIND = Box(1, 20.0, 3.2, speed=0.0), Box(1, 60.0, 0.0, speed=8.0), 
         ([NEAR, BEHIND], two_lane_route(), True, True),  # whoever is close ahead goes first
         ([BEHIND], two_lane_route(), False, True),  # no change under way
         ([BEHIND], straight_route(), True, True),  # no lane to change to
+        ([BEHIND], two_lane_route(300.0, 400.0), True, True),  # its window is ahead: the vehicle ignores the wish
+        ([BEHIND], two_lane_route(20.0, 90.0), True, True),  # its window is behind
     ],
 )
 def test_while_it_changes_lanes_it_is_braked_for_those_ahead_alone(

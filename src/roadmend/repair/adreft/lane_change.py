@@ -44,12 +44,15 @@ class LaneChange:
             self._tracker = None
 
     def begin(self, scene: Scene) -> None:
-        """The policy's wish to change lanes goes through at this tick."""
+        """The policy's wish to change lanes goes through at this tick; outside its window the vehicle ignores it."""
         if self._seconds <= 0.0 or self._route is None or self.is_under_way:
             return
-        tracker = RouteTracker(self._route)
+        tracker, windows = RouteTracker(self._route), self._route.windows
         self._from, self._since = tracker.observe(scene.ego.x, scene.ego.y), scene.time
-        if self._from + 1 < len(self._route.stages):
+        if self._from >= len(windows):
+            return
+        position, _ = tracker.places[self._from]
+        if windows[self._from].begin <= position <= windows[self._from].end:
             self._tracker = tracker
 
     @property
