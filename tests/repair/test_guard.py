@@ -9,6 +9,8 @@ from roadmend.core.repair import Proposal, RepairStatus, RepairTrigger
 from roadmend.repair.guard import GRAVITY, GuardedRepairer, gravest
 from roadmend.repair.none import NoRepair
 from roadmend.repair.parameters import GuardParameters
+from roadmend.repair.predictive import PredictiveRepair
+from roadmend.repair.rss import RssRepair
 
 from .playground import Box, ego_at, keep_on, scene_of, straight_route
 
@@ -465,6 +467,18 @@ def test_the_rule_brakes_with_its_share_of_the_full_deceleration_too(full):
     near = step(guarded(Scripted(fail), full_brake=full), [Box(1, 15.0, 0.0)])
     assert near.status == RepairStatus.MODEL_FAULT
     assert near.final_action * full == pytest.approx(-5.0)
+
+
+@pytest.mark.parametrize(("interval", "count"), [(0.004, 1250), (1e-20, 30)])
+@pytest.mark.parametrize("method", [RssRepair(), PredictiveRepair()])
+def test_a_plan_that_cannot_be_followed_to_its_end_hides_nobody(method, interval, count):
+    ego = ego_at(speed=30.0)
+    way, none = 30.0 * interval * np.arange(1, count + 1), np.zeros(count)
+    plan = Trajectory(interval, way, none, none, np.full(count, 30.0))
+    repair = step(guarded(method), [Box(1, 70.0, 0.0)], command=Command(0.4, 0.0), trajectory=plan, ego=ego)
+    assert repair.status == RepairStatus.INVALID_COMMAND
+    assert "the planned trajectory is unusable: the route is used instead" in repair.reason
+    assert repair.final_action < 0.0
 
 
 def test_without_parameters_the_defaults_hold_and_the_name_is_the_methods():

@@ -5,6 +5,7 @@ import pytest
 
 from roadmend.core.command import Trajectory
 from roadmend.repair.planned_path import PathFinder, coordinates_on, planned_position, planned_time, pose_on
+from roadmend.repair.sanitise import MANY
 
 from .playground import curved_route, ego_at, keep_on, scene_of, straight_route, two_lane_route
 
@@ -109,6 +110,15 @@ def test_a_long_plan_fits_its_buffer():
     path = find(straight_route(), ego_at(), plan)
     assert path.size <= path.points.shape[1]
     assert np.isfinite(path.points[:, : path.size]).all()
+
+
+def test_the_longest_usable_plan_is_kept_to_its_end_and_the_path_goes_on():
+    times = np.arange(1, MANY + 1) * 0.01
+    plan = Trajectory(0.01, 30.0 * times, np.zeros(MANY), np.zeros(MANY), np.full(MANY, 30.0))
+    path = find(straight_route(), ego_at(speed=30.0), plan, ahead=350.0)
+    for time in (0.005, 3.0, 0.01 * MANY, 10.0):
+        assert planned_position(path, time) == pytest.approx(30.0 * time)
+    assert path.points[2, path.size - 1] >= 350.0
 
 
 def test_without_a_route_there_is_no_path():

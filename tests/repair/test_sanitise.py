@@ -158,8 +158,8 @@ def test_duplicates_are_found_in_a_long_list_whose_ids_collide():
     assert keep == [True] * 500 + [False] * 500
 
 
-@pytest.mark.parametrize("interval", [0.0, -0.1, math.nan, math.inf])
-def test_a_plan_needs_a_positive_interval(interval):
+@pytest.mark.parametrize("interval", [0.0, -0.1, 1e-20, 0.999e-3, math.nan, math.inf])
+def test_a_plan_needs_an_interval_that_can_be_counted(interval):
     points = np.ones(3)
     assert is_usable_plan(0.1, points, points, points, points)
     assert not is_usable_plan(interval, points, points, points, points)
@@ -187,9 +187,14 @@ def test_up_to_the_limits_of_all_reason_a_plan_is_usable(column):
 
 
 @pytest.mark.parametrize("interval", [1e-3, 0.5, 100.0])
-def test_any_positive_interval_will_do(interval):
+def test_any_interval_from_a_millisecond_on_will_do(interval):
     points = np.ones(3)
     assert is_usable_plan(interval, points, points, points, points)
+
+
+def test_a_plan_has_up_to_600_points():
+    assert is_usable_plan(0.1, *[np.ones(600)] * 4)
+    assert not is_usable_plan(0.1, *[np.ones(601)] * 4)
 
 
 @pytest.mark.parametrize("count", [0, 1, 4])

@@ -13,6 +13,8 @@ Floats = NDArray[np.float64]
 
 FAR = 1e8  # [m] no map is larger; beyond it the squares of distances lose all precision
 LATE = 1e6  # [s] no plan looks as far ahead, and points much later than that have no stamp
+SHORT = 1e-3  # [s] no plan needs its points nearer to each other, and far nearer ones cannot be counted
+MANY = 600  # points of a plan; a planned path has no room for many more
 WILD = 1e4  # accelerations [m/s2], yaw rates [rad/s] and yaws [rad] beyond this are noise
 
 
@@ -49,11 +51,14 @@ def is_usable_ego(ego: EgoState, time: float) -> bool:
 
 @compiled
 def is_usable_plan(interval: float, x: Floats, y: Floats, yaw: Floats, speed: Floats) -> bool:
-    """Whether a trajectory has equally long arrays, only finite values, a positive interval and an end in sight."""
+    """Whether a trajectory has equally long arrays of up to 600 points, only finite values and an end in sight.
+
+    Its interval is 1 ms or more.
+    """
     size = x.shape[0]
     if y.shape[0] != size or yaw.shape[0] != size or speed.shape[0] != size:
         return False
-    if not 0.0 < interval * max(size, 1) < LATE:
+    if size > MANY or not SHORT <= interval < LATE / max(size, 1):
         return False
     for index in range(size):
         if not (abs(x[index]) < FAR and abs(y[index]) < FAR and abs(yaw[index]) < WILD and abs(speed[index]) < WILD):
