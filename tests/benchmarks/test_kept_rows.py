@@ -7,7 +7,8 @@ import pytest
 
 from harness.benchmark_content import build_content, case_table
 from harness.benchmark_files import read_json
-from harness.kept_rows import check_sizes, keep_cases, keep_controls, keep_ordinary, keep_robustness
+from harness.benchmark_tables import all_tables
+from harness.kept_rows import check_sizes, keep_cases, keep_controls, keep_cost, keep_ordinary, keep_robustness
 from harness.options import PLANS
 from roadmend.core.errors import InputError
 from roadmend.reports.result_files import origin
@@ -94,6 +95,38 @@ def test_other_cases_are_refused():
     cases["modular"]["names"].reverse()
     with pytest.raises(InputError, match="other cases of the policy modular"):
         keep_cases(fresh, fresh_cases, whole, cases, DIGESTS, ORDER)
+
+
+def test_a_policy_that_was_not_measured_is_kept_whole():
+    both = [measured(), measured("neural")]
+    whole, cases = build_content(both, dict(MADE), {}), case_table(both)
+    fresh, fresh_cases = table_of(only(measured("neural"), adreft=run("GGGGGGGG", 10, 6.0)), LATER)
+    digests = {"neural": DIGESTS["modular"]}
+    keep_cases(fresh, fresh_cases, whole, cases, digests, [*ORDER, "wo_sr"])
+    assert fresh["policies"] == ["modular", "neural"]
+    assert fresh_cases["modular"] == cases["modular"]
+    for table in (fresh_cases, *(fresh[part] for part in ("corpora", "contenders", "summary", "monitor"))):
+        assert [*table] == ["modular", "neural"]
+    for part in ("corpora", "contenders", "monitor"):
+        assert fresh[part]["modular"] == whole[part]["modular"]
+    for name, figures in whole["summary"]["modular"].items():
+        assert fresh["summary"]["modular"][name]["delta_e"] == figures["delta_e"]
+    assert [*fresh["families"]] == [*whole["families"]]
+    assert {entry["policy"] for entry in fresh["not_run"]} == {"modular", "neural"}
+    assert "modular: adreft" in fresh["provenance"]["kept"][0]["methods"]
+    assert len(all_tables(fresh)) == len(all_tables(whole))
+
+
+def test_the_cost_of_what_was_not_timed_now_is_kept():
+    before = {name: {"median_ms": value} for name, value in (("rule", 1.0), ("gone", 2.0), ("torch_eager", 3.0))}
+    found = keep_cost({"adreft": {"median_ms": 9.0}, "torch_eager": {"median_ms": 4.0}}, before, ORDER)
+    assert {name: figures["median_ms"] for name, figures in found.items()} == {
+        "rule": 1.0,
+        "adreft": 9.0,
+        "torch_eager": 4.0,
+    }
+    assert [*found] == ["rule", "adreft", "torch_eager"]
+    assert keep_cost({}, {}, ORDER) == {}
 
 
 def drives(time_lost, count=979, collisions=21):

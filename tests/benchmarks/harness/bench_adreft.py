@@ -17,7 +17,7 @@ from harness.benchmark_run import FORMAT, RESULTS, Measured, drive, find_jobs, r
 from harness.benchmark_tables import headline
 from harness.beside import beside
 from harness.contenders import BenchmarkPlan, read_plan, watched_method
-from harness.kept_rows import keep_cases
+from harness.kept_rows import keep_cases, keep_cost
 from harness.options import CACHED_WORK, COMMITTED, PLANS, known_names, listed_names
 from harness.policy_benchmarks import Choice, find_benchmarks
 from roadmend.cli.options import WORKERS
@@ -75,7 +75,7 @@ class _Options:
     help="With --robustness: scenarios of each search.",
 )
 @click.option("--verify", is_flag=True, help="Drive everything again; exit code 1 if it differs from the committed.")
-@click.option("--keep", is_flag=True, help="Take the rows of all other methods from the committed table.")
+@click.option("--keep", is_flag=True, help="Take the rows of all other methods and policies from the committed table.")
 @click.option("--cost/--no-cost", default=True, show_default=True, help="Measure the cost of a frame.")
 @click.option(
     "--corpora", type=click.Path(path_type=Path, file_okay=False), help="Folder of the corpora.  [default: config's]"
@@ -176,7 +176,7 @@ def _measure(plan: BenchmarkPlan, config: Path, choice: Choice, options: _Option
         before, cases_before = (read_json(options.committed / name) for name in ("adreft.json", "adreft-cases.json"))
         digests = {each.benchmark.policy: [case.digest for case in each.benchmark.cases] for each in measured}
         keep_cases(content, cases, before, cases_before, digests, [*plan.methods])
-        content["cost"] = content["cost"] or before["cost"]
+        content["cost"] = keep_cost(content["cost"], before["cost"], [*plan.methods])
     if options.out is not None:
         stem = "adreft" if options.keeps else _stem(plan, choice)
         if stem == "adreft":

@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from harness.adreft_cost import EAGER
 from harness.benchmark_content import OURS
 from roadmend.core.errors import InputError
 from roadmend.measures.repair import PairedCase, advantage_of, delta_e_interval
@@ -70,12 +71,15 @@ def keep_cases(
 ) -> None:
     """Add to a table, and to its cases, what an earlier one has besides; who leads by how much is found anew.
 
+    A policy that was not measured is kept whole.
+
     Args:
         content: as ``build_content`` makes it.
         cases: as ``case_table`` makes it.
         before: the earlier table.
         cases_before: its cases.
-        digests: by policy, of each case's trajectory without repair: what the earlier table's row without repair must show.
+        digests: by measured policy, of each case's trajectory without repair: what the earlier table's row without
+            repair must show.
         order: of the methods; what is not in it is dropped.
 
     Raises:
@@ -90,6 +94,10 @@ def keep_cases(
         ]:
             mend = "measure all methods again, without --keep"
             raise InputError("--keep", f"the committed table has other cases of the policy {policy}", mend)
+    left_out = [policy for policy in before["policies"] if policy not in cases]
+    _make_room(content, cases, before, cases_before, left_out)
+    for policy, table in cases.items():
+        former = cases_before[policy]
         missing = kept.missing(policy, former["methods"], table["methods"], order)
         table["methods"] |= {name: former["methods"][name] for name in missing}
         table["methods"] = _ordered(table["methods"], order)
@@ -108,9 +116,22 @@ def keep_cases(
     content["not_run"] += [
         entry
         for entry in before["not_run"]
-        if entry["method"] in kept.names and (entry["policy"], entry["method"]) not in known
+        if (entry["method"] in kept.names or (entry["policy"] in left_out and entry["method"] in order))
+        and (entry["policy"], entry["method"]) not in known
     ]
     kept.note(content, before, order)
+
+
+def keep_cost(cost: Content, before: Mapping[str, Any], order: Sequence[str]) -> Content:
+    """What a frame costs by method: of those that were not timed now, what they cost before.
+
+    Args:
+        cost: as ``cost_of`` makes it.
+        before: the earlier one.
+        order: of the methods; what is neither in it nor PyTorch's is dropped.
+    """
+    names = [*order, EAGER]
+    return _ordered({name: found for name, found in {**before, **cost}.items() if name in names}, names)
 
 
 def check_sizes(command: str, before: Mapping[str, Any]) -> None:
@@ -209,6 +230,30 @@ def keep_robustness(content: Content, before: Mapping[str, Any], order: Sequence
             techniques[technique] = _ordered(curves, order)
     content["policies"] = _ordered(content["policies"], [*before["policies"]])
     kept.note(content, before, order)
+
+
+def _make_room(
+    content: Content,
+    cases: Content,
+    before: Mapping[str, Any],
+    cases_before: Mapping[str, Any],
+    left_out: Sequence[str],
+) -> None:
+    """Take policies that were not measured into a table, without methods yet; policies in the order of before."""
+    places = [*before["policies"]]
+    for policy in left_out:
+        cases[policy] = {**cases_before[policy], "methods": {}}
+        content["corpora"][policy] = before["corpora"][policy]
+        for part in ("contenders", "summary", "monitor"):
+            content[part][policy] = {}
+    for family in before["families"]:
+        fresh = content["families"].setdefault(family, {}) | {policy: {} for policy in left_out}
+        content["families"][family] = _ordered(fresh, places)
+    content["policies"] = [*_ordered(dict.fromkeys([*content["policies"], *left_out]), places)]
+    for part in ("corpora", "contenders", "summary", "monitor"):
+        content[part] = _ordered(content[part], places)
+    for policy in _ordered(cases, places):
+        cases[policy] = cases.pop(policy)
 
 
 def _take(fresh: Content, old: Mapping[str, Any], names: Sequence[str]) -> None:
