@@ -128,6 +128,12 @@ def test_other_random_drives_than_the_tables_can_be_asked_for_but_not_mixed_with
     [
         (["--methods", "rule, rsss"], "--methods: there is no 'rsss'; choose from none, random_paper"),
         (["--methods", "rss", "--count", "20", "--keep"], "--keep: the committed figures are of --count 200, not 20"),
+        (
+            ["--sumocfg", "berlin/osm.sumocfg", "--sumocfg", "paris/osm.sumocfg"],
+            "--sumocfg paris/osm.sumocfg: there is another set 'osm'; rename the file",
+        ),
+        (["--sumocfg", "x/random.sumocfg"], "--sumocfg x/random.sumocfg: there is another set 'random'; rename"),
+        (["--networks", "1", "--sumocfg", "city.sumocfg"], "--sumocfg city.sumocfg: there is another set 'city'"),
     ],
 )
 def test_what_cannot_be_measured_or_kept_is_refused_before_anything_is_driven(words, said, capsys, monkeypatch):

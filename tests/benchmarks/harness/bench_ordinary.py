@@ -19,6 +19,7 @@ from harness.ordinary_tables import ordinary_tables
 from harness.price_curve import Ground, add_leads, at_time_lost, curve_settings, points_of
 from roadmend.cli.options import JSON, WORKERS, options_of
 from roadmend.cli.output import counting, show_rows
+from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
 from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import write_texts
@@ -32,6 +33,7 @@ FORMAT = "roadmend-ordinary/1"
 FIRST_NETWORK = 5000  # seed of the first generated network of each kind; nothing is trained or chosen on them
 WARM_UP, TIME_LIMIT = 300.0, 120.0  # [s] of traffic before the ego enters, and of a drive, on networks
 STEM = "adreft-ordinary"
+RANDOM = "random"  # what the set of random drives is called
 
 
 @dataclass(frozen=True)
@@ -156,6 +158,7 @@ def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
         "curve": {},
         "at_time_lost": {},
     }
+    _check_names(given)
     with counting() as progress:
         sets = _sets(given, work, progress)
         for policy in policies:
@@ -190,9 +193,23 @@ def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
         show_rows(table.rows)
 
 
+def _check_names(given: OrdinaryOptions) -> None:
+    """Whether each configuration makes a set of its own, for a set is called by the file's name.
+
+    Raises:
+        InputError: two are called alike, or one as a set that is driven anyway or kept.
+    """
+    known = {RANDOM, *(KINDS if given.networks or given.keep else ())}
+    for path in given.sumocfg:
+        if path.stem in known:
+            mend = "rename the file; its name is the set's"
+            raise InputError(f"--sumocfg {path}", f"there is another set {path.stem!r}", mend)
+        known.add(path.stem)
+
+
 def _sets(given: OrdinaryOptions, work: Path, progress: Progress) -> dict[str, list[Scenario]]:
     """What is driven, by name: random scenarios of the families, generated networks by kind, and those given."""
-    sets = {"random": random_drives(given.count, given.first)}
+    sets = {RANDOM: random_drives(given.count, given.first)}
     seeds = range(FIRST_NETWORK, FIRST_NETWORK + given.networks)
     requests = [NetworkRequest(kind, seed, work.with_name(f"{work.name}-networks")) for kind in KINDS for seed in seeds]
     paths: dict[str, list[Path]] = {}
