@@ -50,6 +50,7 @@ def test_a_run_gives_json_and_tables_and_the_next_one_drives_nothing(tmp_path, c
     content = json.loads(capsys.readouterr().out)
     figures = content["controls"]["modular"]["shuffled"]["adreft"]
     assert (figures["violations"], figures["successes"]) == (1, 1)
+    assert len(figures["contender"]["model"]["digest"]) == 64
     assert content["bound"]["modular"]["informed"]["violations"] == 1
     assert json.loads((tmp_path / "out" / "adreft-controls.json").read_text()) == content
     assert "Informed bound" in (tmp_path / "out" / "adreft-controls.md").read_text()

@@ -15,6 +15,7 @@ from harness.beside import renew
 from harness.contenders import read_plan, resolve
 from harness.control_jobs import FORMAT, ControlJob, ControlResult, run_controls
 from harness.grid import Setting
+from harness.kept_models import mark_models, row_title
 from harness.kept_rows import keep_controls
 from harness.options import CACHED_WORK, COMMITTED, PLANS, listed_names
 from harness.policy_benchmarks import select
@@ -103,12 +104,14 @@ def controls(given: ControlOptions, *, as_json: bool) -> None:
             for contender in contenders:
                 setting = Setting.of(contender)
                 results = run(f"{policy}: {contender.name}", [ControlJob(case, policy, setting) for case in cases])
-                content["controls"][policy]["shuffled"][contender.name] = shuffle_figures(results)
+                figures = {**shuffle_figures(results), "contender": setting.contender}
+                content["controls"][policy]["shuffled"][contender.name] = figures
             if given.bound:
                 jobs = [ControlJob(case, policy, None) for case in cases if case.is_violation]
                 content["bound"][policy] = {"informed": bound_figures(run(f"{policy}: informed bound", jobs))}
     if given.keep:
         keep_controls(content, read_json(given.committed / f"{STEM}.json"), [*plan.methods])
+        mark_models(content, plan, config)
     tables = [_controls_table(content), *([_bound_table(content)] if content["bound"] else [])]
     if given.out is not None:
         text = "\n\n".join(table.markdown(3) for table in tables)
@@ -197,7 +200,7 @@ def _controls_table(content: Mapping[str, Any]) -> Table:
             rows.append(
                 (
                     policy,
-                    content["titles"].get(method, method),
+                    row_title(content["titles"], method, figures),
                     number(figures["delta_e"]),
                     number(figures["shuffled_delta_e"]),
                     number(figures["more_than_shuffled"]),

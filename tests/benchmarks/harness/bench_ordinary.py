@@ -13,6 +13,7 @@ from harness.benchmark_files import read_json
 from harness.beside import renew
 from harness.contenders import BenchmarkPlan, read_plan, resolve
 from harness.grid import TABLE_SEED, Figures, Setting, alone, drive_all, random_drives
+from harness.kept_models import mark_models
 from harness.kept_rows import check_sizes, keep_ordinary
 from harness.options import CACHED_WORK, COMMITTED, PLANS, listed_names
 from harness.ordinary_tables import ordinary_tables
@@ -168,7 +169,10 @@ def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
                 settings = [alone(policy), *map(Setting.of, contenders)]
                 trials = [trial for setting in settings for trial in setting.trials(scenarios, given.futures)]
                 figures = drive_all(trials, work, given.workers, progress, f"{policy}: {name}")
-                found = {method: figure["ordinary"] for method, figure in figures[policy].items()}
+                told = {each.title: {"contender": each.contender} for each in settings if each.contender}
+                found = {
+                    method: figure["ordinary"] | told.get(method, {}) for method, figure in figures[policy].items()
+                }
                 content["ordinary"].setdefault(name, {})[policy] = found
             if given.curve_count:
                 chosen = None if given.methods is None else names
@@ -177,6 +181,7 @@ def ordinary(given: OrdinaryOptions, *, as_json: bool) -> None:
                 )
     if before is not None:
         keep_ordinary(content, before, [*plan.methods])
+        mark_models(content, plan, config)
     tables = ordinary_tables(content)
     if given.out is not None:
         text = "\n\n".join(table.markdown(3) for table in tables)

@@ -30,11 +30,13 @@ class Setting:
     policy: str
     method: str
     parameters: Mapping[str, Any] = field(default_factory=dict)
+    contender: Mapping[str, Any] = field(default_factory=dict)  # as it describes itself; empty where there is none
 
     @classmethod
     def of(cls, contender: Contender) -> "Setting":
         """That of somebody who takes part in the benchmark."""
-        return cls(contender.name, contender.policy, contender.method, contender.parameters)
+        described = contender.describe()
+        return cls(contender.name, contender.policy, contender.method, contender.parameters, described)
 
     def trials(self, scenarios: Sequence[Scenario], futures: int = 0) -> list[EvaluationTrial]:
         """One a scenario.

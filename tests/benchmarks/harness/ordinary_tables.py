@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from harness.kept_models import row_title
 from harness.table import Table, number, span
 
 Content = Mapping[str, Any]
@@ -37,7 +38,7 @@ def _ordinary(content: Content, name: str) -> Table:
             rows.append(
                 (
                     policy,
-                    content["titles"].get(method, method),
+                    row_title(content["titles"], method, figures),
                     str(figures["drives"]),
                     number(figures["untouched"]),
                     number(figures["time_lost"], 2),
@@ -87,7 +88,7 @@ def _at_time_lost(content: Content) -> Table:
                 rows.append(
                     (
                         policy,
-                        content["titles"].get(method, method),
+                        row_title(content["titles"], method, point),
                         price,
                         varied,
                         number(point["delta_e"]),

@@ -108,6 +108,7 @@ def curve_settings(plan: BenchmarkPlan, config: Path, policy: str, only: Sequenc
                     policy,
                     contender.method,
                     {**contender.parameters, **values},
+                    contender.describe(),
                 )
                 for number, values in enumerate(_combinations(curve.values))
             ]
@@ -178,10 +179,12 @@ def _lead(own: Sequence[CaseResult], other: Sequence[CaseResult]) -> dict[str, A
 def _point(setting: Setting, figures: tuple[Figures, Figures]) -> dict[str, Any]:
     cases, drives = (found[setting.policy][setting.title] for found in figures)
     repair, ordinary = cases["repair"], drives["ordinary"]
+    parameters = {name: value for name, value in setting.parameters.items() if name != "model"}
     return {
         "setting": setting.title,
         "method": setting.method,
-        "parameters": {name: value for name, value in setting.parameters.items() if name != "model"},
+        "parameters": parameters,
+        "contender": {**setting.contender, "parameters": parameters},
         "violations": repair["violations"],
         "successes": repair["successes"],
         "fix": repair["fix"],
