@@ -1,13 +1,15 @@
 """Controls: what is counted, and that finished work is kept."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
 from harness import bench_controls, control_jobs
 from harness.bench_controls import bound_figures, controls, shuffle_figures
-from harness.control_jobs import ControlResult
+from harness.control_jobs import ControlJob, ControlResult
 from roadmend.cli.main import run_group
+from roadmend.world.corpus import corpus_of
 
 
 def result(case, *, violation=True, worth=1.0, shuffled=0.0, speed=8.0, **more):
@@ -38,7 +40,24 @@ def test_timing_that_matters_shows_and_impact_speeds_are_told_apart():
 def test_the_bound_counts_what_a_pulse_repairs():
     found = [result("a", bound=0.5, bound_in_futures=0.9), result("b", worth=0.0)]
     figures = bound_figures(found)
+    assert figures["adreft_dose"] is None
     assert (figures["violations"], figures["repaired"], figures["dose"], figures["in_futures"]) == (2, 1, 0.5, 90.0)
+
+
+def test_adreft_is_held_against_the_bound_in_the_cases_that_it_repairs():
+    found = [result("a", bound=0.5, bound_in_futures=0.9), result("b", worth=0.0)]
+    own = [replace(result("a"), dose=1.5), replace(result("b"), dose=9.0), result("c", violation=False)]
+    assert bound_figures(found, own)["adreft_dose"] == 1.5
+
+
+def test_the_dose_of_a_pulse_is_what_it_takes_from_the_policy():
+    """Not what it would take from one at full throttle throughout: policies brake and coast."""
+    case = min(corpus_of("modular").select("S3", "validation", violation=True), key=lambda case: case.duration)
+    found = control_jobs.control(ControlJob(case, "modular", None))
+    nominal = {(1.0 - action) * duration for duration, action in control_jobs._PULSES}
+    assert found.bound is not None
+    assert 0.0 < found.bound < max(nominal)
+    assert all(found.bound != pytest.approx(dose) for dose in nominal)
 
 
 @pytest.mark.slow

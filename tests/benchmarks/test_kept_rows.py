@@ -248,7 +248,7 @@ def test_what_was_kept_of_one_policy_alone_is_called_with_it():
 
 def controls_of(made=MADE, cases=4, bound=True, **delta_e):
     shuffled = {name: {"violations": cases, "successes": cases, "delta_e": value} for name, value in delta_e.items()}
-    bounds = {"modular": {"informed": {"dose": 1.0}}} if bound else {}
+    bounds = {"modular": {"informed": {"dose": 1.0, "adreft_dose": 2.0}}} if bound else {}
     return {"provenance": dict(made), "controls": {"modular": {"shuffled": shuffled}}, "bound": bounds}
 
 
@@ -258,7 +258,7 @@ def test_controls_that_were_not_run_are_kept_and_so_is_the_bound():
     figures = fresh["controls"]["modular"]["shuffled"]
     assert {name: each["delta_e"] for name, each in figures.items()} == {"rule": 40.0, "adreft": 70.0}
     assert [*figures] == ["rule", "adreft"]
-    assert fresh["bound"]["modular"]["informed"]["dose"] == 1.0
+    assert fresh["bound"]["modular"]["informed"] == {"dose": 1.0, "adreft_dose": None}
     assert fresh["provenance"]["kept"][0]["methods"] == ["rule", "informed bound"]
 
 

@@ -125,9 +125,12 @@ def _shuffled(job: ControlJob, setting: Setting) -> ControlResult:
 
 
 def _informed(job: ControlJob) -> ControlResult:
-    """The least of a few pulses that brings all futures by which it is chosen to the goal, and the same in others."""
+    """The least of a few pulses that brings all futures by which it is chosen to the goal, and the same in others.
+
+    They are tried in the order of what they cost a policy at full throttle; the dose that is told is the case's own.
+    """
     case = job.case
-    for dose, start, ticks, action in sorted(
+    for _, start, ticks, action in sorted(
         ((1.0 - action) * duration, start, round(duration / INTERVAL), action)
         for duration, action in _PULSES
         for start in _STARTS
@@ -138,7 +141,8 @@ def _informed(job: ControlJob) -> ControlResult:
         if _arrived(_futures(case, job.policy, start, player, range(1, FUTURES + 1))) == 1.0:
             tested = range(FUTURES + 1, FUTURES + TESTED + 1)
             share = _arrived(_futures(case, job.policy, start, player, tested))
-            return _bound(case, dose, share)
+            played = PulsePlayer((Pulse(_begin(case, start), ticks, action),))
+            return _bound(case, run_episode(case.scenario(), make_policy(job.policy), played).dose, share)
     return _bound(case, None, None)
 
 
@@ -157,12 +161,16 @@ def _bound(case: Case, dose: float | None, share: float | None) -> ControlResult
     )
 
 
+def _begin(case: Case, before: float) -> int:
+    """The tick so many seconds before the end of a case."""
+    return max(0, round((case.duration - before) / INTERVAL))
+
+
 def _futures(case: Case, policy_name: str, before: float, repairer: Repairer, seeds: range) -> list[Future]:
     """Futures, to the end of the episode, of the moment so long before the violation, a method at work from then on."""
-    begin = max(0, round((case.duration - before) / INTERVAL))
     scenario = case.scenario()
     with Simulation(scenario) as simulation:
-        moment = moment_at(simulation, make_policy(policy_name), begin)
+        moment = moment_at(simulation, make_policy(policy_name), _begin(case, before))
         repairer.reset(simulation.route)
         return futures(moment, repairer, seeds, scenario.time_limit)
 

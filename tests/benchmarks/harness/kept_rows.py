@@ -197,6 +197,7 @@ def keep_controls(content: Content, before: Mapping[str, Any], order: Sequence[s
         InputError: the two are not of as many cases.
     """
     kept = _Kept()
+    renewed = {policy for policy, found in content["controls"].items() if OURS in found["shuffled"]}
     for policy, kept_before in before["controls"].items():
         found = content["controls"].setdefault(policy, {"shuffled": {}})
         fresh, old = found["shuffled"], kept_before["shuffled"]
@@ -208,6 +209,8 @@ def keep_controls(content: Content, before: Mapping[str, Any], order: Sequence[s
         found["shuffled"] = _ordered(fresh, order)
     bounds = [policy for policy in before["bound"] if policy not in content["bound"]]
     _take(content["bound"], before["bound"], bounds)
+    for policy in renewed.intersection(bounds):  # what is held against a kept bound is no more ADReFT's
+        content["bound"][policy]["informed"] = {**before["bound"][policy]["informed"], "adreft_dose": None}
     kept.note(content, before, order, more=["informed bound"] if bounds else [])
 
 
