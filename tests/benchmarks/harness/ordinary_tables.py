@@ -103,7 +103,7 @@ def _at_time_lost(content: Content) -> Table:
     note = (
         "The setting of the greatest ΔE among those that lose no more than the price, chosen on validation cases and "
         "random drives of their own; the figures are of the test cases and of the random drives of the table above. "
-        "ADReFT more: its ΔE at the same price less the method's, with the paired bootstrap's interval over cases."
+        "ADReFT more: its ΔE at the same price less the method's, with the paired bootstrap's interval over searches."
     )
     return Table("What is fixed at a given loss of time", note, tuple(rows))
 
