@@ -1,7 +1,9 @@
 """What holds for every command: examples that are right, --json, and one spelling for one thing."""
 
+import re
 import shlex
 from collections import defaultdict
+from pathlib import Path
 
 import click
 import pytest
@@ -160,3 +162,10 @@ def test_what_needs_a_policy_for_futures_takes_it(commands):
     for path, command in commands.items():
         names = {name for option in options(command) for name in option.opts}
         assert "--futures" not in names or "--policy" in names, path
+
+
+def test_the_page_names_every_command_that_goes_on_after_an_interrupt(commands):
+    page = (Path(__file__).parents[2] / "src" / "doc" / "command-line.md").read_text(encoding="utf-8")
+    told = page.partition("## Ctrl-C, and how to go on\n")[2].partition(" keep what is finished")[0]
+    resuming = {" ".join(path) for path, each in commands.items() if getattr(each, "resumes", None) is not None}
+    assert {" ".join(name.split()) for name in re.findall(r"`([^`]+)`", told)} == resuming
