@@ -28,7 +28,8 @@ from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario_file import load_scenario
 
 _OUT = click.option("--out", required=True, type=FILE, callback=only_own, help="Bank to write.")
-_EMBEDDER = click.option("--embedder", help=f"One of {FORMS}.  [default: that of --bank, or {DEFAULT}]")
+_EMBEDDER = click.option("--embedder", help=f"One of {FORMS}.  [default: {DEFAULT}]")
+_INHERITED = click.option("--embedder", help=f"One of {FORMS}.  [default: that of --bank, or {DEFAULT}]")
 _COUNTED = ("family", "road", "weather", "light")
 
 
@@ -122,7 +123,7 @@ def build(given: BankBuildOptions) -> None:
 )
 @click.argument("exports", nargs=-1, required=True, type=FILE)
 @click.option("--bank", "bank_file", type=FILE, help="Bank to add to.")
-@_EMBEDDER
+@_INHERITED
 @_OUT
 @JSON
 def import_(
