@@ -5,7 +5,9 @@ import json
 import pytest
 from PIL import Image
 
+from roadmend.cli import safe
 from roadmend.cli.main import main
+from roadmend.safe.driving import CrashTestResult
 from roadmend.world.scenario_file import load_scenario
 
 from .head_on import HEAD_ON, write_report
@@ -69,6 +71,27 @@ def test_reproduce_finds_the_crash_and_names_the_report(crash, tmp_path, capsys)
     assert (found["reproduced"], found["names"]) == (1, ["head-on"])
     assert load_scenario(out / "scenarios" / "head-on-v1-reproduced-modular.yaml").origin.report == "head-on"
     assert "what no policy is asked" in (out / "reproduction.md").read_text(encoding="utf-8")
+
+
+def test_reproduce_says_by_its_code_that_a_report_could_not_be_read(crash, tmp_path, capsys):
+    broken = tmp_path / "broken.json"
+    broken.write_text("{", encoding="utf-8")
+    arguments = ("safe", "reproduce", crash, broken, "--out", tmp_path / "out", "--budget", 1, "--no-pictures")
+    for more in ((), ("--json",)):
+        code, text, error = run(capsys, *arguments, "--workers", 1, *more)
+        assert code == 1
+        assert "broken" in error
+        assert text
+
+
+def test_reproduce_says_so_too_where_no_role_runs(crash, tmp_path, capsys, monkeypatch):
+    idle = CrashTestResult("head-on", 1, "modular", note="cannot be built", reproduced=False)
+    monkeypatch.setattr(safe, "do_all", lambda *_: [idle])
+    arguments = ("safe", "reproduce", crash, "--out", tmp_path / "out", "--no-pictures", "--workers", 1)
+    code, _, error = run(capsys, *arguments)
+    assert code == 1
+    assert "head-on" in error
+    assert error.endswith(": cannot be built\n")
 
 
 def test_export_writes_both_formats(crash, tmp_path, capsys):

@@ -306,7 +306,8 @@ def reproduce(
     PATHS as in 'roadmend safe build'. A crash counts as reproduced if it happens with the policy in the place of at
     least one of its vehicles: between the same two, the same one running into the other, on the same parts of both,
     from and to the same directions, on the same type of road, with nobody moving as no vehicle can. The search goes by
-    this program's own reading of the report; with records, a judge that knows nothing of it decides.
+    this program's own reading of the report; with records, a judge that knows nothing of it decides. Exit code 1 if a
+    report could not be read, or not one of its roles ran.
     """
     known = load_records(records) if records is not None else {}
     cases = open_cases(given.paths)
@@ -332,16 +333,21 @@ def reproduce(
         for policy in policies
         if known
     }
+    ran = {(result.policy, result.report) for result in results if result.driven is not None}
+    code = int(any((policy, name) not in ran for policy in policies for name in names))
+    for result in results:
+        if (result.policy, result.report) not in ran:
+            click.echo(f"{result.report}, {role_title(result.vehicle)}: {result.text}", err=True)
     if given.as_json:
         by_records = {policy: {"by_records": asdict(found)} for policy, found in verdicts.items()}
         content = {policy: found.as_dict() | by_records.get(policy, {}) for policy, found in tallies.items()}
         click.echo(json.dumps(content, indent=2))
-        return 0
+        return code
     show_rows([REPRODUCTION_TITLES, *((policy, *found.cells()) for policy, found in tallies.items())])
     if verdicts:
         show_rows([JUDGED_TITLES, *((policy, *judged_cells(found)) for policy, found in verdicts.items())])
     click.echo(f"report: {given.out / 'reproduction.html'}")
-    return 0
+    return code
 
 
 @click.command(cls=ExampleCommand, examples=["roadmend safe export built/scenarios/crash-v1-1.yaml --out exported"])
