@@ -24,6 +24,7 @@ START, SPEED, STANDS_AT = 0.0, 12.0, 90.0  # [m], [m/s], [m]
 LENGTH = 4.8  # [m] of both cars
 STEP = 0.02  # [s]
 TIME_MAX = 30.0  # [s]
+PATIENCE = 5.0  # [s] until it is said that nobody answers
 
 
 class Stack(Node):
@@ -34,6 +35,7 @@ class Stack(Node):
         self.x, self.speed, self.wanted, self.time = START, SPEED, 0.0, 0.0
         self.is_told = bare  # the clock stands until somebody answers
         self.bare = bare
+        self.is_answered = bare
         self.result = ""
         self.to_ego = self.create_publisher(Odometry, "odom", 10)
         self.to_objects = self.create_publisher(Detection3DArray, "detections", qos_profile_sensor_data)
@@ -42,6 +44,7 @@ class Stack(Node):
         self.create_timer(STEP, self.move)
         self.create_timer(0.1, self.detect)
         self.create_timer(0.05, self.control)
+        self.patience = self.create_timer(PATIENCE, self.complain)
 
     def stamped(self, message: object, frame: str) -> object:
         """The message at the present time."""
@@ -84,10 +87,18 @@ class Stack(Node):
 
     def obey(self, command: AccelStamped) -> None:
         """What repair made of the controller's wish."""
+        self.is_answered = True
         if not self.bare:
             # A stop before anything has been seen is no answer yet: the car is not let go before repair sees.
             self.is_told = self.is_told or command.accel.linear.x > -1.0
             self.wanted = command.accel.linear.x
+
+    def complain(self) -> None:
+        """Say once that nobody has answered."""
+        self.patience.cancel()
+        if not self.is_answered:
+            mend = "start './roadmend repair' as its first lines say, with the same ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE"
+            print(f"own_graph: no answer on /drive/repaired for {PATIENCE:g} s; {mend}", file=sys.stderr, flush=True)
 
 
 def main() -> int:

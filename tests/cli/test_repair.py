@@ -101,6 +101,21 @@ def test_what_collides_bare_stops_under_repair_and_the_bag_tells_why(domain, rep
     assert picture.stat().st_size > 20_000
 
 
+@pytest.mark.usefixtures("domain")
+def test_the_example_says_once_that_nobody_answers():
+    waiting = subprocess.Popen(
+        [sys.executable, str(EXAMPLE)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    try:
+        line = waiting.stderr.readline()
+        waiting.send_signal(signal.SIGINT)
+        out, more = waiting.communicate(timeout=PATIENCE_S)
+    finally:
+        waiting.kill()
+    assert line.startswith("own_graph: no answer on /drive/repaired for 5 s; start './roadmend repair'")
+    assert (out, more) == ("interrupted\n", "")
+
+
 def test_it_is_started_again_when_it_dies(domain, repair):
     running = repair(*ARGUMENTS, "--no-record", "--json")
     running.wait_for("waits for /odom")
