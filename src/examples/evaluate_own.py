@@ -1,6 +1,6 @@
 """A policy and a repair method of one's own, measured beside ours: the table, and a page for a browser.
 
-.venv/bin/python src/examples/evaluate_own.py
+.venv/bin/python src/examples/evaluate_own.py      # the page needs ./roadmend set-up reports
 """
 
 from cruise import Cruise

@@ -1,6 +1,7 @@
 """Evaluation from Python: by name, of classes and of objects; kept, saved and told."""
 
 import json
+import sys
 
 import pytest
 
@@ -67,6 +68,18 @@ def test_an_episode_that_fails_is_a_line(theirs, scenarios, tmp_path):
     assert all("Late" in line and "ZeroDivisionError" in line for line in found.faults)
     assert str(found).endswith("\n".join(found.faults))
     assert "ZeroDivisionError" in found.save(tmp_path).read_text()
+
+
+def test_without_what_draws_pages_the_figures_are_saved_all_the_same(theirs, scenarios, tmp_path, monkeypatch):
+    policies, _ = theirs
+    found = evaluate(scenarios[:1], policies.Late(), "none")
+    for module in ("jinja2", "matplotlib"):
+        monkeypatch.setitem(sys.modules, module, None)
+    for module in ("roadmend.reports.evaluation_page", "roadmend.reports.page"):
+        monkeypatch.delitem(sys.modules, module, raising=False)
+    with pytest.raises(InputError, match=r"needed here and not installed.*\./roadmend set-up reports"):
+        found.save(tmp_path)
+    assert {path.name for path in tmp_path.glob("*.*")} == {"evaluation.json", "evaluation.md"}
 
 
 def test_what_cannot_be_told_apart_or_is_not_there_is_refused(theirs, scenarios):

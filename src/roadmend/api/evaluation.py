@@ -76,16 +76,17 @@ class EvaluationReport:
         """Write evaluation.json, evaluation.md and evaluation.html; returns the path of the page.
 
         Raises:
-            InputError: the folder cannot be written, or what draws pages is not installed.
+            InputError: the folder cannot be written, or what draws pages is not installed; the other two files are there
+                then.
         """
-        try:
-            from roadmend.reports.evaluation_page import write_page  # noqa: PLC0415 - needs the extra
-        except ModuleNotFoundError as error:
-            raise extra_missing(error) from None
         made = provenance(f"python {Path(sys.argv[0]).name or '-'}")
         plain = self._plain()
         content = {"provenance": made, "policies": self.figures, "faults": self.faults, "episodes": plain}
         write_report(Path(folder), "evaluation", TITLE, content, self.rows)
+        try:
+            from roadmend.reports.evaluation_page import write_page  # noqa: PLC0415 - needs the extra
+        except ModuleNotFoundError as error:
+            raise extra_missing(error) from None
         return write_page(Path(folder), TITLE, self.rows, meanings().split("; "), plain, self.faults, made)
 
     def _plain(self) -> list[dict[str, Any]]:
