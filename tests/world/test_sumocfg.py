@@ -8,7 +8,9 @@ import pytest
 from roadmend.core.command import Command
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
+from roadmend.core.scene import ObjectKind
 from roadmend.world.network import network_file
+from roadmend.world.obstacle import Obstacle
 from roadmend.world.scenario import Arm, Ego, IntersectionNetwork, Scenario, SumoConfiguration
 from roadmend.world.simulation import Simulation
 from roadmend.world.user_configuration import private_copy
@@ -91,6 +93,34 @@ def test_the_object_list_holds_everybody(town):
     drive(scenario_on(town, "south_in", "north_out"), watch)
     assert max(map(len, seen)) >= 5
     assert any("walker" in everybody for everybody in seen)
+
+
+ALIKE = """<routes>
+    <vehicle id="0" depart="100" departLane="1" departPos="80"><route edges="south_in north_out"/>
+        <stop lane="south_in_1" endPos="85" until="9999"/></vehicle>
+    <person id="0" depart="100"><walk from="north_in" to="east_out"/></person>
+</routes>"""
+
+
+def test_a_vehicle_a_person_and_an_obstacle_of_one_name_are_three(town):
+    (town.parent / "demand.rou.xml").write_text(ALIKE)
+    scenario = scenario_on(town, "south_in", "north_out", time_limit=20.0)
+    everybody = []
+
+    def watch(simulation, tick):
+        objects = tick.scene.objects
+        everybody.append({(int(number), int(kind)) for number, kind in zip(objects.id, objects.kind, strict=True)})
+        assert simulation.everyone().keys() == {"0", "obstacle 0"}
+
+    obstacle = Obstacle(id="0", x=30.0, y=30.0)
+    simulation, tick = drive(scenario.model_copy(update={"obstacles": [obstacle]}), watch)
+    kinds = (ObjectKind.CAR, ObjectKind.PEDESTRIAN, ObjectKind.UNKNOWN)
+    assert all(each == set(enumerate(kinds, 1)) for each in everybody)
+    assert simulation.seen.names == ("0", "person 0", "obstacle 0")
+    assert tick.final.kind is EventKind.COLLISION
+    assert (tick.final.object_names, tick.final.object_kinds) == (("0",), (ObjectKind.CAR,))
+    ego, car = tick.scene.ego, tick.scene.objects.table[0]
+    assert car["y"] - 0.5 * car["length"] - (ego.y + 0.5 * ego.length) == pytest.approx(0.0, abs=0.3)
 
 
 def test_the_ego_enters_where_there_is_room(town):

@@ -24,10 +24,16 @@ class Impacts:
         standing: all of them by name, in the map frame.
     """
 
-    def __init__(self, obstacles: Sequence[Obstacle]) -> None:
-        """Put them where they stand."""
-        self.standing: Mapping[str, Pose] = MappingProxyType({each.id: pose_of(each) for each in obstacles})
-        self._firm = [self.standing[each.id] for each in obstacles if each.firm]
+    def __init__(self, obstacles: Sequence[Obstacle], *, is_users: bool = False) -> None:
+        """Put them where they stand.
+
+        Args:
+            obstacles: of the scenario.
+            is_users: whether the traffic is a user's own, where a vehicle may have the name of an obstacle.
+        """
+        names = {each.id: f"obstacle {each.id}" if is_users else each.id for each in obstacles}
+        self.standing: Mapping[str, Pose] = MappingProxyType({names[each.id]: pose_of(each) for each in obstacles})
+        self._firm = [self.standing[names[each.id]] for each in obstacles if each.firm]
 
     def step(self, steered: Iterable[SteeredVehicle]) -> None:
         """After everybody has moved for a tick: who strikes something firm is a wreck."""

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import IntEnum
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -38,6 +39,17 @@ def _measure(raw: Floats, objects: Objects, interval: float) -> None:
         one.yaw, one.speed = heading, raw[index, 3]
 
 
+class _Source(IntEnum):
+    """Where a participant is read from: SUMO's vehicles and persons are named apart, and both may be called "0"."""
+
+    VEHICLE = 0
+    PERSON = 1
+    OBSTACLE = 2
+
+
+_Row = tuple[_Source, str]
+
+
 @dataclass(frozen=True, slots=True)
 class _Fixed:
     """What does not change about a participant while it is there."""
@@ -54,7 +66,7 @@ class Observation:
 
     objects: ObjectList  # those within the sensing range
     around: ObjectList  # those within the sensing range or AROUND, in the order of ``names``
-    names: tuple[str, ...]  # SUMO's
+    names: tuple[str, ...]  # SUMO's; a person with the name of a vehicle goes by another one
     distances: Floats  # [m] of their outlines to the ego's; exact below NEAR
     nearest: float  # [m] the smallest of these, infinite if there is nobody
 
@@ -116,43 +128,45 @@ class Participants:
         self._with_persons = with_persons
         self._elsewhere = elsewhere
         self._obstacles = fixed
-        self._fixed: dict[str, _Fixed] = {}
-        self._names: tuple[str, ...] = ()
-        self._objects = ObjectList.empty()  # at the last tick, in the order of the names
+        self._fixed: dict[_Row, _Fixed] = {}
+        self._named: dict[str, _Fixed] = {}  # the same by the name of an observation
+        self._rows: tuple[_Row, ...] = ()
+        self._names: tuple[str, ...] = ()  # in the order of the rows
+        self._objects = ObjectList.empty()  # at the last tick, in the order of the rows
 
     def number_of(self, name: str) -> int:
         """The object id of a participant."""
-        return self._fixed[name].number
+        return self._named[name].number
 
     def kind_of(self, name: str) -> ObjectKind:
         """The category of a participant."""
-        return ObjectKind(self._fixed[name].kind)
+        return ObjectKind(self._named[name].kind)
 
     def observe(self, ego: EgoState) -> Observation:
         """Read everybody's state as it is after the last SUMO step."""
-        names, values = self._read(ego.x, ego.y)
-        if names != self._names:
-            self._renew(names)
+        rows, values = self._read(ego.x, ego.y)
+        if rows != self._rows:
+            self._renew(rows)
         table = self._objects.table.copy()
-        _measure(np.array(values).reshape(len(names), 4), table, self._interval)
+        _measure(np.array(values).reshape(len(rows), 4), table, self._interval)
         around = objects = self._objects = ObjectList(table)
         if self._range < AROUND:
             objects = around.select(np.hypot(around.x - ego.x, around.y - ego.y) <= self._range)
         distances = outline_distances(ego, table, NEAR)
         return Observation(objects, around, self._names, distances, float(distances.min(initial=math.inf)))
 
-    def _read(self, x: float, y: float) -> tuple[tuple[str, ...], list[float]]:
-        """Names and SUMO's values (four each) of those within reach of a point [m]."""
+    def _read(self, x: float, y: float) -> tuple[tuple[_Row, ...], list[float]]:
+        """Sources, names and SUMO's values (four each) of those within reach of a point [m]; vehicles come first."""
         vehicle, reach = libsumo.vehicle, max(self._range, AROUND) ** 2
         position, angle, speed = vehicle.getPosition, vehicle.getAngle, vehicle.getSpeed
-        names: list[str] = []
+        rows: list[_Row] = []
         values: list[float] = []
         for name in vehicle.getIDList():
             there_x, there_y = position(name)
             if (there_x - x) ** 2 + (there_y - y) ** 2 <= reach and name != self._ego_name:
                 if self._elsewhere and vehicle.getRoadID(name) in self._elsewhere:
                     continue
-                names.append(name)
+                rows.append((_Source.VEHICLE, name))
                 values += (there_x, there_y, angle(name), speed(name))
         if self._with_persons:
             person = libsumo.person
@@ -161,36 +175,43 @@ class Participants:
                 if (there_x - x) ** 2 + (there_y - y) ** 2 <= reach:
                     if person.getVehicle(name) or person.getRoadID(name) in self._elsewhere:
                         continue  # a passenger is part of the vehicle
-                    names.append(name)
+                    rows.append((_Source.PERSON, name))
                     values += (there_x, there_y, person.getAngle(name), person.getSpeed(name))
         for name, pose in self._obstacles.items():
             if (pose.x - x) ** 2 + (pose.y - y) ** 2 <= reach:
                 ahead_x, ahead_y = 0.5 * pose.length * math.cos(pose.yaw), 0.5 * pose.length * math.sin(pose.yaw)
-                names.append(name)
+                rows.append((_Source.OBSTACLE, name))
                 values += (pose.x + ahead_x, pose.y + ahead_y, 90.0 - math.degrees(pose.yaw), 0.0)
-        return tuple(names), values
+        return tuple(rows), values
 
-    def _renew(self, names: tuple[str, ...]) -> None:
-        """Somebody came or went: look up newcomers and carry the rest over; a number stays with its name."""
-        before = {name: place for place, name in enumerate(self._names)}
-        table = np.empty(len(names), dtype=OBJECT)
-        for place, name in enumerate(names):
-            if name in before:
-                table[place] = self._objects.table[before[name]]
+    def _renew(self, rows: tuple[_Row, ...]) -> None:
+        """Somebody came or went: look up newcomers and carry the rest over; a number stays with its row."""
+        before = {row: place for place, row in enumerate(self._rows)}
+        table = np.empty(len(rows), dtype=OBJECT)
+        for place, row in enumerate(rows):
+            if row in before:
+                table[place] = self._objects.table[before[row]]
                 continue
-            if name not in self._fixed:
-                self._fixed[name] = self._look_up(name)
-            fixed, one = self._fixed[name], table[place]
+            if row not in self._fixed:
+                self._fixed[row] = self._look_up(*row)
+            fixed, one = self._fixed[row], table[place]
             one["id"], one["kind"], one["length"], one["width"] = fixed.number, fixed.kind, fixed.length, fixed.width
             one["yaw"] = math.nan
-        self._objects, self._names = ObjectList(table), names
+        self._objects, self._rows = ObjectList(table), rows
+        self._names = tuple(self._name_of(*row) for row in rows)
+        self._named |= {name: self._fixed[row] for name, row in zip(self._names, rows, strict=True)}
 
-    def _look_up(self, name: str) -> _Fixed:
+    def _name_of(self, source: _Source, name: str) -> str:
+        """SUMO's name, but no vehicle's for a person: by a name SUMO is told of a vehicle."""
+        is_taken = name == self._ego_name or (_Source.VEHICLE, name) in self._fixed
+        return f"person {name}" if source is _Source.PERSON and is_taken else name
+
+    def _look_up(self, source: _Source, name: str) -> _Fixed:
         number = len(self._fixed) + 1
-        if name in self._obstacles:
+        if source is _Source.OBSTACLE:
             pose = self._obstacles[name]
             return _Fixed(number, int(ObjectKind.UNKNOWN), pose.length, pose.width)
-        if self._with_persons and name in libsumo.person.getIDList():
+        if source is _Source.PERSON:
             # A person's outline is a body, not the point that SUMO walks; its position is its centre.
             return _Fixed(number, int(ObjectKind.PEDESTRIAN), PEDESTRIAN_LENGTH, PEDESTRIAN_WIDTH)
         kind = KINDS.get(libsumo.vehicle.getVehicleClass(name), ObjectKind.UNKNOWN)

@@ -100,7 +100,7 @@ class Simulation:
         environment = scenario.environment
         limited = not self._is_users or environment.sensing_range is not None
         with_persons = self._is_users or any(isinstance(actor, Pedestrian) for actor in scenario.actors)
-        self._impacts = Impacts(scenario.obstacles)
+        self._impacts = Impacts(scenario.obstacles, is_users=self._is_users)
         self._participants = Participants(
             EGO,
             INTERVAL,
