@@ -1,11 +1,13 @@
 import pytest
 
+from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.policies.registry import make_policy
 from roadmend.repair.registry import make_repairer
 from roadmend.world.corpus import corpus_of
 from roadmend.world.families import sample_scenario
-from roadmend.world.futures import Moment, futures, share_of_violations
+from roadmend.world.futures import Moment, futures, moment_at, share_of_violations
 from roadmend.world.runner import drive
+from roadmend.world.scenario import Ego, OpenRoadNetwork, Scenario
 from roadmend.world.simulation import Simulation
 from roadmend.world.variation import Spread
 
@@ -29,7 +31,9 @@ def driven(scenario, begin, *asked, repairer="none", horizon=12.0, **others):
         def watch(tick, decision, _repair):
             if tick.number == begin:
                 moment = Moment(simulation, tick, decision, policy)
-                found.extend(futures(moment, None, seeds, horizon, **others) for seeds in asked)
+                alone = make_repairer("none")
+                alone.reset(simulation.route)
+                found.extend(futures(moment, alone, seeds, horizon, **others) for seeds in asked)
 
         return drive(simulation, policy, make_repairer(repairer), watch), found
 
@@ -99,3 +103,34 @@ def test_with_persons_and_a_repair_method_at_work(violation):
 
         drive(simulation, policy, make_repairer("none"), watch)
     assert not found[0].violates
+
+
+class Floored:
+    """A policy of a user's, whose throttle is beyond all bounds."""
+
+    name = "floored"
+
+    def reset(self, route):
+        pass
+
+    def step(self, scene):
+        return Decision(Command(2.5, 0.0), Trajectory.empty())
+
+
+def test_an_invalid_command_moves_the_vehicle_as_where_it_is_driven():
+    scenario = Scenario(name="s", network=OpenRoadNetwork(), ego=Ego(route=["forward"]), time_limit=3.0)
+    speeds = []
+    with Simulation(scenario) as simulation:
+        drive(
+            simulation,
+            Floored(),
+            make_repairer("none"),
+            lambda tick, *_: speeds.append(tick.scene.ego.speed),
+            lambda tick: speeds.append(tick.scene.ego.speed),
+        )
+    with Simulation(scenario) as simulation:
+        alone = make_repairer("none")
+        moment = moment_at(simulation, Floored(), alone, 40)
+        (will_be,) = futures(moment, alone, [None], 12.0)
+    assert moment.tick.scene.ego.speed == speeds[40]
+    assert will_be.speed == speeds[-1] < 12.0

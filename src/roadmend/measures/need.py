@@ -12,6 +12,7 @@ from roadmend.core.interfaces import Policy, Repairer
 from roadmend.core.repair import Repair
 from roadmend.core.spell import SpellBuilder
 from roadmend.core.tick import INTERVAL, Tick
+from roadmend.repair.registry import make_repairer
 from roadmend.world.futures import Moment, futures, moment_at, share_of_violations
 from roadmend.world.runner import drive
 from roadmend.world.scenario import Scenario
@@ -30,12 +31,13 @@ def run_with_need(scenario: Scenario, policy: Policy, repairer: Repairer, count:
         SimulationError: SUMO failed.
     """
     needs: dict[float, float] = {}
-    spells = SpellBuilder()
+    spells, alone = SpellBuilder(), make_repairer("none")
     with Simulation(scenario) as simulation:
 
         def watch(tick: Tick, decision: Decision, repair: Repair) -> None:
             if spells.add(tick.scene.time, repair):
-                found = futures(Moment(simulation, tick, decision, policy), None, range(1, count + 1), HORIZON)
+                alone.reset(simulation.route)
+                found = futures(Moment(simulation, tick, decision, policy), alone, range(1, count + 1), HORIZON)
                 needs[tick.scene.time] = share_of_violations(found)
 
         result = drive(simulation, policy, repairer, watch)
@@ -56,6 +58,7 @@ def persistence(scenario: Scenario, policy: Policy, end: float, count: int) -> f
         SimulationError: SUMO failed.
     """
     begin = max(0, round((end - HORIZON) / INTERVAL))
+    alone = make_repairer("none")
     with Simulation(scenario) as simulation:
-        moment = moment_at(simulation, policy, begin)
-        return share_of_violations(futures(moment, None, range(1, count + 1), end - moment.tick.scene.time + LATER))
+        moment = moment_at(simulation, policy, alone, begin)
+        return share_of_violations(futures(moment, alone, range(1, count + 1), end - moment.tick.scene.time + LATER))

@@ -49,7 +49,7 @@ class Future:
 
 
 def futures(
-    moment: Moment, repairer: Repairer | None, seeds: Sequence[int | None], horizon: float, spread: Spread = USUAL
+    moment: Moment, repairer: Repairer, seeds: Sequence[int | None], horizon: float, spread: Spread = USUAL
 ) -> list[Future]:
     """Continue an episode several times; the episode itself stays where it is.
 
@@ -57,7 +57,8 @@ def futures(
 
     Args:
         moment: from where.
-        repairer: stands between from now on, as it is before it has seen the tick; None leaves the policy alone.
+        repairer: stands between from now on, as it is before it has seen the tick. A policy that is left alone has the
+            method "none", as where it is driven: its guard makes the commands valid.
         seeds: of what differs, one a future; None for what will be, where nothing differs.
         horizon: [s] after which nothing counts.
         spread: how far the futures lie apart.
@@ -68,20 +69,27 @@ def futures(
     return [branch(partial(_go_on, moment, repairer, seed, horizon, spread)) for seed in seeds]
 
 
-def moment_at(simulation: Simulation, policy: Policy, number: int) -> Moment:
-    """Drive a simulation that has just been opened, the policy alone, to a tick.
+def moment_at(simulation: Simulation, policy: Policy, repairer: Repairer, number: int) -> Moment:
+    """Drive a simulation that has just been opened to a tick.
+
+    Args:
+        simulation: that nobody has driven in.
+        policy: who drives.
+        repairer: stands between; has not seen the tick in the end.
+        number: of the tick.
 
     Raises:
         InputError: the episode ends before.
         SimulationError: SUMO failed.
     """
     policy.reset(simulation.route)
+    repairer.reset(simulation.route)
     tick = simulation.first()
     while tick.final is None:
         decision = policy.step(tick.scene)
         if tick.number == number:
             return Moment(simulation, tick, decision, policy)
-        tick = simulation.step(decision.command)
+        tick = simulation.step(repairer.step(tick.scene, decision).command)
     raise InputError(simulation.scenario.name, f"ends before {number * INTERVAL:g} s", "drive it again")
 
 
@@ -90,15 +98,14 @@ def share_of_violations(found: Sequence[Future]) -> float:
     return sum(future.violates for future in found) / len(found) if found else 0.0
 
 
-def _go_on(moment: Moment, repairer: Repairer | None, seed: int | None, horizon: float, spread: Spread) -> Future:
+def _go_on(moment: Moment, repairer: Repairer, seed: int | None, horizon: float, spread: Spread) -> Future:
     simulation, tick, decision = moment.simulation, moment.tick, moment.decision
     if seed is not None:
         simulation.vary(seed, spread)
     begin, last = tick.number, tick.number + round(horizon / INTERVAL)
     driven = 0.0
     while tick.final is None and tick.number < last:
-        command = decision.command if repairer is None else repairer.step(tick.scene, decision).command
-        tick = simulation.step(command)
+        tick = simulation.step(repairer.step(tick.scene, decision).command)
         driven += tick.scene.ego.speed * INTERVAL
         if tick.final is None:
             decision = moment.policy.step(tick.scene)

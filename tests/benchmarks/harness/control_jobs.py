@@ -170,7 +170,7 @@ def _futures(case: Case, policy_name: str, before: float, repairer: Repairer, se
     """Futures, to the end of the episode, of the moment so long before the violation, a method at work from then on."""
     scenario = case.scenario()
     with Simulation(scenario) as simulation:
-        moment = moment_at(simulation, make_policy(policy_name), _begin(case, before))
+        moment = moment_at(simulation, make_policy(policy_name), make_repairer("none"), _begin(case, before))
         repairer.reset(simulation.route)
         return futures(moment, repairer, seeds, scenario.time_limit)
 

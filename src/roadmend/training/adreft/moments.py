@@ -58,7 +58,7 @@ class _MomentNotes:
     def add(self, drive: str, moment: Moment, tokens: NDArray[np.float32], span: float) -> None:
         """Look at a moment that stands for ``span`` [s] of a drive."""
         now, asked, number = moment.tick.scene.time, moment.decision.command.action, moment.tick.number
-        alone = self._futures(moment, None)
+        alone = self._futures(moment, HoldingRepairer())
         violates = [future.violates and future.duration <= HORIZON + _TICK for future in alone]
         for choice in self._plan.tried(drive, number, asked, dangerous=any(violates)):
             pulsed = self._futures(moment, HoldingRepairer((Hold(now, now + self._plan.pulse, choice),)))
@@ -72,7 +72,7 @@ class _MomentNotes:
         self.danger.append(float(np.mean(violates)))
         self.tokens.append(tokens.astype(np.float16))
 
-    def _futures(self, moment: Moment, repairer: Repairer | None) -> list[Future]:
+    def _futures(self, moment: Moment, repairer: Repairer) -> list[Future]:
         return futures(moment, repairer, range(1, self._plan.futures + 1), HORIZON + LATER)
 
     def result(self, name: str, *, violates: bool, attributes: int) -> CaseMoments:
