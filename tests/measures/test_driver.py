@@ -3,6 +3,7 @@
 import dataclasses
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -13,6 +14,7 @@ from roadmend.measures.driver import driver_key
 from roadmend.safe.driving import CrashTestJob, Task
 from roadmend.search.campaign import Campaign
 from roadmend.search.evaluation import Subject
+from roadmend.search.persistence import PersistenceTeller
 from roadmend.search.registry import read_technique_parameters
 from roadmend.search.rerun import Rerunner
 from roadmend.sera.evaluation_episode import EvaluationJob
@@ -22,6 +24,7 @@ from roadmend.training.adreft.trial_plan import TrialPlan
 from roadmend.training.adreft.trials import trial_keys
 from roadmend.world.corpus import Case
 from roadmend.world.families import sample_scenario
+from roadmend.world.scenario import NetworkFile
 from tests.core.own_code import METHOD, POLICY
 from tests.safe.crashes import ALL, role
 from tests.training.cases import Drawn
@@ -130,6 +133,23 @@ def test_a_model_counts_by_what_is_in_it_and_not_by_its_place(tmp_path):
     neural = tmp_path / "mine.safetensors"
     neural.write_bytes((models / "neural.safetensors").read_bytes())
     assert driver_key(str(neural)) == driver_key("neural") != driver_key("deep_sets")
+
+
+def test_another_network_at_the_same_place_is_another_key(tmp_path):
+    net = tmp_path / "mine.net.xml"
+    scenario = sample_scenario("S5", 3).model_copy(update={"network": NetworkFile(path=str(net))})
+    case = SimpleNamespace(scenario=lambda: scenario, duration=9.0)
+    kinds = [
+        lambda: Rerunner("modular", map)._key(case),
+        lambda: PersistenceTeller("modular", map, None)._key(case, 5),
+        lambda: EvaluationJob(scenario, "modular", "rss", Path(), "failures", "driver").key,
+    ]
+    keys = []
+    for text in ("<net/>", "<net></net>"):
+        net.write_text(text)
+        keys.append([key() for key in kinds])
+        assert keys[-1] == [key() for key in kinds]
+    assert all(before != after for before, after in zip(*keys, strict=True))
 
 
 def test_another_seed_is_another_key_of_a_job():

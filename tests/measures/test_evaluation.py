@@ -4,12 +4,14 @@ from dataclasses import replace
 
 import pytest
 
+from roadmend.core.journal import Journal
 from roadmend.measures import evaluation, registry
-from roadmend.measures.evaluation import Driven, EvaluationTrial, drive_trial, trials_of
+from roadmend.measures.evaluation import Driven, EvaluationTrial, drive_trial, run_trials, trials_of
 from roadmend.measures.evaluation_figures import evaluate, evaluation_rows, meanings
 from roadmend.measures.registry import Column, Measure
 from roadmend.repair.registry import METHODS
 from roadmend.world.families import sample_scenario
+from roadmend.world.scenario import NetworkFile, SumoConfiguration
 
 from .failing import ENTRY, SAID
 from .results import episode
@@ -76,6 +78,27 @@ def test_every_method_is_tried_once_with_the_trivial_ones():
     assert [trial.method for trial in trials] == ["none", "random", "rss"]
     assert len({trial.key for trial in trials}) == 3
     assert trials_of(SCENARIOS[:1], ["modular", "modular"], ["rss", "rss"]) == trials
+
+
+@pytest.mark.parametrize("kind", [NetworkFile, SumoConfiguration])
+def test_what_is_kept_holds_for_the_network_as_it_was(kind, tmp_path, monkeypatch):
+    drives = []
+
+    def run(scenario, *_):
+        drives.append(scenario)
+        return replace(episode("GOAL"), scenario=scenario.name)
+
+    monkeypatch.setattr(evaluation, "run_episode", run)
+    net, configuration = tmp_path / "a.net.xml", tmp_path / "a.sumocfg"
+    configuration.write_text('<configuration><net-file value="a.net.xml"/></configuration>')
+    network = kind(path=str(net if kind is NetworkFile else configuration))
+    scenario = SCENARIOS[0].model_copy(update={"network": network})
+    with Journal(tmp_path / "kept.jsonl", "test/1") as journal:
+        for number, text in enumerate(["<net/>", "<net/>", "<net></net>", None, "<net/>"]):
+            net.unlink() if text is None else net.write_text(text)
+            trial = EvaluationTrial(scenario, "modular", "none", "x")
+            assert run_trials([trial], journal, 1)[0].result.scenario == scenario.name
+            assert len(drives) == (1, 1, 2, 3, 3)[number]
 
 
 @pytest.mark.parametrize("error", [ValueError("on\npurpose"), KeyError("x")])

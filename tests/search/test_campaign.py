@@ -89,8 +89,15 @@ def test_a_spent_budget_runs_nothing(tmp_path, technique):
 
 def test_a_ledger_of_another_version_is_refused(tmp_path, monkeypatch):
     search(tmp_path, "random", 5)
-    monkeypatch.setattr(module, "_key", lambda index, point: "other")
+    monkeypatch.setattr(module, "_key", lambda *_: "other")
     with pytest.raises(InputError, match="evaluation 0 is not what this version"):
+        search(tmp_path, "random", 9)
+
+
+def test_a_ledger_of_another_network_is_refused(tmp_path, monkeypatch):
+    search(tmp_path, "random", 5)
+    monkeypatch.setattr(module, "outside_content", lambda scenario: f"other of {scenario.name}")
+    with pytest.raises(InputError, match=r"evaluation 0 is .*of another network; choose another folder"):
         search(tmp_path, "random", 9)
 
 

@@ -21,6 +21,7 @@ from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.registry import make_repairer
 from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Scenario
+from roadmend.world.scenario_file import outside_content
 
 ALONE = "none"  # the method that never steps in: what the others are held against
 TRIVIAL = (ALONE, "random")
@@ -46,7 +47,9 @@ class EvaluationTrial:
     @property
     def key(self) -> Key:
         """Of all that decides what comes out."""
-        return entry_key([__name__], self.scenario.name, self.scenario.digest, self.driver, self.futures)
+        scenario = self.scenario
+        decided = scenario.name, scenario.digest, outside_content(scenario)
+        return entry_key([__name__], *decided, self.driver, self.futures)
 
 
 @dataclass(frozen=True, slots=True)

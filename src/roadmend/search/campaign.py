@@ -19,7 +19,7 @@ from roadmend.search.policy_model import policy_model
 from roadmend.search.registry import TECHNIQUE_REGISTRY, make_technique
 from roadmend.world.case_name import case_name
 from roadmend.world.families import FAMILY_REGISTRY, family_of
-from roadmend.world.scenario_file import save_scenario
+from roadmend.world.scenario_file import outside_content, save_scenario
 from roadmend.world.space import Parameters
 
 Evaluate = Callable[[Sequence[Parameters]], Iterator[Evaluation]]
@@ -120,7 +120,7 @@ def run_campaign(
     done: list[Trial] = []
     while (start := len(done)) < budget:
         points = technique.propose()
-        known = _known(ledger, start, points)
+        known = _known(campaign, ledger, start, points)
         fresh = points[known : budget - start]
         for index, (point, evaluation) in enumerate(zip(fresh, evaluate(fresh), strict=True), start + known):
             trial = Trial(point, evaluation)
@@ -135,19 +135,21 @@ def run_campaign(
     return done[:budget]
 
 
-def _known(ledger: Ledger, start: int, points: Sequence[Parameters]) -> int:
+def _known(campaign: Campaign, ledger: Ledger, start: int, points: Sequence[Parameters]) -> int:
     """How many points of a batch are in the ledger."""
     entries = ledger.entries[start : start + len(points)]
     for point, entry in zip(points, entries, strict=False):
-        if _key(entry.index, point) != entry.key:
-            what = f"evaluation {entry.index} is not what this version of roadmend would have tried"
+        if _key(campaign, entry.index, point) != entry.key:
+            what = (
+                f"evaluation {entry.index} is not what this version of roadmend would have tried, or of another network"
+            )
             raise InputError(str(ledger.folder), what, "choose another folder")
     return len(entries)
 
 
 def _entry(campaign: Campaign, ledger: Ledger, index: int, trial: Trial) -> LedgerEntry:
     """The ledger's line; a violation's scenario is written first, so that no line names a file that is not there."""
-    key = _key(index, trial.parameters)
+    key = _key(campaign, index, trial.parameters)
     if not trial.evaluation.is_violation:
         return LedgerEntry(index, key, trial.evaluation)
     subject, name = campaign.subject, campaign.name(index)
@@ -157,6 +159,10 @@ def _entry(campaign: Campaign, ledger: Ledger, index: int, trial: Trial) -> Ledg
     return LedgerEntry(index, key, trial.evaluation, RerunCommand(path, command, subject.policy, subject.method))
 
 
-def _key(index: int, point: Parameters) -> Key:
+def _key(campaign: Campaign, index: int, point: Parameters) -> Key:
     """Of an entry in the ledger of one search, whose settings say what else decides what a point comes to."""
-    return entry_key([__name__], index, point)
+    try:
+        content = outside_content(campaign.subject.scenario(point, "point"))
+    except Exception:  # noqa: BLE001 - it is told as what the point came to
+        content = None
+    return entry_key([__name__], index, point, content)

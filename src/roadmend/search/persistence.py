@@ -10,6 +10,7 @@ from roadmend.measures.driver import driver_key
 from roadmend.measures.need import persistence
 from roadmend.policies.registry import make_policy
 from roadmend.world.corpus import METHOD, Case
+from roadmend.world.scenario_file import outside_content
 
 FORMAT = "roadmend-persistence/1"
 
@@ -83,4 +84,5 @@ class PersistenceTeller:
 
     def _key(self, case: Case, count: int) -> Key:
         scenario = case.scenario().model_copy(update={"name": "point"})
-        return entry_key([__name__], self._driver, scenario.digest, case.duration, count)
+        decided = scenario.digest, outside_content(scenario)
+        return entry_key([__name__], self._driver, *decided, case.duration, count)

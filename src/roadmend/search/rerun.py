@@ -14,6 +14,7 @@ from roadmend.repair.registry import make_repairer
 from roadmend.search.attempt import Attempt, fault_of
 from roadmend.world.corpus import METHOD, Case, told_of
 from roadmend.world.runner import run_episode
+from roadmend.world.scenario_file import outside_content
 
 FORMAT = "roadmend-reruns/2"
 
@@ -83,4 +84,4 @@ class Rerunner:
 
     def _key(self, case: Case) -> Key:
         scenario = case.scenario().model_copy(update={"name": "point"})
-        return entry_key([__name__], self._driver, scenario.digest)
+        return entry_key([__name__], self._driver, scenario.digest, outside_content(scenario))

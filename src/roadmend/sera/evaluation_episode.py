@@ -23,7 +23,7 @@ from roadmend.repair.registry import make_repairer
 from roadmend.world.network import network_file
 from roadmend.world.road_network import lanes_of, read_network
 from roadmend.world.scenario import Scenario
-from roadmend.world.scenario_file import dump_scenario
+from roadmend.world.scenario_file import dump_scenario, outside_content
 
 _FORMAT = "roadmend-evaluated-episodes/2"
 Record = Literal["failures", "all", "none"]
@@ -43,7 +43,8 @@ class EvaluationJob:
     @property
     def key(self) -> Key:
         """Of all that decides what comes out."""
-        return entry_key([__name__], self.scenario.digest, self.record, Path(self.policy).stem, self.driver)
+        decided = self.scenario.digest, outside_content(self.scenario)
+        return entry_key([__name__], *decided, self.record, Path(self.policy).stem, self.driver)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,5 +1,6 @@
 """Scenarios on disk: YAML in, YAML out, errors in one line."""
 
+import hashlib
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -7,6 +8,7 @@ from typing import Any
 
 import yaml
 
+from roadmend.core.bounded_file import opened
 from roadmend.core.errors import InputError
 from roadmend.core.settings import check_settings
 from roadmend.core.whole_file import write_text
@@ -126,6 +128,23 @@ def drawn_scenarios(paths: Sequence[Path], seeds: Iterable[int], warm_up: float,
         }
         scenarios += [parse_scenario(content | {"name": f"{name}-{seed}", "seed": seed}, str(path)) for seed in seeds]
     return scenarios
+
+
+def outside_content(scenario: Scenario) -> str | None:
+    """SHA-256 of the files that a scenario's network lies in, hexadecimal; None where the scenario describes it itself.
+
+    The scenario's own digest knows no more than their place. Files that cannot be read are told apart by the reason.
+    """
+    network = scenario.network
+    try:
+        if isinstance(network, SumoConfiguration):
+            return content_of(Path(network.path))
+        if isinstance(network, NetworkFile):
+            with opened(Path(network.path), "give the path of a SUMO .net.xml file") as file:
+                return hashlib.sha256(file.read()).hexdigest()
+    except (InputError, OSError) as error:
+        return hashlib.sha256(str(error).encode()).hexdigest()
+    return None
 
 
 def _with_absolute_paths(scenario: Scenario, base: Path) -> Scenario:
