@@ -1,8 +1,10 @@
 """A SUMO configuration of the user's own: its network, its traffic, and not one file left beside it."""
 
+import math
 import shutil
 
 import libsumo
+import numpy as np
 import pytest
 
 from roadmend.core.command import Command
@@ -11,7 +13,8 @@ from roadmend.core.outcome import EventKind
 from roadmend.core.scene import ObjectKind
 from roadmend.world.network import network_file
 from roadmend.world.obstacle import Obstacle
-from roadmend.world.scenario import Arm, Ego, IntersectionNetwork, Scenario, SumoConfiguration
+from roadmend.world.scenario import Arm, Ego, Environment, IntersectionNetwork, Scenario, SumoConfiguration, Vehicle
+from roadmend.world.scenario_file import parse_scenario
 from roadmend.world.simulation import Simulation
 from roadmend.world.user_configuration import private_copy
 
@@ -121,6 +124,31 @@ def test_a_vehicle_a_person_and_an_obstacle_of_one_name_are_three(town):
     assert (tick.final.object_names, tick.final.object_kinds) == (("0",), (ObjectKind.CAR,))
     ego, car = tick.scene.ego, tick.scene.objects.table[0]
     assert car["y"] - 0.5 * car["length"] - (ego.y + 0.5 * ego.length) == pytest.approx(0.0, abs=0.3)
+
+
+def test_it_takes_no_actors():
+    actor = Vehicle(id="v1", route=["south_in", "north_out"])
+    content = scenario_on("town.sumocfg").model_dump() | {"actors": [actor.model_dump()]}
+    with pytest.raises(InputError, match=r"town: there are actors in a SUMO configuration.*; see"):
+        parse_scenario(content, "town")
+
+
+@pytest.mark.parametrize(
+    ("environment", "reach"),
+    [
+        ({}, math.inf),
+        ({"weather": "foggy"}, 60.0),
+        ({"time_of_day": "nighttime"}, 120.0),
+        ({"weather": "foggy", "sensing_range": 30.0}, 30.0),
+    ],
+)
+def test_one_sees_as_far_as_weather_and_light_allow(town, environment, reach):
+    scenario = scenario_on(town, "south_in", "north_out", time_limit=0.1)
+    with Simulation(scenario.model_copy(update={"environment": Environment(**environment)})) as simulation:
+        ego, objects = (scene := simulation.first().scene).ego, scene.objects
+    gaps = np.hypot(objects.x - ego.x, objects.y - ego.y)
+    assert simulation._participants._range == reach
+    assert gaps.max(initial=0.0) <= reach + 5.0  # SUMO looks at the front bumper
 
 
 def test_the_ego_enters_where_there_is_room(town):

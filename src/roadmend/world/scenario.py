@@ -318,6 +318,11 @@ class Environment(ScenarioModel):
         return self.friction if self.friction is not None else _FRICTION[self.weather]
 
     @property
+    def limits_sight(self) -> bool:
+        """Whether it says how far participants are seen: by the range itself, the weather or the light."""
+        return self.sensing_range is not None or (self.weather, self.time_of_day) != ("clear", "daytime")
+
+    @property
     def effective_range(self) -> float:
         """How far participants are seen [m]."""
         if self.sensing_range is not None:
@@ -361,6 +366,14 @@ class Scenario(ScenarioModel):
             if one.id in seen:
                 raise ValueError(f"{'obstacle' if isinstance(one, Obstacle) else 'actor'} id {one.id!r} is used twice")
             seen.add(one.id)
+        return self
+
+    @model_validator(mode="after")
+    def _nobody_joins_users_traffic(self) -> "Scenario":
+        if self.actors and isinstance(self.network, SumoConfiguration):
+            raise ValueError(
+                "there are actors in a SUMO configuration, which has its own traffic; write them into that"
+            )
         return self
 
     @property

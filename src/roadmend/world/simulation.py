@@ -98,7 +98,7 @@ class Simulation:
             self.close()
             raise
         environment = scenario.environment
-        limited = not self._is_users or environment.sensing_range is not None
+        limited = not self._is_users or environment.limits_sight
         with_persons = self._is_users or any(isinstance(actor, Pedestrian) for actor in scenario.actors)
         self._impacts = Impacts(scenario.obstacles, is_users=self._is_users)
         self._participants = Participants(
