@@ -37,6 +37,30 @@ def test_what_is_used_gives_the_same_scenario(name):
         assert family.build(point | changed, "x", seed) == family.build(point, "x", seed)
 
 
+@pytest.mark.parametrize(
+    ("read", "used"),
+    [
+        (lambda point: point["a"], "a"),
+        (lambda point: point.get("a"), "a"),
+        (lambda point: point.get("a", 0.5) if "b" in point else None, "ab"),
+        (lambda point: point.pop("b"), "b"),
+        (lambda point: dict(**point)["a"], "abcd"),
+        (dict, "abcd"),
+        (lambda point: point.copy(), "abcd"),
+        (lambda point: point | {"a": 1.0}, "abcd"),
+        (lambda point: [*point], "abcd"),
+        (lambda point: [*point.values()], "abcd"),
+        (lambda point: [*point.items()], "abcd"),
+        (len, ""),
+    ],
+)
+def test_what_a_family_reads_in_whatever_way_is_used(read, used):
+    point = sample(SPACE, random.Random(1))
+    before = dict(point)
+    assert [*used_parameters(lambda given, _name, _seed: read(given), point, 1)] == [*used]
+    assert point == before
+
+
 def test_the_text_is_short():
     assert dump_point(SPACE, {"b": 2, "c": "x,*y"}) == ",2,2,"
     assert dump_point(SPACE, {"a": 0.1, "d": 9}) == "0.1,*2,9"

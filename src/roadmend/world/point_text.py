@@ -1,7 +1,8 @@
 """A point of a parameter space as a short text, exact both ways."""
 
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
 
 from roadmend.world.scenario import Scenario
 from roadmend.world.space import Choice, Parameters, Space, Uniform, Value, Whole
@@ -10,7 +11,7 @@ _SEPARATOR, _REPEAT = ",", "*"
 
 
 class _Watched(dict[str, Value]):
-    """Remembers which dimensions were asked for."""
+    """Remembers which dimensions were asked for; who takes them all, as dict(p) and **p do, asks for all."""
 
     def __init__(self, parameters: Mapping[str, Value]) -> None:
         super().__init__(parameters)
@@ -19,6 +20,36 @@ class _Watched(dict[str, Value]):
     def __getitem__(self, name: str) -> Value:
         self.used.add(name)
         return super().__getitem__(name)
+
+    def __contains__(self, name: object) -> bool:
+        self.used.add(str(name))
+        return super().__contains__(name)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        self.used.add(name)
+        return super().get(name, default)
+
+    def pop(self, name: str, *default: Any) -> Any:
+        self.used.add(name)
+        return super().pop(name, *default)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.keys())
+
+    def keys(self) -> Any:
+        self._use_all()
+        return super().keys()
+
+    def values(self) -> Any:
+        self._use_all()
+        return super().values()
+
+    def items(self) -> Any:
+        self._use_all()
+        return super().items()
+
+    def _use_all(self) -> None:
+        self.used.update(super().keys())
 
 
 def used_parameters(build: Callable[[Parameters, str, int], Scenario], parameters: Parameters, seed: int) -> Parameters:
