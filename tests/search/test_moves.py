@@ -6,7 +6,7 @@ import pytest
 
 from roadmend.search.moves import cross, distance, mutate
 from roadmend.world.families import FAMILIES
-from roadmend.world.space import Uniform, sample
+from roadmend.world.space import Choice, Uniform, sample
 
 from .toy import SPACE
 
@@ -34,6 +34,12 @@ def test_rounding_does_not_leave_the_range(low, high):
     generator = random.Random(1)
     for _ in range(200):
         assert lies_in(space, mutate(space, {"x": low}, 1.0, 0.5, generator))
+
+
+@pytest.mark.parametrize(("value", "allowed"), [("x", {"x"}), ("y", {"x"})])
+def test_what_has_no_weight_is_not_moved_to(value, allowed):
+    space, generator = {"a": Choice({"x": 1.0, "y": 0.0})}, random.Random(1)
+    assert {mutate(space, {"a": value}, 1.0, 0.5, generator)["a"] for _ in range(20)} == allowed
 
 
 def test_at_least_one_dimension_is_moved():

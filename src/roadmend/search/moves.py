@@ -31,8 +31,8 @@ def _move(dimension: Dimension, value: Value, strength: float, generator: random
             step = max(1, round(abs(generator.gauss(0.0, strength * (high - low)))))
             return round(_reflect(int(value) + generator.choice((-step, step)), low, high))
         case Choice(weights) if len(weights) > 1:
-            others = {option: weight for option, weight in weights.items() if option != value}
-            return generator.choices(list(others), list(others.values()))[0]
+            others = {option: weight for option, weight in weights.items() if option != value and weight > 0.0}
+            return generator.choices(list(others), list(others.values()))[0] if others else value
         case _:
             return dimension.sample(generator)
 
