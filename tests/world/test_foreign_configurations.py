@@ -227,6 +227,14 @@ def test_a_folder_stands_for_all_configurations_below(tmp_path, ring):
         drawn_scenarios([tmp_path, tmp_path], [0], 60.0, 30.0)
 
 
+def test_a_link_in_a_folder_goes_by_its_own_name(tmp_path, ring):
+    (tmp_path / "towns").mkdir()
+    (tmp_path / "towns" / "mine.sumocfg").symlink_to(ring)
+    (scenario,) = drawn_scenarios([tmp_path / "towns"], [5], 60.0, 30.0)
+    assert scenario.name == "towns-mine-5"
+    assert scenario.network.path == str(ring.resolve())
+
+
 def test_kept_results_are_told_apart_by_what_the_files_hold(own):
     path = own()
     before = draw(path).digest

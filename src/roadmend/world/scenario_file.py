@@ -118,11 +118,12 @@ def drawn_scenarios(paths: Sequence[Path], seeds: Iterable[int], warm_up: float,
             what = f"is called {name!r}, as {found[name]} is"
             raise InputError(str(path), what, "give it another name, or measure the two one after the other")
         found[name] = path
-        network_of(path)
-        network = {"kind": "sumocfg", "path": str(path.resolve()), "warm_up": warm_up, "draw": True}
+        place = path.resolve()  # of the file behind a link, beside which its others lie
+        network_of(place)
+        network = {"kind": "sumocfg", "path": str(place), "warm_up": warm_up, "draw": True}
         content = {
             "time_limit": time_limit,
-            "network": network | {"content": content_of(path)},
+            "network": network | {"content": content_of(place)},
             "ego": {},
             "environment": {"sensing_range": _SENSING_RANGE},
         }

@@ -150,8 +150,10 @@ def configurations_in(paths: Sequence[Path]) -> Iterator[tuple[str, Path]]:
         for path in found:
             if not path.is_file():
                 raise InputError(str(path), "no such file", "give the path of a SUMO .sumocfg file, or of a folder")
-            top = given.resolve().parent if given.is_dir() else path.resolve().parent.parent
-            parts = path.resolve().relative_to(top).with_suffix("").parts
+            # What is a link in a folder goes by its place there, wherever it leads.
+            place = given.resolve() / path.relative_to(given) if given.is_dir() else path.resolve()
+            top = given.resolve().parent if given.is_dir() else place.parent.parent
+            parts = place.relative_to(top).with_suffix("").parts
             yield "-".join(part for part, after in zip(parts, (*parts[1:], ""), strict=True) if part != after), path
 
 
