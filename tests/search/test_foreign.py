@@ -11,6 +11,8 @@ from roadmend.world.families import FAMILIES, family_of, sample_scenario
 from .toy import SPACE
 
 TECHNIQUE = """
+import numpy as np
+
 from roadmend.core.parameters import Parameters
 from roadmend.search.evaluation import Trial
 from roadmend.world.space import sample
@@ -25,6 +27,15 @@ class Draws:
         return [sample(self.space, self.generator) for _ in range(self.batch)]
     def learn(self, trials):
         assert all(isinstance(trial, Trial) for trial in trials)
+
+class Numbers(Draws):
+    def propose(self):
+        numbers = {"speed": np.float32(2.5), "lanes": np.int64(3), "kind": np.str_("car"), "fixed": np.True_}
+        return [super().propose()[0] | numbers]
+
+class Arrays(Draws):
+    def propose(self):
+        return [{"speed": np.zeros(2)}]
 
 class Empty(Draws):
     def propose(self):
@@ -59,11 +70,20 @@ def test_a_technique_that_fails_is_said_in_one_line(own):
     name = own(TECHNIQUE)
     with pytest.raises(ForeignError, match=f"technique {name}:Empty: proposed no points"):
         make_technique(f"{name}:Empty", SPACE, 1).propose()
-    with pytest.raises(ForeignError, match=f"technique {name}:Fails: failed in propose: AttributeError: .*line 23"):
+    with pytest.raises(ForeignError, match=f"technique {name}:Fails: failed in propose: AttributeError: .*line 34"):
         make_technique(f"{name}:Fails", SPACE, 1).propose()
     technique = make_technique(f"{name}:Draws", SPACE, 1)
     with pytest.raises(ForeignError, match="failed in learn: AssertionError"):
         technique.learn([3])
+
+
+def test_a_technique_may_propose_numbers_of_numpy_and_no_arrays(own):
+    name = own(TECHNIQUE)
+    (point,) = make_technique(f"{name}:Numbers", SPACE, 1).propose()
+    assert (point["speed"], point["lanes"], point["kind"], point["fixed"]) == (2.5, 3, "car", True)
+    assert {type(value) for value in point.values()} <= {float, int, str, bool}
+    with pytest.raises(ForeignError, match=r"proposed 'speed' as ndarray; answer with numbers and texts"):
+        make_technique(f"{name}:Arrays", SPACE, 1).propose()
 
 
 def test_a_search_with_it_is_another_when_its_code_changes(own):
