@@ -47,10 +47,18 @@ class Fails(Draws):
 """
 FAMILY = """
 from roadmend.world.families import FAMILIES, Family
+from roadmend.world.space import Choice, Uniform, Whole
 
+SPACE = {"a": Uniform(0.0, 1.0)}
 CROSSING = Family("mine", "my crossing", FAMILIES["S3"].space, FAMILIES["S3"].build)
-EMPTY = Family("mine", "nothing", {}, lambda parameters, name, seed: None)
-FAILS = Family("mine", "nothing", {}, lambda parameters, name, seed: 1 / 0)
+EMPTY = Family("mine", "nothing", SPACE, lambda parameters, name, seed: None)
+FAILS = Family("mine", "nothing", SPACE, lambda parameters, name, seed: 1 / 0)
+NO_SPACE, LIST, PAIR, TURNED, UNWEIGHTED, NUMBERED = (
+    Family("mine", "nothing", space, FAMILIES["S3"].build)
+    for space in (
+        {}, [Uniform(0.0, 1.0)], {"a": (0, 1)}, {"a": Whole(5, 2)}, {"a": Choice({"x": 0.0})}, {1: Uniform(0.0, 1.0)}
+    )
+)
 other = 3
 """
 
@@ -84,6 +92,24 @@ def test_a_technique_may_propose_numbers_of_numpy_and_no_arrays(own):
     assert {type(value) for value in point.values()} <= {float, int, str, bool}
     with pytest.raises(ForeignError, match=r"proposed 'speed' as ndarray; answer with numbers and texts"):
         make_technique(f"{name}:Arrays", SPACE, 1).propose()
+
+
+@pytest.mark.parametrize(
+    ("family", "words"),
+    [
+        ("NO_SPACE", "its space is no dictionary that holds a dimension"),
+        ("LIST", "its space is no dictionary"),
+        ("PAIR", "its space has 'a', which is tuple"),
+        ("NUMBERED", "its space has 1, which is Uniform"),
+        ("TURNED", "failed in drawing 'a': ValueError: empty range"),
+        ("UNWEIGHTED", "failed in drawing 'a': ValueError"),
+    ],
+)
+def test_a_family_with_a_malformed_space_is_said_in_one_line(own, family, words):
+    name = own(FAMILY)
+    with pytest.raises(InputError, match=f"family {name}:{family}: {words}") as caught:
+        sample_scenario(f"{name}:{family}", 1)
+    assert "\n" not in str(caught.value)
 
 
 def test_a_search_with_it_is_another_when_its_code_changes(own):

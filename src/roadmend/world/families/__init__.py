@@ -1,7 +1,7 @@
 """The scenario families, S1 to S5 of the evaluation (NHTSA pre-crash typology) and those of others; drawing from them."""
 
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Annotated, Any
@@ -41,6 +41,7 @@ def _of_object(given: str, thing: Any) -> Family:
     where = f"family {given}"
     if not isinstance(thing, Family):
         raise InputError(where, f"is no Family but {type(thing).__name__}", "see roadmend.world.families.Family")
+    _check_space(where, thing.space)
 
     def build(parameters: Parameters, name: str, seed: int) -> Scenario:
         with blamed_on(where, "build"):
@@ -50,6 +51,22 @@ def _of_object(given: str, thing: Any) -> Family:
         return scenario
 
     return Family(given, thing.title, thing.space, build)
+
+
+def _check_space(where: str, space: Any) -> None:
+    """Raise InputError unless it has dimensions, and each can be drawn."""
+    mend = "see roadmend.world.space for what one has"
+    if not isinstance(space, Mapping) or not space:
+        raise InputError(where, "its space is no dictionary that holds a dimension", mend)
+    for name, dimension in space.items():
+        is_dimension = all(callable(getattr(dimension, method, None)) for method in ("sample", "contains"))
+        if not isinstance(name, str) or not is_dimension:
+            raise InputError(where, f"its space has {name!r}, which is {type(dimension).__name__}", mend)
+        try:
+            with blamed_on(where, f"drawing {name!r}"):
+                dimension.sample(random.Random(0))
+        except ForeignError as error:
+            raise InputError(where, error.what, mend) from None
 
 
 FAMILY_REGISTRY = Registry("family", "roadmend.families", FAMILIES, _of_object)
