@@ -8,12 +8,14 @@ import pytest
 
 from roadmend.core.command import Command
 from roadmend.core.tick import INTERVAL
+from roadmend.world.manoeuvres import _SPEED_MODE_HEEDLESS
 from roadmend.world.scenario import (
     Arm,
     Brake,
     CutIn,
     Ego,
     Environment,
+    Heedless,
     HighwayExitNetwork,
     IntersectionNetwork,
     RunRightOfWay,
@@ -197,6 +199,29 @@ def test_haste_is_over_when_the_manoeuvre_is():
     assert of_time[0.5] == pytest.approx(0.8)
     assert of_time[2.0] == pytest.approx(1.2)
     assert of_time[6.0] == pytest.approx(0.8)
+
+
+@pytest.mark.parametrize(
+    "earlier",
+    [
+        Brake(when=NOW, speed=8.0, deceleration=4.0, hold=2.0),
+        RunRightOfWay(when=NOW, haste=1.2, hold=3.0),
+        CutIn(when=NOW, direction="right"),
+    ],
+    ids=lambda manoeuvre: manoeuvre.action,
+)
+def test_heedless_lasts_whatever_was_under_way_before(earlier):
+    heedless = Heedless(when=Trigger(time=2.0), speed=15.0)
+    seen = film(
+        highway(actor_in(2, earlier, heedless), ego_position=20.0, time_limit=12.0),
+        Command(0.0, 0.0),
+        lambda: libsumo.vehicle.getSpeedMode("actor"),
+    )
+    time, value = of_actor(seen, 3)
+    assert value[time > 7.0] == pytest.approx(15.0, abs=0.1)
+    assert {mode for time, *_, mode in seen if time > 2.1} == {_SPEED_MODE_HEEDLESS}
+    _, y = of_actor(seen, 1)
+    assert (abs(y[-1] - y[0]) > 2.5) == isinstance(earlier, CutIn)
 
 
 def test_an_actor_that_leaves_in_the_middle_of_its_manoeuvre_is_no_fault():

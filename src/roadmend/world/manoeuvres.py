@@ -93,7 +93,14 @@ class ManoeuvreScript:
         self._waiting = still
 
     def _begin_heedless(self, time: float, vehicle: str, manoeuvre: Heedless | Drift | Follow) -> None:
-        """Begin what lasts to the end of the episode."""
+        """Begin what lasts to the end of the episode; what is under way ends now, since its end would undo this later."""
+        goes_on: tuple[type, ...] = (
+            (CutIn,) if isinstance(manoeuvre, Heedless) else ()
+        )  # sideways, beside a speed that is held
+        ending = [each for each in self._running if each.vehicle == vehicle and not isinstance(each.manoeuvre, goes_on)]
+        self._running = [each for each in self._running if each not in ending]
+        for each in ending:
+            _finish(each)
         self._heedless.add(vehicle)
         if isinstance(manoeuvre, Drift | Follow):
             before = self._drifting.get(vehicle)
@@ -134,16 +141,21 @@ class ManoeuvreScript:
                     running.slow_at = math.inf
                 still.append(running)
                 continue
-            if isinstance(running.manoeuvre, Brake):
-                libsumo.vehicle.setSpeed(running.vehicle, -1.0)
-                _set_deceleration(running.vehicle, running.deceleration)
-            elif isinstance(running.manoeuvre, CutIn):
-                libsumo.vehicle.setLaneChangeMode(running.vehicle, _LANE_CHANGE_NORMAL)
-            else:
-                libsumo.vehicle.setSpeedMode(running.vehicle, _SPEED_MODE_NORMAL)
-                factor = libsumo.vehicle.getSpeedFactor(running.vehicle) / running.manoeuvre.haste
-                libsumo.vehicle.setSpeedFactor(running.vehicle, factor)
+            _finish(running)
         self._running = still
+
+
+def _finish(running: _Running) -> None:
+    """Let a vehicle drive on as before its manoeuvre."""
+    if isinstance(running.manoeuvre, Brake):
+        libsumo.vehicle.setSpeed(running.vehicle, -1.0)
+        _set_deceleration(running.vehicle, running.deceleration)
+    elif isinstance(running.manoeuvre, CutIn):
+        libsumo.vehicle.setLaneChangeMode(running.vehicle, _LANE_CHANGE_NORMAL)
+    else:
+        libsumo.vehicle.setSpeedMode(running.vehicle, _SPEED_MODE_NORMAL)
+        factor = libsumo.vehicle.getSpeedFactor(running.vehicle) / running.manoeuvre.haste
+        libsumo.vehicle.setSpeedFactor(running.vehicle, factor)
 
 
 def _sideways(vehicle: str, manoeuvre: CutIn) -> int:
