@@ -31,14 +31,32 @@ def network(tmp_path):
     return write
 
 
-def route_on(path):
-    scenario = Scenario(name="n", network=NetworkFile(path=str(path)), ego=Ego(route=["a", "b"]))
+def route_on(path, *edges, **ego):
+    scenario = Scenario(name="n", network=NetworkFile(path=str(path)), ego=Ego(route=edges or ("a", "b"), **ego))
     return build_route(read_network(path), scenario).route
 
 
 def test_a_sound_one(network):
     (stage,) = route_on(network()).stages
     assert (stage.x[0], stage.x[-1]) == (0.0, 110.0)
+
+
+@pytest.mark.parametrize(
+    ("edges", "ego", "complaint"),
+    [
+        (
+            "a",
+            {"position": 20.0, "goal": 10.0},
+            r"ego\.goal: the ego starts at 20 m, .* not ahead \(10\.0 m\); .*larger",
+        ),
+        ("a", {"position": 20.0, "goal": 20.0}, r"ego\.goal: .*\(20\.0 m\)"),
+        ("a", {"position": 48.0}, r"ego\.position: the ego starts at 48 m, .*\(43\.6 m\); choose a smaller one"),
+    ],
+)
+def test_a_goal_that_is_not_ahead(edges, ego, complaint, network):
+    with pytest.raises(InputError, match=complaint):
+        route_on(network(), *edges, **ego)
+    assert route_on(network(), "a", "b", position=20.0, goal=10.0).goal == 70.0
 
 
 @pytest.mark.parametrize("place", ["into", "inside", "out", "crossing"])

@@ -157,6 +157,11 @@ def test_the_ego_enters_where_there_is_room(town):
     assert gaps[0] > 5.0
 
 
+def test_a_goal_behind_the_place_where_there_is_room_is_named(town):
+    with pytest.raises(InputError, match=r"ego\.goal: the ego starts at 40 m, and its goal is not ahead \(30\.0 m\)"):
+        Simulation(scenario_on(town, "south_in", goal=30.0))
+
+
 def test_the_traffic_has_been_under_way_for_as_long_as_asked(town):
     times = []
     drive(

@@ -56,7 +56,8 @@ def build_route(network: RoadNetwork, scenario: Scenario) -> BuiltRoute:
     """The ego's route through a network.
 
     Raises:
-        InputError: an edge does not exist, edges do not connect, or a position lies outside its edge.
+        InputError: an edge does not exist, edges do not connect, a position lies outside its edge, or the goal does not
+            lie ahead.
     """
     edges = _edges_of(network, scenario)
     chains = _plan_lanes(network, edges, scenario.ego.lane)
@@ -91,6 +92,10 @@ def build_route(network: RoadNetwork, scenario: Scenario) -> BuiltRoute:
     goal = begin + (
         ego.goal if ego.goal is not None else max(last.length - 0.5 * ego.length - _END_MARGIN, 0.5 * last.length)
     )
+    if len(stages) == 1 and goal <= ego.position:
+        where, mend = ("ego.goal", "larger") if ego.goal is not None else ("ego.position", "smaller")
+        what = f"the ego starts at {ego.position:g} m, and its goal is not ahead ({goal:.1f} m)"
+        raise InputError(where, what, f"choose a {mend} one")
     route = Route(
         scenario.name,
         ego.length,
