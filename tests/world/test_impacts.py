@@ -9,7 +9,7 @@ from roadmend.core.outcome import EventKind
 from roadmend.core.scene import ObjectKind
 from roadmend.world.impacts import pose_of
 from roadmend.world.obstacle import Obstacle
-from roadmend.world.scenario import Ego, Follow, OpenRoadNetwork, Scenario, Trigger, Vehicle
+from roadmend.world.scenario import Ego, Environment, Follow, OpenRoadNetwork, Scenario, Trigger, Vehicle
 from roadmend.world.simulation import Simulation
 
 ROAD = OpenRoadNetwork(lanes=1, backward_lanes=1, length=400.0)
@@ -64,6 +64,27 @@ def test_the_ego_sees_it_and_strikes_it():
             tick = simulation.step(Command(0.3, 0.0))
     assert tick.final.kind is EventKind.COLLISION
     assert "tree" in str(tick.final)
+
+
+@pytest.mark.parametrize("length", [4.0, 100.0])
+def test_a_long_one_is_seen_and_struck_where_it_begins_however_near_one_sees(length):
+    def drive(sight):
+        wall = tree(x=-100.0 + 0.5 * length, y=LANE, length=length)
+        what = scenario(wall, ego=Ego(route=["forward"], position=20.0, speed=20.0))
+        seen = None
+        with Simulation(what.model_copy(update={"environment": Environment(sensing_range=sight)})) as simulation:
+            tick = simulation.first()
+            while tick.final is None:
+                if seen is None and ObjectKind.UNKNOWN in tick.scene.objects.kind:
+                    seen = tick.scene.ego.x
+                tick = simulation.step(Command(0.1, 0.0))
+        return seen, tick
+
+    found = {sight: drive(sight) for sight in (20.0, 39.0, 60.0, 150.0)}
+    assert len({tick.number for _, tick in found.values()}) == 1
+    assert all(tick.final.object_names == ("tree",) for _, tick in found.values())
+    assert all(-100.0 - seen == pytest.approx(min(sight, 80.0), abs=2.0) for sight, (seen, _) in found.items())
+    assert found[20.0][1].scene.ego.x + 0.5 * 4.7 == pytest.approx(-100.0, abs=1.2)
 
 
 def test_an_ego_that_stands_before_it_waits_as_long_as_it_wants():

@@ -19,7 +19,7 @@ from roadmend.world.drivers import KINDS, PEDESTRIAN_LENGTH, PEDESTRIAN_WIDTH
 Floats = NDArray[np.float64]
 
 NEAR = 10.0  # [m] gap below which distances are exact
-AROUND = 40.0  # [m] centre to centre; everybody within is watched for contact, seen or not
+AROUND = 40.0  # [m] everybody within is watched for contact, seen or not
 
 
 @compiled
@@ -117,7 +117,8 @@ class Participants:
         Args:
             ego_name: SUMO's name of the ego, which is no participant.
             interval: [s] between two ticks.
-            sensing_range: [m], may be infinite.
+            sensing_range: [m] to the middle of a vehicle or person, and to the circle around an obstacle, which may be
+                as long as a street; may be infinite.
             with_persons: whether there are people on foot.
             elsewhere: edges on other levels than the ego's way; whoever is on them is not there for it.
             fixed: what stands there and is none of SUMO's, by name.
@@ -128,11 +129,13 @@ class Participants:
         self._with_persons = with_persons
         self._elsewhere = elsewhere
         self._obstacles = fixed
+        self._radii = {name: 0.5 * math.hypot(pose.length, pose.width) for name, pose in fixed.items()}  # [m]
         self._fixed: dict[_Row, _Fixed] = {}
         self._named: dict[str, _Fixed] = {}  # the same by the name of an observation
         self._rows: tuple[_Row, ...] = ()
         self._names: tuple[str, ...] = ()  # in the order of the rows
         self._objects = ObjectList.empty()  # at the last tick, in the order of the rows
+        self._ranges = np.empty(0)  # [m] within which each is seen
 
     def number_of(self, name: str) -> int:
         """The object id of a participant."""
@@ -151,13 +154,14 @@ class Participants:
         _measure(np.array(values).reshape(len(rows), 4), table, self._interval)
         around = objects = self._objects = ObjectList(table)
         if self._range < AROUND:
-            objects = around.select(np.hypot(around.x - ego.x, around.y - ego.y) <= self._range)
+            objects = around.select(np.hypot(around.x - ego.x, around.y - ego.y) <= self._ranges)
         distances = outline_distances(ego, table, NEAR)
         return Observation(objects, around, self._names, distances, float(distances.min(initial=math.inf)))
 
     def _read(self, x: float, y: float) -> tuple[tuple[_Row, ...], list[float]]:
         """Sources, names and SUMO's values (four each) of those within reach of a point [m]; vehicles come first."""
-        vehicle, reach = libsumo.vehicle, max(self._range, AROUND) ** 2
+        vehicle, farthest = libsumo.vehicle, max(self._range, AROUND)
+        reach = farthest**2
         position, angle, speed = vehicle.getPosition, vehicle.getAngle, vehicle.getSpeed
         rows: list[_Row] = []
         values: list[float] = []
@@ -178,7 +182,7 @@ class Participants:
                     rows.append((_Source.PERSON, name))
                     values += (there_x, there_y, person.getAngle(name), person.getSpeed(name))
         for name, pose in self._obstacles.items():
-            if (pose.x - x) ** 2 + (pose.y - y) ** 2 <= reach:
+            if math.hypot(pose.x - x, pose.y - y) <= farthest + self._radii[name]:
                 ahead_x, ahead_y = 0.5 * pose.length * math.cos(pose.yaw), 0.5 * pose.length * math.sin(pose.yaw)
                 rows.append((_Source.OBSTACLE, name))
                 values += (pose.x + ahead_x, pose.y + ahead_y, 90.0 - math.degrees(pose.yaw), 0.0)
@@ -198,6 +202,9 @@ class Participants:
             one["id"], one["kind"], one["length"], one["width"] = fixed.number, fixed.kind, fixed.length, fixed.width
             one["yaw"] = math.nan
         self._objects, self._rows = ObjectList(table), rows
+        self._ranges = np.array(
+            [self._range + (self._radii[name] if source is _Source.OBSTACLE else 0.0) for source, name in rows]
+        )
         self._names = tuple(self._name_of(*row) for row in rows)
         self._named |= {name: self._fixed[row] for name, row in zip(self._names, rows, strict=True)}
 
