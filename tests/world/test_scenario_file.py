@@ -82,6 +82,13 @@ def test_two_actors_of_one_name(tmp_path, content):
     assert "used twice" in fault_of(tmp_path / "s.yaml", content)
 
 
+@pytest.mark.parametrize("name", ["north", "centre"])
+def test_arms_have_names_of_their_own(tmp_path, content, name):
+    names = ["south", "north", name]
+    content["network"] = {"kind": "intersection", "arms": [{"name": each, "bearing": 0.0} for each in names]}
+    assert f"arm '{name}' has a name that is taken" in fault_of(tmp_path / "s.yaml", content)
+
+
 def test_a_nested_field_is_named_with_its_place(tmp_path, content):
     content["actors"][1]["depart"] = -1
     assert "actors[1].vehicle.depart" in fault_of(tmp_path / "s.yaml", content)

@@ -10,6 +10,7 @@ from xml.etree import ElementTree as ET
 
 from roadmend.core.errors import InputError, SimulationError
 from roadmend.world.scenario import (
+    CENTRE,
     HighwayExitNetwork,
     IntersectionNetwork,
     Network,
@@ -75,7 +76,7 @@ class PlainNetwork:
 def describe_intersection(spec: IntersectionNetwork) -> PlainNetwork:
     """Arms around one node in the origin."""
     plain = PlainNetwork()
-    plain.node("centre", 0.0, 0.0, _NODE_TYPES[spec.control])
+    plain.node(CENTRE, 0.0, 0.0, _NODE_TYPES[spec.control])
     for arm in spec.arms:
         angle = math.radians(arm.bearing)
         far = arm.length * math.cos(angle), arm.length * math.sin(angle)
@@ -85,8 +86,8 @@ def describe_intersection(spec: IntersectionNetwork) -> PlainNetwork:
         if arm.median:  # each direction's own edge of the road, seen in its direction, lies half a median to the right
             into["shape"] = _shape(_to_the_right([far, (0.0, 0.0)], 0.5 * arm.median))
             out["shape"] = _shape(_to_the_right([(0.0, 0.0), far], 0.5 * arm.median))
-        plain.edge(f"{arm.name}_in", arm.name, "centre", arm.lanes, arm.speed_limit, **into)
-        plain.edge(f"{arm.name}_out", "centre", arm.name, arm.lanes_out or arm.lanes, arm.speed_limit, **out)
+        plain.edge(f"{arm.name}_in", arm.name, CENTRE, arm.lanes, arm.speed_limit, **into)
+        plain.edge(f"{arm.name}_out", CENTRE, arm.name, arm.lanes_out or arm.lanes, arm.speed_limit, **out)
     plain.options += ["--no-turnarounds", "true", "--junctions.corner-detail", "8"]
     plain.options += ["--tls.cycle.time", str(round(spec.cycle))]
     plain.phase = spec.phase

@@ -9,6 +9,7 @@ from roadmend.world.obstacle import Obstacle
 from roadmend.world.scenario_model import Identifier, ScenarioModel
 
 FORMAT: Literal["roadmend-scenario/1"] = "roadmend-scenario/1"
+CENTRE = "centre"  # the junction at which the arms of an intersection meet
 
 Metres = Annotated[float, Field(ge=0.0, le=100_000.0, allow_inf_nan=False)]
 Seconds = Annotated[float, Field(ge=0.0, le=86_400.0, allow_inf_nan=False)]
@@ -72,6 +73,15 @@ class IntersectionNetwork(ScenarioModel):
     phase: float = Field(
         default=0.0, ge=0.0, le=180.0, exclude_if=_is_zero, description="[s] of the cycle that have passed at the start"
     )
+
+    @model_validator(mode="after")
+    def _names_of_their_own(self) -> "IntersectionNetwork":
+        seen = {CENTRE}
+        for arm in self.arms:
+            if arm.name in seen:
+                raise ValueError(f"arm {arm.name!r} has a name that is taken, by another arm or by the junction itself")
+            seen.add(arm.name)
+        return self
 
 
 class HighwayExitNetwork(ScenarioModel):
