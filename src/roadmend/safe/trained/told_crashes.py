@@ -1,8 +1,9 @@
 """Told crashes with their keys, from files: what the trained reader learns from and is measured on."""
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +22,11 @@ from roadmend.safe.trained.outputs import SEATS
 _MEND = "give a JSON Lines file of told crashes (author, name, text, key), or AUTHOR-NAME.txt beside AUTHOR-NAME.oracle.json"
 _NAMES = "roadmend-told-names/1"
 _KEY = ".oracle.json"  # of a text in a file of its own
-_OF_CRASH = {"road_type": RoadType, "stem_direction": Compass, "num_lanes": None}  # words, or None for a number
-_OF_VEHICLE = {"initial_position": Position, "action": Action, "model": DslModel, "speed_limit_mph": None}
-_OF_ENVIRONMENT = {"time": Time, "weather": Weather}
-_OF_COLLISION = {"striking": None, "struck": None, "striking_side": Side, "struck_side": Side}
+_Kinds = Mapping[str, type[StrEnum] | None]  # words, or None for a number, of each field
+_OF_CRASH: _Kinds = {"road_type": RoadType, "stem_direction": Compass, "num_lanes": None}
+_OF_VEHICLE: _Kinds = {"initial_position": Position, "action": Action, "model": DslModel, "speed_limit_mph": None}
+_OF_ENVIRONMENT: _Kinds = {"time": Time, "weather": Weather}
+_OF_COLLISION: _Kinds = {"striking": None, "struck": None, "striking_side": Side, "struck_side": Side}
 _LINE = Bounds(size=64_000, values=2_000, depth=16)
 
 
@@ -86,7 +88,9 @@ def _read_text(path: Path) -> ToldCrash:
 def _key(content: Any, where: str) -> dict[str, Any]:
     key = dict(content)
     key["vehicles"] = [dict(each) for each in key["vehicles"]]
-    rows = [(f"vehicles[{at}].", each, _OF_VEHICLE) for at, each in enumerate(key["vehicles"])]
+    rows: list[tuple[str, Any, _Kinds]] = [
+        (f"vehicles[{at}].", each, _OF_VEHICLE) for at, each in enumerate(key["vehicles"])
+    ]
     rows += [("", key, _OF_CRASH), ("env.", dict(key.get("env") or {}), _OF_ENVIRONMENT)]
     rows += [(f"collisions[{at}].", dict(each), _OF_COLLISION) for at, each in enumerate(key.get("collisions") or ())]
     for place, row, kinds in rows:
@@ -98,7 +102,7 @@ def _key(content: Any, where: str) -> dict[str, Any]:
     return key
 
 
-def _fits(value: Any, kind: Iterable[str] | None) -> bool:
+def _fits(value: Any, kind: type[StrEnum] | None) -> bool:
     if kind is None:
         return isinstance(value, int | float) and not isinstance(value, bool)
     return isinstance(value, str) and (value in {*kind} or value.capitalize() in {*Side} & {*kind})
