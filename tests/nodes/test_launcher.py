@@ -37,7 +37,7 @@ FAULT = {"where": "a.yaml", "what": "field seed: no number; really", "mend": "se
 
 def test_a_node_that_refuses_its_input_is_an_input_error_with_its_words(tmp_path):
     with pytest.raises(InputError) as caught:
-        _raise(ended(tmp_path, BAD_INPUT, FAULT))
+        _raise(ended(tmp_path, BAD_INPUT, FAULT), has_driven=False)
     assert (caught.value.where, caught.value.what, caught.value.mend) == tuple(FAULT.values())
 
 
@@ -45,7 +45,7 @@ def test_a_node_that_refuses_its_input_is_an_input_error_with_its_words(tmp_path
 def test_a_node_that_crashes_is_named_with_code_and_what_it_left_or_its_log(tmp_path, monkeypatch, fault, words):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     with pytest.raises(RoadmendError, match=rf"sim_node failed \(-11\): {words or 'ended'}") as caught:
-        _raise(ended(tmp_path, -11, fault))
+        _raise(ended(tmp_path, -11, fault), has_driven=False)
     assert not isinstance(caught.value, InputError)
     kept = [*tmp_path.glob("roadmend-sim_node-*.log")]
     assert [path.read_text() for path in kept] == ([] if words else ["noise\n"])
@@ -130,6 +130,25 @@ def test_a_node_that_refuses_its_input_is_not_restarted(run, tmp_path):
     with pytest.raises(InputError, match="field seed"):
         run._look_after([child])
     assert child.restarts == 0
+
+
+@pytest.mark.parametrize(
+    ("restarts", "has_driven", "words"), [(1, False, "could not be started anew"), (0, True, r"failed \(2\)")]
+)
+def test_at_a_refusal_in_mid_drive_the_bag_stays(tmp_path, monkeypatch, restarts, has_driven, words):
+    def drive(run, _stopped):
+        (run._bag / "bag.mcap").write_bytes(b"driven")
+        if has_driven:
+            (run._folder / "sim.driving").touch()
+        child = ended(run._folder, BAD_INPUT, FAULT, may_restart=True)
+        child.restarts = restarts
+        run._look_after([child])
+
+    monkeypatch.setattr("roadmend.nodes.launcher._GraphRun.supervise", drive)
+    with pytest.raises(RoadmendError, match=f"sim_node {words}: a.yaml: field seed") as caught:
+        run_graph(GraphOptions(Path("s.yaml"), bags=tmp_path, name="bag"))
+    assert not isinstance(caught.value, InputError)
+    assert (tmp_path / "bag" / "bag.mcap").read_bytes() == b"driven"
 
 
 def test_a_node_that_runs_is_left_alone(run, tmp_path):

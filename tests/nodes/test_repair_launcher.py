@@ -1,12 +1,14 @@
 """What the two nodes are given; the whole is tried in tests/cli/test_repair.py."""
 
+import json
 import os
 from types import SimpleNamespace
 
 import pytest
 
+from roadmend.core.errors import InputError, RoadmendError
 from roadmend.nodes import repair_launcher as module
-from roadmend.nodes.repair_launcher import RepairGraphOptions, _for_others, _Run
+from roadmend.nodes.repair_launcher import BAD_INPUT, RepairGraphOptions, _for_others, _Run, run_repair
 from roadmend.nodes.supervisor import FRESH_S, START_S
 
 
@@ -72,3 +74,20 @@ def test_one_that_has_been_up_is_waited_for_no_longer_than_one_that_comes_up_ane
     there.said.clear()
     assert there.silent(FRESH_S - 1.0)  # started anew, when what there is to compile is compiled
     assert not there.silent(2.0)
+
+
+@pytest.mark.parametrize("restarts", [0, 1])
+def test_at_a_refusal_the_bag_stays_where_anything_was_repaired(tmp_path, monkeypatch, restarts):
+    def begin(run, _stopped):
+        (run._bag / "bag.mcap").write_bytes(b"recorded")
+        run._repair.fault_file.write_text(json.dumps({"where": "m", "what": "is cut", "mend": "mend it"}))
+        run._repair.process = SimpleNamespace(exitcode=BAD_INPUT, pid=None, join=lambda _seconds: None)
+        run._repair.restarts = restarts
+        run._look_after()
+
+    monkeypatch.setattr(_Run, "until", begin)
+    words = "repair_node could not be started anew: m: is cut" if restarts else "^m: is cut"
+    with pytest.raises(RoadmendError, match=words) as caught:
+        run_repair(RepairGraphOptions(bags=tmp_path, name="bag"), lambda _text: None)
+    assert isinstance(caught.value, InputError) == (not restarts)
+    assert (tmp_path / "bag").exists() == bool(restarts)

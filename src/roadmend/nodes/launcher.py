@@ -41,7 +41,7 @@ def run_graph(options: GraphOptions, report: Callable[[str, float], None] = lamb
 
     Raises:
         InputError: a node refuses its parameters, or the bag's name is no name or taken.
-        RoadmendError: a node failed beyond repair.
+        RoadmendError: a node failed beyond repair, or refuses its parameters when it is started anew.
         InterruptedRunError: SIGINT or SIGTERM arrived.
     """
     check_addressees(options.ros_arguments)
@@ -159,11 +159,15 @@ class _GraphRun:
             if child.exit_code is None:
                 continue
             if child.exit_code == BAD_INPUT:
-                _raise(child)
+                _raise(child, has_driven=self._has_driven)
             if not child.may_restart:
                 self._drive_on_without(child)
                 continue
             self._report(self._supervisor.restart(child), time.monotonic() - self._begun)
+
+    @property
+    def _has_driven(self) -> bool:
+        return (self._folder / "sim.driving").exists()
 
     def _check_start(self) -> None:
         """Wait for the first answer, but not for ever.
@@ -171,7 +175,7 @@ class _GraphRun:
         Raises:
             RoadmendError: the drive has not begun in time; its line names who is missing.
         """
-        self._is_driving = self._is_driving or (self._folder / "sim.driving").exists()
+        self._is_driving = self._is_driving or self._has_driven
         limit = self._options.begins_within
         if self._is_driving or not limit or time.monotonic() - self._begun < limit or self._sim.exit_code is not None:
             return
@@ -188,14 +192,14 @@ class _GraphRun:
             RoadmendError: the simulator failed, or was told to stop before the drive.
         """
         if self._sim.exit_code:
-            _raise(self._sim)
+            _raise(self._sim, has_driven=self._has_driven)
         if not (self._folder / SUMMARY).exists():
             raise RoadmendError("sim_node was told to stop before the drive began: there is no result")
 
     def _drive_on_without(self, child: Child) -> None:
         """Say once that a node is gone which the vehicle does not need; but the simulator does not begin without it."""
         if not (self._folder / "sim.begun").exists():
-            _raise(child)
+            _raise(child, has_driven=False)
         if child.name not in self._gone:
             self._gone.add(child.name)
             words = f"{child.name} ended ({child.exit_code}), driving on without it: {child.fault()}"
@@ -226,9 +230,11 @@ class _GraphRun:
         return str(read_fault(policies[0].fault_file) or "") if policies else ""
 
 
-def _raise(child: Child) -> NoReturn:
+def _raise(child: Child, *, has_driven: bool) -> NoReturn:
     fault = child.fault()
-    if isinstance(fault, InputError):
+    if child.restarts:
+        raise RoadmendError(f"{child.name} could not be started anew: {fault}")
+    if isinstance(fault, InputError) and not has_driven:  # at that the bag is thrown away
         raise fault
     raise RoadmendError(f"{child.name} failed ({child.exit_code}): {fault}")
 

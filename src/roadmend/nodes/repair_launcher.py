@@ -12,7 +12,7 @@ from typing import Any
 
 from roadmend import __version__
 from roadmend.core.claim import claimed_bag
-from roadmend.core.errors import InputError
+from roadmend.core.errors import InputError, RoadmendError
 from roadmend.nodes.children import Child, stop
 from roadmend.nodes.graph_options import JOURNAL, RECORDER_SUMMARY, REPAIR_SUMMARY
 from roadmend.nodes.loopback import reach
@@ -73,7 +73,7 @@ def run_repair(options: RepairGraphOptions, report: Callable[[str], None]) -> Re
 
     Raises:
         InputError: a node refuses its parameters, or the bag's name is no name or taken.
-        RoadmendError: the repair node failed beyond repair.
+        RoadmendError: the repair node failed beyond repair, or refuses its parameters when it is started anew.
     """
     with (
         claimed_bag(options.bags, options.name, options.stem, is_wanted=options.record) as bag,
@@ -157,6 +157,8 @@ class _Run:
             if child.exit_code is None:
                 continue
             if child.exit_code == BAD_INPUT and isinstance(fault := child.fault(), InputError):
+                if child.restarts:  # it has repaired, and what was recorded of that stays
+                    raise RoadmendError(f"{child.name} could not be started anew: {fault}")
                 raise fault
             if child is self._recorder:
                 if self._is_recording:
