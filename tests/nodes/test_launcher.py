@@ -117,6 +117,13 @@ def test_without_a_recorder_it_drives_on_and_says_so_once(run, tmp_path, monkeyp
     run._nodes = [recorder]
     assert run._recording_error() == "last words"
     recorder.process.exitcode = 0
+    assert run._recording_error() == "recorder_node ended before the drive did; the bag ends there"
+
+
+def test_a_recorder_that_ends_with_the_drive_is_right(run, tmp_path):
+    recorder = ended(tmp_path, 0)
+    recorder.name = "recorder_node"
+    run._nodes = [recorder]
     assert run._recording_error() == ""
 
 

@@ -91,3 +91,24 @@ def test_at_a_refusal_the_bag_stays_where_anything_was_repaired(tmp_path, monkey
         run_repair(RepairGraphOptions(bags=tmp_path, name="bag"), lambda _text: None)
     assert isinstance(caught.value, InputError) == (not restarts)
     assert (tmp_path / "bag").exists() == bool(restarts)
+
+
+@pytest.mark.parametrize(
+    ("code", "is_early", "words"),
+    [
+        (0, True, "recorder_node ended before the repair did; the bag ends there"),
+        (0, False, ""),
+        (1, True, "the disk is full"),
+        (1, False, "the disk is full"),
+    ],
+)
+def test_a_recorder_that_ends_before_the_repair_leaves_a_bag_that_is_not_complete(tmp_path, code, is_early, words):
+    told = []
+    run = _Run(RepairGraphOptions(), tmp_path / "bag", tmp_path, told.append)
+    run._recorder.process = SimpleNamespace(exitcode=code)
+    run._recorder.fault_file.write_text(json.dumps({"what": "the disk is full"}))
+    if is_early:
+        run._look_after()
+        run._look_after()
+    assert len(told) == is_early
+    assert run._result().recording_error == words

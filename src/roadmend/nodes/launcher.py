@@ -120,7 +120,8 @@ class _GraphRun:
                 self._report("running", time.monotonic() - self._begun)
                 time.sleep(POLL_S)
             if not self._sim.exit_code:
-                self._supervisor.end([child for child in self._nodes if child.name != RECORDER], stopped)
+                self._look_after(self._recorders)  # it may have ended since the last look
+                self._supervisor.end([child for child in self._nodes if child not in self._recorders], stopped)
             self._stop(patience=BAG_S)
             self._check_end()
             self._pass_on()
@@ -210,20 +211,26 @@ class _GraphRun:
         deadline = time.monotonic() + STOP_S
         stop([self._sim], time.monotonic() + SIM_STOP_S)  # where the drive has ended it has gone
         # The recorder goes last: it takes in what the others still say.
-        recorder = [child for child in self._nodes if child.name == RECORDER]
-        stop([child for child in self._nodes if child not in recorder], deadline - 1.2)
-        stop(recorder, deadline if patience is None else time.monotonic() + patience)
+        stop([child for child in self._nodes if child not in self._recorders], deadline - 1.2)
+        stop(self._recorders, deadline if patience is None else time.monotonic() + patience)
 
     def _result(self) -> RunResult:
         restarts = sum(child.restarts for child in self._nodes)
         found = read_result(self._folder, self._options.clock, restarts, self._bag, self._supervisor.faults)
         return replace(found, recording_error=self._recording_error(), policy_error=self._policy_error())
 
+    @property
+    def _recorders(self) -> list[Child]:
+        """The recorder; empty where nothing is recorded."""
+        return [child for child in self._nodes if child.name == RECORDER]
+
     def _recording_error(self) -> str:
-        recorder = next((child for child in self._nodes if child.name == RECORDER), None)
-        if recorder is None or not recorder.exit_code:
-            return ""
-        return str(recorder.fault())
+        for recorder in self._recorders:
+            if recorder.exit_code:
+                return str(recorder.fault())
+            if recorder.name in self._gone:  # told to stop by somebody else
+                return f"{recorder.name} ended before the drive did; the bag ends there"
+        return ""
 
     def _policy_error(self) -> str:
         policies = [child for child in self._nodes if child.name == "policy_node"]

@@ -190,8 +190,6 @@ class _Run:
         tally: dict[str, Any] = counted.values()
         counted.close()
         states = {name.removeprefix("state."): int(each) for name, each in tally.items() if name.startswith("state.")}
-        recorder = self._recorder
-        lost = "" if recorder is None or not recorder.exit_code else str(recorder.fault())
         return RepairRun(
             int(tally["answers"]),
             int(tally["interventions"]),
@@ -199,10 +197,17 @@ class _Run:
             self._repair.restarts,
             str(self._bag or ""),
             str(read_summary(self._folder / REPAIR_SUMMARY).get("fault", "")),
-            lost,
+            self._recording_error(),
             tuple(self._supervisor.faults),
             int(read_summary(self._folder / RECORDER_SUMMARY).get("lost_messages", 0)),
         )
+
+    def _recording_error(self) -> str:
+        if self._recorder is None or (self._is_recording and not self._recorder.exit_code):
+            return ""
+        if self._recorder.exit_code:
+            return str(self._recorder.fault())
+        return f"{self._recorder.name} ended before the repair did; the bag ends there"
 
 
 def _for_others(arguments: Sequence[str]) -> list[str]:
