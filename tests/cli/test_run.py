@@ -19,7 +19,7 @@ from tests.measures.results import episode
 def came(**changes):
     """A result as far as the exit code goes."""
     nothing = {"policy_error": "", "method_error": "", "recording_error": "", "faults": (), "lost_messages": 0}
-    nothing |= {"answers": {"PASS": 9, "RESET": 1}, "restarts": 0, "watchdog_ticks": 0, "foreign_frames": ""}
+    nothing |= {"answers": {"PASS": 9, "RESET": 1}, "repair_restarts": 0, "watchdog_ticks": 0, "foreign_frames": ""}
     return SimpleNamespace(**nothing | {"bag": "bags/bag"} | changes)
 
 
@@ -78,6 +78,8 @@ def test_a_port_that_is_none_is_refused(options, port, capsys):
             "roadmend: of 10 answers repair_node gave 2 as STALE_COMMAND",
         ),
         ({"answers": {"PASS": 8, "RESET": 2}}, 0, "roadmend: of 10 answers repair_node gave 1 as RESET"),
+        ({"answers": {"PASS": 8, "RESET": 2}, "restarts": 1}, 0, "repair_node gave 1 as RESET"),
+        ({"answers": {"PASS": 8, "RESET": 2}, "restarts": 1, "repair_restarts": 1}, 0, ""),
         ({"watchdog_ticks": 3}, 0, "roadmend: the simulator braked by itself at 3 ticks (WATCHDOG)"),
         ({"foreign_frames": "not used: ego in 'odom'"}, 0, "roadmend: not used: ego in 'odom'"),
         ({"lost_messages": 658}, 0, "roadmend: bags/bag: 658 messages were lost on their way to the recorder"),

@@ -12,6 +12,7 @@ from roadmend.nodes import launcher
 from roadmend.nodes.children import Child
 from roadmend.nodes.graph_options import NODES, GraphOptions, NodeEntry
 from roadmend.nodes.launcher import BAD_INPUT, _as_yaml, _GraphRun, _raise, run_graph
+from roadmend.nodes.run_result import RunResult
 from roadmend.nodes.supervisor import RESTARTS_MAX
 
 
@@ -118,6 +119,13 @@ def test_without_a_recorder_it_drives_on_and_says_so_once(run, tmp_path, monkeyp
     assert run._recording_error() == "last words"
     recorder.process.exitcode = 0
     assert run._recording_error() == "recorder_node ended before the drive did; the bag ends there"
+
+
+def test_of_the_nodes_that_were_started_anew_the_result_knows_which_was_the_repair_node(run, monkeypatch):
+    monkeypatch.setattr(launcher, "read_result", lambda *_: RunResult(None, "lockstep", 0, 0, 1.0, ""))
+    for number, child in enumerate(sorted(run._nodes, key=lambda child: child.name == "repair_node")):
+        child.restarts = number
+    assert run._result().repair_restarts == len(run._nodes) - 1
 
 
 def test_a_recorder_that_ends_with_the_drive_is_right(run, tmp_path):

@@ -29,6 +29,7 @@ BAG_S = 30.0  # the recorder may take so long [s] to complete its bag after a dr
 FAILED_S = 5.0  # and so long [s] after a run that failed, for it may be the recorder that hangs
 SIM_STOP_S = 0.8  # of which the simulator may take [s] to report the abort
 RECORDER = "recorder_node"  # ends last, and says itself how it ended
+REPAIR = "repair_node"
 BAD_INPUT = 2  # exit code of a node that refuses its parameters
 
 
@@ -217,7 +218,12 @@ class _GraphRun:
     def _result(self) -> RunResult:
         restarts = sum(child.restarts for child in self._nodes)
         found = read_result(self._folder, self._options.clock, restarts, self._bag, self._supervisor.faults)
-        return replace(found, recording_error=self._recording_error(), policy_error=self._policy_error())
+        return replace(
+            found,
+            recording_error=self._recording_error(),
+            policy_error=self._policy_error(),
+            repair_restarts=sum(child.restarts for child in self._nodes if child.name == REPAIR),
+        )
 
     @property
     def _recorders(self) -> list[Child]:

@@ -37,7 +37,7 @@ class RunResult:
     episode: EpisodeResult
     clock: str
     watchdog_ticks: int
-    restarts: int
+    restarts: int  # of all nodes
     real_time_factor: float
     bag: str
     recording_error: str = ""  # why the bag is not complete; empty if it is
@@ -49,6 +49,7 @@ class RunResult:
     lost_messages: int = 0  # that were sent, as far as DDS knows, and are not in the bag
     answers: dict[str, int] = field(default_factory=dict)  # of the repair node, by state
     foreign_frames: str = ""  # whose messages the repair node did not use for their frame; empty where there were none
+    repair_restarts: int = 0  # of the repair node alone
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values, for JSON: the episode's figures without its peaks, and what is the run's own."""
@@ -120,7 +121,7 @@ def _silent_end(bitten: int, stale: int) -> list[str]:
 def complaint_of(result: RunResult) -> str:
     """Ticks whose command or scene was not as it should be, in one line for people; empty where all were."""
     counts = {name: count for name, count in result.answers.items() if name in _COMPLAINTS}
-    resets = result.answers.get(RepairStatus.RESET.name, 0) - 1 - result.restarts  # each begins with one
+    resets = result.answers.get(RepairStatus.RESET.name, 0) - 1 - result.repair_restarts  # each begins with one
     if resets > 0:
         counts[RepairStatus.RESET.name] = resets
     told = ", ".join(f"{count} as {name}" for name, count in counts.items())
