@@ -9,6 +9,7 @@ import pytest
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.nodes import repair_launcher as module
 from roadmend.nodes.repair_launcher import BAD_INPUT, RepairGraphOptions, _for_others, _Run, run_repair
+from roadmend.nodes.ros_arguments import SHARED
 from roadmend.nodes.supervisor import FRESH_S, START_S
 
 
@@ -112,3 +113,27 @@ def test_a_recorder_that_ends_before_the_repair_leaves_a_bag_that_is_not_complet
         run._look_after()
     assert len(told) == is_early
     assert run._result().recording_error == words
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("-p", "repair_nod:input_timeout:=0.05"), "no node 'repair_nod', did you mean repair_node?"),
+        (("--params-file", "absent.yaml"), "absent.yaml"),
+    ],
+)
+def test_what_is_for_a_node_that_there_is_not_is_refused_before_anything_starts(tmp_path, monkeypatch, words, said):
+    monkeypatch.setattr(module, "_Run", lambda *_: pytest.fail("started"))
+    with pytest.raises(InputError) as caught:
+        run_repair(RepairGraphOptions(bags=tmp_path, name="bag", ros_arguments=words), lambda _text: None)
+    assert said in str(caught.value)
+    assert not [*tmp_path.iterdir()]
+
+
+def test_what_a_file_gives_to_all_nodes_only_the_repair_node_must_have(tmp_path):
+    file = tmp_path / "p.yaml"
+    file.write_text("/**:\n  ros__parameters: {input_timeout: 2.0}\n", encoding="utf-8")
+    words = ("--params-file", str(file), "-p", "full_brake:=6.0")
+    run = _Run(RepairGraphOptions(ros_arguments=words), tmp_path / "bag", tmp_path, lambda _text: None)
+    assert json.loads(run._recorder.environment[SHARED]) == ["input_timeout"]
+    assert SHARED not in run._repair.environment

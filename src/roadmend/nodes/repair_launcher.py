@@ -17,6 +17,7 @@ from roadmend.nodes.children import Child, stop
 from roadmend.nodes.graph_options import JOURNAL, RECORDER_SUMMARY, REPAIR_SUMMARY
 from roadmend.nodes.loopback import reach
 from roadmend.nodes.repair_tally import RepairTally
+from roadmend.nodes.ros_arguments import SHARED, check_addressees, shared_parameters
 from roadmend.nodes.run_result import read_summary
 from roadmend.nodes.scratch import scratch_folder
 from roadmend.nodes.spinning import stop_on_signals
@@ -40,7 +41,7 @@ class RepairGraphOptions:
     record: bool = True
     record_topics: str = ""  # regular expression found in each topic to record; all if empty
     sim_time: bool = False  # whether the stack's time comes from /clock
-    ros_arguments: tuple[str, ...] = ()  # for both nodes, but for parameters that name no node: those are repair's
+    ros_arguments: tuple[str, ...] = ()  # for both nodes; parameters that name no node must be the repair node's
 
     def stem(self) -> str:
         """How the bag's name begins if it has none."""
@@ -72,9 +73,11 @@ def run_repair(options: RepairGraphOptions, report: Callable[[str], None]) -> Re
         report: called with a line for people now and then.
 
     Raises:
-        InputError: a node refuses its parameters, or the bag's name is no name or taken.
+        InputError: a node refuses its parameters, there is no node of a name that they are for, or the bag's name is no
+            name or taken.
         RoadmendError: the repair node failed beyond repair, or refuses its parameters when it is started anew.
     """
+    check_addressees(options.ros_arguments)
     with (
         claimed_bag(options.bags, options.name, options.stem, is_wanted=options.record) as bag,
         scratch_folder("roadmend-repair-") as folder,
@@ -126,11 +129,16 @@ class _Run:
 
     def _child(self, node: str, parameters: Mapping[str, Any], *, may_restart: bool) -> Child:
         words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={json.dumps(value)}")]
+        environment = {"ROS_DOMAIN_ID": self._domain, **reach("SUBNET")}
+        extra: Sequence[str] = self._extra
+        if node != "repair":  # the repair node refuses what it does not have; another one need not have it
+            extra = _for_others(extra)
+            environment[SHARED] = json.dumps(sorted(shared_parameters(extra)))
         return Child(
             f"{node}_node",
             f"roadmend.nodes.{node}",
-            ["--ros-args", *words, *(self._extra if node == "repair" else _for_others(self._extra))],
-            {"ROS_DOMAIN_ID": self._domain, **reach("SUBNET")},
+            ["--ros-args", *words, *extra],
+            environment,
             self._folder / f"{node}.log",
             may_restart,
         )
