@@ -59,8 +59,10 @@ def nodes(context: LaunchContext) -> list:
     time = {"clock": given["clock"], "rate": float(given["rate"])}  # the simulator's, and repair_node counts by it
     recorder, repair = {}, time
     if not simulated:
-        recorder = {"time_source": "simulation" if given["sim_time"].lower() not in NO else "system"}
+        sim_time = given["sim_time"].lower() not in NO
+        recorder = {"time_source": "simulation" if sim_time else "system"}
         repair = {"inputs": "newest", "objects_type": given["objects_type"], "command_type": given["command_type"]}
+        repair |= {"use_sim_time": True} if sim_time else {}
     parameters = {
         "recorder": {"output": given["out"], "name": given["name"], **recorder},
         "viz": {},

@@ -140,10 +140,12 @@ def test_without_the_simulator_repair_and_recorder_stand_alone_and_take_what_com
     assert set(nodes) == {"repair_node", "recorder_node"}
     assert nodes["repair_node"].parameters[0]["inputs"] == "newest"
     assert nodes["recorder_node"].parameters[0]["time_source"] == "system"
+    assert "use_sim_time" not in nodes["repair_node"].parameters[0]
     types = {"objects_type": "vision_msgs/msg/Detection3DArray", "command_type": "geometry_msgs/msg/AccelStamped"}
     told = nodes_of(start(sim="false", sim_time="true", **types))
     assert types.items() <= told["repair_node"].parameters[0].items()
     assert told["recorder_node"].parameters[0]["time_source"] == "simulation"
+    assert told["repair_node"].parameters[0]["use_sim_time"] is True
     assert set(nodes_of(start(sim="false", policy="modular", viz="true"))) == {*nodes, "policy_node", "viz_node"}
 
 

@@ -5,11 +5,13 @@ import time
 
 import pytest
 import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import AccelStamped
 from nav_msgs.msg import Odometry
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from roadmend_msgs.msg import Command, ObjectList, RepairState
+from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from vision_msgs.msg import Detection3D, Detection3DArray
 
@@ -205,6 +207,20 @@ def test_a_vehicle_that_brakes_less_presses_its_brake_further_for_the_same_stop(
     one.until(lambda: one.states[-1].state == RepairState.REPAIRED, one.ego, one.objects, one.command)
     one.until(lambda: one.commands[-1].accel.linear.x < -4.01, one.ego, one.objects, one.command)
     assert one.commands[-1].accel.linear.x <= -5.0 + 1e-9
+
+
+def test_while_the_clock_stands_stops_and_diagnostics_go_on_by_its_time(stack):
+    one = stack(input_timeout=1.0, use_sim_time=True, **TYPES)
+    health = []
+    one.node.create_subscription(DiagnosticArray, "/diagnostics", health.append, 10)
+    clock = Clock()
+    clock.clock.sec = 2_000_000_000  # later than the stamps of the commands
+    one.until(lambda: one.repair.get_clock().now().nanoseconds, lambda: one.publish("/clock", clock))
+    one.until(lambda: any(state.state == RepairState.PASS for state in one.states), one.ego, far(one), one.command)
+    one.until(lambda: one.states[-1].state == RepairState.STALE_COMMAND, one.ego, far(one))
+    count, told = len(one.states), len(health)
+    one.until(lambda: len(one.states) > count + 2 and len(health) > told + 1, one.ego, far(one))
+    assert all(state.header.stamp == clock.clock for state in one.states[count:])
 
 
 def far(stack):

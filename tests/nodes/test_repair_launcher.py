@@ -137,3 +137,10 @@ def test_what_a_file_gives_to_all_nodes_only_the_repair_node_must_have(tmp_path)
     run = _Run(RepairGraphOptions(ros_arguments=words), tmp_path / "bag", tmp_path, lambda _text: None)
     assert json.loads(run._recorder.environment[SHARED]) == ["input_timeout"]
     assert SHARED not in run._repair.environment
+
+
+@pytest.mark.parametrize("sim_time", [True, False])
+def test_where_the_time_comes_from_the_clock_both_nodes_are_told(tmp_path, sim_time):
+    run = _Run(RepairGraphOptions(sim_time=sim_time), tmp_path / "bag", tmp_path, lambda _text: None)
+    assert ("use_sim_time:=true" in run._repair.arguments) == sim_time
+    assert f'time_source:="{"simulation" if sim_time else "system"}"' in run._recorder.arguments

@@ -98,6 +98,8 @@ class _Run:
         self._domain = os.environ.get("ROS_DOMAIN_ID") or "0"
         self._extra = options.ros_arguments
         told = {"inputs": "newest", "method": options.method, "seed": options.seed, **options.parameters}
+        if options.sim_time:
+            told["use_sim_time"] = True  # the stamps of its stops are by that clock
         self._repair = self._child(
             "repair",
             told | {"summary": str(folder / REPAIR_SUMMARY), "journal": str(folder / JOURNAL)},
