@@ -70,9 +70,12 @@ def test_a_row_that_there_is_not_is_named_with_those_that_are(tmp_path, capsys):
 def test_runs_at_once_are_told_in_the_order_of_their_rows(tmp_path, capsys, monkeypatch):
     file = tmp_path / "campaign.yaml"
     file.write_text(CAMPAIGN[: CAMPAIGN.index("files")].replace("seeds: 1", "seeds: 4"))
+    monkeypatch.setenv("ROS_DOMAIN_ID", "7")
     both, under_way, most = threading.Barrier(2, timeout=30), [], []
+    domains = set()
 
     def pretended(campaign, trial, graph):
+        domains.add(graph["ROS_DOMAIN_ID"])
         under_way.append(trial)
         both.wait()  # nobody gets on alone
         most.append(len(under_way))
@@ -86,6 +89,8 @@ def test_runs_at_once_are_told_in_the_order_of_their_rows(tmp_path, capsys, monk
     assert main(["faults", "--config", str(file), "--out", str(tmp_path / "out"), "--parallel", "2", "--json"]) == 1
     told = json.loads(capsys.readouterr().out)
     assert max(most) == 2
+    assert "7" not in domains
+    assert len(domains) > 1
     names = [run["fault"] and run["fault"]["name"] for run in told["runs"]]
     assert names == [None, "policy killed", "no number"] * 4
     assert [run["seed"] for run in told["runs"]] == [0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3]

@@ -65,6 +65,14 @@ def test_a_domain_that_the_user_chose_wins(few, monkeypatch):
         assert first == second == 42
 
 
+def test_runs_that_must_not_share_a_domain_do_not_take_the_users(few, monkeypatch):
+    monkeypatch.setenv("ROS_DOMAIN_ID", "2")
+    with own_domain(is_chosen=False) as first, own_domain(is_chosen=False) as second:
+        assert {first, second} == {1, 3}
+        with pytest.raises(RoadmendError, match=r"end some of them$"), own_domain(is_chosen=False):
+            pass
+
+
 @pytest.mark.parametrize("chosen", ["233", "100000"])
 def test_a_domain_that_cannot_be_is_refused(few, monkeypatch, chosen):
     monkeypatch.setenv("ROS_DOMAIN_ID", chosen)

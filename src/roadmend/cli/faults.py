@@ -161,7 +161,7 @@ def _all_disturbed(
 
 
 def _disturbed(campaign: FaultCampaign, trial: FaultTrial, token: str) -> Disturbed:
-    with own_domain() as domain:
+    with own_domain(is_chosen=False) as domain:  # one for each of those at once
         return disturb(campaign, trial, {"ROS_DOMAIN_ID": str(domain), **reach(), _MARK: token})
 
 

@@ -14,11 +14,14 @@ _DOMAIN_MAX = 232  # beyond, the port numbers of a domain pass 65535
 
 
 @contextlib.contextmanager
-def own_domain() -> Iterator[int]:
-    """A domain id that no other run on this machine holds; ROS_DOMAIN_ID wins where it is set.
+def own_domain(*, is_chosen: bool = True) -> Iterator[int]:
+    """A domain id that no other run on this machine holds.
 
     What marks it as taken is the name of a socket in Linux' abstract namespace. That is one for all who share the network's
     ports, whoever they are and whatever their TMPDIR, and the name is free again when its process is gone.
+
+    Args:
+        is_chosen: whether ROS_DOMAIN_ID wins where it is set; else it is one that is not taken.
 
     Raises:
         InputError: ROS_DOMAIN_ID is out of range.
@@ -28,11 +31,14 @@ def own_domain() -> Iterator[int]:
     if chosen.isdecimal():
         if int(chosen) > _DOMAIN_MAX:
             raise InputError("ROS_DOMAIN_ID", f"{chosen} is no DDS domain", f"choose 0 to {_DOMAIN_MAX} or unset it")
-        yield int(chosen)
-        return
+        if is_chosen:
+            yield int(chosen)
+            return
     first = os.getpid()
     for step in _DOMAINS:
         number = 1 + (first + step) % len(_DOMAINS)
+        if chosen.isdecimal() and number == int(chosen):  # whoever is there has not marked it
+            continue
         with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as mark:
             try:
                 mark.bind(f"\0{_MARK}{number}")
@@ -42,4 +48,5 @@ def own_domain() -> Iterator[int]:
                 continue
             yield number
             return
-    raise RoadmendError("all DDS domains are taken by other runs; end some of them or set ROS_DOMAIN_ID")
+    mend = "end some of them" + (" or set ROS_DOMAIN_ID" if is_chosen else "")
+    raise RoadmendError(f"all DDS domains are taken by other runs; {mend}")
