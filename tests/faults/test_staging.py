@@ -51,7 +51,7 @@ def test_without_a_fault_the_graph_is_as_it_is(tmp_path):
     ],
 )
 def test_a_topic_goes_over_the_relay_which_is_obeyed_then(topic, remaps, writer, tmp_path):
-    fault = TopicFault(name="silent", topic=topic, distortion="silent")
+    fault = TopicFault(name="silent", topic=topic, distortion="silent", named=False)
     given = ros_of(command_for(fault, tmp_path))
     assert {word for option, word in given if option == "-r"} == remaps
     settings = {word for option, word in given if option == "-p"}
@@ -62,7 +62,7 @@ def test_a_topic_goes_over_the_relay_which_is_obeyed_then(topic, remaps, writer,
 
 
 def test_a_clock_jumps_for_policy_and_repair_and_their_answers_come_back(tmp_path):
-    fault = TopicFault(name="jump", topic="clock", distortion="jump", shift=-1.0)
+    fault = TopicFault(name="jump", topic="clock", distortion="jump", shift=-1.0, named=False)
     given = {word for option, word in ros_of(command_for(fault, tmp_path)) if option == "-r"}
     assert given == {
         "policy_node:ego:=behind/ego",
@@ -74,8 +74,8 @@ def test_a_clock_jumps_for_policy_and_repair_and_their_answers_come_back(tmp_pat
 
 
 def test_a_fault_begins_where_the_campaign_says_or_after_its_own_time():
-    early = TopicFault(name="a", topic="ego", distortion="silent")
-    late = TopicFault(name="b", topic="ego", distortion="silent", after=5.0)
+    early = TopicFault(name="a", topic="ego", distortion="silent", named=False)
+    late = TopicFault(name="b", topic="ego", distortion="silent", named=False, after=5.0)
     campaign = campaign_of(topics=(early, late))
     for seed in range(20):
         assert 1.0 <= begin_of(campaign, FaultTrial(early, "lockstep", 1.0, seed)) <= 2.0

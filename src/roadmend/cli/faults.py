@@ -15,7 +15,7 @@ from roadmend.cli.options import JSON, RESULT_FOLDER, Number, settings_file
 from roadmend.cli.output import counting, show_rows
 from roadmend.core.journal import Entry, Journal, entry_key
 from roadmend.core.resources import config_folder
-from roadmend.faults.campaign import FILES, FaultCampaign, FaultTrial, load_campaign, trials_of
+from roadmend.faults.campaign import FILES, RATE_MAX, RATE_MIN, FaultCampaign, FaultTrial, load_campaign, trials_of
 from roadmend.faults.files import FileBench, FileTrial, Refused, file_trials
 from roadmend.faults.processes import end_all
 from roadmend.faults.refusal import file_table, refusal_rows
@@ -39,7 +39,7 @@ _CODE += ("roadmend.faults.trial",)
 )
 @settings_file("The campaign.  [default: config/faults/campaign.yaml]")
 @click.option("--count", type=click.IntRange(1, 1000), help="Runs of every row.  [default: the campaign's]")
-@click.option("--rate", "rates", type=Number(0.01, 100.0), multiple=True, help="Of real time; may be repeated.")
+@click.option("--rate", "rates", type=Number(RATE_MIN, RATE_MAX), multiple=True, help="Of real time; may be repeated.")
 @click.option(
     "--fault",
     "names",

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 
@@ -13,6 +13,8 @@ from roadmend.faults.fault import Clock, Fault, MethodFault, SignalFault, TopicF
 from roadmend.faults.files import FileCampaign
 
 BARE = "no fault"  # the row that all others are held against
+RATE_MIN, RATE_MAX = 0.01, 100.0  # of real time
+Rate = Annotated[float, Field(ge=RATE_MIN, le=RATE_MAX)]
 FILES = "files"  # what all rows of files are called where rows are chosen
 
 
@@ -29,7 +31,7 @@ class FaultCampaign(Parameters):
     first_scenario: int = Field(0, ge=0, description="seed of the first scenario")
     seeds: int = Field(3, ge=1, le=1000, description="runs of every row at every clock and rate")
     clocks: tuple[Clock, ...] = Field(("lockstep", "realtime"), min_length=1)
-    rates: tuple[float, ...] = Field((1.0,), min_length=1, description="of the real-time clock")
+    rates: tuple[Rate, ...] = Field((1.0,), min_length=1, description="of the real-time clock")
     one_rate: bool = Field(default=False, description="each row at one of the rates, by its name, not at all of them")
     earliest: float = Field(1.0, ge=0.0, description="[s] simulated: a fault comes at least this long after the start")
     latest: float = Field(4.0, gt=0.0, description="[s] simulated: and at most this long")

@@ -81,6 +81,8 @@ class TopicFault(Fault):
         check_distortion(self.topic, self.distortion)
         if (self.distortion == "late") != (self.late > 0) or (self.distortion == "jump") != (self.shift != 0.0):
             raise ValueError("late: is of the distortion 'late', and shift of 'jump'")
+        if self.named and not self.said:
+            raise ValueError("named: by what words? give declared or says, or named: false")
         return self
 
     @property
