@@ -8,6 +8,7 @@ import pytest
 
 from roadmend.core.errors import InputError
 from roadmend.faults.damage import BIG, DAMAGES
+from roadmend.faults.file_kinds import FILES
 from roadmend.faults.files import FileBench, FileCampaign, FileTrial, Refused, file_trials
 from roadmend.faults.refusal import FILE_HEADING, file_table, refusal_rows
 from roadmend.recording.info import bag_info
@@ -75,6 +76,22 @@ def test_a_refusal_in_a_line_is_right():
 )
 def test_each_of_these_is_not(changes, fault):
     assert judged(**changes) == [fault]
+
+
+def test_where_the_sound_file_is_refused_no_damaged_one_can_fail_which_is_a_fault():
+    refused = dataclasses.replace(GOOD, exit_code=2)
+    (row,) = refusal_rows([(FileTrial("corpus", ""), refused), (FileTrial("corpus", "endless"), GOOD)])
+    assert (row["safe"], row["faults"]) == (0, ["the sound file is refused"])
+
+
+@pytest.mark.graph
+@pytest.mark.slow
+@pytest.mark.timeout(900)
+def test_the_sound_file_of_every_kind_is_read():
+    bench = FileBench()
+    found = {kind: bench.give(FileTrial(kind, "")) for kind in FILES}
+    assert {kind: refused.stderr for kind, refused in found.items() if refused.exit_code != 0} == {}
+    assert all(refused.is_tree_whole for refused in found.values())
 
 
 def test_a_command_is_given_the_file_and_its_tree_is_looked_at(tmp_path, monkeypatch):

@@ -17,6 +17,7 @@ class FileKind:
         copied: place of a sound file in the folder config; empty where it is made.
         made: words of the commands that make one at {file}, or in a folder {made}.
         at: where in {made} it then lies.
+        beside: places in {made} of sound files that it names, which lie beside it under their own names.
         exits: codes of a refusal: commands that read many files end with 1 where they could not read one.
         may_pass: damages after which it may be read all the same.
     """
@@ -26,6 +27,7 @@ class FileKind:
     copied: str = ""
     made: Sequence[Sequence[str]] = ()
     at: str = ""
+    beside: Sequence[str] = ()
     exits: tuple[int, ...] = (2,)
     may_pass: tuple[str, ...] = VARIED
 
@@ -48,6 +50,7 @@ FILES = {
         ("evaluate", "--sumocfg", "{file}", "--egos", "1", "--time-limit", "3", "--out", "{out}"),
         made=_NETWORK,
         at="ring-0/ring-0.sumocfg",
+        beside=("ring-0/ring-0.net.xml", "ring-0/ring-0.rou.xml"),
     ),
     "repair model": FileKind(
         "f.safetensors", (*_DRIVE, "--repair", "{file}"), copied="models/adreft-modular.safetensors", may_pass=()
@@ -86,7 +89,10 @@ FILES = {
         may_pass=(*VARIED, "deep"),
     ),
     "crash scenario": FileKind(
-        "f.json", ("safe", "export", "{file}", "--out", "{out}"), made=_SAFE, at="straight.json"
+        "f.json",
+        ("safe", "build", "{file}", "--samples", "1", "--workers", "1", "--out", "{out}"),
+        made=_SAFE,
+        at="straight.json",
     ),
     "bank": FileKind("f.bank", ("sera", "bank", "show", "--bank", "{file}"), made=(_BANK,), at="a.bank"),
     "exported bank": FileKind(
@@ -99,5 +105,11 @@ FILES = {
     "bag to recover": FileKind(
         "f.mcap", ("bag", "recover", "{file}", "--out", "{out}"), made=(_RUN,), at="bag/bag_0.mcap"
     ),
-    "bag's metadata": FileKind("metadata.yaml", ("bag", "info", "{file}"), made=(_RUN,), at="bag/metadata.yaml"),
+    "bag's metadata": FileKind(
+        "metadata.yaml",
+        ("bag", "info", "{file}"),
+        made=(_RUN,),
+        at="bag/metadata.yaml",
+        beside=("bag/bag_0.mcap",),
+    ),
 }

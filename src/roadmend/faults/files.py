@@ -117,6 +117,8 @@ class FileBench:
             file = folder / "given" / kind.name
             file.parent.mkdir()
             save_scenario(sample_scenario("S3", 7), folder / "given" / SCENARIO)
+            for place in kind.beside:
+                (file.parent / Path(place).name).write_bytes(self._made[tuple(kind.made)][place])
             if trial.damage:
                 DAMAGES[trial.damage](file, self._sound[trial.kind], trial.seed)
             else:

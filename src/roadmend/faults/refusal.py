@@ -40,7 +40,7 @@ def _row(kind: str, damage: str, found: Sequence[Refused], sound: Refused) -> di
 
 
 def _faults(kind: FileKind, damage: str, refused: Refused, sound: Refused) -> list[str]:
-    faults = []
+    faults = ["the sound file is refused"] if sound.exit_code != 0 else []
     allowed = {*kind.exits, *((0, 1) if damage in kind.may_pass else ())}
     if refused.exit_code is None:
         faults.append("hung")
