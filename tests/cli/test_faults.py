@@ -40,11 +40,13 @@ def test_a_killed_policy_is_safe_and_reported_and_what_was_run_is_not_run_again(
     arguments = ["faults", "--config", str(file), "--out", str(tmp_path / "out"), "--page"]
     code = main([*arguments, "--json"])
     out, err = capsys.readouterr()
-    assert code == 0, err
     told = json.loads(out)
+    # On a busy machine the drive may be over before the signal is sent: that row then has no run, which is said.
+    assert code == told["too_late"], err
     bare, killed, distorted, *files = told["rows"]
     assert (bare["runs"], bare["safe"]) == (1, 1)
     assert killed["runs"] + told["too_late"] == 1
+    assert ("policy killed, lockstep x 1: the fault came too late in 1 of 1 runs" in err) == told["too_late"]
     assert killed["safe"] == killed["reported"] == killed["runs"]
     assert distorted["safe"] == distorted["reported"] == distorted["within_3_ticks"] == 1
     assert [(row["fault"], row["safe"]) for row in files] == [
@@ -55,7 +57,7 @@ def test_a_killed_policy_is_safe_and_reported_and_what_was_run_is_not_run_again(
     ]
     monkeypatch.setattr(command, "disturb", None)
     monkeypatch.setattr(command, "FileBench", lambda: None)
-    assert main(arguments) == 0
+    assert main(arguments) == code
     assert "policy killed" in capsys.readouterr().out
     for name in ("faults.md", "faults.html"):
         assert "policy killed" in (tmp_path / "out" / name).read_text()
@@ -96,6 +98,24 @@ def test_runs_at_once_are_told_in_the_order_of_their_rows(tmp_path, capsys, monk
     assert [run["seed"] for run in told["runs"]] == [0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3]
     assert [(row["fault"], row["runs"]) for row in told["rows"]] == [(name or "no fault", 4) for name in names[:3]]
     assert told["provenance"]["command"].endswith("--parallel 2")
+
+
+@pytest.mark.parametrize(("late", "code"), [({0}, 0), ({0, 1}, 1)])
+def test_faults_that_came_too_late_are_told_and_a_row_of_them_alone_is_none(tmp_path, capsys, monkeypatch, late, code):
+    file = tmp_path / "campaign.yaml"
+    file.write_text(CAMPAIGN[: CAMPAIGN.index("topics")].replace("seeds: 1", "seeds: 2"))
+
+    def pretended(_campaign, trial, _graph):
+        injected = trial.fault is None or trial.seed not in late
+        driven = Evidence(161, 0, is_declared=True)
+        said = 1 if trial.fault and injected else 0
+        return Disturbed(injected, said, "TIMEOUT", 3.0, True, False, (), True, False, driven, ())
+
+    monkeypatch.setattr(command, "disturb", pretended)
+    assert main(["faults", "--config", str(file), "--out", str(tmp_path / "out"), "--json"]) == code
+    out, err = capsys.readouterr()
+    assert json.loads(out)["too_late"] == len(late)
+    assert err == f"policy killed, lockstep x 1: the fault came too late in {len(late)} of 2 runs\n"
 
 
 @pytest.fixture

@@ -21,8 +21,7 @@ TRIAL = FaultTrial(FAULT, "lockstep", 1.0, 0)
 
 
 def judged(**changes):
-    found = judge([BARE, (TRIAL, dataclasses.replace(GOOD, **changes))])
-    return found[1] if len(found) > 1 else None
+    return judge([BARE, (TRIAL, dataclasses.replace(GOOD, **changes))])[1]
 
 
 def test_a_good_run_is_safe_and_reported():
@@ -93,7 +92,26 @@ def test_who_goes_on_again_is_named_by_the_state_where_it_must_be_declared():
 
 
 def test_a_fault_that_came_too_late_is_no_run():
-    assert judged(injected=False) is None
+    late = judged(injected=False, exit_code=0, named=False, evidence=None, outcome="COLLISION")
+    assert (late.faults, late.is_reported, late.is_new_collision) == ((), True, False)
+    (row,) = campaign_rows([late])
+    assert (row["runs"], row["safe"], row["reported"], row["collisions"]) == (0, 0, 0, 0)
+    assert all(len(line) == len(HEADING) for line in table([row]))
+
+
+@pytest.mark.parametrize(
+    ("changes", "fault"),
+    [
+        ({"exit_code": None}, "hung"),
+        ({"left": ("process sim_node",)}, "left process sim_node"),
+        ({"traceback": True}, "a bare traceback"),
+        ({"is_tree_whole": False}, "changed what it does not own"),
+    ],
+)
+def test_what_no_run_may_do_is_judged_of_one_whose_fault_came_too_late_too(changes, fault):
+    late = judged(injected=False, **changes)
+    assert late.faults == (fault,)
+    assert campaign_rows([late])[0]["faults"] == [fault]
 
 
 def test_the_row_tells_how_many_and_how_soon():

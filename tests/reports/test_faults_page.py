@@ -1,5 +1,7 @@
 """The page of a campaign: its tables, every run beside the undisturbed one, and what is not as it should be."""
 
+import dataclasses
+
 from roadmend.faults.campaign import FaultTrial
 from roadmend.faults.evidence import Evidence
 from roadmend.faults.fault import TopicFault
@@ -41,3 +43,10 @@ def test_what_is_not_as_it_should_be_comes_first(tmp_path):
     assert "no &lt;number&gt;, realtime x 2, seed 3: hung, not reported" in text
     assert "bag: cut: hung" in text
     assert text.index("Not as it should be") < text.index("In the running graph")
+
+
+def test_a_run_whose_fault_came_too_late_is_told_only_where_something_is_wrong_with_it(tmp_path):
+    late = dataclasses.replace(RUN, injected=False, distance=9.87)
+    trial = FaultTrial(FAULT, "lockstep", 1.0, 0)
+    assert "9.87" not in page(tmp_path, (trial, late))
+    assert "seed 0: hung" in page(tmp_path, (trial, dataclasses.replace(late, exit_code=None)))

@@ -2,6 +2,7 @@
 
 import json
 import uuid
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
@@ -71,7 +72,8 @@ def faults(
 
     Each run starts 'roadmend run' as anybody would, and disturbs it at a moment drawn by the seed: a signal to one of its
     nodes, messages that a relay distorts on their way, or a method that fails. Then it looks at the exit code, at what was
-    said, at what was left behind, and into the bag. The exit code is 1 if a run was not safe or a fault was not reported.
+    said, at what was left behind, and into the bag. The exit code is 1 if a run was not safe, or a fault was not reported
+    or came too late in every run of its row.
     """
     if with_page:  # before an hour of runs, not after them: it needs an extra
         from roadmend.reports.faults_page import write_page  # noqa: PLC0415
@@ -166,13 +168,23 @@ def _disturbed(campaign: FaultCampaign, trial: FaultTrial, token: str) -> Distur
 
 
 def _complain(judged: list[Judged], file_rows: list[dict[str, Any]]) -> bool:
-    """Say what is not as it should be; whether anything is not."""
+    """Say what is not as it should be; whether anything is not.
+
+    A run whose fault came too late is not wrong, but a row that has no other shows nothing.
+    """
+    rows = Counter(_row_of(each) for each in judged)
+    late = Counter(_row_of(each) for each in judged if not each.disturbed.injected)
+    for where, count in late.items():
+        click.echo(f"{where}: the fault came too late in {count} of {rows[where]} runs", err=True)
     wrong = [each for each in judged if each.faults or not each.is_reported]
     for each in wrong:
         why = ", ".join([*each.faults, *([] if each.is_reported else ["not reported"])])
-        where = f"{each.trial.row}, {each.trial.clock} x {each.trial.rate:g}, seed {each.trial.seed}"
-        click.echo(f"{where}: {why}", err=True)
+        click.echo(f"{_row_of(each)}, seed {each.trial.seed}: {why}", err=True)
     broken = [row for row in file_rows if row["faults"]]
     for row in broken:
         click.echo(f"{row['fault']}: {', '.join(row['faults'])}", err=True)
-    return bool(wrong or broken)
+    return bool(wrong or broken or any(count == rows[where] for where, count in late.items()))
+
+
+def _row_of(each: Judged) -> str:
+    return f"{each.trial.row}, {each.trial.clock} x {each.trial.rate:g}"

@@ -40,7 +40,7 @@ class Judged:
 
     Attributes:
         trial: what was run.
-        disturbed: what came of it.
+        disturbed: what came of it; where the fault came too late, the run counts in no column.
         faults: why it is not safe; empty if it is.
         is_reported: whether whoever must name the fault did.
         is_new_collision: whether it collided where the undisturbed run does not.
@@ -58,20 +58,15 @@ class Judged:
 def judge(runs: Sequence[tuple[FaultTrial, Disturbed]]) -> list[Judged]:
     """Judge the runs of a campaign, each against the undisturbed one of its clock, rate and seed."""
     bare = {_place(trial): disturbed for trial, disturbed in runs if trial.fault is None}
-    return [_judged(trial, disturbed, bare.get(_place(trial))) for trial, disturbed in runs if disturbed.injected]
+    return [_judged(trial, disturbed, bare.get(_place(trial))) for trial, disturbed in runs]
 
 
 def _judged(trial: FaultTrial, disturbed: Disturbed, bare: Disturbed | None) -> Judged:
-    fault, faults = trial.fault, []
-    if disturbed.exit_code is None:
-        faults.append("hung")
-    elif disturbed.exit_code not in (fault.exits if fault else (0,)):
+    fault, faults = trial.fault, _left_behind(disturbed)
+    if not disturbed.injected:  # of such a run there is no more to be said
+        return Judged(trial, disturbed, tuple(faults), is_reported=True, is_new_collision=False, undisturbed=bare)
+    if disturbed.exit_code is not None and disturbed.exit_code not in (fault.exits if fault else (0,)):
         faults.append(f"exit code {disturbed.exit_code}")
-    faults += [f"left {each}" for each in disturbed.left]
-    if disturbed.traceback:
-        faults.append("a bare traceback")
-    if not disturbed.is_tree_whole:
-        faults.append("changed what it does not own")
     if disturbed.evidence is None and (fault is None or fault.is_driven):
         faults.append("lost the bag")
     if fault is not None and not fault.is_driven and len(disturbed.stderr) != 1:
@@ -81,6 +76,17 @@ def _judged(trial: FaultTrial, disturbed: Disturbed, bare: Disturbed | None) -> 
         faults.append("collided")
     is_reported = fault is None or _is_reported(fault, trial.clock, disturbed)
     return Judged(trial, disturbed, tuple(faults), is_reported, is_new, bare)
+
+
+def _left_behind(disturbed: Disturbed) -> list[str]:
+    """What no run may do, with a fault or without one."""
+    faults = ["hung"] if disturbed.exit_code is None else []
+    faults += [f"left {each}" for each in disturbed.left]
+    if disturbed.traceback:
+        faults.append("a bare traceback")
+    if not disturbed.is_tree_whole:
+        faults.append("changed what it does not own")
+    return faults
 
 
 def _is_reported(fault: Fault, clock: str, disturbed: Disturbed) -> bool:
@@ -100,18 +106,19 @@ def _is_reported(fault: Fault, clock: str, disturbed: Disturbed) -> bool:
 
 
 def campaign_rows(judged: Sequence[Judged]) -> list[dict[str, Any]]:
-    """One entry for each fault, clock and rate."""
+    """One entry for each fault, clock and rate; runs in which the fault came too late are in its ``faults`` alone."""
     groups: dict[tuple[str, str, float], list[Judged]] = {}
     for each in judged:
         groups.setdefault((each.trial.row, each.trial.clock, each.trial.rate), []).append(each)
     return [_row(*key, found) for key, found in groups.items()]
 
 
-def _row(name: str, clock: str, rate: float, judged: Sequence[Judged]) -> dict[str, Any]:
+def _row(name: str, clock: str, rate: float, found: Sequence[Judged]) -> dict[str, Any]:
+    judged = [each for each in found if each.disturbed.injected]
     evidence = [each.disturbed.evidence for each in judged if each.disturbed.evidence]
     states = [one.to_state for one in evidence if one.to_state is not None]
     stops = [one.to_standstill for one in evidence if one.to_standstill is not None]
-    fault = judged[0].trial.fault
+    fault = found[0].trial.fault
     must = [one for one in evidence if fault and fault.declared and fault.prompt and one.silence is not None]
     limit = STATE_TICKS * INTERVAL + 1e-6
     return {
@@ -133,7 +140,7 @@ def _row(name: str, clock: str, rate: float, judged: Sequence[Judged]) -> dict[s
         "recovered": sum(each.disturbed.recovered for each in judged),
         "collisions": sum(collided(each.disturbed) for each in judged),
         "new_collisions": sum(each.is_new_collision for each in judged),
-        "faults": sorted({text for each in judged for text in each.faults}),
+        "faults": sorted({text for each in found for text in each.faults}),
     }
 
 

@@ -60,7 +60,7 @@ def write_page(
         rows=tables[0] if judged else [],
         meanings=[f"{name}: {meaning}" for name, meaning in MEANINGS.items()],
         files=tables[1],
-        runs=[_RUNS, *map(_cells, judged)],
+        runs=[_RUNS, *(_cells(each) for each in judged if each.disturbed.injected)],
         made=origin(made),
     )
     write_texts(folder, {_NAME: text})
