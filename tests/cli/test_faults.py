@@ -10,14 +10,24 @@ import threading
 import time
 from pathlib import Path
 
+import click
 import pytest
 
 from roadmend.cli import faults as command
-from roadmend.cli.main import main
+from roadmend.cli.main import cli, main
+from roadmend.core.journal import Key
+from roadmend.core.resources import config_folder
+from roadmend.faults import staging
+from roadmend.faults.campaign import FaultCampaign
 from roadmend.faults.evidence import Evidence
+from roadmend.faults.fault import MethodFault, SignalFault
+from roadmend.faults.file_kinds import FILES
+from roadmend.faults.files import FileCampaign
 from roadmend.faults.processes import left_of
 from roadmend.faults.trial import Disturbed
+from roadmend.nodes.graph_options import NODES
 
+KILLED = SignalFault(name="killed", node="policy", signal="KILL")
 CAMPAIGN = """
 repair: rss
 families: [S3]
@@ -98,6 +108,40 @@ def test_runs_at_once_are_told_in_the_order_of_their_rows(tmp_path, capsys, monk
     assert [run["seed"] for run in told["runs"]] == [0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3]
     assert [(row["fault"], row["runs"]) for row in told["rows"]] == [(name or "no fault", 4) for name in names[:3]]
     assert told["provenance"]["command"].endswith("--parallel 2")
+
+
+def test_a_run_goes_by_the_models_that_it_is_made_with(monkeypatch, tmp_path):
+    campaign = FaultCampaign(signals=(KILLED,), methods=(MethodFault(name="cut", method="cut", exits=(2,)),))
+    before = command._run_keys(campaign)
+    with monkeypatch.context() as other:
+        other.setattr(command, "driver_key", lambda *names: Key(f"another model of {names}"))
+        after = command._run_keys(campaign)
+        assert not {*before.values()} & {*after.values()}
+    (tmp_path / "models").mkdir()
+    for file in (config_folder() / "models").glob("*-modular.safetensors"):
+        (tmp_path / "models" / file.name).write_bytes(file.read_bytes() + b"1")
+    monkeypatch.setattr(staging, "config_folder", lambda: tmp_path)
+    changed = {trial.row for trial, key in command._run_keys(campaign).items() if key != before[trial]}
+    assert changed == {"cut"}
+
+
+def test_the_code_of_every_node_and_of_every_command_that_is_given_a_file_counts():
+    assert {f"roadmend.nodes.{entry.node}" for entry in NODES} - {"roadmend.nodes.foxglove"} < {*command._CODE}
+    for kind in FILES.values():
+        for words in filter(None, (kind.read, *kind.made)):
+            found, names = cli, [*words]
+            while isinstance(found, click.Group):
+                found = found.get_command(click.Context(found), names.pop(0))
+            assert found.callback.__module__ in command._FILE_CODE
+
+
+def test_a_file_goes_by_what_drives_in_the_commands(monkeypatch):
+    campaign = FaultCampaign(files=FileCampaign(kinds=("corpus",)))
+    before = command._file_keys(campaign)
+    monkeypatch.setattr(command, "driver_key", lambda *names: Key(f"another model of {names}"))
+    after = command._file_keys(campaign)
+    assert before.keys() == after.keys()
+    assert not {*before.values()} & {*after.values()}
 
 
 @pytest.mark.parametrize(("late", "code"), [({0}, 0), ({0, 1}, 1)])

@@ -14,14 +14,18 @@ from roadmend.cli.call import call_again
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.options import JSON, RESULT_FOLDER, Number, settings_file
 from roadmend.cli.output import counting, show_rows
-from roadmend.core.journal import Entry, Journal, entry_key
+from roadmend.core.journal import Entry, Journal, Key, entry_key
 from roadmend.core.resources import config_folder
 from roadmend.faults.campaign import FILES, RATE_MAX, RATE_MIN, FaultCampaign, FaultTrial, load_campaign, trials_of
+from roadmend.faults.fault import MethodFault
 from roadmend.faults.files import FileBench, FileTrial, Refused, file_trials
 from roadmend.faults.processes import end_all
 from roadmend.faults.refusal import file_table, refusal_rows
+from roadmend.faults.staging import METHOD, model_digests
 from roadmend.faults.trial import Disturbed, disturb
 from roadmend.faults.verdict import Judged, campaign_rows, judge, table
+from roadmend.measures.driver import driver_key
+from roadmend.measures.fitting import fitting
 from roadmend.nodes.domain import own_domain
 from roadmend.nodes.loopback import reach
 from roadmend.reports.result_files import provenance, write_report
@@ -29,8 +33,13 @@ from roadmend.reports.result_files import provenance, write_report
 TITLE = "Faults in the running graph, and damaged files"
 _FORMAT = "roadmend-faults/2"
 _MARK = "ROADMEND_CAMPAIGN"  # environment variable by which a call's processes are found
-_CODE = tuple(f"roadmend.nodes.{name}" for name in ("launcher", "policy", "recorder", "relay", "repair", "sim"))
-_CODE += ("roadmend.faults.trial",)
+_CODE = tuple(f"roadmend.nodes.{name}" for name in ("launcher", "policy", "recorder", "relay", "repair", "sim", "viz"))
+_CODE += ("roadmend.faults.trial", "roadmend.cli.run")
+_FILE_CODE = tuple(
+    f"roadmend.cli.{name}"
+    for name in ("main", "bag", "corpus", "evaluate", "networks", "run", "safe", "search", "sera_bank")
+)
+_FILE_CODE += (*_CODE, "roadmend.faults.files")
 
 
 @click.command(
@@ -80,19 +89,17 @@ def faults(
     campaign = _chosen(load_campaign(file or config_folder() / "faults" / "campaign.yaml"), names, count, rates)
     runs: list[tuple[FaultTrial, Disturbed]]
     refused: list[tuple[FileTrial, Refused]] = []
-    settings = campaign.model_dump(mode="json", include={*_SETTINGS})
+    keys, file_keys = _run_keys(campaign), _file_keys(campaign)
     with Journal(out / "runs.jsonl", _FORMAT, owns_folder=True) as journal, counting() as progress:
-        keys = {trial: entry_key(_CODE, settings, trial.as_dict()) for trial in trials_of(campaign)}
         missing = [trial for trial, key in keys.items() if journal.get(key) is None]
         task = progress.add_task("runs", total=len(keys), completed=len(keys) - len(missing))
         for trial, disturbed in _all_disturbed(campaign, missing, parallel):
             journal.add(keys[trial], disturbed.as_dict())
             progress.update(task, advance=1)
         runs = [(trial, Disturbed.parse(journal.get(key) or {})) for trial, key in keys.items()]
-        given = file_trials(campaign.files) if campaign.files is not None else []
-        task, bench = progress.add_task("files", total=len(given)), FileBench()
-        for one in given:
-            entry = _kept(journal, entry_key(_CODE, one.as_dict()), lambda: bench.give(one).as_dict())  # noqa: B023
+        task, bench = progress.add_task("files", total=len(file_keys)), FileBench()
+        for one, key in file_keys.items():
+            entry = _kept(journal, key, lambda: bench.give(one).as_dict())  # noqa: B023
             refused.append((one, Refused.parse(entry)))
             progress.update(task, advance=1)
     judged = judge(runs)
@@ -135,6 +142,29 @@ def _chosen(
     if count is not None:
         campaign = campaign.model_copy(update={"seeds": count})
     return campaign.model_copy(update={"rates": rates}) if rates else campaign
+
+
+def _run_keys(campaign: FaultCampaign) -> dict[FaultTrial, Key]:
+    """The runs of the graph, each with what decides it."""
+    if not campaign.faults:
+        return {}
+    settings = campaign.model_dump(mode="json", include={*_SETTINGS})
+    driver = driver_key(campaign.policy, campaign.repair, fitting(campaign.repair, campaign.policy))
+    spoilt = [driver_key(campaign.policy, METHOD), *model_digests()] if campaign.methods else []
+    return {
+        trial: entry_key(
+            _CODE, driver, spoilt if isinstance(trial.fault, MethodFault) else [], settings, trial.as_dict()
+        )
+        for trial in trials_of(campaign)
+    }
+
+
+def _file_keys(campaign: FaultCampaign) -> dict[FileTrial, Key]:
+    """The files, each with what decides what comes of it."""
+    if campaign.files is None:
+        return {}
+    drivers = [driver_key("modular", "adreft"), driver_key("ego_mlp")]  # of the kinds' commands
+    return {one: entry_key(_FILE_CODE, drivers, one.as_dict()) for one in file_trials(campaign.files)}
 
 
 def _kept(journal: Journal, key: Any, make: Callable[[], Entry]) -> Entry:

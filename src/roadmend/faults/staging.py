@@ -1,6 +1,7 @@
 """How a fault gets into a run: what ``roadmend run`` is told, who is put between its nodes, and which files it is given."""
 
 import contextlib
+import hashlib
 import json
 import math
 import random
@@ -21,6 +22,7 @@ from roadmend.recording.messages import NANOSECONDS
 
 TOUCHED = "touched.json"  # what the relay, or the method, leaves when it begins to disturb
 _SILENCES = frozenset({RepairStatus.STALE_COMMAND.name, RepairStatus.STALE_OBJECTS.name})
+METHOD = "adreft"  # whose model is spoilt
 _MODEL = "adreft-modular.safetensors"
 _FOREIGN_MODEL = "self_oracle-modular.safetensors"
 _METHOD = '''"""A repair method that fails for a while; written by a campaign of faults."""
@@ -76,6 +78,12 @@ def run_command(campaign: FaultCampaign, trial: FaultTrial, scenario: Path, fold
     if fault is None or getattr(fault, "node", "") != "viz":
         command += ["--no-viz"]
     return command + (["--ros-args", *ros] if ros else [])
+
+
+def model_digests() -> list[str]:
+    """SHA-256 of the files that the spoilt models are made of."""
+    folder = config_folder() / "models"
+    return [hashlib.sha256((folder / name).read_bytes()).hexdigest() for name in (_MODEL, _FOREIGN_MODEL)]
 
 
 def distortion_of(campaign: FaultCampaign, trial: FaultTrial) -> Distortion:
@@ -214,4 +222,4 @@ def _broken(campaign: FaultCampaign, trial: FaultTrial, fault: MethodFault, fold
         content = content[: len(content) // 2]
     if fault.method != "missing":
         model.write_bytes(content)
-    return "adreft", ["-p", f"repair_node:adreft.model:={json.dumps(str(model))}"]
+    return METHOD, ["-p", f"repair_node:{METHOD}.model:={json.dumps(str(model))}"]
