@@ -127,6 +127,7 @@ def test_what_cannot_be_used_is_one_line_and_exit_code_2(name, content, words, t
     code, _, error = run(capsys, "safe", "build", tmp_path / name, "--out", tmp_path / "out", "--workers", 1)
     assert code == 2
     assert words in error
+    assert error.count("\n") == 1
     assert "Traceback" not in error
     assert not (tmp_path / "out").exists()
 

@@ -70,6 +70,8 @@ def open_cases(paths: Sequence[Path]) -> list[CrashCase]:
     """
     cases = gather_cases(paths)
     problems = [case for case in cases if case.crash is None]
+    if len(cases) == len(problems) == 1:  # all that there is to say is a line
+        raise InputError(str(paths[0]), "not one crash could be read", problems[0].problem)
     for case in problems:
         click.echo(f"{case.name}: {case.problem}", err=True)
     if len(problems) == len(cases):
