@@ -107,7 +107,7 @@ FILES = {
     ),
     "bag's metadata": FileKind(
         "metadata.yaml",
-        ("bag", "info", "{file}"),
+        ("bag", "convert", "{file}", "--out", "{out}"),
         made=(_RUN,),
         at="bag/metadata.yaml",
         beside=("bag/bag_0.mcap",),
