@@ -8,7 +8,6 @@ import pytest
 
 from roadmend.core.errors import InputError
 from roadmend.faults.damage import BIG, DAMAGES
-from roadmend.faults.file_kinds import FILES
 from roadmend.faults.files import FileBench, FileCampaign, FileTrial, Refused, file_trials
 from roadmend.faults.refusal import FILE_HEADING, file_table, refusal_rows
 from roadmend.recording.info import bag_info
@@ -85,13 +84,10 @@ def test_where_the_sound_file_is_refused_no_damaged_one_can_fail_which_is_a_faul
 
 
 @pytest.mark.graph
-@pytest.mark.slow
-@pytest.mark.timeout(900)
-def test_the_sound_file_of_every_kind_is_read():
-    bench = FileBench()
-    found = {kind: bench.give(FileTrial(kind, "")) for kind in FILES}
-    assert {kind: refused.stderr for kind, refused in found.items() if refused.exit_code != 0} == {}
-    assert all(refused.is_tree_whole for refused in found.values())
+@pytest.mark.parametrize("kind", ["SUMO configuration", "crash scenario", "bag's metadata"])
+def test_a_sound_file_is_read_with_what_lies_beside_it(kind):  # those of the other kinds, in every campaign
+    refused = FileBench().give(FileTrial(kind, ""))
+    assert (refused.exit_code, refused.is_tree_whole) == (0, True), refused.stderr
 
 
 def test_a_command_is_given_the_file_and_its_tree_is_looked_at(tmp_path, monkeypatch):
