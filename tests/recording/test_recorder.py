@@ -242,7 +242,7 @@ def test_a_full_disk_is_reported_and_the_graph_goes_on(record, publish, tmp_path
         time.sleep(0.2)
     time.sleep(1.2)  # one more report, with what was dropped since
     code, errors = stop(recorder)
-    assert code == 1
+    assert code == 1, errors
     assert errors.splitlines()[-1] == f"roadmend: {line}"
     assert stop(witness)[0] == 0
     assert not (tmp_path / "bag" / "metadata.yaml").exists()
@@ -252,7 +252,7 @@ def test_a_full_disk_is_reported_and_the_graph_goes_on(record, publish, tmp_path
     values = {pair.key: int(pair.value) for pair in last.values if pair.key.startswith("messages")}
     assert values["messages dropped"] > 0
     recovery = recover(tmp_path / "bag", tmp_path / "back")
-    assert 0 < recovery.count <= values["messages"]
+    assert 0 < recovery.count <= values["messages"] + 1  # that at which the writing failed may be there whole
 
 
 def test_files_of_a_size_and_of_a_duration(record, publish, tmp_path):

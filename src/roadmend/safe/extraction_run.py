@@ -1,5 +1,6 @@
 """Extraction of many reports: side by side, and resumable."""
 
+import contextlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -96,7 +97,8 @@ def _extract_one(path: Path, extractor: Extractor, settings: Sequence[str], out:
 def _remove_results(out: Path, case: str) -> None:
     """Take away what an earlier call read, with other settings or of another text: what fails now shall not leave it."""
     for ending in (".evidence.json", ".json", ".html"):
-        (out / f"{case}{ending}").unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # who writes there next says what is wrong with the folder
+            (out / f"{case}{ending}").unlink()
 
 
 def _known(out: Path, case: str, key: str) -> Extracted | None:
