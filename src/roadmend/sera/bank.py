@@ -30,7 +30,7 @@ from roadmend.sera.bank_file import (
 from roadmend.sera.descriptor import BankEntry, Descriptor
 from roadmend.sera.embedding import DEFAULT, Embedder, Vectors, check_embedder, fit_embedder, load_embedder
 from roadmend.sera.filters import Bits, Filters, facet_bits
-from roadmend.sera.near_equality import nearly_equal, skeleton
+from roadmend.sera.near_equality import content_digest, nearly_equal, skeleton
 from roadmend.sera.pattern import FailurePattern
 from roadmend.sera.vector_index import Mask, VectorIndex
 from roadmend.sera.words import words_of_pattern
@@ -119,19 +119,15 @@ def _like(connection: sqlite3.Connection, entry: BankEntry) -> tuple[str | None,
     if row is not None or entry.scenario is None:
         return None, None if row is None else int(row[0]), True
     shape, numbers = skeleton(entry.scenario)
+    content = content_digest(entry.scenario)
     near: int | None = None
     for number, other in read_entries(connection, "WHERE skeleton = ?", (shape,)):
         assert other.scenario is not None
-        if _are_same(entry.scenario, other.scenario):
+        if content_digest(other.scenario) == content:
             return shape, number, True
         if near is None and nearly_equal(numbers, skeleton(other.scenario)[1]):
             near = number
     return shape, near, False
-
-
-def _are_same(one: Scenario, other: Scenario) -> bool:
-    """Whether two scenarios differ in nothing but their names."""
-    return one.model_copy(update={"name": other.name}).digest == other.digest
 
 
 def _add_outcomes(connection: sqlite3.Connection, number: int, entry: BankEntry) -> None:
@@ -266,10 +262,9 @@ class Bank:
             number for (number,) in self._connection.execute("SELECT number FROM entries WHERE digest = ?", (digest,))
         ]
         if not isinstance(wanted, str):
+            content = content_digest(wanted)
             alike = read_entries(self._connection, "WHERE skeleton = ?", (skeleton(wanted)[0],))
-            found += [
-                number for number, each in alike if each.scenario is not None and _are_same(wanted, each.scenario)
-            ]
+            found += [number for number, each in alike if each.scenario and content_digest(each.scenario) == content]
         return found
 
     def entry(self, number: int) -> BankEntry:

@@ -7,6 +7,7 @@ from typing import Self
 
 from roadmend.core.bounded_file import open_regular
 from roadmend.core.errors import InputError
+from roadmend.sera.near_equality import content_digest
 from roadmend.world.corpus import load_corpus
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario import Scenario
@@ -34,11 +35,6 @@ class Known:
     def holds(self, scenario: Scenario) -> bool:
         """Whether the scenario is among them, under whatever name."""
         return scenario.digest in self.digests or content_digest(scenario) in self.contents
-
-
-def content_digest(scenario: Scenario) -> str:
-    """The digest of a scenario without its name."""
-    return scenario.model_copy(update={"name": "scenario"}).digest
 
 
 def sampled_set(count: int, first_seed: int) -> list[Scenario]:

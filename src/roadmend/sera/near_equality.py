@@ -1,4 +1,4 @@
-"""Scenarios that differ in nothing but a little in their numbers, their name and their seed."""
+"""Scenarios that differ in nothing but their name, or a little in their numbers, and their seed."""
 
 import hashlib
 import json
@@ -8,6 +8,11 @@ from roadmend.world.scenario import Scenario
 
 TOLERANCE = 0.02  # of a number, of 1 for those below
 _NUMBER = "number"
+
+
+def content_digest(scenario: Scenario) -> str:
+    """The digest of a scenario without its name."""
+    return scenario.model_copy(update={"name": "scenario"}).digest
 
 
 def skeleton(scenario: Scenario) -> tuple[str, tuple[float, ...]]:

@@ -39,7 +39,7 @@ def _measure(raw: Floats, objects: Objects, interval: float) -> None:
         one.yaw, one.speed = heading, raw[index, 3]
 
 
-class _Source(IntEnum):
+class _Origin(IntEnum):
     """Where a participant is read from: SUMO's vehicles and persons are named apart, and both may be called "0"."""
 
     VEHICLE = 0
@@ -47,7 +47,7 @@ class _Source(IntEnum):
     OBSTACLE = 2
 
 
-_Row = tuple[_Source, str]
+_Row = tuple[_Origin, str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,7 +170,7 @@ class Participants:
             if (there_x - x) ** 2 + (there_y - y) ** 2 <= reach and name != self._ego_name:
                 if self._elsewhere and vehicle.getRoadID(name) in self._elsewhere:
                     continue
-                rows.append((_Source.VEHICLE, name))
+                rows.append((_Origin.VEHICLE, name))
                 values += (there_x, there_y, angle(name), speed(name))
         if self._with_persons:
             person = libsumo.person
@@ -179,12 +179,12 @@ class Participants:
                 if (there_x - x) ** 2 + (there_y - y) ** 2 <= reach:
                     if person.getVehicle(name) or person.getRoadID(name) in self._elsewhere:
                         continue  # a passenger is part of the vehicle
-                    rows.append((_Source.PERSON, name))
+                    rows.append((_Origin.PERSON, name))
                     values += (there_x, there_y, person.getAngle(name), person.getSpeed(name))
         for name, pose in self._obstacles.items():
             if math.hypot(pose.x - x, pose.y - y) <= farthest + self._radii[name]:
                 ahead_x, ahead_y = 0.5 * pose.length * math.cos(pose.yaw), 0.5 * pose.length * math.sin(pose.yaw)
-                rows.append((_Source.OBSTACLE, name))
+                rows.append((_Origin.OBSTACLE, name))
                 values += (pose.x + ahead_x, pose.y + ahead_y, 90.0 - math.degrees(pose.yaw), 0.0)
         return tuple(rows), values
 
@@ -203,22 +203,22 @@ class Participants:
             one["yaw"] = math.nan
         self._objects, self._rows = ObjectList(table), rows
         self._ranges = np.array(
-            [self._range + (self._radii[name] if source is _Source.OBSTACLE else 0.0) for source, name in rows]
+            [self._range + (self._radii[name] if source is _Origin.OBSTACLE else 0.0) for source, name in rows]
         )
         self._names = tuple(self._name_of(*row) for row in rows)
         self._named |= {name: self._fixed[row] for name, row in zip(self._names, rows, strict=True)}
 
-    def _name_of(self, source: _Source, name: str) -> str:
+    def _name_of(self, source: _Origin, name: str) -> str:
         """SUMO's name, but no vehicle's for a person: by a name SUMO is told of a vehicle."""
-        is_taken = name == self._ego_name or (_Source.VEHICLE, name) in self._fixed
-        return f"person {name}" if source is _Source.PERSON and is_taken else name
+        is_taken = name == self._ego_name or (_Origin.VEHICLE, name) in self._fixed
+        return f"person {name}" if source is _Origin.PERSON and is_taken else name
 
-    def _look_up(self, source: _Source, name: str) -> _Fixed:
+    def _look_up(self, source: _Origin, name: str) -> _Fixed:
         number = len(self._fixed) + 1
-        if source is _Source.OBSTACLE:
+        if source is _Origin.OBSTACLE:
             pose = self._obstacles[name]
             return _Fixed(number, int(ObjectKind.UNKNOWN), pose.length, pose.width)
-        if source is _Source.PERSON:
+        if source is _Origin.PERSON:
             # A person's outline is a body, not the point that SUMO walks; its position is its centre.
             return _Fixed(number, int(ObjectKind.PEDESTRIAN), PEDESTRIAN_LENGTH, PEDESTRIAN_WIDTH)
         kind = KINDS.get(libsumo.vehicle.getVehicleClass(name), ObjectKind.UNKNOWN)

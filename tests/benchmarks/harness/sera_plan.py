@@ -13,7 +13,7 @@ from roadmend.core.settings import check_settings
 from roadmend.core.yaml_file import read_fields
 from roadmend.sera.describe import entry_of, entry_of_case
 from roadmend.sera.descriptor import BankEntry
-from roadmend.sera.evaluation_set import Known, content_digest
+from roadmend.sera.evaluation_set import Known
 from roadmend.world.corpus import Corpus, load_corpus
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario import Scenario
@@ -118,10 +118,7 @@ def bank_entries(plan: SetPlan, config: Path, known: Known) -> Iterator[BankEntr
 
 def known_scenarios(evaluated: Sequence[Evaluated]) -> Known:
     """Digests of the evaluation set, for what must be disjoint from it."""
-    scenarios = [each.scenario for each in evaluated]
-    return Known(
-        frozenset(scenario.digest for scenario in scenarios), frozenset(content_digest(each) for each in scenarios)
-    )
+    return Known.of([each.scenario for each in evaluated])
 
 
 def halves(evaluated: Sequence[Evaluated], seed: int) -> tuple[list[Evaluated], list[Evaluated]]:
