@@ -73,3 +73,12 @@ def test_another_crash_than_the_described_one_is_called_the_nearest():
     assert not found.own.is_reproduced
     assert f"-{NEAREST}-" in found.scenario.name
     assert "not v1 and v2" in found.outcome
+
+
+@pytest.mark.parametrize("report", ["crash 1", "../crash"])
+def test_the_nearest_has_a_name_that_a_scenario_may_have_whatever_the_report_is_called(report, tmp_path):
+    found = reproduce(role(ALL["pile-up"], 0, report), "modular", 6)
+    assert f"-{NEAREST}-" in found.scenario.name, found.outcome
+    save_scenario(found.scenario, tmp_path / "out" / f"{found.scenario.name}.yaml")
+    assert load_scenario(tmp_path / "out" / f"{found.scenario.name}.yaml") == found.scenario
+    assert [each.name for each in tmp_path.iterdir()] == ["out"]

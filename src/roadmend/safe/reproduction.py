@@ -9,7 +9,7 @@ import numpy as np
 
 from roadmend.core.errors import RoadmendError
 from roadmend.core.tick import INTERVAL
-from roadmend.safe.construction import CrashRole, build_scenario, generator_of
+from roadmend.safe.construction import CrashRole, build_scenario, generator_of, plain_name
 from roadmend.safe.described_crash import record_of, why_not_played
 from roadmend.safe.judge import judge
 from roadmend.safe.layout import lay_out
@@ -113,7 +113,8 @@ def reproduce(role: CrashRole, policy: str, budget: int, seed: int = 0) -> Crash
     if found is None:
         return CrashReproduction(role.report, role.number, policy, budget, None, said)
     said = "; ".join(found.own.failed.values())
-    closest = found.scenario.model_copy(update={"name": f"{role.report}-{role.name}-{NEAREST}-{policy}"})
+    name = plain_name(f"{role.report}-{role.name}-{NEAREST}-{policy}")  # a copy is not validated
+    closest = found.scenario.model_copy(update={"name": name})
     return CrashReproduction(role.report, role.number, policy, budget, closest, said, found.trial, found.own)
 
 
