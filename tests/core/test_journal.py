@@ -80,6 +80,31 @@ def test_other_code_and_other_formats_are_refused(path):
     assert "holds work of other code, or of another model" in refusal(new, settings={"code": "abd"})
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        '{"run": 1, "score": 0.93}',
+        '{"run": 1}\n{"run": 2}\n{"run": 3}',
+        '{"format": "other/1"}\n{"key": "a"}\n{"key"',
+        '{"format": "roadmend-test/1", "family": "S4"',
+        "a,b\n1,2\n3,4",
+        "x",
+    ],
+)
+def test_a_file_of_somebody_else_stays_as_it_is_to_the_last_letter(path, text):
+    path.write_text(text)
+    refusal(path)
+    assert path.read_text() == text
+
+
+def test_a_damaged_file_keeps_its_last_line(path):
+    with path.open("a") as file:
+        file.write("nonsense\n{")
+    before = path.read_bytes()
+    assert "line 5: is damaged" in refusal(path)
+    assert path.read_bytes() == before
+
+
 @pytest.mark.parametrize("line", ["{}", "[]", "7", "nonsense", '{"kex": "a"}', '{"key": ["a"]}'])
 def test_a_damaged_line_is_named(path, line):
     with path.open("a") as file:

@@ -52,7 +52,8 @@ class Journal:
     """A file of JSON lines, open in one process at a time: the format and the settings, then one line an entry.
 
     Lines are only ever added, each with one write; a line that an interruption cut short is dropped at the next
-    opening. Of entries with one key the last one counts.
+    opening, once the first line has said that the file is a journal of this kind: a refused file stays as it is. Of
+    entries with one key the last one counts.
     """
 
     def __init__(
@@ -112,7 +113,7 @@ class Journal:
         self._entries[key] = dict(entry)
 
     def _write(self, content: Mapping[str, Any]) -> None:
-        line = (json.dumps(content) + "\n").encode()
+        line = _line(content)
         try:
             fits = self._file.write(line) == len(line)
         except OSError as error:
@@ -131,8 +132,8 @@ class Journal:
         self._file.seek(0)
         content = self._file.readall() or b""
         whole = content[: content.rfind(b"\n") + 1]
-        if len(whole) < len(content):
-            self._file.truncate(len(whole))
+        if not whole and not _line(head).startswith(content):  # somebody's file without a line end, no head cut short
+            raise self._other(head)
         entries: dict[Key, Entry] = {}
         for number, line in enumerate(whole.splitlines(), 1):
             try:
@@ -146,6 +147,8 @@ class Journal:
                     entries[Key(values.pop(KEY))] = values
             except (TypeError, KeyError, AttributeError):
                 raise self.damaged(number) from None
+        if len(whole) < len(content):
+            self._file.truncate(len(whole))
         if not whole:
             self._write(head)
         return entries
@@ -156,10 +159,17 @@ class Journal:
 
     def _check(self, found: Mapping[str, Any], head: Mapping[str, Any]) -> None:
         if found.get("format") != head["format"]:
-            raise InputError(str(self.path), f"is not of the format {head['format']}", "choose another folder")
+            raise self._other(head)
         for name in {**found, **head}:
             if found.get(name) != head.get(name):
                 what = f"holds work with {name} {found.get(name)!r}, not {head.get(name)!r}"
                 if name == _CODE:
                     what = "holds work of other code, or of another model"
                 raise InputError(str(self.path), what, "choose another folder or the same settings")
+
+    def _other(self, head: Mapping[str, Any]) -> InputError:
+        return InputError(str(self.path), f"is not of the format {head['format']}", "choose another folder")
+
+
+def _line(content: Mapping[str, Any]) -> bytes:
+    return (json.dumps(content) + "\n").encode()
