@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from roadmend.core.errors import InputError
+from roadmend.core.errors import InputError, SimulationError
+from roadmend.safe import driving
 from roadmend.safe.cases import CrashCase
 from roadmend.safe.driving import Task
 from roadmend.safe.planning import do_all, plan
@@ -29,6 +30,31 @@ def test_a_call_with_another_seed_does_not_leave_its_scenarios_to_the_first_one(
     assert build(tmp_path, 1) == ([1, 1], 2)
     next((tmp_path / "scenarios").iterdir()).unlink()
     assert build(tmp_path, 1) == ([1, 1], 1)
+
+
+@pytest.mark.parametrize("error", [SimulationError("the disk is full"), MemoryError()])
+def test_what_failed_is_done_again_by_the_next_call(error, tmp_path, monkeypatch):
+    def fail(*_):
+        raise error
+
+    jobs = plan(Task.BUILD, [CrashCase("head-on", HEAD_ON)], [""], tmp_path)
+    with monkeypatch.context() as patch:
+        patch.setattr(driving, "draw_scenario", fail)
+        assert all(each.note and not each.scenario for each in do_all(jobs, tmp_path, 1, int))
+    assert build(tmp_path, 0) == ([0, 0], 0)
+    next((tmp_path / "scenarios").iterdir()).unlink()
+    with monkeypatch.context() as patch:
+        patch.setattr(driving, "draw_scenario", fail)
+        assert sum(not each.scenario for each in do_all(jobs, tmp_path, 1, int)) == 1, "not the lost one's old result"
+    assert build(tmp_path, 0) == ([0, 0], 1)
+
+
+def test_a_folder_that_cannot_be_written_ends_the_call_and_is_no_result(tmp_path):
+    (tmp_path / "scenarios").symlink_to(tmp_path / "away")
+    with pytest.raises(InputError, match="cannot be written"):
+        build(tmp_path, 0)
+    (tmp_path / "away").mkdir()
+    assert build(tmp_path, 0) == ([0, 0], 0)
 
 
 @pytest.mark.parametrize("names", [("事故一", "事故二"), ("crash 1", "crash-1")])

@@ -8,7 +8,7 @@ from enum import StrEnum
 from pathlib import Path
 
 from roadmend.core.episode_result import EpisodeResult
-from roadmend.core.errors import RoadmendError
+from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.journal import Key, entry_key
 from roadmend.measures.driver import driver_key
 from roadmend.safe.construction import CrashRole, draw_scenario, plain_name
@@ -84,6 +84,7 @@ class CrashTestResult:
         episodes: that were driven.
         seconds: wall clock, building and driving.
         digests: of these files as they were written, by file; another seed or budget gives others of the same names.
+        failed: whether an error ended it. What is full or away may not be so later, so such a result is not kept.
     """
 
     report: str
@@ -98,6 +99,7 @@ class CrashTestResult:
     episodes: int = 0
     seconds: float = 0.0
     digests: Mapping[str, str] = field(default_factory=dict)
+    failed: bool = False
 
     @property
     def text(self) -> str:
@@ -109,20 +111,40 @@ class CrashTestResult:
 
 
 def do(job: CrashTestJob) -> CrashTestResult:
-    """Do a job in this process; a scenario that cannot be built or run is a result too."""
+    """Do a job in this process; a scenario that cannot be built or run is a result too.
+
+    Raises:
+        InputError: the folder cannot be written.
+    """
     begin = time.perf_counter()
     blank = CrashTestResult(
         job.role.report, job.role.number, job.policy, reproduced=False if job.task is Task.REPRODUCE else None
     )
     try:
-        done = _WORK[job.task](job, blank)
-        files = [file for file in (done.scenario, done.picture) if file]
-        done = replace(done, digests={file: digest_of(job.out / file) for file in files})
-    except RoadmendError as error:
-        done = replace(blank, note=str(error))
+        done = _done(job, blank)
+    except InputError:  # of the folder: what ends every other job too is no result of this one
+        raise
     except Exception as error:  # noqa: BLE001 - a fault of ours must not end the work on all other reports
-        done = replace(blank, note=" ".join(f"{type(error).__name__}: {error}".split()))
+        done = replace(blank, note=" ".join(f"{type(error).__name__}: {error}".split()), failed=True)
     return replace(done, seconds=done.seconds or time.perf_counter() - begin)
+
+
+def _done(job: CrashTestJob, blank: CrashTestResult) -> CrashTestResult:
+    """The result with its files written; only that raises an InputError."""
+    try:
+        done, scenario, trial = _WORK[job.task](job, blank)
+    except RoadmendError as error:
+        return replace(blank, note=str(error), failed=True)
+    if scenario is None:
+        return done
+    picture = ""
+    if job.draw is not None and trial is not None:
+        picture = f"{PICTURES}/{scenario.name}-{plain_name(job.policy)}.png"
+        job.draw(scenario, trial, job.out / picture)
+    file = f"{SCENARIOS}/{scenario.name}.yaml"
+    save_scenario(scenario, job.out / file)
+    digests = {each: digest_of(job.out / each) for each in (file, picture) if each}
+    return replace(done, scenario=file, picture=picture, digests=digests)
 
 
 def digest_of(file: Path) -> str:
@@ -133,51 +155,42 @@ def digest_of(file: Path) -> str:
         return ""
 
 
-def _build(job: CrashTestJob, blank: CrashTestResult) -> CrashTestResult:
+_Made = tuple[CrashTestResult, Scenario | None, CrashTestEpisode | None]  # the last two are to be written
+
+
+def _build(job: CrashTestJob, blank: CrashTestResult) -> _Made:
     scenario = draw_scenario(job.role, job.index, job.seed)
     with Simulation(scenario) as simulation:
         simulation.first()
-    return replace(blank, scenario=_save(job, scenario), note="built")
+    return replace(blank, note="built"), scenario, None
 
 
-def _test(job: CrashTestJob, blank: CrashTestResult) -> CrashTestResult:
+def _test(job: CrashTestJob, blank: CrashTestResult) -> _Made:
     begin = time.perf_counter()
     scenario = draw_scenario(job.role, job.index, job.seed)
     trial = run_trial(scenario, job.policy)
     seconds = time.perf_counter() - begin
-    return replace(_driven(job, blank, scenario, trial), episodes=1, seconds=seconds)
+    return replace(_driven(blank, trial), episodes=1, seconds=seconds), scenario, trial
 
 
-def _reproduce(job: CrashTestJob, blank: CrashTestResult) -> CrashTestResult:
+def _reproduce(job: CrashTestJob, blank: CrashTestResult) -> _Made:
     begin = time.perf_counter()
     found = reproduce(job.role, job.policy, job.budget, job.seed)
     seconds = time.perf_counter() - begin
     done = replace(blank, note=found.outcome, episodes=found.episodes, seconds=seconds)
     if found.scenario is None or found.trial is None:
-        return done
+        return done, None, None
     is_own = found.own is not None and found.own.is_reproduced
-    return replace(_driven(job, done, found.scenario, found.trial), reproduced=is_own)
+    return replace(_driven(done, found.trial), reproduced=is_own), found.scenario, found.trial
 
 
-_WORK: dict[Task, Callable[[CrashTestJob, CrashTestResult], CrashTestResult]] = {
+_WORK: dict[Task, Callable[[CrashTestJob, CrashTestResult], _Made]] = {
     Task.BUILD: _build,
     Task.TEST: _test,
     Task.REPRODUCE: _reproduce,
 }
 
 
-def _driven(job: CrashTestJob, blank: CrashTestResult, scenario: Scenario, trial: CrashTestEpisode) -> CrashTestResult:
-    """The result of an episode, its scenario and picture written."""
-    picture = ""
-    if job.draw is not None:
-        picture = f"{PICTURES}/{scenario.name}-{plain_name(job.policy)}.png"
-        job.draw(scenario, trial, job.out / picture)
-    return replace(
-        blank, scenario=_save(job, scenario), picture=picture, driven=trial.summary, physical=trial.is_physical
-    )
-
-
-def _save(job: CrashTestJob, scenario: Scenario) -> str:
-    file = f"{SCENARIOS}/{scenario.name}.yaml"
-    save_scenario(scenario, job.out / file)
-    return file
+def _driven(blank: CrashTestResult, trial: CrashTestEpisode) -> CrashTestResult:
+    """The result of an episode."""
+    return replace(blank, driven=trial.summary, physical=trial.is_physical)

@@ -61,6 +61,8 @@ def _check_names(noun: str, given: Iterable[str]) -> None:
 def do_all(jobs: Sequence[CrashTestJob], out: Path, workers: int, told: Callable[[int], None]) -> list[CrashTestResult]:
     """Do what has not been done yet; results come in the order of the jobs.
 
+    What failed counts as not done: a full disk or a crashed simulator may be mended by the next call.
+
     Args:
         jobs: to do.
         out: folder of what is made, and of the finished jobs.
@@ -75,14 +77,18 @@ def do_all(jobs: Sequence[CrashTestJob], out: Path, workers: int, told: Callable
     with Journal(out / _WORK / "results.jsonl", _FORMAT, owns_folder=True) as journal:
         missing = [(key, job) for key, job in zip(keys, jobs, strict=True) if not _is_done(journal, key, out)]
         before = len(jobs) - len(missing)
+        failed: dict[Key, CrashTestResult] = {}
         told(before)
         with fan_out(workers, len(missing)) as mapper:
             answers = mapper(do, [job for _, job in missing])
             for number, ((key, _), result) in enumerate(zip(missing, answers, strict=True), before + 1):
-                journal.add(key, _PLAIN.dump_python(result, mode="json"))
+                if result.failed:
+                    failed[key] = result
+                else:
+                    journal.add(key, _PLAIN.dump_python(result, mode="json"))
                 told(number)
-        found = [journal.get(key) for key in keys]
-    return [_PLAIN.validate_python(each) for each in found if each is not None]
+        kept = [journal.get(key) for key in keys]
+    return [failed.get(key) or _PLAIN.validate_python(each) for key, each in zip(keys, kept, strict=True)]
 
 
 def _is_done(journal: Journal, key: Key, out: Path) -> bool:
