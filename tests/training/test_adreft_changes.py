@@ -10,6 +10,7 @@ from roadmend.cli.main import main
 from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.route import Route, Stage
 from roadmend.core.scene import EgoState, ObjectList, Scene
+from roadmend.core.source_digest import source_digest
 from roadmend.networks.checkpoint import find_model, load_checkpoint
 from roadmend.repair.adreft.model import AdreftModel
 from roadmend.training.adreft import change_drives
@@ -106,6 +107,11 @@ def test_changes_of_a_drive_are_told_with_the_tokens_of_their_ticks():
     assert found.collided.tolist() == [0.0] * len(found)
     again = changes_of_case(Drawn("S5", 3), Recipe("modular", tokenizer, 1), plan())
     assert np.array_equal(found.tokens, again.tokens)
+
+
+def test_what_is_kept_goes_by_the_code_of_the_method_that_repairs():
+    own = change_drives.__name__
+    assert source_digest([own, "roadmend.repair.adreft.method"]) == source_digest([own])
 
 
 def test_a_change_ends_badly_only_by_the_egos_own_fault_and_within_the_horizon(monkeypatch):

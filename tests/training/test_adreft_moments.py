@@ -6,6 +6,7 @@ import pytest
 from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.errors import InputError
 from roadmend.core.scene import EgoState, ObjectList, Scene
+from roadmend.core.source_digest import source_digest
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.actions import ACTIONS
 from roadmend.training.adreft.case_moments import CaseMoments
@@ -161,6 +162,11 @@ def test_a_model_at_work_is_looked_at_in_its_own_states(tmp_path):
     assert not len(found.moment)
     cases = [Drawn("S5", 3)]
     assert moment_keys(cases, RECIPE, plan) != moment_keys(cases, RECIPE, MomentPlan(6, 2, 1, 0.0, 0.6, 1, 7))
+
+
+def test_what_is_kept_goes_by_the_code_of_the_model_that_drives_along():
+    own = moments_of_case.__module__
+    assert source_digest([own, "roadmend.repair.adreft.method"]) == source_digest([own])
 
 
 def test_a_case_that_is_driven_otherwise_is_refused():

@@ -26,7 +26,10 @@ from roadmend.core.interfaces import Repairer
 from roadmend.core.journal import Key, entry_key, file_of
 from roadmend.measures.need import HORIZON, LATER
 from roadmend.policies.registry import make_policy
+from roadmend.repair.adreft.method import AdreftRepair
+from roadmend.repair.adreft.model import AdreftModel
 from roadmend.repair.adreft.registry import make_tokenizer
+from roadmend.repair.guard import GuardedRepairer
 from roadmend.repair.registry import make_repairer
 from roadmend.training.adreft.case_moments import CaseMoments
 from roadmend.training.adreft.gathering import Recipe, gather_files
@@ -120,7 +123,8 @@ def moments_of_case(case: EpisodeCase, recipe: Recipe, plan: MomentPlan, guide: 
     violates = own.collided and own.final.at_fault
     repairers: dict[str, Repairer] = {}
     if guide is not None:
-        repairers["guided"] = make_repairer("adreft", {"model": str(guide)})
+        # By its class, not by its name: so the code of the method is part of what moments are kept by.
+        repairers["guided"] = GuardedRepairer(AdreftRepair(model=AdreftModel.load(guide)))
     else:
         repairers["alone"] = HoldingRepairer()
         for number in range(1, plan.pulsed + 1):
