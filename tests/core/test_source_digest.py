@@ -1,3 +1,7 @@
+import importlib
+import os
+import sys
+
 import pytest
 
 from roadmend.core import source_digest as module
@@ -53,8 +57,9 @@ def package(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
 
     def digest(*modules):
-        for cached in (module._digest, module._read, module._path, module._version):
+        for cached in (module._digest_of_ours, module._data_digest, module._version):
             cached.cache_clear()
+        module._THEIRS.clear()
         return source_digest(modules)
 
     yield house, digest
@@ -82,6 +87,67 @@ def test_files_beside_a_users_module_count_and_installed_packages_by_version(pac
     assert digest("mine") == before
     (house.parent / "beside_that.py").write_text("value = 2\n")
     assert digest("mine") != before
+
+
+def test_a_users_folder_without_an_init_file_counts(package):
+    house, digest = package
+    (house.parent / "mine.py").write_text("def gain():\n    from helpers.deep.gains import GAIN\n    return GAIN\n")
+    gains = house.parent / "helpers" / "deep" / "gains.py"
+    gains.parent.mkdir(parents=True)
+    gains.write_text("GAIN = 1\n")
+    before = digest("mine")
+    gains.write_text("GAIN = 2\n")
+    assert digest("mine") != before
+
+
+def test_what_is_taken_from_a_module_is_no_file_beside_it(package):
+    house, digest = package
+    (house.parent / "mine.py").write_text("from sys import gains\nfrom beside_mine import gains\n")
+    (house.parent / "beside_mine.py").write_text("gains = 1\n")
+    before = digest("mine")
+    (house.parent / "gains.py").write_text("this is no Python\n")
+    assert digest("mine") == before
+
+
+@pytest.fixture
+def edited(tmp_path, monkeypatch):
+    """A module that is imported, and a way to edit it."""
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    file = tmp_path / "edited_by_me.py"
+
+    def edit(text):
+        file.write_text(text)
+        os.utime(file, (0, edit.time))
+        edit.time += 1
+
+    edit.time = 1_000_000_000
+    edit("gain = 1\n")
+    yield importlib.import_module("edited_by_me"), edit
+    sys.modules.pop("edited_by_me", None)
+
+
+def test_a_module_that_was_edited_and_reloaded_has_another_digest(edited):
+    mine, edit = edited
+    before = source_digest([mine.__name__])
+    edit("gain = 2\n")
+    importlib.reload(mine)
+    assert mine.gain == 2
+    after = source_digest([mine.__name__])
+    assert before != after == source_digest([mine.__name__])
+
+
+def test_a_module_that_was_edited_and_not_reloaded_is_refused(edited):
+    mine, edit = edited
+    before = source_digest([mine.__name__])
+    edit("gain = 1  # of course\n")
+    assert source_digest([mine.__name__]) == before
+    for text in ("gain = 2\n", "gain = \n"):
+        edit(text)
+        with pytest.raises(InputError, match="edited_by_me: was edited after it was imported"):
+            source_digest([mine.__name__])
+    edit("gain = 1\n")
+    assert source_digest([mine.__name__]) == before
 
 
 def test_data_that_a_module_reads_from_its_package_counts(package):

@@ -65,19 +65,25 @@ OF_EVERY_DRIVER = ("roadmend.world.ego", "roadmend.repair.rss_kernel", "roadmend
 @pytest.fixture
 def change(monkeypatch, tmp_path):
     """Adds a line to a module, as far as digests can see; what they know of the others, they need not read again."""
-    found, known = digests._path, digests._read
+    found, known = digests._path, digests._read_ours
+
+    def forget():
+        digests._digest_of_ours.cache_clear()
+        digests._THEIRS.clear()
 
     def change(name):
         assert found(name) is not None, name
         copy = tmp_path / found(name).name
         copy.write_text(found(name).read_text() + "\nmore = 1\n")
         monkeypatch.setattr(digests, "_path", lambda each: copy if each == name else found(each))
-        monkeypatch.setattr(digests, "_read", lambda each: known.__wrapped__(each) if each == name else known(each))
-        digests._digest.cache_clear()
+        monkeypatch.setattr(
+            digests, "_read_ours", lambda each: known.__wrapped__(each) if each == name else known(each)
+        )
+        forget()
 
     yield change
     monkeypatch.undo()
-    digests._digest.cache_clear()
+    forget()
 
 
 @pytest.mark.parametrize("name", OF_EVERY_DRIVER)
