@@ -1,6 +1,7 @@
 """The openai backend against a real server: what is sent, and what becomes of every kind of answer."""
 
 import base64
+import json
 import logging
 
 import pytest
@@ -180,8 +181,45 @@ class TestSettings:
         assert KEY not in str(caught.value)
 
     def test_a_wrong_port_in_the_environment(self):
-        with pytest.raises(InputError, match=r"environment: field base_url.* is no address"):
+        with pytest.raises(InputError, match=r"OPENAI_BASE_URL: is no address"):
             read_openai_settings(None, {"OPENAI_API_KEY": KEY, "OPENAI_BASE_URL": "http://localhost:80o0/v1"})
+
+    def test_a_wrong_variable_is_not_the_files_fault(self, tmp_path):
+        file = tmp_path / "settings.yaml"
+        file.write_text("base_url: http://localhost:8000/v1")
+        with pytest.raises(InputError, match=r"OPENAI_BASE_URL: .*https\?://") as caught:
+            read_openai_settings(file, {"OPENAI_API_KEY": KEY, "OPENAI_BASE_URL": "localhost:9000"})
+        assert str(file) not in str(caught.value)
+
+    def test_spaces_alone_are_nothing(self, tmp_path):
+        with pytest.raises(InputError, match="OPENAI_API_KEY: is not set"):
+            read_openai_settings(None, {"OPENAI_API_KEY": "   "})
+        settings = read_openai_settings(None, {"OPENAI_API_KEY": KEY, "OPENAI_MODEL": " ", "OPENAI_BASE_URL": "\n"})
+        assert settings == OpenAISettings(api_key=KEY)
+        file = tmp_path / "settings.yaml"
+        for text, field in (("model: ' '", "model"), ("api_key: ' '", "api_key")):
+            file.write_text(f"api_key: x\n{text}" if field == "model" else text)
+            with pytest.raises(InputError, match=f"settings.yaml: field {field}"):
+                read_openai_settings(file, {})
+
+    @pytest.mark.parametrize("around", [("", "\n"), ("", "\r\n"), (" ", " \n")])
+    def test_a_key_that_was_read_from_a_file_has_a_line_end(self, around):
+        begin, end = around
+        settings = read_openai_settings(None, {"OPENAI_API_KEY": f"{begin}{KEY}{end}"})
+        assert settings.api_key.get_secret_value() == KEY
+        assert OpenAISettings(api_key=f"{begin}{KEY}{end}") == OpenAISettings(api_key=KEY)
+
+    @pytest.mark.parametrize("key", [f"{KEY}\u00e9", f"{KEY}\n{KEY}", f"{KEY}\x00"])
+    def test_a_key_that_no_header_can_hold_is_refused_and_not_told(self, key):
+        with pytest.raises(InputError, match="OPENAI_API_KEY: is no key: ") as caught:
+            read_openai_settings(None, {"OPENAI_API_KEY": key})
+        assert KEY not in str(caught.value)
+
+    @pytest.mark.parametrize("key", ["sk-very'\"secret-4711", "sk-very\\secret-4711"])
+    def test_a_key_is_not_told_in_another_form_of_writing(self, key):
+        settings = OpenAISettings(api_key=key)
+        for told in (key, repr(key), repr(key.encode()), yaml.safe_dump(key), json.dumps({"key": key})):
+            assert "4711" not in settings.without_key(told)
 
     def test_a_missing_file(self, tmp_path):
         with pytest.raises(InputError, match="no such file"):

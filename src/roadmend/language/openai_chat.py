@@ -1,5 +1,6 @@
 """Any endpoint that speaks OpenAI's chat protocol."""
 
+import json
 import logging
 import os
 from collections.abc import Iterator, Mapping
@@ -10,12 +11,12 @@ from urllib.parse import urlsplit
 
 import httpx2
 import openai
-from pydantic import ConfigDict, Field, SecretStr, field_validator
+from pydantic import ConfigDict, Field, SecretStr, ValidationError, field_validator
 
 from roadmend.core.bounds import REPLY, Bounds
 from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
-from roadmend.core.settings import check_settings
+from roadmend.core.settings import describe, first_fault
 from roadmend.core.yaml_file import read_fields
 from roadmend.language.answer_text import json_in
 from roadmend.language.chat import AnswerError, LanguageError, RefusalError, Reply, Request, UnavailableError
@@ -38,7 +39,8 @@ _MEND = "see config/language/openai.yaml"
 class OpenAISettings(Parameters):
     """Where the endpoint is and how to ask it; the field's names are those of config/language/openai.yaml."""
 
-    model_config = ConfigDict(strict=False, hide_input_in_errors=True)  # the input may be a key
+    # The input may be a key. A line end behind a value comes from the file that it was read from.
+    model_config = ConfigDict(strict=False, hide_input_in_errors=True, str_strip_whitespace=True)
 
     base_url: str = Field(default="https://api.openai.com/v1", pattern=r"^https?://")
     model: str = Field(default="gpt-4o", min_length=1)
@@ -62,6 +64,15 @@ class OpenAISettings(Parameters):
             raise ValueError("is no address with a host and perhaps a port, such as http://localhost:8000/v1")
         return value
 
+    @field_validator("api_key")
+    @classmethod
+    def _is_key(cls, value: SecretStr) -> SecretStr:
+        """What stands in a header; of anything else the client complains in words that hold it in another form."""
+        key = value.get_secret_value().strip()
+        if not key or not (key.isascii() and key.isprintable()):
+            raise ValueError("is no key: one is made of letters, digits and signs of ASCII alone, in one line")
+        return SecretStr(key)
+
     @property
     def place(self) -> str:
         """The endpoint as messages and records call it: without a name and a password in its address."""
@@ -71,22 +82,34 @@ class OpenAISettings(Parameters):
     def without_key(self, text: str) -> str:
         """A text of the endpoint, which may well repeat the key."""
         key = self.api_key.get_secret_value()
-        return text.replace(key, "[key]") if len(key) >= _SHORTEST_KEY else text
+        if len(key) < _SHORTEST_KEY:
+            return text
+        for form in (json.dumps(key)[1:-1], repr(key)[1:-1], key):  # as it stands in JSON, and in an exception's words
+            text = text.replace(form, "[key]")
+        return text
 
 
 def read_openai_settings(file: Path | None, environment: Mapping[str, str] = os.environ) -> OpenAISettings:
     """Parameters from a file and the environment, which wins.
 
     Raises:
-        InputError: the file is unusable, or there is no key.
+        InputError: the file or a variable of the environment is unusable, or there is no key.
     """
     content = read_fields(file, _MEND) if file is not None else {}
-    content |= {name: environment[variable] for name, variable in _ENVIRONMENT.items() if environment.get(variable)}
+    given = {name: environment.get(variable, "").strip() for name, variable in _ENVIRONMENT.items()}
+    given = {name: value for name, value in given.items() if value}
+    content |= given
     if not content.get("api_key"):
         raise InputError(
             "OPENAI_API_KEY", "is not set", "set it in the environment; a local server that wants no key takes any word"
         )
-    return check_settings(content, OpenAISettings, str(file) if file is not None else "environment", _MEND)
+    try:
+        return OpenAISettings.model_validate(content)
+    except ValidationError as error:
+        place, problem = first_fault(error, OpenAISettings)
+        if place in given:
+            raise InputError(_ENVIRONMENT[place], problem, _MEND) from None
+        raise InputError(str(file), describe(error, OpenAISettings), _MEND) from None
 
 
 def client_of(settings: OpenAISettings, bounds: Bounds = REPLY) -> openai.OpenAI:
