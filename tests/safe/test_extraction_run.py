@@ -1,4 +1,6 @@
-"""Many reports: what goes wrong with one of them leaves the others alone."""
+"""Many reports: what goes wrong with one of them leaves the others alone, and so are files of somebody else's."""
+
+import json
 
 import pytest
 
@@ -60,3 +62,36 @@ def test_another_setting_reads_anew(tmp_path):
     for setting, is_new in (("network 1", True), ("network 1", False), ("network 2", True)):
         (done,) = extract_reports([tmp_path / "a.txt"], Extracting(None), [setting], tmp_path / "out", 1)
         assert done.is_new == is_new
+
+
+def test_files_that_no_call_wrote_stay_where_a_report_fails(tmp_path):
+    (tmp_path / "a.txt").write_text("")
+    for name in ("a.json", "a.html", "a.evidence.json"):
+        (tmp_path / name).write_text("{}")
+    (done,) = extract_reports([tmp_path / "a.txt"], Extracting(None), [], tmp_path, 1)
+    assert "is empty" in done.error
+    assert len([*tmp_path.iterdir()]) == 4
+
+
+def test_a_scenario_that_was_changed_since_it_was_read_is_named_and_stays(tmp_path):
+    def extract(setting):
+        return next(iter(extract_reports([tmp_path / "a.txt"], Extracting(None), [setting], tmp_path / "out", 1)))
+
+    (tmp_path / "a.txt").write_text("V1 hit V2.")
+    assert extract("one").is_new
+    file = tmp_path / "out" / "a.json"
+    content = json.loads(file.read_text())
+    file.write_text(json.dumps(content, indent=8))
+    assert not extract("one").is_new, "in another layout it is the same"
+    edited = json.dumps(content | {"num_lanes": 6})
+    file.write_text(edited)
+    for setting in ("one", "two"):
+        found = extract(setting)
+        assert found.scenario is None
+        assert found.error.startswith(f"{file}: is no longer what was read from {tmp_path / 'a.txt'}; ")
+    (tmp_path / "a.txt").write_text("")
+    assert "is empty" in extract("one").error
+    assert file.read_text() == edited
+    (tmp_path / "a.txt").write_text("V1 hit V2.")
+    file.unlink()
+    assert extract("one").scenario == content

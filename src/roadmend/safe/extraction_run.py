@@ -1,6 +1,7 @@
 """Extraction of many reports: side by side, and resumable."""
 
 import contextlib
+import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -14,7 +15,7 @@ from roadmend.core.json_text import read_json
 from roadmend.core.whole_file import write_text
 from roadmend.language.exchange import ENDING, Usage, dump_exchanges, usage_of
 from roadmend.safe.dsl_data import dump_data
-from roadmend.safe.dsl_file import load_crash_scenario, save_crash_scenario
+from roadmend.safe.dsl_file import dump_crash_scenario, load_crash_scenario
 from roadmend.safe.extraction import Extraction, ExtractionError, Extractor
 from roadmend.safe.report import case_of, load_report
 
@@ -49,7 +50,8 @@ def extract_reports(
 
     CASE.json is the scenario, CASE.evidence.json what each field rests on, CASE.exchanges.jsonl what was said to a
     language model and what it answered. A report whose files are there from an earlier run with the same settings is
-    not done again; one that failed is.
+    not done again; one that failed is. A CASE.json that was changed since it was read is somebody's work: it stays, and
+    its report is not done.
 
     Args:
         paths: of the reports.
@@ -79,6 +81,10 @@ def _extract_one(path: Path, extractor: Extractor, settings: Sequence[str], out:
         _remove_results(out, case)
         return Extracted(case, None, str(error), (), is_new=True)
     key = entry_key([__name__, type(extractor).__module__], report.digest(), *settings)
+    if _is_edited(out, case):
+        mend = "move it elsewhere, or delete it to have the report read anew"
+        edited = InputError(str(out / f"{case}.json"), f"is no longer what was read from {path}", mend)
+        return Extracted(case, None, str(edited), (), is_new=True)
     known = _known(out, case, key)
     if known is not None:
         return known
@@ -95,18 +101,48 @@ def _extract_one(path: Path, extractor: Extractor, settings: Sequence[str], out:
 
 
 def _remove_results(out: Path, case: str) -> None:
-    """Take away what an earlier call read, with other settings or of another text: what fails now shall not leave it."""
-    for ending in (".evidence.json", ".json", ".html"):
+    """Take away what an earlier call read, with other settings or of another text: what fails now shall not leave it.
+
+    Files of these names that no call wrote stay, and so does a scenario that was changed since.
+    """
+    if _evidence_of(out, case) is None or _is_edited(out, case):
+        return
+    for ending in (".html", ".json", ".evidence.json"):  # the last one says whose the others are
         with contextlib.suppress(OSError):  # who writes there next says what is wrong with the folder
             (out / f"{case}{ending}").unlink()
 
 
-def _known(out: Path, case: str, key: str) -> Extracted | None:
+def _evidence_of(out: Path, case: str) -> dict[str, Any] | None:
+    """What an earlier call kept of the case; None where there is nothing of the kind."""
     try:
         evidence = read_json(out / f"{case}.evidence.json")
-        scenario = load_crash_scenario(out / f"{case}.json")
-        if evidence["key"] != key:
+    except InputError:
+        return None
+    return evidence if isinstance(evidence, dict) and "key" in evidence else None
+
+
+def _is_edited(out: Path, case: str) -> bool:
+    """Whether the scenario is another one than was read; a broken file is none."""
+    evidence = _evidence_of(out, case)
+    if evidence is None or "scenario" not in evidence:
+        return False
+    try:
+        text = dump_crash_scenario(load_crash_scenario(out / f"{case}.json"), ".json")
+    except InputError:
+        return False
+    return bool(_digest(text) != evidence["scenario"])
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _known(out: Path, case: str, key: str) -> Extracted | None:
+    try:
+        evidence = _evidence_of(out, case)
+        if evidence is None or evidence["key"] != key:
             return None
+        scenario = load_crash_scenario(out / f"{case}.json")
         left_open, disputed = _open_fields(evidence["fields"]), _disputed_fields(evidence["fields"])
     except (OSError, ValueError, KeyError, TypeError, RoadmendError):
         return None  # done again, then
@@ -126,8 +162,10 @@ def keep_extraction(extraction: Extraction, case: str, key: str, out: Path) -> E
         InputError: the folder cannot be written.
     """
     fields = {name: asdict(evidence) for name, evidence in extraction.evidence.items()}
+    text = dump_crash_scenario(extraction.scenario, ".json")
     content = {
         "key": key,
+        "scenario": _digest(text),
         "reader": extraction.reader,
         "sketch": extraction.sketch,
         "notes": extraction.notes,
@@ -135,7 +173,7 @@ def keep_extraction(extraction: Extraction, case: str, key: str, out: Path) -> E
     }
     if extraction.exchanges:
         write_text(out / f"{case}{ENDING}", dump_exchanges(extraction.exchanges))
-    save_crash_scenario(extraction.scenario, out / f"{case}.json")
+    write_text(out / f"{case}.json", text)
     # Last, for it is what tells a later run that the report is done.
     write_text(out / f"{case}.evidence.json", json.dumps(content, indent=1, ensure_ascii=False) + "\n")
     scenario = dump_data(extraction.scenario)
