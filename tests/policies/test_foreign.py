@@ -42,6 +42,30 @@ def test_one_that_fails_on_the_way_is_said_with_time_and_place(own, tmp_path):
         ("return Decision(0.5, Trajectory.empty())", "answered with float; answer with a Decision with a Command"),
         ("return Decision(Command(0.0, 0.0), None)", "answered with NoneType; answer with a Decision with a Traj"),
         (
+            "return Decision(Command('0.3', 0.0), Trajectory.empty())",
+            "with str; answer with a Command whose throttle is",
+        ),
+        (
+            "return Decision(Command(0.0, None), Trajectory.empty())",
+            "NoneType; answer with a Command whose brake is a num",
+        ),
+        (
+            "return Decision(Command(0.3 + 0j, 0.0), Trajectory.empty())",
+            "with complex; answer with a Command whose thro",
+        ),
+        (
+            "return Decision(Command([0.3, 0.3], 0.0), Trajectory.empty())",
+            "with list; answer with a Command whose thro",
+        ),
+        (
+            "return Decision(Command([[0.3]], 0.0), Trajectory.empty())",
+            "with list; answer with a Command whose throttle",
+        ),
+        (
+            "return Decision(Command(0.0, 0.0, 'no'), Trajectory.empty())",
+            "a Command whose change_lane is True or False",
+        ),
+        (
             "return Decision(Command(0.0, 0.0), Trajectory(0.5, [1.0], ['far'], [0.0], [1.0]))",
             "answered with list; answer with a Trajectory whose y is a row of numbers",
         ),
@@ -72,6 +96,26 @@ def test_a_plan_of_lists_or_other_numbers_is_a_plan(own, speeds):
     assert len(seen) == 60
     assert all(decision.trajectory.speed.dtype == np.float64 for decision, _ in seen)
     assert not any(repair.status is RepairStatus.MODEL_FAULT or "trajectory" in repair.reason for _, repair in seen)
+
+
+@pytest.mark.parametrize("pedal", ["array(0.25)", "array([0.25])", "float32(0.25)", "float16([0.25])"])
+def test_a_pedal_of_one_number_is_a_number_however_it_is_written(own, pedal):
+    drives = []
+    for throttle in (f"__import__('numpy').{pedal}", "0.25"):
+        step = f"return Decision(Command({throttle}, 0.0, scene.time > 1.0), Trajectory.empty())"
+        name = own(POLICY + f"\nclass Pedal(Careful):\n    def step(self, scene):\n        {step}\n")
+        drives.append(drive(f"{name}:Pedal"))
+    assert drives[0].digest == drives[1].digest
+    assert drives[0].distance > 5.0
+
+
+def test_a_pedal_that_is_no_number_on_the_way_ends_the_drive(own):
+    step = "return Decision(Command('0.3' if scene.time > 1.0 else 0.3, 0.0), Trajectory.empty())"
+    name = own(POLICY + f"\nclass Later(Careful):\n    def step(self, scene):\n        {step}\n")
+    with pytest.raises(
+        ForeignError, match=r"its step at 1\.05 s answered with str; answer with a Command whose throttle"
+    ):
+        drive(f"{name}:Later")
 
 
 def test_its_parameters_are_checked_as_ours_are(own):

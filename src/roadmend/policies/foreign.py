@@ -56,14 +56,29 @@ class ForeignPolicy:
         return self._with_numbers(decision, scene.time)
 
     def _with_numbers(self, decision: Decision, time: float) -> Decision:
-        """The decision, its plan as arrays of numbers where it has lists or other numbers; what they say is the guard's."""
-        plan = decision.trajectory
+        """The decision, in plain numbers where it has arrays, lists or other numbers; what they say is the guard's."""
+        command, plan = decision.command, decision.trajectory
+        throttle, brake = (self._pedal(name, getattr(command, name), time) for name in ("throttle", "brake"))
+        if not isinstance(command.change_lane, bool | np.bool_):
+            raise self._no_decision(time, "a Command whose change_lane is True or False", command.change_lane)
+        decision = replace(decision, command=Command(throttle, brake, bool(command.change_lane)))
         given = (plan.x, plan.y, plan.yaw, plan.speed)
         rows = [self._row(name, row, time) for name, row in zip(("x", "y", "yaw", "speed"), given, strict=True)]
         if all(row is before for row, before in zip(rows, given, strict=True)):
             return decision
         x, y, yaw, speed = rows
         return replace(decision, trajectory=Trajectory(plan.interval, x, y, yaw, speed, plan.behaviour))
+
+    def _pedal(self, name: str, given: Any, time: float) -> float:
+        if isinstance(given, float):
+            return given
+        try:
+            number = np.asarray(given)
+            if number.shape in {(), (1,)} and number.dtype.kind in "biufO":  # what a model gives for one scene
+                return float(number.item())
+        except (TypeError, ValueError, OverflowError, RuntimeError):
+            pass
+        raise self._no_decision(time, f"a Command whose {name} is a number", given)
 
     def _row(self, name: str, given: Any, time: float) -> NDArray[np.float64]:
         try:
