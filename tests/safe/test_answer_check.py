@@ -231,6 +231,17 @@ class TestCounts:
         assert evidence.keys() >= flat(settled).keys()
         assert "the embedded reader's" in evidence["vehicles[1].model"].reason
 
+    @pytest.mark.parametrize("impacts", [[], [{"striking": 2, "object": "Pole"}]])
+    def test_a_vehicle_that_was_made_up_goes_with_all_that_it_struck(self, impacts):
+        data = dump_data(TRUTH)
+        truth = parse_data(data | {"impacts": impacts}, "truth")
+        vehicles = [data["vehicles"][0], *data["vehicles"]]
+        made_up = [{"striking": 3, "object": "Tree"}, {"striking": 1, "object": "Sign"}]
+        false = parse_data(data | {"vehicles": vehicles, "impacts": made_up}, "false")
+        settled, evidence = settled_with(false, reading(truth))
+        assert settled == truth
+        assert evidence.keys() >= flat(settled).keys()
+
     def test_contacts_of_vehicles_in_another_order_get_their_numbers(self):
         data = dump_data(TRUTH)
         unnumbered = "A sedan going west at 40 mph hit the right side of a pickup going north in the sun."

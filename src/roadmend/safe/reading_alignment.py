@@ -10,7 +10,7 @@ from roadmend.safe.dsl import CrashScenario, DescribedCollision, Side, Weather
 from roadmend.safe.dsl_data import dump_data
 
 VEHICLES, COLLISIONS = "vehicles", "collisions"  # as fields: how many there are
-_IMPACTS = "impacts"
+IMPACTS = "impacts"
 _LIMIT_SLACK = 1.5  # [mph] by which limits differ that were given in km/h
 _ALIKE = ({Weather.SUNNY, Weather.CLEAR}, {Weather.CLOUDY, Weather.OVERCAST})  # words for one sky
 _NUMBERED = re.compile(r"\b(?:v|vehicle|veh\.?|unit|car|driver)[\s#(no.-]{0,5}(?:[1-9]|one|two)\b", re.IGNORECASE)
@@ -50,7 +50,7 @@ def flat(scenario: CrashScenario) -> dict[str, Any]:
         if isinstance(content, Mapping):
             for key, value in content.items():
                 walk(value, f"{name}.{key}" if name else str(key))
-        elif name in {VEHICLES, COLLISIONS, _IMPACTS}:
+        elif name in {VEHICLES, COLLISIONS, IMPACTS}:
             for index, value in enumerate(content):
                 walk(value, f"{name}[{index}]")
         else:
@@ -75,7 +75,7 @@ def aligned_fields(answered: CrashScenario, read: CrashScenario, summary: str) -
             index, rest = name[len(VEHICLES) + 1 :].split("]", 1)
             if int(index) in places:
                 found[f"{VEHICLES}[{places[int(index)]}]{rest}"] = AlignedField(value, name)
-        elif name.startswith(f"{_IMPACTS}["):
+        elif name.startswith(f"{IMPACTS}["):
             if name in flat(answered) and not name.endswith(".striking"):
                 found[name] = AlignedField(value, name)
         elif not name.startswith(f"{COLLISIONS}["):

@@ -9,7 +9,7 @@ from roadmend.safe.answer_check import ANSWER, READER, TRUST, FieldCheck
 from roadmend.safe.dsl import CrashScenario, DescribedRoadNetwork
 from roadmend.safe.dsl_data import dump_data, parse_data
 from roadmend.safe.extraction import Extraction, FieldEvidence
-from roadmend.safe.reading_alignment import COLLISIONS, VEHICLES, agree, flat, renumbered_collisions
+from roadmend.safe.reading_alignment import COLLISIONS, IMPACTS, VEHICLES, agree, flat, renumbered_collisions
 
 _WHOLE = (VEHICLES, COLLISIONS)
 
@@ -19,8 +19,8 @@ def settle(
 ) -> tuple[CrashScenario, dict[str, FieldEvidence]]:
     """Keep of every field the likeliest value, and say so.
 
-    Where the embedded reader is to be believed in how many vehicles there were, all of its vehicles and their contacts
-    are kept, for its numbers are not those of the answer.
+    Where the embedded reader is to be believed in how many vehicles there were, all of its vehicles, their contacts and
+    their impacts are kept, for its numbers are not those of the answer.
 
     Args:
         scenario: the answer.
@@ -31,11 +31,12 @@ def settle(
     wanted = {check.field: check.kept for check in checks if not agree(check.field, check.kept, check.answered)}
     if reading is not None and VEHICLES in wanted:
         read = reading.scenario
-        scenario = _replaced(scenario, vehicles=read.vehicles, collisions=read.collisions, road=read.road)
-        wanted = {field: value for field, value in wanted.items() if not field.startswith((VEHICLES, COLLISIONS))}
+        theirs = {VEHICLES: read.vehicles, COLLISIONS: read.collisions, IMPACTS: read.impacts}
+        scenario = _replaced(scenario, road=read.road, **theirs)
+        wanted = {field: value for field, value in wanted.items() if not field.startswith((*theirs,))}
     elif reading is not None and COLLISIONS in wanted:
-        theirs = renumbered_collisions(scenario, reading.scenario, summary)
-        scenario = _replaced(scenario, collisions=theirs)
+        contacts = renumbered_collisions(scenario, reading.scenario, summary)
+        scenario = _replaced(scenario, collisions=contacts)
         wanted = {field: value for field, value in wanted.items() if not field.startswith(COLLISIONS)}
     settled = _with(scenario, wanted)
     if settled is None:  # together they make no scenario, such as positions of another kind of road
