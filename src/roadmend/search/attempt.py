@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from roadmend.core.episode_result import EpisodeResult
+from roadmend.core.errors import RoadmendError, SimulationError
 
 CRASH = "CRASH"  # outcome of an attempt that an error ended
 
@@ -31,5 +32,25 @@ class Attempt:
 
 
 def fault_of(error: Exception) -> str:
-    """What is kept of an error."""
-    return " ".join(f"{type(error).__name__}: {error}".split())
+    """What is kept of an error that the scenario causes, since it would come again.
+
+    Raises:
+        RoadmendError: the machine is the cause, as of a full disk, a folder that cannot be written or too little memory.
+            That passes, and whoever kept it would never try again.
+    """
+    text = " ".join(f"{type(error).__name__}: {error}".split())
+    if _is_passing(error):
+        if isinstance(error, RoadmendError):
+            raise error
+        raise SimulationError(f"{text}; mend that and run the same command again to go on") from error
+    return text
+
+
+def _is_passing(error: BaseException) -> bool:
+    """Whether the system refused something; an error of ours that tells of it was raised while that was handled."""
+    link: BaseException | None = error
+    while link is not None:
+        if isinstance(link, OSError | MemoryError):
+            return True
+        link = link.__cause__ or link.__context__
+    return False

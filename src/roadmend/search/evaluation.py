@@ -116,9 +116,12 @@ def evaluate_scenario(
 
 
 def evaluate(subject: Subject, parameters: Parameters, repair: Mapping[str, Any] | None = None) -> Evaluation:
-    """Build and run a point; an error on the way is a result here, since the next search would meet it again.
+    """Build and run a point; an error that it causes is a result here, since the next search would meet it again.
 
     ``repair`` is what differs from what the repair method takes behind the policy.
+
+    Raises:
+        RoadmendError: the machine failed, see ``fault_of``.
     """
     try:
         scenario = subject.scenario(parameters, "point")

@@ -9,6 +9,7 @@ from roadmend.core.journal import Journal, Key, entry_key
 from roadmend.measures.driver import driver_key
 from roadmend.measures.need import persistence
 from roadmend.policies.registry import make_policy
+from roadmend.search.attempt import fault_of
 from roadmend.world.corpus import METHOD, Case
 from roadmend.world.scenario_file import outside_content
 
@@ -23,16 +24,21 @@ class _Question:
 
 
 def _answer(question: _Question) -> float | None:
-    """Drive the futures in this process; None where an error comes in the way."""
+    """Drive the futures in this process; None where an error that the case causes comes in the way.
+
+    Raises:
+        RoadmendError: the machine failed, see ``fault_of``.
+    """
     case = question.case
     try:
         return persistence(case.scenario(), make_policy(question.policy), case.duration, question.count)
-    except RoadmendError:
+    except RoadmendError as error:
+        fault_of(error)
         return None
 
 
 class PersistenceTeller:
-    """Works side by side, and keeps what was found in a journal."""
+    """Works side by side, and keeps what was found in a journal; of errors nothing is kept."""
 
     def __init__(self, policy: str, mapper: Mapper, journal: Journal) -> None:
         """Know who drives.
@@ -60,7 +66,7 @@ class PersistenceTeller:
 
         Raises:
             InputError: the journal cannot be written.
-            SimulationError: a worker process died.
+            RoadmendError: a worker process died, or the machine failed.
         """
         asked = [case.is_violation and count > 0 for case in cases]
         keys = [self._key(case, count) if ask else None for case, ask in zip(cases, asked, strict=True)]
@@ -76,7 +82,8 @@ class PersistenceTeller:
                 yield None
             elif kept is None:
                 value = next(found)
-                self._journal.add(key, {"persistence": value})
+                if value is not None:
+                    self._journal.add(key, {"persistence": value})
                 yield value
             else:
                 yield kept["persistence"]

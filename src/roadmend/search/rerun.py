@@ -23,7 +23,11 @@ _PLAIN = TypeAdapter(Attempt)
 
 
 def rerun(policy: str, case: Case) -> Attempt:
-    """Run a case in this process; an error on the way is a result here."""
+    """Run a case in this process; an error that it causes is a result here.
+
+    Raises:
+        RoadmendError: the machine failed, see ``fault_of``.
+    """
     try:
         return Attempt(run_episode(case.scenario(), make_policy(policy), make_repairer(METHOD)), "")
     except Exception as error:  # noqa: BLE001 - see above
@@ -44,7 +48,10 @@ def renewed(case: Case, found: Attempt) -> Case | None:
 
 
 class Rerunner:
-    """Runs cases side by side; keeps what they came to in a journal, so that an interrupted call loses little."""
+    """Runs cases side by side; keeps what they came to in a journal, so that an interrupted call loses little.
+
+    Errors are not kept: what was wrong may be mended when the case is run again.
+    """
 
     def __init__(self, policy: str, mapper: Mapper, journal: Journal | None = None) -> None:
         """Know who drives.
@@ -69,7 +76,7 @@ class Rerunner:
 
         Raises:
             InputError: the journal holds something else, or cannot be written.
-            SimulationError: a worker process died.
+            RoadmendError: a worker process died, or the machine failed.
         """
         keys = [self._key(case) for case in cases]
         known = [None if self._journal is None else self._journal.get(key) for key in keys]
@@ -77,7 +84,7 @@ class Rerunner:
         results = self._mapper(partial(rerun, self._policy), missing)
         for key, kept in zip(keys, known, strict=True):
             found = next(results) if kept is None else _PLAIN.validate_python(kept)
-            if kept is None and self._journal is not None:
+            if kept is None and found.result is not None and self._journal is not None:
                 self._journal.add(key, _PLAIN.dump_python(found, mode="json"))
             report()
             yield found
