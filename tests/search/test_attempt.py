@@ -63,10 +63,9 @@ def test_futures_that_could_not_be_driven_are_driven_again(tmp_path, monkeypatch
 
 def test_an_error_of_the_machine_is_no_persistence(monkeypatch, case):
     def fails(*_):
-        try:
-            raise OSError(28, "No space left on device")
-        except OSError:
-            raise RoadmendError("the disk is full") from None
+        error = RoadmendError("the disk is full")
+        error.__context__ = OSError(28, "No space left on device")
+        raise error
 
     monkeypatch.setattr(persistence, "persistence", fails)
     with pytest.raises(RoadmendError, match="the disk is full"):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import torch
 
 from roadmend.measures.monitor import separation_of
 from roadmend.networks.checkpoint import find_model, load_checkpoint
@@ -36,6 +37,24 @@ def test_it_learns_what_tells_bad_ticks_from_good_ones():
     assert separation_of(risks_of(RiskMonitor(shape, tensors, "need."), cases), collided > 0.5) > 0.9
     again = learn_risks(shape, settings, cases, start, "need.", 0)
     assert all(np.array_equal(tensors[name], again[name]) for name in tensors)
+
+
+def test_it_learns_the_same_on_a_machine_of_more_cores():
+    start = load_checkpoint(SHIPPED).tensors
+    encoder = AdreftModel.load(SHIPPED).configuration.encoder
+    numbers = np.random.default_rng(0)
+    tokens = numbers.standard_normal((64 * 20, encoder.attributes)).astype(np.float16)
+    cases = [CaseRisks("all", np.full(64, 20, np.int32), tokens, (numbers.random(64) < 0.3).astype(np.float32))]
+    shape, before = RiskConfiguration(encoder=encoder, threshold=0.5, horizon=8.0), torch.get_num_threads()
+    learned = []
+    try:
+        for threads in (1, 4):
+            torch.set_num_threads(threads)
+            learned.append(learn_risks(shape, NeedSettings(epochs=1), cases, start, "need.", 0))
+            assert torch.get_num_threads() == threads
+    finally:
+        torch.set_num_threads(before)
+    assert all(np.array_equal(learned[0][name], learned[1][name]) for name in learned[0])
 
 
 def test_false_alarms_are_a_share_of_the_harmless_ticks():

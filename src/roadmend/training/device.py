@@ -1,5 +1,8 @@
 """Where torch computes."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import torch
 
 from roadmend.core.errors import InputError
@@ -24,3 +27,14 @@ def choose_torch_device(name: str, threads: int) -> str:
     except (RuntimeError, AssertionError):
         raise InputError("--device", f"{name!r} cannot be used here", "give auto, cpu or cuda") from None
     return name
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Compute on one thread of the CPU: the same bits on every machine, however many cores it has."""
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(threads)

@@ -24,6 +24,7 @@ from roadmend.repair.registry import make_repairer
 from roadmend.repair.self_oracle import CLIP, KIND, Configuration, SelfOracleModel
 from roadmend.repair.state_vector import SIZE, VERSION, state_vector
 from roadmend.training.closed_loop import EpisodeCase
+from roadmend.training.device import one_thread
 from roadmend.world.runner import run_episode
 
 RATES = (0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0001, 0.00001)  # false alarm rates with thresholds
@@ -149,34 +150,30 @@ def train_self_oracle(
     return SelfOracleResult(tensors, blank.model_copy(update={"thresholds": thresholds}), metrics)
 
 
+@one_thread()
 def _fit(
     inputs: Vectors, shape: HeadShape, settings: SelfOracleSettings, report: Callable[[int, float], None]
 ) -> tuple[Head, float]:
     """The trained network and the mean loss of the last epoch."""
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    try:
-        generator = torch.Generator().manual_seed(settings.seed)
-        with torch.random.fork_rng(devices=[]):
-            torch.manual_seed(settings.seed)
-            network = Head(shape)
-        frames = torch.from_numpy(inputs.astype(np.float32))
-        optimizer = torch.optim.Adam(network.parameters(), lr=settings.learning_rate)
-        loss = 0.0
-        for epoch in range(1, settings.epochs + 1):
-            total = 0.0
-            order = torch.randperm(len(frames), generator=generator)
-            for begin in range(0, len(frames), settings.batch):
-                batch = frames[order[begin : begin + settings.batch]]
-                optimizer.zero_grad()
-                error = functional.mse_loss(network(batch), batch)
-                error.backward()  # type: ignore[no-untyped-call]
-                optimizer.step()
-                total += float(error.detach()) * len(batch)
-            loss = total / len(frames)
-            report(epoch, loss)
-    finally:
-        torch.set_num_threads(threads)
+    generator = torch.Generator().manual_seed(settings.seed)
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(settings.seed)
+        network = Head(shape)
+    frames = torch.from_numpy(inputs.astype(np.float32))
+    optimizer = torch.optim.Adam(network.parameters(), lr=settings.learning_rate)
+    loss = 0.0
+    for epoch in range(1, settings.epochs + 1):
+        total = 0.0
+        order = torch.randperm(len(frames), generator=generator)
+        for begin in range(0, len(frames), settings.batch):
+            batch = frames[order[begin : begin + settings.batch]]
+            optimizer.zero_grad()
+            error = functional.mse_loss(network(batch), batch)
+            error.backward()  # type: ignore[no-untyped-call]
+            optimizer.step()
+            total += float(error.detach()) * len(batch)
+        loss = total / len(frames)
+        report(epoch, loss)
     return network, loss
 
 

@@ -17,6 +17,7 @@ from roadmend.training.adreft.network import load_tensors, tensors_of
 from roadmend.training.adreft.risk_settings import RiskSettings
 from roadmend.training.adreft.stage import Tensors
 from roadmend.training.adreft.token_rows import TokenRows
+from roadmend.training.device import one_thread
 
 _EMBED = "encoder.embed.weight"  # of the state monitor's encoder, shape (H, c)
 
@@ -36,6 +37,7 @@ class _RiskNetwork(nn.Module):
         return logit
 
 
+@one_thread()
 def learn_risks(
     configuration: RiskConfiguration,
     settings: RiskSettings,
@@ -45,7 +47,7 @@ def learn_risks(
     seed: int,
     report: Callable[[int, float], None] = lambda _epoch, _loss: None,
 ) -> Tensors:
-    """The tensors of a risk monitor, by the names that a model's file has.
+    """The tensors of a risk monitor, by the names that a model's file has; computed on one thread of the CPU.
 
     Args:
         configuration: of the monitor.
