@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from roadmend.core.command import Decision
-from roadmend.core.route import RightOfWay, Route
+from roadmend.core.route import RightOfWay, Route, Stage, Window
 from roadmend.core.scene import Signal
 from roadmend.policies.modular import ModularPolicy
 
@@ -173,6 +173,16 @@ def test_finds_its_place_when_started_in_the_middle_of_a_change(progress):
     plan = decision.trajectory
     assert plan.y[-1] == pytest.approx(3.2, abs=0.05)
     assert np.all(np.diff(plan.y) >= -1e-9)
+
+
+def test_started_in_line_with_a_lane_that_has_ended_it_drives_on(policy):
+    # A pocket for turning left ends at 200 m; the lane to its right goes on, beyond the junction in line with it.
+    x = np.r_[np.linspace(0.0, 200.0, 5), np.linspace(230.0, 800.0, 8)]
+    on = Stage(x, np.where(x > 200.0, 0.0, -3.2), np.full(13, 13.9))
+    pocket = Route("pocket", 4.7, 1.85, 780.0, 120.0, (straight(200.0), on), (Window(20.0, 150.0),), ())
+    run = drive(policy, pocket, 10.0, 400.0, 12.0)
+    assert min(run.speed) > 11.9
+    assert run.words == {"cruise"}
 
 
 def same(decision: Decision) -> tuple[float, float]:

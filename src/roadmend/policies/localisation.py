@@ -21,14 +21,14 @@ _NOT_BEGUN = 0.02  # share of the lateral way below which a change has not begun
 def _find(route: RouteTables, ego: EgoState) -> tuple[int, float, float]:
     """Stage, arc length [m] and offset [m] of the nearest stage, without any earlier knowledge."""
     stages = route.stages
-    best, best_s, best_offset = 0, 0.0, math.inf
+    best, best_s, best_offset, least = 0, 0.0, math.inf, math.inf
     for stage in range(stages.shape[0]):
         first, count = int(stages[stage, road.FIRST]), int(stages[stage, road.COUNT])
         length = stages[stage, road.LENGTH]
         s, offset = road.project_on(route.samples, first, count, ego.x, ego.y, 0.5 * length, length)
-        beyond = max(-s, s - length, 0.0)
-        if abs(offset) + beyond < abs(best_offset) - 1e-9:
-            best, best_s, best_offset = stage, s, offset
+        away = abs(offset) + max(-s, s - length, 0.0)  # a lane that has ended may lie in line with one that goes on
+        if away < least - 1e-9:
+            best, best_s, best_offset, least = stage, s, offset, away
     return best, best_s, best_offset
 
 
