@@ -4,10 +4,13 @@ import hashlib
 import os
 import shutil
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+
+from roadmend.core.resources import cache_folder
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 Named = TypeVar("Named", bound=tuple[Any, ...])
@@ -16,8 +19,8 @@ _MARK = b"roadmend.core.jit"  # who imports this file has kernels
 _PACKAGE = Path(__file__).parents[1]
 
 
-def _cache_folder() -> Path:
-    """Folder for machine code made from the kernels' sources as they are now.
+def _digest() -> str:
+    """Of the kernels' sources as they are now, for the name of the folder that their machine code is in.
 
     Numba looks only at the file of a kernel, not at those of the kernels that it calls, and would go on with stale
     code after an edit there.
@@ -29,21 +32,29 @@ def _cache_folder() -> Path:
                 content = (Path(folder) / name).read_bytes()
                 if _MARK in content:
                     digest.update(content)
-    return Path(__file__).parent / "__pycache__" / f"kernels-{digest.hexdigest()[:16]}"
+    return digest.hexdigest()[:16]
 
 
 def _choose_cache() -> None:
-    if "NUMBA_CACHE_DIR" in os.environ:
-        return
-    folder = _cache_folder()
-    try:
-        if not folder.exists():
-            for stale in folder.parent.glob("kernels-*"):
-                shutil.rmtree(stale, ignore_errors=True)
+    """The folder that the user has named, else one in the package, else one in the user's cache.
+
+    Others may use the first and the last as well, so that nothing is deleted there.
+    """
+    name, own = f"kernels-{_digest()}", Path(__file__).parent / "__pycache__"
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    places: list[Callable[[], Path]] = [partial(Path, chosen)] if chosen else [lambda: own, cache_folder]
+    for place in places:
+        try:
+            folder = place() / name
+            if folder.parent == own and not folder.exists():
+                for stale in own.glob("kernels-*"):
+                    shutil.rmtree(stale, ignore_errors=True)
             folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return  # an installation that cannot be written: numba falls back to a folder of the user's
-    numba.config.CACHE_DIR = str(folder)
+        except (OSError, RuntimeError):  # of who has no home there is no cache either
+            continue
+        if os.access(folder, os.W_OK):
+            numba.config.CACHE_DIR = str(folder)
+            return
 
 
 _choose_cache()

@@ -1,5 +1,6 @@
 """Files that come with roadmend, from a source tree or from an installed package."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -24,3 +25,11 @@ def config_folder() -> Path:
         if folder.is_dir():
             return folder
     raise RoadmendError("config/ is missing; run from a clone of the project or install the package with its data")
+
+
+def cache_folder() -> Path:
+    """Where is kept what was built once, such as networks: ROADMEND_CACHE, else the user's cache folder."""
+    chosen = os.environ.get("ROADMEND_CACHE")
+    if chosen:
+        return Path(chosen)
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "roadmend"

@@ -14,8 +14,8 @@ import numpy as np
 from roadmend.core.bounded_file import opened_unpacked
 from roadmend.core.bounds import NETWORK
 from roadmend.core.errors import InputError, SimulationError
+from roadmend.core.resources import cache_folder
 from roadmend.core.whole_file import write_texts
-from roadmend.world.network import cache_folder
 from roadmend.world.procedural_traffic import DRIVERS, Demand, random_traffic, sumocfg_text
 from roadmend.world.road_network import RoadNetwork, read_network
 

@@ -2,13 +2,13 @@
 
 import hashlib
 import math
-import os
 import subprocess
 import tempfile
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 from roadmend.core.errors import InputError, SimulationError
+from roadmend.core.resources import cache_folder
 from roadmend.world.scenario import (
     CENTRE,
     HighwayExitNetwork,
@@ -225,14 +225,6 @@ def network_file(network: Network) -> Path:
             return path
         case SumoConfiguration():
             return network_of(Path(network.path))
-
-
-def cache_folder() -> Path:
-    """Where built networks are kept: ROADMEND_CACHE, else the user's cache folder."""
-    chosen = os.environ.get("ROADMEND_CACHE")
-    if chosen:
-        return Path(chosen)
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "roadmend"
 
 
 def _build(plain: PlainNetwork) -> Path:

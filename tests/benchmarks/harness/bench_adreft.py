@@ -23,11 +23,10 @@ from harness.policy_benchmarks import Choice, find_benchmarks
 from roadmend.cli.options import WORKERS
 from roadmend.cli.output import counting, show_rows
 from roadmend.core.journal import Journal
-from roadmend.core.resources import config_folder
+from roadmend.core.resources import cache_folder, config_folder
 from roadmend.reports.result_files import provenance
 from roadmend.search.corpus_plan import LAST_FRESH
 from roadmend.world.families import FAMILIES
-from roadmend.world.network import cache_folder
 
 _SHOWN = 10  # differences that --verify prints
 _TABLE = ("reference", "rival", "adreft")  # groups of methods without which there is no table

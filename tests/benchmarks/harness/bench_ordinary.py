@@ -22,10 +22,9 @@ from roadmend.cli.options import JSON, WORKERS, options_of
 from roadmend.cli.output import counting, show_rows
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
-from roadmend.core.resources import config_folder
+from roadmend.core.resources import cache_folder, config_folder
 from roadmend.core.whole_file import write_texts
 from roadmend.reports.result_files import origin, provenance
-from roadmend.world.network import cache_folder
 from roadmend.world.procedural_networks import KINDS, NetworkRequest, generate_configuration
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import drawn_scenarios

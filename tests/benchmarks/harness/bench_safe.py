@@ -18,6 +18,7 @@ from roadmend.cli.options import WORKERS
 from roadmend.cli.output import counting
 from roadmend.cli.safe import judge_through, work_through
 from roadmend.core.errors import InputError
+from roadmend.core.resources import cache_folder
 from roadmend.policies.registry import POLICIES
 from roadmend.reports.result_files import provenance
 from roadmend.safe.cases import CrashCase
@@ -26,7 +27,6 @@ from roadmend.safe.crash_test_summary import TestSummary, summarise_tests
 from roadmend.safe.driving import Task
 from roadmend.safe.planning import plan
 from roadmend.safe.report import find_reports, load_report
-from roadmend.world.network import cache_folder
 
 _TEXTS = Path(__file__).parents[1] / "crash_texts"
 _MEASURED = "measured-*.txt"

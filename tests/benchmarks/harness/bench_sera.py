@@ -30,7 +30,7 @@ from roadmend.cli.output import counting, show_rows
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal, entry_key
-from roadmend.core.resources import config_folder
+from roadmend.core.resources import cache_folder, config_folder
 from roadmend.core.settings import check_settings
 from roadmend.measures.driver import driver_key
 from roadmend.networks.checkpoint import find_model
@@ -45,7 +45,6 @@ from roadmend.sera.pattern import FailurePattern
 from roadmend.training.device import choose_torch_device
 from roadmend.training.few_shot_settings import FewShotSettings, read_few_shot_settings
 from roadmend.world.corpus import Corpus
-from roadmend.world.network import cache_folder
 from roadmend.world.scenario import Scenario
 
 _INCIDENTS: TypeAdapter[list[Incident]] = TypeAdapter(list[Incident])

@@ -16,7 +16,7 @@ from harness.scoring import ORACLE, load_oracles, majority, score
 from roadmend.cli.options import JSON, WORKERS
 from roadmend.cli.output import counting
 from roadmend.core.errors import InputError
-from roadmend.core.resources import config_folder
+from roadmend.core.resources import cache_folder, config_folder
 from roadmend.core.whole_file import write_texts
 from roadmend.measures.intervals import wilson
 from roadmend.networks.checkpoint import find_model, load_checkpoint
@@ -24,7 +24,6 @@ from roadmend.reports.result_files import provenance
 from roadmend.safe.trained.crash_network import KIND
 from roadmend.safe.trained.told_crashes import read_told
 from roadmend.safe.trained.trained_claims import SHIPPED
-from roadmend.world.network import cache_folder
 
 _TEXTS = Path(__file__).parents[1] / "crash_texts"
 _FITTED = "developed"  # the set that rules were made from
