@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from roadmend.core.errors import InputError
 from roadmend.training.adreft.calibration import calibrate, calibrate_untouched, monitor_quality
 
 
@@ -42,7 +43,7 @@ def test_quality():
 
 
 def test_without_a_critical_frame_there_is_no_threshold():
-    with pytest.raises(ValueError, match="no frame is critical"):
+    with pytest.raises(InputError, match="no frame is critical"):
         calibrate(np.array([0.5]), np.array([False]))
 
 

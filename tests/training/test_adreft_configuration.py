@@ -75,6 +75,9 @@ def test_what_cannot_be_built_is_refused(tmp_path):
     path.write_text("model: {hidden: 10, heads: 4}")
     with pytest.raises(InputError, match="cannot share"):
         read_training_configuration(path).model.configuration()
+    path.write_text("model: {pressing: 0.15}")
+    with pytest.raises(InputError, match="needs a model with a need monitor"):
+        read_training_configuration(path).model.configuration()
     path.write_text("model: {tokenizer: words}")
     with pytest.raises(InputError, match="no 'words'"):
         read_training_configuration(path).model.configuration()

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from roadmend.cli.main import main
 from roadmend.core.repair import RepairStatus
@@ -67,9 +68,19 @@ def test_the_last_second_and_the_drive_so_far_are_kept_with_a_tick():
 
 def test_further_policies_are_looked_at_by_their_own_models():
     mine = Path("mine.safetensors")
-    assert model_beside(KINDS["need"], "neural", mine) == find_model("neural", "adreft-")
-    assert model_beside(KINDS["need"], "ego_mlp", mine) == mine  # for which none ships
-    assert model_beside(KINDS["changes"], "neural", mine) == mine  # it repairs those drives
+    assert model_beside(KINDS["need"], "neural", mine, "rich") == find_model("neural", "adreft-")
+    assert model_beside(KINDS["need"], "neural", mine, "paper") == mine  # its tokens and those of the other do not join
+    assert model_beside(KINDS["need"], "ego_mlp", mine, "rich") == mine  # for which none ships
+    assert model_beside(KINDS["changes"], "neural", mine, "rich") == mine  # it repairs those drives
+
+
+@pytest.mark.parametrize("setting", ["families=[S9]", "families=[]", "head=[0]"])
+def test_settings_that_cannot_be_learned_with_are_refused_before_anybody_drives(tmp_path, capsys, setting):
+    words = ["train", "need", str(SHIPPED), "--policy", "modular", "--out", str(tmp_path / "x.safetensors")]
+    assert main([*words, "--set", setting]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert setting.partition("=")[0] in line
+    assert not [*tmp_path.iterdir()]
 
 
 def test_a_model_gets_a_monitor_of_need(tmp_path, capsys):

@@ -332,6 +332,10 @@ def test_ablations_leave_something_out(train, tmp_path, ablation):
     ("options", "words"),
     [
         (["--only", "reinforcement"], "there is no supervised stage to begin with"),
+        (
+            ["--only", "reinforcement", "--set", "reinforcement.episodes=0"],
+            "--only: this configuration has no fine-tuning",
+        ),
         (["--start", "none.safetensors"], "none.safetensors: no such file"),
         (["--device", "abacus"], "'abacus' cannot be used here"),
         (["--also", "sleepy"], "nothing is practised by this configuration"),
@@ -355,6 +359,19 @@ def test_what_cannot_be_is_said_in_one_line(train, tmp_path, capsys, options, wo
     assert train(blind_corpus(1, 1), QUICK, "model.safetensors", *options) == 2
     assert words in capsys.readouterr().err.splitlines()[-1]
     assert not (tmp_path / "model.safetensors").exists()
+
+
+def test_fine_tuning_alone_begins_with_what_an_earlier_call_has_practised(train, tmp_path, capsys):
+    options = ["--only", "reinforcement", "--set", "reinforcement.episodes=2"]
+    assert train(blind_corpus(1, 1), PRACTISED, "model.safetensors", *options) == 2
+    assert "practice-1.safetensors: there is no supervised stage to begin with" in capsys.readouterr().err
+    assert not [*(tmp_path / "model.training").iterdir()]  # nobody has driven
+
+
+def test_a_model_that_cannot_be_leaves_no_folder(train, tmp_path, capsys):
+    assert train(blind_corpus(1, 1), QUICK, "model.safetensors", "--set", "model.pressing=0.15") == 2
+    assert "pressing: needs a model with a need monitor" in capsys.readouterr().err
+    assert not (tmp_path / "model.training").exists()
 
 
 def test_a_corpus_without_violations_or_of_another_policy_is_refused(train, tmp_path, capsys):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import torch
 
+from roadmend.core.errors import InputError
 from roadmend.measures.monitor import separation_of
 from roadmend.networks.checkpoint import find_model, load_checkpoint
 from roadmend.repair.adreft.model import AdreftModel
@@ -67,3 +68,8 @@ def test_false_alarms_are_a_share_of_the_harmless_drives():
     risks = np.array([0.1, 0.8, 0.2, 0.9, 0.95, 0.3, 0.6, 0.3])
     threshold = threshold_by_drives(risks, cases, 0.5)  # the worst of the harmless drives: 0.8, none, 0.2, 0.6
     assert threshold == pytest.approx(0.4)
+
+
+def test_where_every_drive_ends_badly_there_is_no_threshold():
+    with pytest.raises(InputError, match="all end badly"):
+        threshold_by_drives(np.array([0.2, 0.9]), [case_of([0, 1])], 0.3)

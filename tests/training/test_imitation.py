@@ -54,6 +54,13 @@ def test_two_hot_weights_have_the_action_as_their_mean(actions):
     assert bool(((weights > 0.0).sum(1) <= 2).all())
 
 
+def test_a_head_that_cannot_be_built_is_refused(tmp_path):
+    path = tmp_path / "settings.yaml"
+    path.write_text("head: [0]\n")
+    with pytest.raises(InputError, match=r"field head\[0\]"):
+        read_imitation_configuration(path)
+
+
 def test_gathering_repeats_bit_for_bit_and_is_sound(samples):
     again = Samples.join([gather(ordinary_lesson(family, 240_100, None, 1.0, 0.5, 5)) for family in ("S3", "S5")])
     assert samples_digest(again) == samples_digest(samples)

@@ -36,7 +36,7 @@ from roadmend.policies.neural_kinds import KINDS
 from roadmend.training.adreft.ablations import ABLATIONS, ablated
 from roadmend.training.adreft.adjusting import adjust as adjust_model
 from roadmend.training.adreft.configuration import read_training_configuration
-from roadmend.training.adreft.pipeline import Only, Pipeline, Trained, open_work
+from roadmend.training.adreft.pipeline import Only, Pipeline, Trained, check_configuration, open_work
 from roadmend.training.adreft.stage import RepairedPolicy, TrainingSubject
 from roadmend.training.dagger import Training
 from roadmend.training.device import choose_torch_device
@@ -200,6 +200,7 @@ def adreft(given: AdreftOptions) -> None:
         raise InputError("--also", "nothing is practised by this configuration", "leave it out, or set practice.epochs")
     if given.policy in given.also:
         raise InputError("--also", f"'{given.policy}' is the policy itself", "name another one")
+    check_configuration(configuration, only)  # before a folder is made
     corpus = corpus_of(given.policy, given.corpus_file)
     work = given.work or given.out.with_name(f"{given.out.stem}.training")
     open_work(work, resume=given.resume, keep_supervised=only == "reinforcement")

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
 from roadmend.core.settings import read_settings
-from roadmend.networks.shape import EncoderShape, ExcerptShape, HeadShape, SetShape
+from roadmend.networks.shape import EncoderShape, ExcerptShape, HeadShape, SetShape, Width
 from roadmend.policies.neural_kinds import KINDS, AnyShape
 from roadmend.policies.neural_tokens import COLUMNS, OWN
 from roadmend.world.families import FAMILIES, FAMILY_REGISTRY
@@ -37,7 +37,7 @@ class ImitationConfiguration(Parameters):
     layers: int = Field(2, ge=1, le=12, description="layers of the transformer, or of the perceptron on a token")
     heads: int = Field(4, ge=1, le=64, description="attention heads")
     feed_forward: int = Field(128, ge=4, le=2048, description="width of a layer's feed-forward part")
-    head: tuple[int, ...] = Field((64,), description="hidden widths of the action head")
+    head: tuple[Width, ...] = Field((64,), description="hidden widths of the action head")
     batch: int = Field(256, ge=1, le=65_536, description="scenes a step")
     weight_decay: float = Field(1e-4, ge=0.0, le=1.0, description="of AdamW")
     change_weight: float = Field(1.0, ge=0.0, le=100.0, description="of the lane change's loss beside the action's")

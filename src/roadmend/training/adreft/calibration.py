@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from roadmend.core.errors import InputError
+
 Floats = NDArray[np.float64]
 
 
@@ -27,11 +29,12 @@ def calibrate(scores: Floats, critical: NDArray[np.bool_], recall: float = 0.95)
         recall: 0 <= recall < 1 (ADReFT section 4: 0.95).
 
     Raises:
-        ValueError: no frame is critical.
+        InputError: no frame is critical.
     """
     found = np.sort(np.asarray(scores, dtype=np.float64)[critical])[::-1]
     if not len(found):
-        raise ValueError("no frame is critical")
+        mend = "give a corpus with violations in it, or set frames.validation_stride to less"
+        raise InputError("validation split", "no frame is critical", mend)
     needed = min(len(found), math.floor(recall * len(found) + 1e-9) + 1)
     return float(np.nextafter(found[needed - 1], -np.inf))  # 'above' is strict
 

@@ -37,7 +37,8 @@ class ModelSection(Deciding):
         """The configuration of such a model.
 
         Raises:
-            InputError: there is no such tokenizer, or the heads do not share the width evenly.
+            InputError: there is no such tokenizer, the heads do not share the width evenly, or the rules of deciding ask
+                for what no training of ADReFT gives.
         """
         tokenizer = make_tokenizer(self.tokenizer)
         try:
@@ -51,12 +52,16 @@ class ModelSection(Deciding):
             )
         except ValidationError as error:
             raise InputError("model", describe(error), "choose a width that the heads divide") from None
-        return ModelConfiguration(
-            tokenizer=tokenizer.name,
-            tokenizer_version=tokenizer.version,
-            encoder=encoder,
-            **{name: getattr(self, name) for name in Deciding.model_fields},
-        )
+        try:
+            return ModelConfiguration(
+                tokenizer=tokenizer.name,
+                tokenizer_version=tokenizer.version,
+                encoder=encoder,
+                **{name: getattr(self, name) for name in Deciding.model_fields},
+            )
+        except ValidationError as error:
+            mend = "train without it; then './roadmend train need', and './roadmend train adjust' sets it"
+            raise InputError("model", describe(error), mend) from None
 
 
 class FramesSection(Parameters):

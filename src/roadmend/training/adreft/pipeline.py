@@ -98,7 +98,7 @@ class Pipeline:
         for name, cases in (("training", subject.driver.training), ("validation", subject.validation)):
             if not any(case.is_violation for case in cases):
                 raise InputError(f"{name} split", "holds no violation", "give a corpus that has some")
-        _check_adapter(configuration)
+        check_configuration(configuration)
         self._configuration, self._subject = configuration, subject
         self._seed, self._device, self._mapper, self._work, self._report = seed, device, mapper, work, report
         self._model = configuration.model.configuration()
@@ -121,9 +121,11 @@ class Pipeline:
             InputError: a case, a file or a setting is unusable.
             SimulationError: SUMO failed, or a worker process died.
         """
+        if start is None and only == "reinforcement":
+            self._check_supervised()
         begun = None if start is None else self._from_model(start)  # before anything is driven: it may be unusable
         validation = self._frames(self._subject.validation, "validation")
-        before = begun or self._prepare(validation, only)
+        before = begun or self._prepare(validation)
         threshold, quality = self._calibrate(before, validation)
         tensors = before.tensors
         history: list[RoundFigures] = []
@@ -164,9 +166,17 @@ class Pipeline:
         self._report(f"{name} labels", len(cases), len(cases), self._configuration.frames.labels)
         return FrameSet.join(gathered, labels, self._model.encoder.attributes)
 
-    def _prepare(self, validation: FrameSet, only: Only) -> _Supervised:
+    def _check_supervised(self) -> None:
+        """Raise InputError unless an earlier call's stage is there to fine-tune."""
+        practice = self._configuration.practice
+        state = self._work / (PRACTICE_STATE.format(practice.rounds - 1) if practice.epochs else SUPERVISED_STATE)
+        if not state.exists():
+            mend = "train that stage first, or give a model with --start"
+            raise InputError(str(state), "there is no supervised stage to begin with", mend)
+
+    def _prepare(self, validation: FrameSet) -> _Supervised:
         """The networks before ReFT: by practice where there is some, else by the supervised stage."""
-        return self._practise(validation) if self._configuration.practice.epochs else self._supervise(validation, only)
+        return self._practise(validation) if self._configuration.practice.epochs else self._supervise(validation)
 
     def _practise(self, validation: FrameSet) -> _Supervised:
         """Rounds of trials or of moments, each learned from together with all before it."""
@@ -238,11 +248,8 @@ class Pipeline:
             gathered += gather_trials(cases, recipe, how, self._work / "trials", self._mapper, count, guide)
         return gathered
 
-    def _supervise(self, validation: FrameSet, only: Only) -> _Supervised:
+    def _supervise(self, validation: FrameSet) -> _Supervised:
         section, state = self._configuration.supervised, self._work / SUPERVISED_STATE
-        if only == "reinforcement" and not state.exists():
-            mend = "train that stage first, or give a model with --start"
-            raise InputError(str(state), "there is no supervised stage to begin with", mend)
         training = self._frames(self._subject.driver.training, "training")
         stage = SupervisedStage(
             self._model,
@@ -364,12 +371,16 @@ class Pipeline:
         }
 
 
-def _check_adapter(configuration: TrainingConfiguration) -> None:
-    """Whether all stages speak of the same kind of adapter.
+def check_configuration(configuration: TrainingConfiguration, only: Only = None) -> None:
+    """Whether there is such a model, all stages speak of the same kind of adapter, and the one asked for does something.
 
     Raises:
-        InputError: they do not.
+        InputError: no.
     """
+    configuration.model.configuration()
+    if only == "reinforcement" and not (configuration.reinforcement.episodes or configuration.rollouts.rounds):
+        mend = "set reinforcement.episodes or rollouts.rounds, or leave --only out"
+        raise InputError("--only", "this configuration has no fine-tuning", mend)
     practice = configuration.practice
     foresees = configuration.model.weighing is not None
     if foresees != (practice.epochs > 0 and practice.method in FORESEEING):

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
+from roadmend.core.errors import InputError
 from roadmend.networks.encoder import Head, SceneEncoder
 from roadmend.repair.adreft.risk_monitor import RiskConfiguration, RiskMonitor
 from roadmend.training.adreft.case_risks import CaseRisks
@@ -104,10 +105,16 @@ def threshold_by_ticks(risks: NDArray[np.float64], cases: Sequence[CaseRisks], s
 
 
 def threshold_by_drives(risks: NDArray[np.float64], cases: Sequence[CaseRisks], share: float) -> float:
-    """The risk that is exceeded in a share of the harmless drives, of cases of one drive each."""
+    """The risk that is exceeded in a share of the harmless drives, of cases of one drive each.
+
+    Raises:
+        InputError: no drive is harmless.
+    """
     ends = np.cumsum([len(entry) for entry in cases])
     drives = np.split(risks, ends[:-1])
     worst = [drive.max(initial=0.0) for drive, entry in zip(drives, cases, strict=True) if not entry.collided.any()]
+    if not worst:
+        raise InputError("validation drives", "all end badly", "set more validation_cases, or other families")
     return float(np.quantile(worst, 1.0 - share))
 
 

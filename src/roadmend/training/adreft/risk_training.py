@@ -60,17 +60,21 @@ class LearnedRisks:
     caught: float | None  # share of those that ended badly on validation that are above the threshold
 
 
-def model_beside(kind: RiskKind, policy: str, model: Path) -> Path:
+def model_beside(kind: RiskKind, policy: str, model: Path, tokenizer: str) -> Path:
     """The model that finds the ticks of the drives of a further policy: ``model``, or where that serves all its own one.
 
     Args:
         kind: of the monitor.
-        policy: name of the further policy; one that has no model shipped is looked at by ``model``.
+        policy: name of the further policy; one that has no model shipped, or one that sees by other tokens, is looked at
+            by ``model``.
         model: that gets the monitor.
+        tokenizer: name of that model's.
     """
     if kind.is_shared:
         with suppress(InputError):
-            return find_model(policy, "adreft-")
+            shipped = find_model(policy, "adreft-")
+            if read_configuration(str(shipped), load_checkpoint(shipped, KIND).header).tokenizer == tokenizer:
+                return shipped
     return model
 
 
@@ -121,7 +125,7 @@ def train_risk_monitor(
             judged, bad = sum(map(len, done)), sum(int(each.collided.sum()) for each in done)
             report(f"{what}: {driver.policy}", len(done), len(chosen), f"{judged} {kind.what}, {bad} end badly")
 
-        looks = model if driver is drivers[0] else model_beside(kind, driver.policy, model)
+        looks = model if driver is drivers[0] else model_beside(kind, driver.policy, model, before.tokenizer)
         digest = load_checkpoint(looks, KIND).digest
         plan = RiskPlan(
             str(looks),
@@ -144,6 +148,7 @@ def train_risk_monitor(
     collided, seen = (np.concatenate([each.collided for each in entries]) for entries in (learned, validation))
     if not collided.any() or not (seen < 0.5).any():
         raise InputError(str(model), f"the {kind.what} of its drives tell nothing", "set more random_cases")
+    kind.threshold(np.zeros(len(seen)), validation, settings.false_alarms)  # what it lacks is said before it is learned
     configuration = RiskConfiguration(
         encoder=before.encoder,
         head=settings.head,
