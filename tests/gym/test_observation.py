@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from roadmend.core.plain_moment import plain_moment
-from roadmend.core.route import RightOfWay, Route, Window, Zone
+from roadmend.core.route import RightOfWay, Route, Stage, Window, Zone
 from roadmend.core.scene import EgoState, ObjectKind, ObjectList, Scene, Signal
 from roadmend.gym.observation import AHEAD, EGO, OBJECT, ROAD, ZONE, observation_space
 from roadmend.gym.observer import DriveObserver
@@ -88,6 +88,26 @@ def test_zones_and_lane_changes():
     assert [number(seen["ego"], EGO, name) for name in names] == [1.0, 10.0, 40.0, 1.0, 28.0]
     right = Route("two", 4.5, 1.8, 90.0, 30.0, (side, stage), (Window(20.0, 50.0),), ())
     assert number(see(right)["ego"], EGO, "change_side") in {-1.0, 0.0}
+
+
+@pytest.mark.parametrize("length", [200.0, 3000.0])
+@pytest.mark.parametrize(("lane", "side"), [(4.0, 1.0), (-4.0, -1.0)])
+@pytest.mark.parametrize("turn", [1.0, -1.0])
+def test_a_lane_around_a_corner_is_on_the_side_on_which_it_is_there(length, lane, side, turn):
+    def stage(x, y):
+        x, y = np.array(x), turn * np.array(y)
+        return Stage(x, y, np.full(len(x), 10.0))
+
+    # North, then east or west into a street whose other lane leads on from the corner.
+    own = stage([0.0, 0.0, 1.0, 4.0, 404.0], [-length, -4.0, -1.0, 0.0, 0.0])
+    beside = turn * lane
+    other = stage([5.0, 404.0, 404.0 + length], [beside, beside, beside])
+    begin, end = length + 50.0, length + 300.0
+    route = Route("corner", 4.5, 1.8, 300.0, 90.0, (own, other), (Window(begin, end),), ())
+    for position in (0.0, 0.5 * length, length, begin, end):
+        ego = EgoState.from_yaw(*own.pose(position), 5.0, 0.0, 4.5, 1.8)
+        seen = see(route, Scene(0.0, ego, MOMENT.scene.objects, MOMENT.scene.signals))
+        assert number(seen["ego"], EGO, "change_side") == side
 
 
 def test_acceleration_is_that_of_the_last_tick():

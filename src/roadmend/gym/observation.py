@@ -124,8 +124,10 @@ def _ego(scene: Scene, route: Route, place: RoutePlace, way_left: float, speed_b
     change = [0.0, 0.0, 0.0, 0.0]
     if place.stage < len(route.windows):
         window = route.windows[place.stage]
-        x, y, _ = stage.pose(place.position)
-        _, aside = route.stages[place.stage + 1].project(x, y, 0.5 * stage.length, _FAR)
+        after = route.stages[place.stage + 1]
+        # Told where the change may begin: from further away the next lane may lie around a corner.
+        x, y, _ = stage.pose(max(place.position, window.begin))
+        _, aside = after.project(x, y, 0.5 * after.length, after.length)
         change = [1.0, window.begin - place.position, window.end - place.position, -math.copysign(1.0, aside)]
     return np.array(
         [
