@@ -85,6 +85,20 @@ def test_who_had_stopped_stands_behind_somebody_and_that_is_said():
     assert "stands before the ego" in scenario.origin.adapted[0]
 
 
+def test_who_has_no_room_on_its_road_is_said_to_be_left_out():
+    chain = crash("Intersection", vehicle(), vehicle(manoeuvre="Stop"), vehicle(manoeuvre="Stop"),
+                  collisions=[DescribedCollision(1, 2), DescribedCollision(2, 3)])  # fmt: skip
+    gone = 0
+    for ego in range(3):
+        for index in range(6):
+            scenario = draw_scenario(role(chain, ego), index)
+            missing = {f"v{n + 1}" for n in range(3) if n != ego} - {actor.id for actor in scenario.actors}
+            told = {text for text in scenario.origin.adapted if "left out" in text}
+            assert told == {f"vehicle {name[1:]}: no room on its road, left out" for name in missing}
+            gone += len(missing)
+    assert gone
+
+
 def test_who_turns_at_a_junction_drives_along_a_line_of_its_own():
     what = crash("Intersection", vehicle("W2E"), vehicle("E2W", "Turn Left"))
     (actor,) = draw_scenario(role(what), 0).actors

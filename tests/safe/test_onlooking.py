@@ -104,6 +104,17 @@ def test_what_was_struck_may_be_unsaid():
     assert "what was struck is not said" in scenario.origin.adapted[-1]
 
 
+def test_a_road_too_wide_to_come_off_is_said():
+    told = set()
+    for index in range(6):
+        scenario = draw_scenario(onlooker(lone(lanes=8, roadside="Left")), index)
+        (tree,) = scenario.obstacles
+        is_said = "the tree stands on the roadway" in scenario.origin.adapted[-1]
+        assert is_said is is_on_roadway(scenario.network, tree.x, tree.y)
+        told.add(is_said)
+    assert told == {True, False}
+
+
 def test_one_vehicle_alone_has_an_onlooker_and_several_have_none():
     assert [role.name for role in roles_of("a", LONE["right"])] == ["onlooker"]
     assert [role.name for role in roles_of("a", HEAD_ON)] == ["v1", "v2"]

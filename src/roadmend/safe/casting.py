@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import cached_property
 
 from roadmend.safe.alongside import Neighbour
 from roadmend.safe.dsl import CROSSING_OVER, STANDING, Action, CrashScenario, DslModel, Manoeuvre, Side
@@ -88,8 +89,14 @@ class MeetingStage:
 
     def actors(self) -> list[world.Actor]:
         """The report's other vehicles, and whom a vehicle that has stopped waits for."""
+        return self._placed[0]
+
+    @cached_property
+    def _placed(self) -> tuple[list[world.Actor], list[int]]:
+        """Everybody but the ego, and the numbers of vehicles for which there is no room."""
         spots = [self._ego_spot]
         actors: list[world.Actor] = []
+        left_out = []
         if self._waits and self._is_hit_from_behind():
             ahead = self._queue_head()
             spots.append(ahead)
@@ -101,18 +108,19 @@ class MeetingStage:
             spot, manoeuvres = self._cast(index)
             length = self._way(index).length
             spot = make_room(replace(spot, front=min(spot.front, length - 1.0)), spots)
-            if spot.front > length:
-                continue  # pushed past the road's end: no room for it
+            if spot.front > length:  # pushed past the road's end
+                left_out.append(index + 1)
+                continue
             spots.append(spot)
             actors.append(vehicle_actor(f"v{index + 1}", self._kind(index), self._way(index), spot, manoeuvres))
-        return actors
+        return actors, left_out
 
     @property
     def adapted(self) -> tuple[str, ...]:
-        """What was added that the report does not name."""
-        if self._waits and self._is_hit_from_behind():
-            return ("a vehicle stands before the ego, which had stopped",)
-        return ()
+        """What was added that the report does not name, and which of its vehicles are not there."""
+        waits = self._waits and self._is_hit_from_behind()
+        added = ("a vehicle stands before the ego, which had stopped",) if waits else ()
+        return (*added, *(f"vehicle {number}: no room on its road, left out" for number in self._placed[1]))
 
     def _is_hit_from_behind(self) -> bool:
         """Whether who meets the ego goes its way: then it may stand in a queue without that being in between."""

@@ -95,12 +95,14 @@ class Struck:
         obstacle: what it strikes.
         station: along the lane where the vehicle's middle is then [m].
         start: along the lane where it begins to leave [m].
+        is_misplaced: whether the thing stands on the roadway, though it is of the roadside: the road was too wide.
     """
 
     line: Points
     obstacle: Obstacle
     station: float
     start: float
+    is_misplaced: bool
 
 
 def strike(network: Network, lane: Points, body: Body, way: Departure, place: float) -> Struck:
@@ -119,7 +121,8 @@ def strike(network: Network, lane: Points, body: Body, way: Departure, place: fl
         station = course.struck(start)
         start = max(start + place - station, 1.0)
     station = course.struck(start)
-    return Struck(course.line(start, station), course.obstacle(start, station), station, start)
+    obstacle = course.obstacle(start, station)
+    return Struck(course.line(start, station), obstacle, station, start, course.is_misplaced(obstacle))
 
 
 class _Course:
@@ -187,6 +190,10 @@ class _Course:
             firm=thing.firm,
         )
 
+    def is_misplaced(self, obstacle: Obstacle) -> bool:
+        """Whether a thing that stands beside roads stands on this one."""
+        return not self._stays and self._distance(obstacle) <= 0.0
+
     def _pose(self, start: float, station: float) -> tuple[float, float, float]:
         """The vehicle's middle [m] and heading [rad] beside a station of its lane."""
         x, y, heading = self._lane.pose(station)
@@ -203,11 +210,15 @@ class _Course:
 
     def _is_clear(self, obstacle: Obstacle) -> bool:
         """Whether a thing stands off the roadway, on the side to which the vehicle leaves."""
+        margin = min(self._way.clearance, 0.05) if obstacle.kind == "curb" else self._way.clearance
+        return bool(self._distance(obstacle) >= margin)
+
+    def _distance(self, obstacle: Obstacle) -> float:
+        """From the roadway to a thing [m]; 0 where it stands on it."""
         import shapely  # noqa: PLC0415
 
         angle = math.radians(obstacle.heading)
         box = shapely.box(-0.5 * obstacle.length, -0.5 * obstacle.width, 0.5 * obstacle.length, 0.5 * obstacle.width)
         box = shapely.affinity.rotate(box, angle, origin=(0.0, 0.0), use_radians=True)
         box = shapely.affinity.translate(box, obstacle.x, obstacle.y)
-        margin = min(self._way.clearance, 0.05) if obstacle.kind == "curb" else self._way.clearance
-        return bool(self._roadway.distance(box) >= margin)
+        return float(self._roadway.distance(box))

@@ -73,11 +73,14 @@ class OnlookerStage:
 
     @property
     def adapted(self) -> tuple[str, ...]:
-        """What was added that the report does not name."""
+        """What was added that the report does not name, and what stands elsewhere than it says."""
         where = "comes the other way" if self._comes_the_other_way else "drives behind"
         added = [f"the ego is no vehicle of the report: it {where} and looks on"]
         if self._told.object is None:
             added.append("what was struck is not said: something beside the road")
+        if self._crash.is_misplaced:
+            kind = self._crash.obstacle.kind.replace("_", " ")
+            added.append(f"the {kind} stands on the roadway: vehicle 1 does not come off a road as wide as this")
         return tuple(added)
 
     @property
