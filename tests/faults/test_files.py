@@ -3,6 +3,7 @@
 import dataclasses
 import os
 import stat
+import tracemalloc
 
 import pytest
 
@@ -38,6 +39,16 @@ def test_the_bag_of_the_bomb_is_one_that_a_reader_begins_to_unpack(tmp_path):
     DAMAGES["bomb"](tmp_path / "f.mcap", b"\x89MCAP0\r\n", 0)
     with pytest.raises(InputError, match=r"times|ratio|more than"):
         bag_info(tmp_path / "f.mcap")
+
+
+@pytest.mark.parametrize("sound", [b"<net></net>", b"\x89MCAP0\r\n"])
+def test_a_bomb_is_made_of_pieces(sound, tmp_path):
+    tracemalloc.start()
+    try:
+        DAMAGES["bomb"](tmp_path / "f", sound, 0)
+        assert tracemalloc.get_traced_memory()[1] < 8 << 20
+    finally:
+        tracemalloc.stop()
 
 
 def test_every_kind_begins_with_its_sound_file():
@@ -99,3 +110,11 @@ def test_a_command_is_given_the_file_and_its_tree_is_looked_at(tmp_path, monkeyp
     assert all(len(line) == len(FILE_HEADING) for line in file_table(rows))
     assert Refused.parse(refused.as_dict()) == refused
     assert not [*os.scandir(tmp_path)]
+
+
+def test_what_a_command_took_is_not_what_its_caller_has_had():
+    bench, trial = FileBench(), FileTrial("corpus", "pipe")
+    alone = bench.give(trial).memory
+    much = bytearray(alone + (200 << 10) << 10)
+    much[::4096] = b"x" * len(much[::4096])
+    assert abs(bench.give(trial).memory - alone) < 50 << 10

@@ -11,6 +11,7 @@ import zstandard
 
 BIG = 1 << 36  # [bytes] that a sparse file says it has
 DEPTH = 1_000_000
+_ZEROS = bytes(1 << 20)  # bombs are made of them piece by piece: whoever makes them need not have all at once
 _PIECE = 60 << 20  # [bytes] of each of the chunks that a bag unpacks to
 _CHUNKS = 96
 _MAGIC = b"\x89MCAP0\r\n"
@@ -53,7 +54,10 @@ def _bomb(path: Path, sound: bytes, _seed: int) -> None:
     if sound.startswith(_MAGIC):
         path.write_bytes(_bag())
     elif sound.lstrip()[:1] == b"<":
-        path.write_bytes(gzip.compress(b"<net>" + bytes(300 << 20), 1))
+        with gzip.open(path, "wb", compresslevel=1) as file:
+            file.write(b"<net>")
+            for _ in range(300):
+                file.write(_ZEROS)
     elif sound[:1].isalpha() or sound[:1] == b"#":  # YAML: what ten aliases of ten aliases ... come to
         lines = ["a0: &a0 [x,x,x,x,x,x,x,x,x,x]"]
         lines += [f"a{level + 1}: &a{level + 1} [{','.join([f'*a{level}'] * 10)}]" for level in range(12)]
@@ -76,9 +80,11 @@ DAMAGES: dict[str, Damage] = {
 
 def _bag() -> bytes:
     """A bag of a few hundred kB whose chunks would become 6 GB."""
-    message = _record("message", struct.pack("<HIQQ", 1, 1, 1, 1) + bytes(_PIECE - 31))
-    packed = zstandard.compress(message)
-    body = struct.pack("<QQQI", 1, 1, len(message), 0) + _text("zstd") + struct.pack("<Q", len(packed)) + packed
+    begin = struct.pack("<BQHIQQ", _OPCODES["message"], _PIECE - 9, 1, 1, 1, 1)
+    compressor = zstandard.ZstdCompressor().compressobj(size=_PIECE)
+    zeros = (compressor.compress(_ZEROS[: _PIECE - at]) for at in range(len(begin), _PIECE, len(_ZEROS)))
+    packed = b"".join((compressor.compress(begin), *zeros, compressor.flush()))
+    body = struct.pack("<QQQI", 1, 1, _PIECE, 0) + _text("zstd") + struct.pack("<Q", len(packed)) + packed
     head = _record("header", _text("ros2") + _text("test"))
     end = _record("end", struct.pack("<I", 0)) + _record("footer", struct.pack("<QQI", 0, 0, 0))
     return _MAGIC + head + _record("chunk", body) * _CHUNKS + end + _MAGIC

@@ -2,11 +2,11 @@
 
 import hashlib
 import os
+import signal
 import stat
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -22,7 +22,18 @@ from roadmend.faults.file_kinds import FILES, SCENARIO, VARIED, FileKind
 from roadmend.world.families import sample_scenario
 from roadmend.world.scenario_file import save_scenario
 
-_PATIENCE_S = 120.0
+_PATIENCE_S = 120
+# What a process has had at most, it is said to have had before it became what it runs: a command that began out of this
+# one would be weighed with all that this one ever held. So it begins out of one that holds next to nothing.
+_WEIGH = """
+import os, signal, sys
+null = (os.POSIX_SPAWN_OPEN, 1, os.devnull, os.O_WRONLY, 0)
+process = os.posix_spawn(sys.argv[2], sys.argv[2:], os.environ, file_actions=[null])
+signal.signal(signal.SIGALRM, lambda *_: os.kill(process, signal.SIGKILL))
+signal.alarm(int(sys.argv[1]))
+_, status, used = os.wait4(process, 0)
+print(os.waitstatus_to_exitcode(status), used.ru_maxrss)
+"""
 
 
 class FileCampaign(Parameters):
@@ -63,7 +74,7 @@ class Refused:
         lines: on standard error.
         traceback: whether they show a bare one.
         seconds: of wall time.
-        memory: most that the process had [KiB].
+        memory: most that the process had [KiB], whatever this one has.
         is_tree_whole: whether the folder holds what it held before, but for what was asked for.
         stderr: its last lines.
     """
@@ -168,20 +179,26 @@ def _run(words: Sequence[str], folder: Path, file: Path) -> Refused:
     begin = time.monotonic()
     with (folder / "err").open("w") as err:
         process = subprocess.Popen(
-            command, stdout=subprocess.DEVNULL, stderr=err, env=environment, start_new_session=True, cwd=folder
+            [sys.executable, "-I", "-S", "-c", _WEIGH, str(_PATIENCE_S), *command],
+            stdout=subprocess.PIPE,
+            stderr=err,
+            env=environment,
+            start_new_session=True,
+            cwd=folder,
         )
-        timer = threading.Timer(_PATIENCE_S, process.kill)
-        timer.start()
-        _, status, used = os.wait4(process.pid, 0)
-        timer.cancel()
-    process.returncode = code = os.waitstatus_to_exitcode(status)
+        try:
+            told, _ = process.communicate()
+        except BaseException:
+            os.killpg(process.pid, signal.SIGKILL)  # the command too, which is this one's child no longer
+            raise
+    code, memory = map(int, told.split())
     said = (folder / "err").read_text(encoding="utf-8", errors="replace").splitlines()
     return Refused(
         None if code < 0 else code,
         len(said),
         any("Traceback (most recent call last)" in line for line in said),
         time.monotonic() - begin,
-        used.ru_maxrss,
+        memory,
         is_tree_whole=True,
         stderr=tuple(said[-4:]),
     )
