@@ -12,8 +12,10 @@ from roadmend.cli.main import bag as command
 from roadmend.core.errors import InputError
 from roadmend.core.outcome import EventKind
 from roadmend.recording.definitions import find
+from roadmend.recording.foreign_shadow import state_topics
 from roadmend.recording.info import bag_info
 from roadmend.recording.qos import Qos
+from roadmend.recording.reader import BagReader
 from roadmend.recording.rhythm import Rhythm
 from roadmend.recording.writer import BagWriter
 
@@ -116,6 +118,17 @@ def test_a_shadow_in_a_bag_is_not_counted(tmp_path):
             writer.write("/repair/state", tick * TICK, make(STATE, header=make.header(tick), intervened=tick == 4))
     acts = bag_info(tmp_path / "both").interventions
     assert (acts.ticks, acts.interventions, acts.spells) == (10, 1, 1)
+
+
+def test_a_shadow_alone_is_no_intervention_that_happened(tmp_path):
+    make = Maker()
+    with BagWriter(tmp_path / "shadow") as writer:
+        writer.add_topic("/shadow/repair/state", STATE, [Qos()])
+        writer.write("/shadow/repair/state", 0, make(STATE, header=make.header(0), intervened=True))
+    info = bag_info(tmp_path / "shadow")
+    assert info.interventions is None
+    assert info.spells == ()
+    assert state_topics(BagReader(tmp_path / "shadow")) == []
 
 
 @pytest.mark.parametrize("name", ["episode_0.mcap", "metadata.yaml"])

@@ -10,7 +10,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.outcome import Blame, Event, EventKind
 from roadmend.core.repair import Repair, RepairStatus, RepairTrigger
 from roadmend.core.scene import EgoState, ObjectKind
-from roadmend.recording import messages
+from roadmend.recording import messages, topics
 from roadmend.recording.codec import encode, type_of
 from roadmend.recording.reader import BagReader
 from roadmend.recording.ticks import BagTicks
@@ -91,6 +91,20 @@ def test_topics_in_a_namespace_are_found(bag):
     ticks = bag(("route", 0, route()), ("ego", 0, EGO), ("objects", 0, objects(1)), prefix="/car")
     assert ticks.namespace == "/car"
     assert len(list(ticks)) == 1
+
+
+def test_the_answers_of_a_shadow_are_not_what_was_driven_where_there_are_no_others(bag):
+    done = Repair(Command(0.0, 0.6), RepairStatus.REPAIRED, 0.8, 0.5, 0.3, -0.6, True, 2, (), "7 ahead", 0.5)
+    ticks = bag(
+        ("route", 0, route()),
+        ("ego", 0, EGO),
+        ("objects", 0, objects(1)),
+        ("shadow/repair/state", 0, messages.repair_message_of(done, "rss", None)),
+        ("shadow/repair/command", 0, messages.command_message_of(done.command, None)),
+    )
+    (tick,) = ticks
+    assert tick.repair is tick.driven is None
+    assert topics.REPAIR_STATE not in ticks.topics
 
 
 def test_unusable_objects_are_none_but_an_unusable_route_ends_it(bag):

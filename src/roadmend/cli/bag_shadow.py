@@ -23,6 +23,7 @@ from roadmend.recording.new_bag import BagCopy, new_bag
 from roadmend.recording.reader import BagReader
 from roadmend.recording.shadow import ShadowSummary, run_shadow
 from roadmend.recording.ticks import BagTick, BagTicks
+from roadmend.recording.topics import SHADOW
 
 SHADOW_RECORD = "roadmend_shadow"  # metadata record
 
@@ -69,7 +70,7 @@ def shadow_bag(bag: Path, choice: RepairChoice, out: Path) -> ShadowSummary:
     except InputError as error:
         mend = f"{error.mend}, or name the topics of another stack's bag with --ego, --objects and --command"
         raise InputError(error.where, error.what, mend) from None
-    namespace = f"{ticks.namespace}/shadow"
+    namespace = f"{ticks.namespace}/{SHADOW}"
     if any(name.startswith(f"{namespace}/") for name in reader.topics):
         raise InputError(str(bag), "has a shadow already", "take the bag that it was made of")
     repairer = choice.make()
@@ -98,11 +99,11 @@ def shadow_foreign_bag(
     """
     reader = BagReader(bag)
     topics_.by_input(reader)
-    if any(name.startswith("/shadow/") for name in reader.topics):
+    if any(name.startswith(f"/{SHADOW}/") for name in reader.topics):
         raise InputError(str(bag), "has a shadow already", "take the bag that it was made of")
     repairer = choice.make()
     with new_bag(out) as writer, Waiting(f"{bag.name} · {choice.method}"):
-        copy, episode = BagCopy(reader, writer), EpisodeWriter(writer, "/shadow")
+        copy, episode = BagCopy(reader, writer), EpisodeWriter(writer, f"/{SHADOW}")
 
         def write(time_ns: int, answer: Answer) -> None:
             copy.until(time_ns)

@@ -209,5 +209,5 @@ class _Pairing:
 def state_topics(reader: BagReader) -> list[str]:
     """The topic on which the graph's repair node told what it did, if there is one."""
     kind = TYPES[REPAIR_STATE]
-    found = [name for name, topic in reader.topics.items() if topic.type_name == kind]
-    return [own(found)] if found else []
+    name = own(name for name, topic in reader.topics.items() if topic.type_name == kind)
+    return [] if name is None else [name]

@@ -155,6 +155,7 @@ class _Reading:
     def info(self, path: Path, files: list[Path], missing: list[str]) -> BagInfo:
         noted = self._metadata.get(_RECORD, {})
         outcome, text = self._outcome or (noted.get("outcome", ""), noted.get("outcome_text", ""))
+        repaired = own(self._repairs)
         return BagInfo(
             bag=str(path),
             complete=not missing,
@@ -166,7 +167,7 @@ class _Reading:
             end=max((rhythm.end_ns / SECOND for rhythm in self._rhythms.values()), default=None),
             outcome=outcome,
             outcome_text=text,
-            interventions=self._repairs[own(self._repairs)] if self._repairs else None,
+            interventions=None if repaired is None else self._repairs[repaired],
             spells=self._spells.accounts(),
             topics=[self._topic(name) for name in sorted(self._rhythms)],
             metadata={name: values for name, values in self._metadata.items() if name not in _HIDDEN},

@@ -41,7 +41,8 @@ class SpellScan:
     def accounts(self) -> tuple[SpellAccount, ...]:
         """Of the whole file; as ``BagTicks`` does, of the graph in the shortest namespace."""
         graphs = {name: graph for name, graph in self._graphs.items() if graph.answers}
-        return graphs[own(graphs)].accounts() if graphs else ()
+        name = own(graphs)
+        return () if name is None else graphs[name].accounts()
 
 
 @dataclass(slots=True)

@@ -112,12 +112,12 @@ class BagTicks:
 
 
 def _topics(reader: BagReader) -> dict[str, str]:
-    """Topics of the graph as they are named in the bag: perhaps in a namespace, then in the shortest one."""
+    """Topics of the graph as they are named in the bag: perhaps in a namespace, then in the shortest one that is no shadow's."""
     found = {}
     for topic, kind in topics.TYPES.items():
         names = [name for name, one in reader.topics.items() if one.type_name == kind and name.endswith(f"/{topic}")]
-        if names:
-            found[topic] = topics.own(names)
+        if (name := topics.own(names)) is not None:
+            found[topic] = name
     return found
 
 

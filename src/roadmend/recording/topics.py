@@ -59,6 +59,12 @@ TYPES = {  # of what a recorded episode is read from
 }
 
 
-def own(names: Iterable[str]) -> str:
-    """Of the topics of one kind in a bag, or of the namespaces, the graph's own: a shadow's lies below it, and is longer."""
-    return min(names, key=len)
+SHADOW = "shadow"  # namespace, below a graph's own, of what another method would have done
+
+
+def own(names: Iterable[str]) -> str | None:
+    """Of the topics of one kind in a bag, or of the namespaces with "/" at their end, the graph's own: the shortest.
+
+    A shadow's is none, even where it is the only one: nobody drove on it. None where there is no other.
+    """
+    return min((name for name in names if f"/{SHADOW}/" not in name), key=len, default=None)
