@@ -7,6 +7,7 @@ import pytest
 
 from roadmend.cli import corpus
 from roadmend.cli.main import main
+from roadmend.core.resources import config_folder
 from roadmend.world.corpus import load_corpus, save_corpus
 from roadmend.world.families import FAMILIES
 
@@ -113,6 +114,19 @@ def test_counts_are_shown(folder, capsys):
     assert shown["digest"] == load_corpus(folder / "first.jsonl").digest
     assert main(["corpus", "show", "--corpus", str(folder / "first.jsonl")]) == 0
     assert "S4" in capsys.readouterr().out
+
+
+def test_no_other_policy_than_that_named_is_worked_on(folder, tmp_path, capsys):
+    named = ["show", "--corpus", str(folder / "first.jsonl"), "--policy", "neural"]
+    assert main(["corpus", *named]) == 2
+    assert "is a corpus of the policy 'modular'; give one of 'neural'" in capsys.readouterr().err
+    assert main(["corpus", *named[:-1], "modular"]) == 0
+    model = tmp_path / "neural.safetensors"  # a user's own, with the name of one that ships
+    model.write_bytes((config_folder() / "models" / "neural.safetensors").read_bytes())
+    for command in (["show"], ["verify", "--cases", "1"], ["renew", "--out", str(tmp_path / "new.jsonl")]):
+        assert main(["corpus", *command, "--policy", str(model)]) == 2
+        assert "is a corpus of the policy 'neural'" in capsys.readouterr().err
+    assert [*tmp_path.iterdir()] == [model]
 
 
 def test_families_of_installed_packages_are_counted_too(folder, monkeypatch, capsys):

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import click
+from click.core import ParameterSource
 from rich.progress import Progress as Bar
 from rich.table import Table
 
@@ -32,7 +33,7 @@ from roadmend.search.renewal import renew as renew_cases
 from roadmend.search.rerun import FORMAT as RERUNS
 from roadmend.search.rerun import Rerunner, agrees
 from roadmend.search.selection import spread
-from roadmend.world.corpus import SPLITS, Case, Corpus, load_corpus, save_corpus
+from roadmend.world.corpus import SPLITS, Case, Corpus, corpus_of, load_corpus, save_corpus
 from roadmend.world.families import FAMILIES, FAMILY_REGISTRY
 
 
@@ -44,11 +45,18 @@ def _file_option(command: Any) -> Any:
 
 
 def _load(policy: str, file: Path | None) -> Corpus:
-    path = file or config_folder() / "corpora" / f"{POLICY_REGISTRY.find(policy).label}.jsonl"
-    loaded = load_corpus(path)
+    """The corpus to work on: the policy's; a file's alone says whose it is, where no policy is named.
+
+    Raises:
+        InputError: there is none, it is damaged, of another policy than that named, or of code that nobody named.
+    """
+    is_named = click.get_current_context().get_parameter_source("policy") is not ParameterSource.DEFAULT
+    if file is None or is_named:
+        return corpus_of(policy, file or config_folder() / "corpora" / f"{POLICY_REGISTRY.find(policy).label}.jsonl")
+    loaded = load_corpus(file)
     if loaded.policy != policy and ":" in loaded.policy:
         what = f"is of {loaded.policy!r}, code from outside that a corpus makes nobody run"
-        raise InputError(str(path), what, f"name it with --policy {loaded.policy}")
+        raise InputError(str(file), what, f"name it with --policy {loaded.policy}")
     return loaded
 
 
