@@ -9,8 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from roadmend.cli import options
 from roadmend.cli.main import main
 from roadmend.core.errors import InputError
+from roadmend.core.resources import config_folder
 from roadmend.core.whole_file import write_texts, written_beside
 
 SAMPLES = Path(__file__).parents[2] / "bags" / "samples" / "collision"
@@ -29,6 +31,12 @@ FOLDERS = {  # commands that write a folder
 RESULTS = {  # commands that put files into a folder, beside what is there
     "extract": ("safe", "extract", "report.txt", "--out", "{}"),
     "export as ASAM": ("safe", "export", "crash.dsl", "--out", "{}"),
+}
+MENTIONED = {  # somebody's own files that speak of roadmend
+    "script": b"#!/bin/sh\nroadmend sample --family S3 --out s.yaml\ncat <<EOF\nformat: roadmend-scenario/1\nEOF\n",
+    "settings": b"scenario: {format: roadmend-scenario/1}\n",
+    "lines": b'{"name": "mine"}\n{"format": "roadmend-corpus/3"}\n',
+    "database": b"SQLite format 3\0" + bytes(84) + b"roadmend-bank/1",
 }
 PLACES = {
     "file": "foreign/text",
@@ -101,6 +109,32 @@ def test_an_own_earlier_file_makes_room(command, theirs, bank):
     for _ in range(2):
         assert main([word.format("new/mine") for word in FILES[command]]) == 0
     assert sorted(tree(theirs).keys() - before.keys()) == ["new", "new/mine"]
+
+
+@pytest.mark.parametrize("content", MENTIONED)
+def test_a_file_that_only_speaks_of_roadmend_is_somebody_elses(content, theirs, capfd):
+    (theirs / "foreign" / "text").write_bytes(MENTIONED[content])
+    before = tree(theirs)
+    assert main(["sample", "--family", "S3", "--out", "foreign/text"]) == 2
+    assert "was not written by roadmend" in capfd.readouterr().err
+    assert tree(theirs) == before
+
+
+@pytest.mark.parametrize("name", ["models/neural.safetensors", "corpora/modular.jsonl", "repair/tuned/modular.yaml"])
+def test_files_that_take_long_to_make_are_known_as_own(name):
+    shipped = config_folder() / name
+    assert options.only_own(None, None, shipped) == shipped
+
+
+def test_a_file_that_cannot_be_read_is_nobodys_to_replace(theirs, monkeypatch, capfd):
+    def refuse(path):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+
+    monkeypatch.setattr(options, "open_regular", refuse)  # root, as whom tests may run, reads everything
+    before = tree(theirs)
+    assert main(["sample", "--family", "S3", "--out", "foreign/text"]) == 2
+    assert "foreign/text: is there already and cannot be read; choose another name" in capfd.readouterr().err
+    assert tree(theirs) == before
 
 
 @pytest.mark.parametrize("command", FOLDERS)

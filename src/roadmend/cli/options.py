@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import fields
 from functools import wraps
@@ -66,22 +67,31 @@ def only_own(_context: click.Context, _option: click.Parameter, path: Path | Non
     """For the option of a file to write that says whose it is: only one of roadmend's own makes room for another.
 
     Raises:
-        InputError: somebody else's file is there. One that cannot be read is told of by what writes.
+        InputError: somebody else's file is there, or one that may not be read: nobody knows whose it is.
     """
     if path is None:
         return None
     try:
         with open_regular(path) as file:
             begin = file.read(_MARKED_WITHIN)
-    except OSError:
+    except PermissionError:
+        raise InputError(str(path), "is there already and cannot be read", "choose another name") from None
+    except OSError:  # nothing is there, or what is no file, which what writes tells of
         return path
-    if begin and _MARK not in begin:
+    if begin and not _MARK.match(begin):
         raise InputError(str(path), "is there already and was not written by roadmend", "choose another name")
     return path
 
 
-_MARK = b"roadmend"  # stands in every file that is written under such a name: its format, its maker, or its command
-_MARKED_WITHIN = 1 << 16  # [bytes] from its begin
+# How a file begins that is written under such a name. The word alone stands in a script that calls roadmend, too.
+_MARK = re.compile(
+    rb"(\s*#[^\n]*\n)*format: [\"']?roadmend-"  # YAML: scenarios, tuned rivals
+    rb"|\s*\{\s*\"format\":\s*\"roadmend-"  # a line of JSON: corpora, exported banks
+    rb'|.{8}\{"__metadata__":\{"roadmend":'  # safetensors, behind the length of their header: models
+    rb"|SQLite format 3\0.{52}rmba",  # SQLite, with the application's identifier: banks
+    re.DOTALL,
+)
+_MARKED_WITHIN = 1 << 12  # [bytes] from its begin
 PATH = click.Path(path_type=Path)
 BAGS = click.option("--out", default=Path("bags"), show_default=True, type=PATH, help="Folder for the bag.")
 RECORD = click.option("--record/--no-record", default=True, show_default=True)
