@@ -37,6 +37,15 @@ def test_an_open_road_type_goes_with_the_vehicles(vehicles, types):
     assert {*open_questions(crash(None, *vehicles))["road_type"].weights} == types
 
 
+@pytest.mark.parametrize("turn", ["Turn Left", "Turn Right"])
+def test_a_turn_that_the_manoeuvre_tells_is_no_open_question(turn):
+    what = crash(None, vehicle("W2E", None, turn), vehicle("E2W"))
+    space = open_questions(what)
+    assert "v1.action" not in space
+    assert {*space["road_type"].weights} == {"Intersection", "T-intersection"}
+    assert answer(what, sample(space, random.Random(1))).vehicles[0].action == turn
+
+
 def test_an_open_speed_limit_is_another_vehicles_where_one_is_known():
     space = open_questions(crash("Straight", vehicle(limit=None), vehicle("E2W", limit=50)))
     assert [*space["v1.speed_limit"].weights] == [50]

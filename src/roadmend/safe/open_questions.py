@@ -13,6 +13,7 @@ from roadmend.safe.dsl import (
     DescribedEnvironment,
     DescribedVehicle,
     DslModel,
+    Manoeuvre,
     Position,
     RoadType,
     Time,
@@ -25,6 +26,7 @@ from roadmend.world.space import Choice, Dimension, Parameters, Uniform, Value, 
 _JUNCTIONS = {RoadType.INTERSECTION, RoadType.T_INTERSECTION}
 _MODELS = Choice({"Sedan": 0.45, "SUV": 0.25, "Minivan": 0.08, "Pickup": 0.17, "Semi Truck": 0.05})
 _WEATHER = Choice({"Clear": 0.35, "Cloudy": 0.25, "Overcast": 0.1, "Rainy": 0.2, "Foggy": 0.05, "Snowy": 0.05})
+_TURNS = {Manoeuvre.TURN_LEFT: Action.TURN_LEFT, Manoeuvre.TURN_RIGHT: Action.TURN_RIGHT}
 _WAITS = 0.7  # share of those struck from behind that stand: most rear-end crashes are with a stopped vehicle
 _LIMITS: dict[RoadType, tuple[int, ...]] = {  # [mph]
     RoadType.STRAIGHT: (35, 45, 55),
@@ -81,7 +83,7 @@ def _of_vehicle(
         space[f"{name}.model"] = _MODELS
     if vehicle.initial_position is None:
         space[f"{name}.position"] = _positions(crash, kinds)
-    if vehicle.action is None:
+    if _action(vehicle) is None:
         may_turn = bool(_JUNCTIONS & {*kinds}) and vehicle.manoeuvre in {None, *STANDING}
         weights: dict[Value, float] = {"Move Forward": 0.7, "Turn Left": 0.2, "Turn Right": 0.1}
         space[f"{name}.action"] = Choice(weights if may_turn else {"Move Forward": 1.0})
@@ -151,7 +153,9 @@ def answer(crash: CrashScenario, drawn: Parameters) -> CrashScenario:
 
 
 def _action(vehicle: DescribedVehicle) -> Action | None:
-    """The action; a list of points counts as the turn that it makes."""
+    """The action, which a manoeuvre that turns tells too; a list of points counts as the turn that it makes."""
+    if vehicle.action is None:
+        return None if vehicle.manoeuvre is None else _TURNS.get(vehicle.manoeuvre)
     if not isinstance(vehicle.action, tuple):
         return vehicle.action
     turn = heading_of(vehicle.action[-2], vehicle.action[-1], heading_of(vehicle.action[0], vehicle.action[1]))
