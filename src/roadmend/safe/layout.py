@@ -7,6 +7,7 @@ from roadmend.safe.dsl import Action, CrashScenario, DescribedVehicle, Position,
 from roadmend.safe.junction_layout import lay_out_junction
 from roadmend.safe.stated import bend_side, lanes_of, main_heading, median_of
 from roadmend.safe.ways import MOST_LANES, Layout, Way, lanes_each_way, limit_of
+from roadmend.world.ego import GRAVITY
 from roadmend.world.network import network_file
 from roadmend.world.road_network import read_network
 from roadmend.world.scenario import OnRampNetwork, OpenRoadNetwork
@@ -15,7 +16,7 @@ from roadmend.world.space import Parameters
 _ROAD_LENGTH = 600.0  # [m]
 _AFTER_THE_NOSE = 100.0  # [m] on the acceleration lane to the place where merging traffic meets
 _HASTE = 1.25  # times the limit at which a bend can still be driven
-_IN_A_BEND = 0.4 * 9.81  # [m/s2] across the way there
+_IN_A_BEND = 0.4 * GRAVITY  # [m/s2] across the way there
 
 
 def lay_out(crash: CrashScenario, drawn: Parameters) -> Layout:

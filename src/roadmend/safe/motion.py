@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from roadmend.core.tick import INTERVAL
 from roadmend.safe.film import Film
+from roadmend.world.ego import GRAVITY
 
 Floats = NDArray[np.float64]
 
-GRAVITY = 9.81  # [m/s2]
 LONGITUDINAL_BOUND = GRAVITY  # [m/s2] braking or speeding up
 LATERAL_BOUND = 0.5 * GRAVITY  # [m/s2]
 _WINDOW = 11  # ticks (0.5 s) that an acceleration is fitted over: what a body's yaw and pitch need to follow
