@@ -13,7 +13,7 @@ from roadmend.world.corpus import corpus_of
 
 
 def result(case, *, violation=True, worth=1.0, shuffled=0.0, speed=8.0, **more):
-    return ControlResult(case, "S1", violation, speed if violation else None, worth, shuffled, 0.5, **more)
+    return ControlResult(case, "S1", violation, speed if violation else None, worth, shuffled, 0.5, 0.4, **more)
 
 
 def test_a_method_that_is_no_better_than_its_shuffle_has_no_lead():
@@ -35,6 +35,7 @@ def test_timing_that_matters_shows_and_impact_speeds_are_told_apart():
     assert figures["interval"][0] < 27.5 < figures["interval"][1]
     assert (figures["in_futures"], figures["fix_hard"], figures["fix_touches"]) == (pytest.approx(40.0), 100.0, 0.0)
     assert (figures["hard"], figures["touches"]) == (10, 10)
+    assert (figures["dose_violations"], figures["shuffled_dose_violations"]) == (0.5, pytest.approx(0.4))
 
 
 def test_the_bound_counts_what_a_pulse_repairs():
@@ -58,6 +59,16 @@ def test_the_dose_of_a_pulse_is_what_it_takes_from_the_policy():
     assert found.bound is not None
     assert 0.0 < found.bound < max(nominal)
     assert all(found.bound != pytest.approx(dose) for dose in nominal)
+
+
+def test_what_a_corpus_that_was_renewed_says_otherwise_is_driven_anew():
+    case = corpus_of("modular").select("S3", "validation", violation=True)[0]
+    keys = {
+        ControlJob(case, "modular", None).key,
+        ControlJob(replace(case, duration=case.duration + 0.05), "modular", None).key,
+        ControlJob(replace(case, impact_speed=case.impact_speed + 0.1), "modular", None).key,
+    }
+    assert len(keys) == 3
 
 
 @pytest.mark.slow

@@ -260,6 +260,9 @@ def test_controls_that_were_not_run_are_kept_and_so_is_the_bound():
     assert [*figures] == ["rule", "adreft"]
     assert fresh["bound"]["modular"]["informed"] == {"dose": 1.0, "adreft_dose": None}
     assert fresh["provenance"]["kept"][0]["methods"] == ["rule", "informed bound"]
+    same = controls_of(LATER, bound=False, adreft=60.0)  # the same drives: their dose beside the bound still holds
+    keep_controls(same, controls_of(rule=40.0, adreft=60.0), ORDER)
+    assert same["bound"]["modular"]["informed"] == {"dose": 1.0, "adreft_dose": 2.0}
 
 
 def test_a_policy_that_was_left_out_is_kept_whole():

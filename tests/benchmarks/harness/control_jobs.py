@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
+from statistics import fmean
 
 from harness.case_jobs import case_seed
 from harness.grid import Setting
@@ -45,7 +46,9 @@ class ControlJob:
         driver = (
             driver_key(self.policy) if setting is None else driver_key(self.policy, setting.method, setting.parameters)
         )
-        return entry_key([__name__], self.case.name, self.case.scenario().digest, driver, setting is None)
+        case = self.case
+        told = (case.is_violation, case.duration, case.impact_speed)  # a corpus that was renewed may say otherwise
+        return entry_key([__name__], case.name, case.scenario().digest, told, driver, setting is None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +62,7 @@ class ControlResult:
     worth: float  # 1: a violation ends at the goal, or a success collides; 0 else
     shuffled: float  # the same, mean over the shuffles
     dose: float  # [s]
+    shuffled_dose: float  # [s] mean over the shuffles
     in_futures: float | None = None  # of a violation: share of its futures that the method brings to the goal
     bound: float | None = None  # informed bound: dose [s] of the least pulse; None where none was found
     bound_in_futures: float | None = None  # share of further futures that it brings to the goal
@@ -107,7 +111,7 @@ def _shuffled(job: ControlJob, setting: Setting) -> ControlResult:
     for number in range(SHUFFLES if case.is_violation else 1):
         seed = f"{case.name}:{number}"
         player = BlockPlayer(shuffled(blocks, until, seed), waits.player(seed))
-        found.append(run_episode(scenario, make_policy(job.policy), player).outcome is wanted)
+        found.append(run_episode(scenario, make_policy(job.policy), player))
     share = None
     if case.is_violation:
         tried = _futures(case, job.policy, HORIZON, method(), range(1, FUTURES + 1))
@@ -118,8 +122,9 @@ def _shuffled(job: ControlJob, setting: Setting) -> ControlResult:
         case.is_violation,
         case.impact_speed,
         float(result.outcome is wanted),
-        sum(found) / len(found),
+        fmean(each.outcome is wanted for each in found),
         result.dose,
+        fmean(each.dose for each in found),
         share,
     )
 
@@ -155,9 +160,9 @@ def _bound(case: Case, dose: float | None, share: float | None) -> ControlResult
         float(dose is not None),
         0.0,
         dose or 0.0,
-        None,
-        dose,
-        share,
+        0.0,
+        bound=dose,
+        bound_in_futures=share,
     )
 
 

@@ -209,8 +209,11 @@ def keep_controls(content: Content, before: Mapping[str, Any], order: Sequence[s
         found["shuffled"] = _ordered(fresh, order)
     bounds = [policy for policy in before["bound"] if policy not in content["bound"]]
     _take(content["bound"], before["bound"], bounds)
-    for policy in renewed.intersection(bounds):  # what is held against a kept bound is no more ADReFT's
-        content["bound"][policy]["informed"] = {**before["bound"][policy]["informed"], "adreft_dose": None}
+    for policy in renewed.intersection(bounds):
+        fresh, old = (found["controls"][policy]["shuffled"].get(OURS, {}) for found in (content, before))
+        if any(fresh.get(name) != old.get(name) for name in ("contender", "delta_e", "dose_violations")):
+            # what is held against the kept bound is of other drives
+            content["bound"][policy]["informed"] = {**before["bound"][policy]["informed"], "adreft_dose": None}
     kept.note(content, before, order, more=["informed bound"] if bounds else [])
 
 
