@@ -194,6 +194,19 @@ def test_what_is_no_action_is_refused(make, action):
         env.step(np.array(action))
 
 
+@pytest.mark.parametrize("action", ["abc", ["x"], None, {"a": 1}, [[0.1], [0.2, 0.3]], [0.5 + 0.1j], [None]])
+def test_what_is_no_number_is_no_action(make, action):
+    env = make(scenarios=sample_scenario("S3", 3))
+    env.reset()
+    with pytest.raises(InputError, match="is no action; give one number"):
+        env.step(action)
+
+
+def test_the_last_scenarios_can_be_drawn(make):
+    env = make(families=["S3"], first=2**31 - 1, count=1)
+    assert env.reset(seed=1)[1]["scenario"] == "S3-2147483647"
+
+
 @pytest.mark.parametrize(("lane_change", "action"), [(False, [0.3, -1.0]), (True, [0.3])])
 def test_an_action_has_as_many_numbers_as_the_action_space(make, lane_change, action):
     env = make(scenarios=sample_scenario("S3", 3), lane_change=lane_change)
@@ -210,6 +223,17 @@ def test_an_action_has_as_many_numbers_as_the_action_space(make, lane_change, ac
         ({"scenarios": []}, "scenarios: there is none"),
         ({"scenarios": "gone.yaml"}, "no such file"),
         ({"scenarios": sample_scenario("S3", 3), "families": ["S3"]}, "both scenarios and families"),
+        ({"scenarios": sample_scenario("S3", 3), "first": 7}, "both scenarios and first"),
+        ({"scenarios": sample_scenario("S3", 3), "count": 20}, "both scenarios and count"),
+        ({"scenarios": 5}, "scenarios: is 5"),
+        ({"families": "S3"}, "families: is 'S3'; give a list of names"),
+        ({"families": 3}, "families: is 3; give a list of names"),
+        ({"families": [3]}, "families: 3 is no name; choose of S1"),
+        ({"first": 2**31 - 2, "count": 3}, "first: 2147483646 and count 3 go beyond the last"),
+        ({"count": 10**30}, "go beyond the last scenario of a family; stay up to number 2147483647"),
+        ({"lane_change": "no"}, "lane_change: is 'no'; give True or False"),
+        ({"reward": 5}, "reward: is 5; give weights by name"),
+        ({"reward": ["goal"]}, "reward: is ['goal']"),
         ({"count": 0}, "count: is 0; give a whole number from 1 on"),
         ({"objects": 2.5}, "objects: is 2.5"),
         ({"first": True}, "first: is True"),

@@ -79,6 +79,11 @@ def test_what_cannot_be_repaired_is_refused():
         RepairWrapper(env, "rsss")
     with pytest.raises(InputError, match=r"price: is 1\.0; give 0 or less"):
         RepairWrapper(env, "rss", price=1.0)
+    for price in ("a", float("-inf"), float("nan")):
+        with pytest.raises(InputError, match=r"price: is .*; give 0 or less"):
+            RepairWrapper(env, "rss", price=price)
+    with pytest.raises(InputError, match="there is one already around this environment; wrap it once"):
+        RepairWrapper(gymnasium.wrappers.TimeLimit(RepairWrapper(env), 100), "random")
     with pytest.raises(InputError, match="has no method propose"):
         RepairWrapper(env, Push)
     with pytest.raises(InputError, match="wrap roadmend/Drive-v0"):

@@ -2,7 +2,7 @@
 
 import contextlib
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 from typing import Any
 
@@ -22,6 +22,7 @@ from roadmend.core.settings import check_parameters
 from roadmend.core.tick import Tick
 from roadmend.gym.observation import Observation, observation_space
 from roadmend.gym.observer import DriveObserver, command_of
+from roadmend.gym.registration import ENVIRONMENT
 from roadmend.gym.reward import RewardWeights, reward_terms
 from roadmend.world.families import FAMILIES, family_of, sample_scenario
 from roadmend.world.scenario import Scenario
@@ -30,6 +31,8 @@ from roadmend.world.simulation import Simulation
 ScenarioGiven = Scenario | str | PathLike[str]
 _LEARNER = "learner"  # who drives, in results
 _SCENARIO = "scenario"  # the one option of a reset
+_COUNT = 20  # scenarios of each family, where nothing else is said
+_LAST = 2**31 - 1  # number of a scenario, which is SUMO's seed too
 
 
 class DriveEnv(gymnasium.Env[Observation, np.ndarray]):
@@ -56,8 +59,8 @@ class DriveEnv(gymnasium.Env[Observation, np.ndarray]):
         scenarios: ScenarioGiven | Sequence[ScenarioGiven] | None = None,
         *,
         families: Sequence[str] | None = None,
-        first: int = 0,
-        count: int = 20,
+        first: int | None = None,
+        count: int | None = None,
         objects: int = 16,
         lane_change: bool = False,
         reward: Mapping[str, float] | None = None,
@@ -67,8 +70,9 @@ class DriveEnv(gymnasium.Env[Observation, np.ndarray]):
         Args:
             scenarios: or paths of their files.
             families: random scenarios of these instead; of ours all, where nothing is given.
-            first: number of the first scenario of each family, as ``roadmend sample --seed`` has it.
-            count: how many scenarios of each family. Each has its own road network, which is built the first time.
+            first: number of the first scenario of each family, as ``roadmend sample --seed`` has it; 0 if None.
+            count: how many scenarios of each family, 20 if None. Each has its own road network, which is built the
+                first time.
             objects: participants that an observation has room for, the nearest first.
             lane_change: whether the action says when to change lanes.
             reward: weights that differ from the defaults of ``RewardWeights``, by name.
@@ -76,19 +80,39 @@ class DriveEnv(gymnasium.Env[Observation, np.ndarray]):
         Raises:
             InputError: an argument is unusable.
         """
-        if scenarios is not None and families is not None:
-            raise InputError("roadmend/Drive-v0", "is given both scenarios and families", "give one of them")
-        numbers: tuple[tuple[str, Any, int], ...] = (("first", first, 0), ("count", count, 1), ("objects", objects, 1))
-        for name, value, least in numbers:
-            if isinstance(value, bool) or not isinstance(value, int) or value < least:
-                raise InputError(f"roadmend/Drive-v0: {name}", f"is {value!r}", f"give a whole number from {least} on")
+        drawn = [
+            name for name, given in (("families", families), ("first", first), ("count", count)) if given is not None
+        ]
+        if scenarios is not None and drawn:
+            what = f"is given both scenarios and {drawn[0]}"
+            raise InputError(ENVIRONMENT, what, "give scenarios, or families with first and count")
+        first, count = 0 if first is None else first, _COUNT if count is None else count
+        for name, value, least in (("first", first, 0), ("count", count, 1), ("objects", objects, 1)):
+            check_whole(name, value, least)
+        if first + count - 1 > _LAST:
+            what = f"{first} and count {count} go beyond the last scenario of a family"
+            raise InputError(f"{ENVIRONMENT}: first", what, f"stay up to number {_LAST}")
+        if not isinstance(lane_change, bool | np.bool_):
+            raise InputError(f"{ENVIRONMENT}: lane_change", f"is {lane_change!r}", "give True or False")
+        if reward is not None and not isinstance(reward, Mapping):
+            raise InputError(f"{ENVIRONMENT}: reward", f"is {reward!r}", 'give weights by name, such as {"goal": 20.0}')
+        if scenarios is not None and not isinstance(scenarios, Scenario | str | PathLike | Iterable):
+            raise InputError(
+                f"{ENVIRONMENT}: scenarios", f"is {scenarios!r}", "give scenarios, or paths of their files"
+            )
+        if isinstance(families, str) or not isinstance(families, Iterable | None):
+            raise InputError(f"{ENVIRONMENT}: families", f"is {families!r}", 'give a list of names, such as ["S3"]')
         self._weights = check_parameters(reward, RewardWeights, "reward")
         self._given = scenarios_of(scenarios) if scenarios is not None else []
         self._families = [*FAMILIES] if families is None else [*families]
         for family in self._families:
+            if not isinstance(family, str):
+                raise InputError(
+                    f"{ENVIRONMENT}: families", f"{family!r} is no name", f"choose of {', '.join(FAMILIES)}"
+                )
             family_of(family)
         if not self._families:
-            raise InputError("roadmend/Drive-v0: families", "there is none", f"choose of {', '.join(FAMILIES)}")
+            raise InputError(f"{ENVIRONMENT}: families", "there is none", f"choose of {', '.join(FAMILIES)}")
         self._first, self._count, self._most = first, count, objects
         self._observer = DriveObserver(objects)
         self.observation_space = observation_space(objects)
@@ -187,7 +211,7 @@ class DriveEnv(gymnasium.Env[Observation, np.ndarray]):
     def _chosen(self, options: Mapping[str, Any]) -> Scenario:
         unknown = [name for name in options if name != _SCENARIO]
         if unknown:
-            raise InputError("roadmend/Drive-v0: options", f"{unknown[0]!r} is unknown", f"known is {_SCENARIO!r}")
+            raise InputError(f"{ENVIRONMENT}: options", f"{unknown[0]!r} is unknown", f"known is {_SCENARIO!r}")
         if _SCENARIO in options:
             return scenario_of(options[_SCENARIO])
         if self._given:
@@ -204,6 +228,16 @@ class DriveEnv(gymnasium.Env[Observation, np.ndarray]):
             "events": [_plain(event) for event in tick.events],
             "objects_left_out": max(0, len(tick.scene.objects) - self._most),
         }
+
+
+def check_whole(name: str, value: object, least: int) -> None:
+    """See that an argument is a whole number.
+
+    Raises:
+        InputError: it is none, or less than ``least``.
+    """
+    if isinstance(value, bool) or not isinstance(value, int) or value < least:
+        raise InputError(f"{ENVIRONMENT}: {name}", f"is {value!r}", f"give a whole number from {least} on")
 
 
 def _plain(event: Event) -> dict[str, Any]:

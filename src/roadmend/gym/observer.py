@@ -1,5 +1,6 @@
 """Follows an episode, so that each scene can be told as an observation: in the environment, and in the graph."""
 
+import reprlib
 from collections.abc import Callable
 
 import numpy as np
@@ -78,9 +79,14 @@ def command_of(action: np.ndarray, shape: tuple[int, ...] | None = None) -> Comm
     Raises:
         InputError: it is no such action.
     """
-    numbers = np.asarray(action, dtype=np.float64)
+    try:
+        given = np.asarray(action)
+        numbers = given.astype(np.float64) if given.dtype.kind in "biuf" else np.empty(())
+    except ValueError:  # rows of different lengths
+        numbers = np.empty(())
     if numbers.shape not in ({(1,), (2,)} if shape is None else {shape}) or not np.all(np.abs(numbers) <= 1.0):
-        what = f"{np.array2string(numbers, precision=3, threshold=4)} is no action"
+        shown = np.array2string(numbers, precision=3, threshold=4) if numbers.ndim else reprlib.repr(action)
+        what = f"{shown} is no action"
         counts: dict[tuple[int, ...] | None, str] = {
             None: "one number, throttle - brake, or two,",
             (1,): "one number, throttle - brake,",

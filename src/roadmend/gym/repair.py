@@ -1,5 +1,7 @@
 """Repair as a wrapper: a learner that drives, and is trained, under a repair method."""
 
+import math
+from collections.abc import Iterator
 from typing import Any
 
 import gymnasium
@@ -50,7 +52,9 @@ class RepairWrapper(gymnasium.Wrapper[Observation, np.ndarray, Observation, np.n
         gymnasium.Wrapper.__init__(self, env)
         if not isinstance(env.unwrapped, DriveEnv):
             raise InputError("RepairWrapper", f"cannot repair in {env.unwrapped}", "wrap roadmend/Drive-v0")
-        if not price <= 0.0:
+        if any(isinstance(layer, RepairWrapper) for layer in _layers(env)):
+            raise InputError("RepairWrapper", "there is one already around this environment", "wrap it once")
+        if isinstance(price, bool) or not isinstance(price, int | float) or not -math.inf < price <= 0.0:
             raise InputError("RepairWrapper: price", f"is {price!r}", "give 0 or less")
         self._drive: DriveEnv = env.unwrapped
         self._repairer = repairer_of(repair, parameters, seed)
@@ -79,6 +83,13 @@ class RepairWrapper(gymnasium.Wrapper[Observation, np.ndarray, Observation, np.n
         info["repair"] = _plain(repair)
         info["reward_terms"] = {**info["reward_terms"], "repair": term}
         return observation, float(reward) + term, terminated, truncated, info
+
+
+def _layers(env: gymnasium.Env[Any, Any]) -> Iterator[gymnasium.Env[Any, Any]]:
+    yield env
+    while isinstance(env, gymnasium.Wrapper):
+        env = env.env
+        yield env
 
 
 def _plain(repair: Repair) -> dict[str, Any]:
