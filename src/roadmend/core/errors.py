@@ -1,5 +1,7 @@
 """Errors that are meant for people."""
 
+from typing import overload
+
 
 class RoadmendError(Exception):
     """Base of every error that roadmend raises on purpose."""
@@ -14,7 +16,16 @@ class PlacedError(RoadmendError):
         mend: what the user can do about it.
     """
 
-    def __init__(self, where: str, what: str, mend: str) -> None:
+    @overload
+    def __init__(self, where: str, what: str, mend: str) -> None: ...
+
+    @overload
+    def __init__(self, where: "PlacedError") -> None: ...
+
+    def __init__(self, where: "str | PlacedError", what: str = "", mend: str = "") -> None:
+        # Whoever hands on what a worker process raised, as Gymnasium does, may make it anew from itself: kind(error).
+        if isinstance(where, PlacedError):
+            where, what, mend = where.where, where.what, where.mend
         # What is quoted of a file may have line ends of its own.
         super().__init__(" ".join(f"{where}: {what}; {mend}".splitlines()))
         self.where = where
