@@ -11,6 +11,7 @@ from fuzz_readers import DOCUMENTED, READERS, place_of
 
 TIME_MAX = 10.0  # [s] of the processor, a file
 WAIT_MAX = 120  # [s] of the clock, a file: a reader may also wait for ever
+MANY = 100_000  # files; a reader that reads none of so many is given nothing that reaches what it does
 MEMORY_MAX = 512 << 10  # [KiB] by which the process may grow
 
 
@@ -73,6 +74,8 @@ class Account:
         """All of it as plain values."""
         grown = _memory() - self._before
         faults = self._faults | ({"memory": f"{grown >> 10} MB"} if grown > MEMORY_MAX else {})
+        if self._count >= MANY and not self._accepted:
+            faults |= {"read nothing": f"of {self._count} files"}
         return {
             "files": self._count,
             "accepted": self._accepted,

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from fuzz_account import Account
 from fuzz_mutation import SIZE_MAX, mutated
-from fuzz_readers import CORPUS, DOCUMENTED, kept_of, seeds_of
+from fuzz_readers import CORPUS, DOCUMENTED, READERS, kept_of, seeds_of
 
 Tell = Callable[[dict[str, object]], object]
 _SHARED = {each.__module__ for each in DOCUMENTED}  # errors that the account must know again
@@ -21,9 +21,10 @@ def mutation(name: str, seconds: float, seed: int, folder: Path, tell: Tell, *, 
     """Fuzz with a seeded generator and tell what came of it."""
     assert not is_kept  # nobody knows which of them reached new code
     seeds, random_ = seeds_of(name), random.Random(f"{name}/{seed}")
-    account = Account(name, seconds, seeds[0], folder)
+    account, renewed = Account(name, seconds, seeds[0], folder), READERS[name].renewed
     while not account.is_over:
-        account.read(mutated(seeds, random_))
+        data = mutated(seeds, random_)
+        account.read(renewed(data) if renewed is not None and random_.random() < 0.5 else data)
     tell(account.told())
 
 
@@ -38,7 +39,7 @@ def coverage(name: str, seconds: float, seed: int, folder: Path, tell: Tell, *, 
         del sys.modules[module]  # loaded before this process began to follow what it loads
     with atheris.instrument_imports(include=["roadmend"]):
         seeds = seeds_of(name)
-        account = Account(name, seconds, seeds[0], folder)
+        account, renewed = Account(name, seconds, seeds[0], folder), READERS[name].renewed
     found = folder.parent / "found"
     found.mkdir()
     for number, content in enumerate(seeds):
@@ -51,6 +52,8 @@ def coverage(name: str, seconds: float, seed: int, folder: Path, tell: Tell, *, 
                 keep(name, found)
             os._exit(0)
         account.read(data)
+        if renewed is not None:
+            account.read(renewed(data))
 
     longest = min(SIZE_MAX, max(4096, *(2 * len(content) for content in seeds)))
     words = [f"-max_len={longest}", f"-seed={seed}", "-timeout=0", "-rss_limit_mb=0", "-verbosity=0", str(found)]

@@ -11,6 +11,7 @@ import fuzz_account
 import fuzz_engines
 import fuzz_readers
 from fuzz_readers import READERS, Reader
+from roadmend.core.errors import InputError
 
 SECONDS = 2.0
 
@@ -43,6 +44,19 @@ def test_a_reader_that_fails_is_told_of_and_its_file_is_kept(engine, monkeypatch
     assert what.startswith("ZeroDivisionError at read:")
     (kept,) = tmp_path.glob("fault-broken-*")
     assert len(kept.read_bytes()) > 9
+
+
+def test_a_reader_that_reads_nothing_is_a_fault(monkeypatch):
+    calls = []
+
+    def read(_path):
+        calls.append(1)
+        if len(calls) > 1:
+            raise InputError("f", "is not read", "give another")
+
+    monkeypatch.setattr(fuzz_account, "MANY", 10)
+    monkeypatch.setitem(READERS, "refusing", Reader(".txt", read, lambda: [b"short"]))
+    assert [*fuzz_run.fuzz(["refusing"], SECONDS / 4, 1, "mutation")["refusing"]["faults"]] == ["read nothing"]
 
 
 @pytest.mark.parametrize("reading", ["work", "wait"])
