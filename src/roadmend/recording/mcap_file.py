@@ -6,6 +6,7 @@ compressor say of its size, so that 200 kB can become gigabytes; here every reco
 
 import heapq
 import os
+import zlib
 from collections.abc import Collection, Iterator
 from io import BytesIO
 from typing import Any, BinaryIO
@@ -32,6 +33,8 @@ from roadmend.core.errors import InputError
 from roadmend.recording.chunk import RECORD_HEAD, RECORD_LIMIT, ChunkReader, DamagedError, exactly
 
 _FOOTER_SIZE = RECORD_HEAD.size + 20  # [bytes]
+_CRC_TO_END = 4 + len(MAGIC)  # [bytes] the checksum of the index, which holds for all from its begin to before this
+_PIECE = 1 << 20  # [bytes] read at once
 HELD_MAX = 2 * RECORD_LIMIT  # [bytes] of chunks whose times overlap, which are in memory together
 _IN_SUMMARY: dict[int, Any] = {
     Opcode.ATTACHMENT_INDEX: AttachmentIndex,
@@ -54,11 +57,14 @@ class McapFile:
     Args:
         stream: the file.
         where: what to call it.
+        is_lenient: whether an index that is not what was written counts, for who looks for what is left.
     """
 
-    def __init__(self, stream: BinaryIO, where: str) -> None:
+    def __init__(self, stream: BinaryIO, where: str, *, is_lenient: bool = False) -> None:
         self._stream = stream
         self._where = where
+        self._is_lenient = is_lenient
+        self.is_altered = False  # whether the index is not what was written
         self._size = os.fstat(stream.fileno()).st_size
         self._allowance = Allowance(where, self._size, BAG)
         stream.seek(0)
@@ -70,12 +76,16 @@ class McapFile:
     def metadata(self) -> Iterator[Metadata]:
         """The records of named texts that the index names."""
         for index in self._indexed.metadata_indexes:
-            yield Metadata.read(self._content(index.offset, Opcode.METADATA))
+            yield Metadata.read(_parser(self._content(index.offset, Opcode.METADATA)))
 
     def attachments(self) -> Iterator[Attachment]:
         """The attachments that the index names."""
         for index in self._indexed.attachment_indexes:
-            yield Attachment.read(self._content(index.offset, Opcode.ATTACHMENT))
+            content = self._content(index.offset, Opcode.ATTACHMENT)
+            attachment = Attachment.read(_parser(content))
+            if is_altered(content):
+                raise DamagedError(f"the checksum of its attachment {attachment.name} is wrong")
+            yield attachment
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[Found]:
         """The messages in the order of their log times; those of one time as they lie in the file.
@@ -152,11 +162,14 @@ class McapFile:
 
     def _read_summary(self) -> Summary | None:
         place = self._size - len(MAGIC) - _FOOTER_SIZE
-        footer = Footer.read(self._content(place, Opcode.FOOTER))
+        footer = Footer.read(_parser(self._content(place, Opcode.FOOTER)))
         if exactly(self._stream.read, len(MAGIC)) != MAGIC:
             raise DamagedError("it does not end as an MCAP file does")
         if footer.summary_start == 0:
             return None
+        self.is_altered = footer.summary_crc not in {0, self._checksum(footer.summary_start, self._size - _CRC_TO_END)}
+        if self.is_altered and not self._is_lenient:
+            raise DamagedError("the checksum of its index is wrong")
         summary, end, place = Summary(), place, footer.summary_start
         while place < end:
             opcode, length = self._head(place)
@@ -165,12 +178,20 @@ class McapFile:
             place += RECORD_HEAD.size + length
         return summary
 
-    def _content(self, place: int, opcode: Opcode) -> ReadDataStream:
+    def _checksum(self, begin: int, end: int) -> int:
+        """Of the bytes from ``begin`` to before ``end``."""
+        self._stream.seek(begin)
+        checksum = 0
+        for place in range(begin, end, _PIECE):
+            checksum = zlib.crc32(exactly(self._stream.read, min(_PIECE, end - place)), checksum)
+        return checksum
+
+    def _content(self, place: int, opcode: Opcode) -> bytes:
         """What the record at a place holds, which must be of this kind."""
         kind, length = self._head(place)
         if kind != opcode:
             raise DamagedError(f"there is no {opcode.name.lower()} at byte {place}")
-        return _parser(self._read(length))
+        return self._read(length)
 
     def _head(self, place: int) -> tuple[int, int]:
         """Opcode and length of the record at a place; the stream stands behind them then."""
@@ -187,6 +208,11 @@ class McapFile:
             raise DamagedError(f"a record of it claims {length} bytes")
         self._allowance.take(length)
         return exactly(self._stream.read, length)
+
+
+def is_altered(attachment: bytes) -> bool:
+    """Whether an attachment's record is not what was written, by its checksum; 0 is none."""
+    return int.from_bytes(attachment[-4:], "little") not in {0, zlib.crc32(attachment[:-4])}
 
 
 def _parser(content: bytes) -> ReadDataStream:

@@ -1,5 +1,6 @@
 """What a bag tells about the run in it: how to drive it again, and what it came to."""
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -74,13 +75,19 @@ def recorded_scenario(reader: BagReader) -> Scenario | None:
     """The scenario that a bag carries, if it carries one.
 
     Raises:
-        InputError: what it carries is no scenario.
+        InputError: what it carries is no scenario, or another one than was driven.
     """
-    name = reader.metadata.get(RECORD, {}).get("scenario_file", "")
+    record = reader.metadata.get(RECORD, {})
+    name = record.get("scenario_file", "")
     attachment = reader.attachments.get(name)
     if attachment is None:
         return None
     where = f"{reader.path}: {name}"
+    digest = hashlib.sha256(attachment.data).hexdigest()
+    if (record.get("scenario_sha256") or digest) != digest:
+        raise InputError(
+            where, "is not the scenario that was driven: it was altered, or is another of that name", _MEND
+        )
     try:
         content = parse_yaml(attachment.data, where)
     except InputError:

@@ -174,7 +174,7 @@ class _Copying:
 def _told_by_index(file: Path) -> dict[str, Callable[[int, int], bool]]:
     """What a file's index says of repeated messages: one that was recovered tells of them behind them."""
     with contextlib.suppress(InputError, *CORRUPT), open_regular(file) as stream:
-        for record in McapFile(stream, str(file)).metadata():
+        for record in McapFile(stream, str(file), is_lenient=True).metadata():
             if record.name == layout.REPEATED:
                 return _takers(record.metadata)
     return {}

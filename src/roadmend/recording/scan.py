@@ -3,7 +3,6 @@
 import math
 import re
 import struct
-import zlib
 from collections import Counter
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
@@ -24,7 +23,7 @@ from roadmend.recording import layout, qos
 from roadmend.recording.chunk import RECORD_HEAD, RECORD_LIMIT, ChunkReader, DamagedError, exactly
 from roadmend.recording.definitions import ENCODINGS, Definition
 from roadmend.recording.enclosure import Attachment
-from roadmend.recording.mcap_file import McapFile
+from roadmend.recording.mcap_file import McapFile, is_altered
 from roadmend.recording.qos import Qos
 from roadmend.recording.reader import CORRUPT
 from roadmend.recording.scan_report import ScanReport
@@ -113,14 +112,17 @@ class Scan:
     def _read_summary(self, stream: BinaryIO) -> None:
         """Learn from the index, if there is one, what a damaged file should hold."""
         try:
-            summary = McapFile(stream, str(self.path)).summary
+            file = McapFile(stream, str(self.path), is_lenient=True)
+            summary = file.summary
             if summary is None:
                 return
+            if file.is_altered:
+                self.report.add("the index: its checksum is wrong, it may be altered")
             for schema in summary.schemas.values():
                 self._schemas[schema.id] = schema
             for channel in summary.channels.values():
                 self._add_channel(channel)
-            if summary.statistics is not None:
+            if summary.statistics is not None and not file.is_altered:
                 counts = summary.statistics.channel_message_counts
                 expected: Counter[str] = Counter()
                 for channel, count in counts.items():
@@ -230,7 +232,7 @@ class Scan:
             return None
         if opcode == Opcode.METADATA:
             return NamedTexts(record.name, record.metadata)
-        if int.from_bytes(content[-4:], "little") not in {0, zlib.crc32(content[:-4])}:
+        if is_altered(content):
             self.report.add(f"attachment {record.name}: its checksum is wrong, it may be altered")
         return Attachment(record.name, record.media_type, record.data)
 
