@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 from roadmend.cli import output
-from roadmend.cli.output import ProgressLines, Waiting, counting
+from roadmend.cli.output import ProgressLines, Waiting, counting, stage_of
 
 
 @pytest.fixture
@@ -84,6 +84,17 @@ def test_a_task_that_begins_anew_is_told_anew(clock, told):
         progress.reset(task, description="S2", total=2)
         progress.update(task, completed=2)
     assert told.getvalue().splitlines() == ["S1: 2 of 2 after 10 s", "S2: 2 of 2 after 11 s"]
+
+
+def test_one_bar_for_all_stages_begins_anew_with_each(clock, told):
+    with ProgressLines(Console(file=told)) as progress:
+        report = stage_of(progress)
+        for what, total in (("episodes", 100), ("bags", 2), ("bags", 2)):
+            for done in range(1, total + 1):
+                clock[0] += 10.0
+                report(what, done, total)
+    lines = [line.partition(" after")[0] for line in told.getvalue().splitlines()]
+    assert lines[-5:] == ["episodes: 100 of 100", "bags: 1 of 2", "bags: 2 of 2", "bags: 1 of 2", "bags: 2 of 2"]
 
 
 def test_without_a_terminal_counting_gives_lines(capfd, monkeypatch):

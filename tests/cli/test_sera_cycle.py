@@ -9,6 +9,7 @@ from types import ModuleType, SimpleNamespace
 import pytest
 from PIL import Image
 
+from roadmend.cli import sera_cycle
 from roadmend.cli.main import main
 from roadmend.networks.checkpoint import find_model
 from roadmend.training.adreft.adjusting import adjust
@@ -85,6 +86,7 @@ def test_the_cycle_end_to_end_from_the_sample_bags_and_once_more(tmp_path, capsy
     assert [scenario.name for scenario in scenarios] == first["selected"]
     assert others["labour"].workers == 1
 
+    (out / "cycle.jsonl").unlink()  # as of a cycle before folders were marked
     assert main(command) == 0
     printed = capsys.readouterr().out
     assert "generation 0: 1 incidents, 1 patterns, 2 scenarios" in printed
@@ -95,6 +97,32 @@ def test_the_cycle_end_to_end_from_the_sample_bags_and_once_more(tmp_path, capsy
     assert main(command) == 0
     assert len(lessons) == 2  # another teacher under the same name, from the same scenarios
     assert lessons[1][1] == scenarios
+
+
+def test_a_folder_of_somebody_elses_or_of_another_process_is_left_alone(tmp_path, capsys):
+    theirs, busy = tmp_path / "theirs", tmp_path / "busy"
+    theirs.mkdir()
+    (theirs / "cycle.json").write_text("mine", encoding="utf-8")
+    assert main(["sera", "cycle", "--out", str(theirs), *QUICK]) == 2
+    assert "is not empty and holds no cycle.jsonl" in capsys.readouterr().err
+    assert [path.read_text(encoding="utf-8") for path in theirs.iterdir()] == ["mine"]
+    with sera_cycle._claimed(busy):
+        assert main(["sera", "cycle", "--out", str(busy), *QUICK]) == 2
+    assert "another process is at work here" in capsys.readouterr().err
+    assert [path.name for path in busy.iterdir()] == ["cycle.jsonl"]
+
+
+def test_a_bank_of_other_families_or_other_code_is_built_anew(tmp_path, monkeypatch):
+    monkeypatch.setattr(sera_cycle, "build_bank", lambda path, _entries, report: path.write_text(report.__name__))
+    first = sera_cycle._built_bank(tmp_path, 4, lambda *_: None)
+    assert first.is_file()
+    assert sera_cycle._built_bank(tmp_path, 4, lambda *_: None) == first
+    assert sera_cycle._built_bank(tmp_path, 5, lambda *_: None) != first
+    with monkeypatch.context() as other:
+        other.setattr(sera_cycle, "FAMILIES", ["S1"])
+        assert sera_cycle._built_bank(tmp_path, 4, lambda *_: None) != first
+    monkeypatch.setattr("roadmend.core.journal.source_digest", lambda _: "other code")
+    assert sera_cycle._built_bank(tmp_path, 4, lambda *_: None) != first
 
 
 def test_a_teacher_that_there_is_not_is_refused_before_anything_is_driven(tmp_path, capsys):

@@ -15,7 +15,7 @@ from rich.table import Table
 from roadmend.cli.command import ExampleCommand, Group
 from roadmend.cli.driver_options import POLICY
 from roadmend.cli.options import FILE, FOLDER, JSON, WORKERS, only_own, options_of
-from roadmend.cli.output import counting, wide_console
+from roadmend.cli.output import counting, stage_of, wide_console
 from roadmend.core.errors import InputError, RoadmendError
 from roadmend.core.fanout import fan_out
 from roadmend.core.journal import Journal
@@ -185,16 +185,11 @@ def _finish(gathered: Gathered, out: Path, *, allow_partial: bool, as_json: bool
 
 def _reporter(bar: Bar) -> Report:
     cases = bar.add_task("cases", total=None)
-    stage = bar.add_task("", total=None)
-    label = ""
+    stage = stage_of(bar)
 
     def report(progress: Progress) -> None:
-        nonlocal label
         bar.update(cases, completed=progress.accepted, total=progress.wanted)
-        if progress.stage != label:
-            label = progress.stage
-            bar.reset(stage, description=label, total=progress.total)
-        bar.update(stage, completed=progress.done, total=progress.total)
+        stage(progress.stage, progress.done, progress.total)
 
     return report
 

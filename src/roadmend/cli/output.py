@@ -169,6 +169,21 @@ def stages_of(progress: Progress) -> Report:
     return lambda what, done, total: told(what, done, total, "")
 
 
+def stage_of(progress: Progress) -> Report:
+    """Shows the stage under way in one bar, which begins anew with each: the time left is of the stage alone."""
+    task = progress.add_task("", total=None)
+    label, last = "", 0
+
+    def report(what: str, done: int, total: int | None) -> None:
+        nonlocal label, last
+        if what != label or done < last:
+            progress.reset(task, description=what, total=total)
+        label, last = what, done
+        progress.update(task, completed=done, total=total)
+
+    return report
+
+
 @contextlib.contextmanager
 def told_stages() -> Iterator[ToldReport]:
     """As ``stages``, and every bar says how it goes.

@@ -1,7 +1,7 @@
 """``roadmend sera evaluate`` and ``cycle``: how a policy fares, and generations that each learn from what the one before got wrong."""
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any, cast
@@ -13,7 +13,7 @@ from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import POLICY, REPAIR
 from roadmend.cli.language_options import LanguageChoice, language_options
 from roadmend.cli.options import FILE, JSON, PATH, RESULT_FOLDER, SEED, WORKERS, options_of
-from roadmend.cli.output import counting, show_rows
+from roadmend.cli.output import Report, counting, show_rows, stage_of
 from roadmend.cli.sera_options import (
     EMBEDDER,
     NEURAL_POLICY,
@@ -24,7 +24,7 @@ from roadmend.cli.sera_options import (
     set_options,
 )
 from roadmend.core.fanout import fan_out
-from roadmend.core.journal import entry_key
+from roadmend.core.journal import Journal, entry_key, file_of
 from roadmend.core.whole_file import write_text, written_beside
 from roadmend.measures.driver import driver_key
 from roadmend.measures.driving import DrivingMeasures
@@ -46,6 +46,7 @@ from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario import Scenario
 
 _BAGS = "bags"
+_EPISODES = "episodes"
 _NAME = "measures"
 
 
@@ -159,7 +160,6 @@ def _show_measures(rows: Sequence[Sequence[str]], content: dict[str, Any]) -> No
 
 _BANK_SEED = 600_000  # of the bank that is built where none is given; nothing else draws from there
 _METHOD = "none"
-Told = Callable[[str, int, int], None]  # what is being done, how much of it is done, how much there is
 
 
 @dataclass(frozen=True)
@@ -238,15 +238,12 @@ def cycle(given: CycleSettings) -> int:
     first = tuple(find_bags(given.bags)) if given.bags else ()
     whole_set = given.chosen.read()
     opened = open_backend(given.language, given.out)
-    with counting(is_transient=True) as progress:
+    known = None if given.bank_file is None else known_in([given.bank_file])  # before there is a folder
+    with _claimed(given.out), counting(is_transient=True) as progress:
         whole = progress.add_task("starting", total=given.generations + 1)
-        part = progress.add_task("", total=None)
-
-        def told(what: str, done: int, total: int) -> None:
-            progress.update(part, description=what, completed=done, total=total)
-
+        told = stage_of(progress)
         bank_path = given.bank_file or _built_bank(given.out, given.bank_scenarios, told)
-        evaluated = disjoint(whole_set, known_in([bank_path]))
+        evaluated = disjoint(whole_set, known or known_in([bank_path]))
         steps = _LocalSteps(evaluated, few_shot, teacher, given.seed, given.out, given.workers, told)
         options = CycleOptions(
             given.generations,
@@ -265,12 +262,22 @@ def cycle(given: CycleSettings) -> int:
                 found.append(generation)
                 progress.update(whole, completed=len(found))
                 content = _content(found, given.out)
-    _write(content, given.out)
+        _write(content, given.out)
     if given.as_json:
         click.echo(json.dumps(content, indent=2))
     else:
         _show_generations(content, given.out)
     return 1 if any(generation.faults for generation in found) else 0
+
+
+def _claimed(out: Path) -> Journal:
+    """Marks a folder as a cycle's, and keeps other processes out; the steps are kept in files of their own.
+
+    Raises:
+        InputError: it holds something else, another process is at work there, or it cannot be written.
+    """
+    is_earlier = (out / _EPISODES / "results.jsonl").exists()  # cycles were not marked until now
+    return Journal(out / "cycle.jsonl", "roadmend-cycle/1", owns_folder=not is_earlier)
 
 
 class _LocalSteps:
@@ -284,7 +291,7 @@ class _LocalSteps:
         seed: int,
         out: Path,
         workers: int,
-        told: Told,
+        told: Report,
     ) -> None:
         self._scenarios = scenarios
         self._settings = settings
@@ -300,7 +307,7 @@ class _LocalSteps:
     def evaluate(self, policy: str) -> PolicyEvaluation:
         driver, folder = driver_key(policy, _METHOD), self._out / "bags"
         jobs = [EvaluationJob(one, policy, _METHOD, folder, "failures", driver) for one in self._scenarios]
-        found = drive_jobs(jobs, self._out / "episodes", self._workers, lambda *done: self._told("episodes", *done))
+        found = drive_jobs(jobs, self._out / _EPISODES, self._workers, lambda *done: self._told("episodes", *done))
         return PolicyEvaluation(
             tuple(episode.measures for episode in found if episode.measures is not None),
             tuple(folder / episode.bag for episode in found if episode.bag),
@@ -333,8 +340,10 @@ class _LocalSteps:
         return TunedPolicy(out, repaired.kept.epochs, repaired.kept.driving_score, repaired.trials[0].driving_score)
 
 
-def _built_bank(out: Path, count: int, told: Told) -> Path:
-    path = out / f"families-{count}.bank"
+def _built_bank(out: Path, count: int, told: Report) -> Path:
+    """A bank of random scenarios; one of other families, or of other code, has another name."""
+    code = ["roadmend.sera.bank", "roadmend.sera.describe", "roadmend.world.families"]
+    path = file_of(out, entry_key(code, [*FAMILIES], _BANK_SEED, count), ".bank")
     if not path.exists():
         total = count * len(FAMILIES)
         entries = (
