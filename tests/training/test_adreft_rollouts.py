@@ -6,6 +6,7 @@ import torch
 
 from roadmend.core.command import Command, Decision, Trajectory
 from roadmend.core.errors import InputError
+from roadmend.core.outcome import Event, EventKind
 from roadmend.core.scene import EgoState, ObjectList, Scene
 from roadmend.policies.registry import POLICIES
 from roadmend.repair.actions import ACTIONS
@@ -17,11 +18,12 @@ from roadmend.training.adreft.deferred import DeferredRepairer
 from roadmend.training.adreft.gathering import Recipe
 from roadmend.training.adreft.holding import HoldingRepairer
 from roadmend.training.adreft.network import AdreftNetwork, save_model, tensors_of
-from roadmend.training.adreft.rollouts import RolloutPlan, gather_rollouts, rollouts_of_case
+from roadmend.training.adreft.rollouts import RolloutPlan, _lost, gather_rollouts, rollouts_of_case
 from roadmend.training.adreft.rollouts_configuration import RolloutsSection
 from roadmend.training.adreft.rollouts_stage import RolloutsStage
 from roadmend.training.adreft.trial_plan import Hold
 from roadmend.training.device import choose_torch_device
+from roadmend.world.futures import Future
 
 from .blind import ENTRY, blind_corpus
 from .cases import Drawn
@@ -115,6 +117,25 @@ def test_acting_late_averts_what_waiting_does_not(tmp_path, monkeypatch):
     assert (found.collided_then[strong] < found.collided[found.moment[strong]]).any()
 
 
+def future_of(kind, duration, driven):
+    return Future(None if kind is None else Event(duration, kind, ""), duration, 0.0, 0.0, 0.0, driven)
+
+
+@pytest.mark.parametrize(
+    ("waited", "acted", "lost"),
+    [
+        ((EventKind.GOAL, 9.0, 120.0), (EventKind.GOAL, 11.0, 120.0), 2.0),
+        ((EventKind.GOAL, 9.0, 120.0), (EventKind.OFF_ROUTE, 3.0, 40.0), 6.0),  # 80 m short, at 13.3 m/s
+        ((EventKind.GOAL, 9.0, 120.0), (EventKind.OFF_ROUTE, 9.0, 150.0), 0.0),  # farther, but not there
+        ((EventKind.TIMEOUT, 5.0, 60.0), (EventKind.TIMEOUT, 5.0, 12.0), 4.0),
+        ((EventKind.OFF_ROUTE, 3.0, 30.0), (None, 12.0, 90.0), -6.0),
+        ((None, 12.0, 120.0), (None, 12.0, 100.0), 2.0),
+    ],
+)
+def test_time_is_lost_to_the_goal_and_not_to_just_any_end(waited, acted, lost):
+    assert _lost(future_of(*waited), future_of(*acted)) == pytest.approx(lost)
+
+
 def rollouts_of(number, attribute, collided, collided_then, lost):
     """One moment with one token, at which full braking was tried."""
     tokens = np.zeros((1, 6), dtype=np.float16)
@@ -179,6 +200,12 @@ def test_the_adapter_learns_to_act_where_it_pays_and_nothing_else_moves(tmp_path
     start = tensors_of(AdreftNetwork(MODEL))
     moved = {name.split(".")[0] for name in tensors if not np.array_equal(tensors[name], start[name])}
     assert moved == {"adapter"}
+
+
+@pytest.mark.parametrize("share", [1e-4, 0.9999])
+def test_without_a_case_to_judge_by_or_one_to_learn_of_nothing_is_tuned(share):
+    with pytest.raises(InputError, match="held_out"):
+        stage_of([rollouts_of(each, 1.0, 1.0, 0.0, 0.0) for each in range(5)], held_out=share)
 
 
 def test_the_price_of_time_decides():

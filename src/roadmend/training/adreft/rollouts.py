@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from roadmend.core.fanout import Mapper
 from roadmend.core.journal import Key, entry_key, file_of
+from roadmend.core.outcome import EventKind
 from roadmend.core.tick import INTERVAL
 from roadmend.measures.need import HORIZON, LATER
 from roadmend.policies.registry import make_policy
@@ -118,11 +119,17 @@ class _RolloutNotes:
 
 
 def _lost(waited: Future, acted: Future) -> float:
-    """Seconds by which the second is behind the first; negative where it is ahead."""
-    if waited.final is not None and acted.final is not None:  # both have arrived
+    """Seconds by which the second is behind the first; negative where it is ahead.
+
+    Whoever leaves its route or stands until the time is up has ended, but not arrived: of those the way tells, and to
+    lose the goal is never a gain.
+    """
+    arrived, arrives = (each.final is not None and each.final.kind is EventKind.GOAL for each in (waited, acted))
+    if arrived and arrives:
         return acted.duration - waited.duration
     speed = max(_SLOWEST, waited.driven / max(waited.duration, INTERVAL))
-    return (waited.driven - acted.driven) / speed
+    behind = (waited.driven - acted.driven) / speed
+    return max(0.0, behind) if arrived else behind
 
 
 def rollouts_of_case(case: EpisodeCase, recipe: Recipe, plan: RolloutPlan, guide: Path) -> CaseRollouts:

@@ -66,7 +66,7 @@ class RolloutsStage:
             device: torch's name of where to compute.
 
         Raises:
-            InputError: at no moment was anything tried.
+            InputError: at no moment was anything tried, or no case is held out, or every one.
         """
         assert model.weighing is not None
         looked = [entry for entry in rollouts if len(entry.moment)]
@@ -86,6 +86,9 @@ class RolloutsStage:
         averted = self._collision * (self._collided[self._moment] - then)
         self._gain = (averted - section.time * lost).astype(np.float32)
         held = [zlib.crc32(entry.name.encode()) % _FOLDS < section.held_out * _FOLDS for entry in looked]
+        if all(held) or not any(held):  # no epoch can be judged, or none learns: the adapter would stay as it was
+            what = f"of {len(held)} cases with a moment {'all are' if held[0] else 'none is'} held out"
+            raise InputError("rollouts", what, "give more cases, or set rollouts.held_out")
         self._held = np.repeat(held, [len(entry) for entry in looked])  # of each moment
 
     def run(self) -> tuple[dict[str, NDArray[Any]], TuningFigures]:
