@@ -36,7 +36,8 @@ from roadmend.policies.neural_kinds import KINDS
 from roadmend.training.adreft.ablations import ABLATIONS, ablated
 from roadmend.training.adreft.adjusting import adjust as adjust_model
 from roadmend.training.adreft.configuration import read_training_configuration
-from roadmend.training.adreft.pipeline import Only, Pipeline, Trained, check_configuration, open_work
+from roadmend.training.adreft.consistency import check_configuration
+from roadmend.training.adreft.pipeline import Only, Pipeline, Trained, open_work
 from roadmend.training.adreft.stage import RepairedPolicy, TrainingSubject
 from roadmend.training.dagger import Training
 from roadmend.training.device import choose_torch_device

@@ -16,7 +16,8 @@ from roadmend.measures.case_result import CaseResult
 from roadmend.repair.adreft.configuration import ModelConfiguration
 from roadmend.training.adreft.calibration import MonitorQuality, calibrate, monitor_quality
 from roadmend.training.adreft.case_frames import CaseFrames
-from roadmend.training.adreft.configuration import FORESEEING, TrainingConfiguration
+from roadmend.training.adreft.configuration import TrainingConfiguration
+from roadmend.training.adreft.consistency import check_configuration
 from roadmend.training.adreft.counterfactual import Counterfactuals
 from roadmend.training.adreft.counterfactual_stage import CounterfactualStage
 from roadmend.training.adreft.frames import FrameSet
@@ -369,32 +370,6 @@ class Pipeline:
                 },
             },
         }
-
-
-def check_configuration(configuration: TrainingConfiguration, only: Only = None) -> None:
-    """Whether there is such a model, all stages speak of the same kind of adapter, and the one asked for does something.
-
-    Raises:
-        InputError: no.
-    """
-    configuration.model.configuration()
-    if only == "reinforcement" and not (configuration.reinforcement.episodes or configuration.rollouts.rounds):
-        mend = "set reinforcement.episodes or rollouts.rounds, or leave --only out"
-        raise InputError("--only", "this configuration has no fine-tuning", mend)
-    practice = configuration.practice
-    foresees = configuration.model.weighing is not None
-    if foresees != (practice.epochs > 0 and practice.method in FORESEEING):
-        mend = "set both, or neither: prices are what practice by counterfactuals or futures is weighed with"
-        raise InputError("model.weighing", "does not go with practice.method", mend)
-    if practice.method == "counterfactual" and foresees and practice.rounds > 1:
-        mend = "set it to 1, or practice.method to fitted_q or futures"
-        raise InputError("practice.rounds", "counterfactuals are of the policy alone, with no model along", mend)
-    if foresees and configuration.reinforcement.episodes:
-        mend = "set it to 0 and rollouts.rounds to what is wanted, or practice.method to fitted_q"
-        raise InputError("reinforcement.episodes", "a DQN takes an adapter that gives values", mend)
-    if configuration.rollouts.rounds and not (foresees and practice.method == "futures"):
-        mend = "set it to 0, or practice.method to futures"
-        raise InputError("rollouts.rounds", "rollouts take an adapter that foresees, and its harmless drives", mend)
 
 
 def open_work(work: Path, *, resume: bool | None, keep_supervised: bool) -> None:
