@@ -92,6 +92,25 @@ class TestDetections:
             objects, _ = reader.read(detections(time, detection("7", 0.0, 0.0)), pose_at(time))
         assert len(objects) == 0
 
+    @pytest.mark.parametrize("late", [0.02, 0.15, 0.9])
+    def test_a_list_of_a_moment_before_leaves_nobody_out(self, late):
+        reader = Detections()
+        for step in range(1, 30):
+            time = 5.0 + 0.1 * step - (late if step % 3 == 2 else 0.0)
+            objects, _ = reader.read(detections(time, detection("7", 5.0 * time, 0.0)), pose_at(time))
+            if step > 1:
+                assert objects.x.tolist() == [5.0 * time]
+            if step > 3:
+                assert objects.speed[0] == pytest.approx(5.0)
+
+    def test_a_clock_that_is_set_back_a_little_makes_nobody_fast(self):
+        reader = Detections()
+        for step in range(20):
+            time, told = 0.1 * step, 5.0 + 0.1 * step - (0.8 if step >= 5 else 0.0)
+            objects, _ = reader.read(detections(told, detection("7", 5.0 * time, 0.0)), pose_at(told))
+            if step:
+                assert objects.speed[0] == pytest.approx(5.0)
+
     def test_the_same_stamp_twice_changes_nothing(self):
         reader = Detections()
         for time, x in ((0.0, 0.0), (0.1, 0.5), (0.1, 0.9)):

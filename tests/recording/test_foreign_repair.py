@@ -81,6 +81,23 @@ def test_before_everything_is_there_the_vehicle_is_held():
     assert "no objects: none yet" in answer.repair.reason
 
 
+@pytest.mark.parametrize("method", ["rss", "predictive", "rule", "adreft"])
+def test_lists_that_come_a_little_late_hide_nobody(method):
+    answers = []
+    for late in (0.0, 0.12):  # [s] every second list: before the one before it by its stamp
+        stack = Stack(method, stands_at=40.0)
+        for step in range(60):
+            time = 0.05 * step
+            stack.ego(time)
+            if step % 2 == 0:
+                stack.objects(time, time - (late if step % 4 == 2 and step > 2 else 0.0))
+            answers.append(stack.command(time).repair)
+    usual, jittered = answers[:60], answers[60:]
+    assert [one.status for one in jittered] == [one.status for one in usual]
+    assert [one.final_action for one in jittered] == pytest.approx([one.final_action for one in usual])
+    assert usual[-1].status is RepairStatus.REPAIRED
+
+
 @pytest.mark.parametrize("part", ["ego", "objects"])
 def test_an_input_that_ends_stops_the_vehicle_until_it_is_back(part):
     stack = Stack()

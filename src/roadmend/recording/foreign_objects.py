@@ -18,7 +18,7 @@ from roadmend.recording import messages
 
 Signals = NDArray[np.uint8]
 
-TRACK_GAP = 1.0  # [s] an object that was not seen for longer is a new one
+TRACK_GAP = 1.0  # [s] an object that was not seen for longer is a new one, and so are all where a stamp is further back
 SMOOTHING = 0.2  # [s] time constant of the velocities that are worked out from positions
 STILL = 0.5  # [m/s] a slower object keeps the heading of its box
 CARRY = 0.2  # [s] for which the ego's motion is carried on to the stamp of what was seen from it
@@ -142,6 +142,8 @@ class Detections:
     - An object counts from its second sighting on: its first says nothing of its speed, and a wrong one brakes for
       whoever overtakes. One that nobody follows (an empty id) counts at once, as standing. So does one that is seen
       again while no time passes by its stamps: to leave it out would be to drive into it.
+    - A list that is stamped before the one before it, as of a slower sensor or a clock that was set a little, leaves
+      nobody out either: who is known keeps his velocity, and is followed from there.
     - A list without a stamp is taken to be of the odometry's moment.
     - The frame may be the odometry's or the one that moves with the ego.
     - The heading is that axis of the box which is nearest to the motion; of a box that is about as long as wide, the
@@ -166,7 +168,7 @@ class Detections:
         if frame not in {pose.frame, pose.base_frame}:
             raise ValueError(_other_frame(frame, f"{pose.frame} or {pose.base_frame}"))
         stamp = messages.stamp_of(message.header) or pose.stamp
-        if stamp < self._stamp:  # a new run, or a replay from the start
+        if self._stamp - stamp > TRACK_GAP * 1e9:  # a new run, or a replay from the start
             self._tracks.clear()
         self._stamp = stamp
         self._tracks = {name: track for name, track in self._tracks.items() if stamp - track.stamp <= TRACK_GAP * 1e9}
@@ -207,7 +209,10 @@ class Detections:
 
     def _follow(self, track: _Track, stamp: int, x: float, y: float) -> _Track:
         passed = 1e-9 * (stamp - track.stamp)
-        if passed <= 0.0:
+        if passed == 0.0:
+            return track
+        if passed < 0.0:  # it tells no velocity, but the way from here on belongs to the time from here on
+            track.stamp, track.x, track.y = stamp, x, y
             return track
         moved = (x - track.x) / passed, (y - track.y) / passed
         share = 1.0 if track.velocity is None else 1.0 - math.exp(-passed / SMOOTHING)
