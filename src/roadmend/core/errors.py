@@ -16,6 +16,10 @@ class PlacedError(RoadmendError):
         mend: what the user can do about it.
     """
 
+    where: str
+    what: str
+    mend: str
+
     @overload
     def __init__(self, where: str, what: str, mend: str) -> None: ...
 
@@ -23,14 +27,13 @@ class PlacedError(RoadmendError):
     def __init__(self, where: "PlacedError") -> None: ...
 
     def __init__(self, where: "str | PlacedError", what: str = "", mend: str = "") -> None:
-        # Whoever hands on what a worker process raised, as Gymnasium does, may make it anew from itself: kind(error).
         if isinstance(where, PlacedError):
-            where, what, mend = where.where, where.what, where.mend
+            # Who hands on what a worker process raised may make it anew from itself, kind(error), as Gymnasium does.
+            self.where, self.what, self.mend = where.where, where.what, where.mend
+        else:
+            self.where, self.what, self.mend = where, what, mend
         # What is quoted of a file may have line ends of its own.
-        super().__init__(" ".join(f"{where}: {what}; {mend}".splitlines()))
-        self.where = where
-        self.what = what
-        self.mend = mend
+        super().__init__(" ".join(f"{self.where}: {self.what}; {self.mend}".splitlines()))
 
     def __reduce__(self) -> tuple[type["PlacedError"], tuple[str, str, str]]:
         """So that it comes out of a worker process as it went in; without, the worker's pool breaks instead."""

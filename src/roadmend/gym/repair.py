@@ -54,7 +54,7 @@ class RepairWrapper(gymnasium.Wrapper[Observation, np.ndarray, Observation, np.n
             raise InputError("RepairWrapper", f"cannot repair in {env.unwrapped}", "wrap roadmend/Drive-v0")
         if any(isinstance(layer, RepairWrapper) for layer in _layers(env)):
             raise InputError("RepairWrapper", "there is one already around this environment", "wrap it once")
-        if isinstance(price, bool) or not isinstance(price, int | float) or not -math.inf < price <= 0.0:
+        if not _is_price(price):
             raise InputError("RepairWrapper: price", f"is {price!r}", "give 0 or less")
         self._drive: DriveEnv = env.unwrapped
         self._repairer = repairer_of(repair, parameters, seed)
@@ -83,6 +83,10 @@ class RepairWrapper(gymnasium.Wrapper[Observation, np.ndarray, Observation, np.n
         info["repair"] = _plain(repair)
         info["reward_terms"] = {**info["reward_terms"], "repair": term}
         return observation, float(reward) + term, terminated, truncated, info
+
+
+def _is_price(given: object) -> bool:
+    return isinstance(given, int | float) and not isinstance(given, bool) and -math.inf < given <= 0.0
 
 
 def _layers(env: gymnasium.Env[Any, Any]) -> Iterator[gymnasium.Env[Any, Any]]:
