@@ -76,6 +76,18 @@ def test_a_bank_of_nothing_does_not_replace_one(bank, capsys):
     assert "holds no patterns" in capsys.readouterr().err
 
 
+def test_a_selection_takes_the_place_of_a_selection_alone(bank, tmp_path, capsys):
+    before, text, out = bank.read_bytes(), tmp_path / "text.json", tmp_path / "selection.json"
+    text.write_text('["mine"]', encoding="utf-8")
+    for path in (bank, text):
+        assert main(["sera", "recommend", "--bank", str(bank), *WORDS, "--out", str(path)]) == 2
+        assert f"{path}: is there already and holds no selection" in capsys.readouterr().err
+    assert (bank.read_bytes(), text.read_text(encoding="utf-8")) == (before, '["mine"]')
+    for count in ("1", "2"):
+        assert main(["sera", "recommend", "--bank", str(bank), *WORDS, "-k", count, "--out", str(out)]) == 0
+    assert len(json.loads(out.read_text(encoding="utf-8"))["refined"]) == 2
+
+
 @pytest.fixture(scope="module")
 def success(tmp_path_factory):
     """A bag in which nothing goes wrong."""

@@ -1,9 +1,10 @@
 """``roadmend sera analyse`` and ``recommend``: from recorded failures to scenarios to learn from."""
 
 import json
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
 import click
 
@@ -20,6 +21,7 @@ from roadmend.cli.sera_options import (
     keeping_exchanges,
     open_backend,
 )
+from roadmend.core.bounds import TEXT
 from roadmend.core.errors import InputError
 from roadmend.core.fanout import fan_out
 from roadmend.core.json_text import read_json
@@ -28,7 +30,7 @@ from roadmend.sera.analysis import Analysis, analyse, find_bags, read_incidents
 from roadmend.sera.analysis_report import NOTHING, pattern_rows, report
 from roadmend.sera.bank import Bank
 from roadmend.sera.pattern import dump_patterns, parse_patterns, read_patterns
-from roadmend.sera.recommendation import content_of
+from roadmend.sera.recommendation import Stage, content_of
 from roadmend.sera.recommendation import recommend as recommend_from
 from roadmend.world.scenario_file import load_scenario
 
@@ -62,8 +64,7 @@ def analyse_bags(given: AnalyseOptions) -> int:
     found = find_bags(given.bags)
     if given.out is not None and given.out.suffix == ".md":
         raise InputError("--out", f"{given.out} is where the report would go", "name a .json file")
-    if given.out is not None and given.out.exists():
-        _refuse_other(given.out)
+    _refuse_other(given.out, "patterns", lambda content: parse_patterns(_listed(content), str(given.out)))
     opened = open_backend(given.language, given.out)
     readings = []
     with fan_out(given.workers, len(found)) as mapper, counting(is_transient=True) as progress:
@@ -92,13 +93,18 @@ def analyse_bags(given: AnalyseOptions) -> int:
     return 1 if analysis.unreadable else 0
 
 
-def _refuse_other(out: Path) -> None:
-    """Refuse to replace what holds no patterns: a bank, or a file of somebody else's."""
+def _refuse_other(out: Path | None, noun: str, read: Callable[[Any], object]) -> None:
+    """Refuse to replace what ``read`` takes for none of ours: a bank, or a file of somebody else's."""
+    if out is None or not out.exists():
+        return
     try:
-        content = read_json(out)
-        parse_patterns(content if isinstance(content, list) else [content], str(out))
-    except InputError:
-        raise InputError(str(out), "is there already and holds no patterns", "choose another name") from None
+        read(read_json(out, TEXT))
+    except (InputError, KeyError, TypeError):
+        raise InputError(str(out), f"is there already and holds no {noun}", "choose another name") from None
+
+
+def _listed(content: Any) -> list[Any]:
+    return content if isinstance(content, list) else [content]
 
 
 def _show_patterns(analysis: Analysis) -> None:
@@ -156,6 +162,7 @@ def recommend(given: RecommendOptions) -> None:
     wanted = [pattern for each in given.patterns for pattern in read_patterns(each)]
     excluded = [load_scenario(path) for path in given.exclude]
     filters = filters_of(given.terms)
+    _refuse_other(given.out, "selection", lambda content: [content[name] for name in (*get_args(Stage), "measures")])
     asked = open_backend(given.language, given.out)
     with Bank(given.bank_file, given.embedder) as opened, keeping_exchanges(asked, given.out):
         found = recommend_from(opened, wanted, given.count, filters, excluded, given.seed, asked.reflector)
