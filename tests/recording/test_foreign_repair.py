@@ -351,6 +351,17 @@ def test_a_trajectory_in_another_frame_is_not_used_and_named():
     assert "planned trajectory in the frame 'map'" in stack.drive(1.0).repair.reason
 
 
+def test_a_trajectory_that_came_before_the_odometry_is_looked_at_all_the_same():
+    stack = Stack("predictive", stands_at=30.0)
+    stack.repair.take_trajectory(planned(0.0, 6.0, "base_link"), 0.0)
+    answer = stack.drive(0.25)
+    assert "planned trajectory in the frame 'base_link', not in odom: not used" in answer.repair.reason
+    assert answer.repair.reason.endswith(NOT_TOLD)
+    stack = Stack("predictive", stands_at=30.0)
+    stack.repair.take_trajectory(planned(0.0, 6.0), 0.0)
+    assert stack.drive(0.25).repair.reason == ""
+
+
 def test_our_own_messages_do_as_well():
     stack = Stack(form=PedalForm, reader=OwnObjects)
     columns = {"x": 24.0, "y": 0.0, "yaw": 0.0, "speed": 0.0, "acceleration": 0.0, "yaw_rate": 0.0}

@@ -63,6 +63,7 @@ class ForeignRepair:
         self._pose: EgoPose | None = None
         self._seen: _Seen | None = None
         self._trajectory: Trajectory | None = None
+        self._planned_in = ""  # frame of that
         self._asked: Any | None = None  # the last command's message
         self._arrivals: dict[str, float] = {}  # [s] of the last usable message of each input
         self._faults: dict[str, str] = {}  # why the last message of an input was not usable
@@ -111,9 +112,9 @@ class ForeignRepair:
         """Take in a planned trajectory (roadmend_msgs/Trajectory) that arrived at ``now`` [s]."""
         frame = message.header.frame_id
         if self._pose is not None and frame != self._pose.frame:
-            self._faults[TRAJECTORY] = f"planned trajectory in the frame {frame!r}, not in {self._pose.frame}: not used"
+            self._faults[TRAJECTORY] = _other_frame(frame, self._pose.frame)
             return
-        self._trajectory = messages.trajectory_of(message)
+        self._trajectory, self._planned_in = messages.trajectory_of(message), frame
         self._arrived(TRAJECTORY, now)
 
     def take_command(self, message: Any, now: float) -> Answer | None:
@@ -129,10 +130,10 @@ class ForeignRepair:
             status = RepairStatus.STALE_OBJECTS if self._started else RepairStatus.STARTING
             decision = Decision(command, Trajectory.empty())
             return self._answer(self._repairer.controlled_stop(status, missing, None, decision), self._stamp, message)
-        ego = self._pose.ego
+        ego, planned = self._pose.ego, self._planned(self._pose.frame, now)
         note = self._faults.get(TRAJECTORY, "")
-        if self._trajectory is not None and self._is_fresh(TRAJECTORY, now):
-            decision = Decision(command, self._trajectory)
+        if planned is not None:
+            decision = Decision(command, planned)
             self._assumption = ""
         else:
             decision = self._motion.decide(ego, command)
@@ -190,6 +191,15 @@ class ForeignRepair:
     def _is_fresh(self, part: str, now: float) -> bool:
         return now - self._arrivals.get(part, -math.inf) <= self._patience
 
+    def _planned(self, frame: str, now: float) -> Trajectory | None:
+        """The planned trajectory where it is fresh and in the odometry's frame, which nobody knew if it came first."""
+        if self._trajectory is None or not self._is_fresh(TRAJECTORY, now):
+            return None
+        if self._planned_in != frame:
+            self._faults[TRAJECTORY] = _other_frame(self._planned_in, frame)
+            return None
+        return self._trajectory
+
     def _late_inputs(self, now: float) -> str:
         """What of the scene is late, with numbers; empty if nothing is."""
         told = []
@@ -219,3 +229,7 @@ class ForeignRepair:
     def _answer(self, repair: Repair, stamp: int, asked: Any) -> Answer:
         header = messages.header_at(min(max(0, stamp), LATEST))
         return Answer(stamp, repair, self._form.write(repair.command, header, asked))
+
+
+def _other_frame(given: str, wanted: str) -> str:
+    return f"planned trajectory in the frame {given!r}, not in {wanted}: not used"
