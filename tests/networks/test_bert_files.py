@@ -76,6 +76,20 @@ def only_tokenizer(folder, content):
     (folder / "tokenizer.json").write_text(content)
 
 
+def without_types(folder):
+    tensors = safetensors.numpy.load_file(folder / "model.safetensors")
+    tensors["embeddings.token_type_embeddings.weight"] = np.zeros((0, WIDTH), np.float32)
+    safetensors.numpy.save_file(tensors, folder / "model.safetensors")
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_what_ends_a_line_to_unicode_may_be_a_piece(tmp_path, end):
+    write_bert(tmp_path)
+    words = [*WORDS[:-2], "\u2028", "a\x85b"]
+    (tmp_path / "vocab.txt").write_bytes("".join(word + end for word in words).encode())
+    assert read_bert(tmp_path, marks=3)[2] == words
+
+
 @pytest.mark.parametrize(
     ("damage", "told"),
     [
@@ -87,6 +101,16 @@ def only_tokenizer(folder, content):
         (lambda folder: safetensors.numpy.save_file({}, folder / "model.safetensors"), "no word embeddings"),
         (lambda folder: write_bert(folder, hidden_act="relu"), "rectify by 'relu'"),
         (lambda folder: write_bert(folder, num_hidden_layers=2), "its weights are not those"),
+        (lambda folder: write_bert(folder, num_hidden_layers=30), r"field layers: .*24 \(got 30\)"),
+        (lambda folder: write_bert(folder, num_hidden_layers=0), r"field layers: .*1 \(got 0\)"),
+        (lambda folder: write_bert(folder, hidden_size=5000), "field hidden: .*4096"),
+        (lambda folder: write_bert(folder, intermediate_size=5000), "field feed_forward: .*4096"),
+        (lambda folder: write_bert(folder, num_attention_heads=5), "heads: 5 cannot share a hidden width of 16 evenly"),
+        (lambda folder: (folder / "vocab.txt").write_text(""), "field pieces: "),
+        (lambda folder: (folder / "vocab.txt").write_text("a\n" * 200_001), "field pieces: .*200000"),
+        (lambda folder: only_tokenizer(folder, '{"model": {"vocab": {"a": [0]}}}'), "holds no vocabulary"),
+        (lambda folder: only_tokenizer(folder, '{"model": {"vocab": {"a": false}}}'), "holds no vocabulary"),
+        (without_types, "there are no types of tokens"),
     ],
 )
 def test_what_is_no_bert_is_refused_in_a_line(tmp_path, damage, told):

@@ -1,5 +1,6 @@
 """The folder of a BERT encoder, as the transformers library writes it: what a text encoder begins from."""
 
+import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from roadmend.core.bounded_file import read_bytes, read_text
 from roadmend.core.bounds import MODEL, SETTINGS
 from roadmend.core.errors import InputError
 from roadmend.core.json_text import read_json
+from roadmend.core.settings import describe
 from roadmend.networks.shape import TextShape
 
 _MEND = "give the folder of a BERT encoder, with config.json, vocab.txt or tokenizer.json, and model.safetensors"
@@ -52,15 +54,19 @@ def read_bert(folder: Path, marks: int) -> tuple[TextShape, dict[str, NDArray[np
     if settings.hidden_act != "gelu":
         raise InputError(where, f"its layers rectify by {settings.hidden_act!r}, not by GELU", _MEND)
     vocabulary = _vocabulary(folder)
-    shape = TextShape(
-        pieces=len(vocabulary),
-        positions=settings.max_position_embeddings,
-        marks=marks,
-        hidden=settings.hidden_size,
-        layers=settings.num_hidden_layers,
-        heads=settings.num_attention_heads,
-        feed_forward=settings.intermediate_size,
-    )
+    try:
+        shape = TextShape(
+            pieces=len(vocabulary),
+            positions=settings.max_position_embeddings,
+            marks=marks,
+            hidden=settings.hidden_size,
+            layers=settings.num_hidden_layers,
+            heads=settings.num_attention_heads,
+            feed_forward=settings.intermediate_size,
+        )
+    except ValidationError as error:
+        what = f"its encoder has another shape than can be read with: {describe(error, TextShape)}"
+        raise InputError(where, what, "give a BERT encoder within that bound") from None
     try:
         found = safetensors.numpy.load(read_bytes(folder / "model.safetensors", MODEL, _MEND))
         return shape, _named(found, shape), vocabulary
@@ -87,7 +93,10 @@ def _named(found: dict[str, NDArray[Any]], shape: TextShape) -> dict[str, NDArra
     words = of("embeddings.word_embeddings.weight")
     if words.shape != (shape.pieces, shape.hidden):
         raise ValueError(f"word embeddings of shape {words.shape} for {shape.pieces} pieces")
-    kind = of("embeddings.token_type_embeddings.weight")[0]  # all texts are of the first kind
+    kinds = of("embeddings.token_type_embeddings.weight")
+    if not kinds.size:
+        raise ValueError("there are no types of tokens")
+    kind = kinds[0]  # all texts are of the first kind
     named = {"pieces.weight": words, "positions.weight": of("embeddings.position_embeddings.weight") + kind}
     named |= {f"norm.{part}": of(f"embeddings.LayerNorm.{part}") for part in ("weight", "bias")}
     for place in range(shape.layers):
@@ -109,11 +118,14 @@ def _named(found: dict[str, NDArray[Any]], shape: TextShape) -> dict[str, NDArra
 def _vocabulary(folder: Path) -> list[str]:
     listed = folder / "vocab.txt"
     if listed.is_file():
-        return read_text(listed, SETTINGS, _MEND).splitlines()
+        # Not splitlines: what ends a line to Unicode is a piece of its own in some vocabularies.
+        lines = io.StringIO(read_text(listed, SETTINGS, _MEND))
+        return [line.removesuffix("\n") for line in lines]
     content = _json(folder / "tokenizer.json")
     model = content.get("model")
     places = model.get("vocab") if isinstance(model, dict) else None
-    if not isinstance(places, dict) or {*places.values()} != {*range(len(places))}:
+    is_listed = isinstance(places, dict) and all(type(place) is int for place in places.values())
+    if not isinstance(places, dict) or not is_listed or {*places.values()} != {*range(len(places))}:
         raise InputError(str(folder / "tokenizer.json"), "holds no vocabulary of pieces of words", _MEND)
     return sorted(places, key=lambda piece: int(places[piece]))
 

@@ -9,6 +9,11 @@ from roadmend.core.parameters import Parameters
 Width = Annotated[int, Field(ge=1, le=4096)]
 
 
+def _share_evenly(hidden: int, heads: int) -> None:
+    if hidden % heads:
+        raise ValueError(f"heads: {heads} cannot share a hidden width of {hidden} evenly")
+
+
 class EncoderShape(Parameters):
     """A BERT-style encoder of a set of tokens (Devlin et al. 2019; ADReFT, section 4.1, "state encoder").
 
@@ -26,8 +31,7 @@ class EncoderShape(Parameters):
 
     @model_validator(mode="after")
     def _heads_share_evenly(self) -> "EncoderShape":
-        if self.hidden % self.heads:
-            raise ValueError(f"heads: {self.heads} cannot share a hidden width of {self.hidden} evenly")
+        _share_evenly(self.hidden, self.heads)
         return self
 
     @property
@@ -92,6 +96,11 @@ class TextShape(Parameters):
     layers: int = Field(6, ge=1, le=24, description="transformer layers")
     heads: int = Field(12, ge=1, le=64, description="attention heads; they share the width evenly")
     feed_forward: Width = Field(1536, description="width between the two linear maps of a layer")
+
+    @model_validator(mode="after")
+    def _heads_share_evenly(self) -> "TextShape":
+        _share_evenly(self.hidden, self.heads)
+        return self
 
     @property
     def layer(self) -> EncoderShape:
