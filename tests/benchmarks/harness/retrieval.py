@@ -85,26 +85,27 @@ def recalls(
     """For each search, the share of the ``count`` best of an exact search in single precision that it found.
 
     Many scenarios have equal scores, and which of those come last among the best is a matter of chance. So scores are
-    compared, not numbers: what was found counts if it is as good as the last of the exact search.
+    compared, not numbers: what was found counts if it is as good as the last of the exact search. It counts once, however
+    often it was given, and not at all where the filter forbids it.
     """
     queries = np.array([bank.embed(pattern) for pattern in patterns])
     masks = {each: bank.allowed(each) for each in set(filters)}
     best = np.full((len(patterns), count), -np.inf, dtype=np.float32)
-    reached = [np.zeros(len(numbers), dtype=np.float32) for numbers in found]
+    reached = [np.full(len(numbers), -np.inf, dtype=np.float32) for numbers in found]
     wanted: dict[int, list[tuple[int, int]]] = {}
     for query, numbers in enumerate(found):
-        for place, number in enumerate(numbers):
+        for place, number in enumerate(dict.fromkeys(numbers)):
             wanted.setdefault(number, []).append((query, place))
     start = 0
     for chunk in chunks(bank.descriptors()):
         scores = queries @ bank.embedder.embed(chunk).T
-        for row in range(len(chunk)):
-            for query, place in wanted.get(start + row, ()):
-                reached[query][place] = scores[query, row]
         for query, each in enumerate(filters):
             mask = masks[each]
             if mask is not None:
                 scores[query, ~mask[start : start + len(chunk)]] = -np.inf
+        for row in range(len(chunk)):
+            for query, place in wanted.get(start + row, ()):
+                reached[query][place] = scores[query, row]
         best = -np.partition(-np.hstack([best, scores]), count - 1, axis=1)[:, :count]
         start += len(chunk)
     return [_share(exact[np.isfinite(exact)], scores) for exact, scores in zip(best, reached, strict=True)]
