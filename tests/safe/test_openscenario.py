@@ -1,8 +1,8 @@
 """Exported files are valid by the official schemas, and SUMO reads the roads back."""
 
 import importlib.util
+import math
 import subprocess
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -39,7 +39,7 @@ def drawn(name):
 
 
 def drawn_with(word):
-    return draw_scenario(role(crash("Straight", vehicle(), replace(vehicle(), manoeuvre=word))), 0)
+    return draw_scenario(role(crash("Straight", vehicle(), vehicle(manoeuvre=word))), 0)
 
 
 def with_every_manoeuvre():
@@ -82,11 +82,57 @@ def test_the_story_says_what_the_scenario_does(tmp_path):
     assert {each.get("name") for each in story.iter("ScenarioObject")} == {"ego", "v2"}
     (actor,) = scenario.actors
     (drift,) = (each for each in actor.manoeuvres if isinstance(each, Drift))
-    assert float(next(story.iter("AbsoluteTargetLaneOffset")).get("value")) == drift.offset
+    target = next(story.iter("RelativeTargetLaneOffset"))
+    assert (target.get("entityRef"), float(target.get("value"))) == ("v2", drift.offset)
     assert next(story.iter("LogicFile")).get("filepath") == f"{scenario.name}.xodr"
     speeds = [float(each.get("value")) for each in story.iter("AbsoluteTargetSpeed")]
     assert scenario.ego.speed in speeds
     assert float(next(story.iter("RoadCondition")).get("frictionScaleFactor")) == pytest.approx(1.0)
+
+
+def test_a_second_drift_counts_from_where_the_first_one_led(tmp_path):
+    scenario = draw_scenario(role(crash("Straight", vehicle(), vehicle(manoeuvre="Overtake"))), 0)
+    (actor,) = scenario.actors
+    offsets = [each.offset for each in actor.manoeuvres if isinstance(each, Drift)]
+    assert len(offsets) == 2
+    story = etree.parse(export_scenario(scenario, tmp_path)[0])
+    targets = [*story.iter("RelativeTargetLaneOffset")]
+    assert [(each.get("entityRef"), float(each.get("value"))) for each in targets] == [(actor.id, at) for at in offsets]
+    assert not [*story.iter("AbsoluteTargetLaneOffset")]
+
+
+@pytest.mark.parametrize(
+    "scenario",
+    [
+        *(
+            draw_scenario(role(crash("Intersection", vehicle(), vehicle("E2W", "Turn Left"))), index)
+            for index in (0, 1)
+        ),
+        drawn_with("U-turn"),
+        drawn_with("Reverse"),
+        draw_scenario(onlooker(LONE["left"]), 0),
+    ],
+    ids=["turn 0", "turn 1", "U-turn", "Reverse", "lone"],
+)
+def test_a_line_of_ones_own_begins_where_the_vehicle_is(scenario, tmp_path):
+    story = etree.parse(export_scenario(scenario, tmp_path)[0])
+    (actor,) = scenario.actors
+    entry = ".//AddEntityAction" if actor.depart else f".//Private[@entityRef='{actor.id}']"
+    places = story.find(f"{entry}//WorldPosition"), story.find(".//Vertex//WorldPosition")
+    (x, y), (first_x, first_y) = ([float(place.get(name)) for name in "xy"] for place in places)
+    assert math.hypot(x - first_x, y - first_y) < 0.1
+    last = [*story.iter("Vertex")][-1].find(".//WorldPosition")
+    follow = actor.manoeuvres[-1]
+    assert math.dist((float(last.get("x")), float(last.get("y"))), follow.points[-1]) < 0.3 * 5.0
+
+
+def test_who_brakes_without_a_speed_of_its_own_goes_on_at_the_limit(tmp_path):
+    scenario = draw_scenario(role(HEAD_ON), 0)
+    script = [Brake(when=Trigger(time=2.0), speed=5.0)]
+    actor = scenario.actors[0].model_copy(update={"speed": None, "manoeuvres": script})
+    story = etree.parse(export_scenario(scenario.model_copy(update={"actors": [actor]}), tmp_path)[0])
+    speeds = [float(each.get("value")) for each in story.iter("AbsoluteTargetSpeed")]
+    assert speeds == [scenario.ego.speed, pytest.approx(35 * 0.44704, abs=0.01), 5.0, speeds[1]]
 
 
 def test_what_stands_there_is_an_object_of_its_own(tmp_path):

@@ -39,6 +39,8 @@ from roadmend.world.scenario import (
 from roadmend.world.steering import line_through
 from roadmend.world.traffic_file import traffic_xml
 
+Pose = tuple[float, float, float]  # [m], [m], [rad]
+
 EGO = "ego"
 _MINOR_VERSION = 2
 _DATE = dt.datetime(2026, 1, 1, tzinfo=dt.UTC)  # the same scenario gives the same file
@@ -66,6 +68,7 @@ _STANDING = {  # height [m], mass [kg] and category of what stands there
 }
 _CLOUDS = {"cloudy": "sixOktas", "overcast": "eightOktas", "rainy": "eightOktas", "snowy": "eightOktas"}
 _CUT_IN = 3.0  # [s]
+_APART = 0.01  # [m] between two points of a line at least
 _DRY = 0.9  # friction that OpenSCENARIO's factor of 1 stands for
 
 
@@ -123,8 +126,8 @@ class _Description:
             entities.add_scenario_object(vehicle.id, _vehicle(vehicle.kind, body.length, body.width, vehicle))
             middle = vehicle.position - 0.5 * body.length
             position = self._position(vehicle.route[0], vehicle.lane, middle, body.length)
-            edge = self._network.edges[vehicle.route[0]]
-            speed = _speed(vehicle.speed if vehicle.speed is not None else edge.car_lanes[vehicle.lane].speed_limit)
+            limit = self._network.edges[vehicle.route[0]].car_lanes[vehicle.lane].speed_limit
+            speed = _speed(vehicle.speed if vehicle.speed is not None else limit)
             group = xosc.ManeuverGroup(f"{vehicle.id}-group")
             group.add_actor(vehicle.id)
             script = xosc.Maneuver(f"{vehicle.id}-script")
@@ -138,8 +141,10 @@ class _Description:
                 init.add_init_action(vehicle.id, xosc.TeleportAction(position))
                 init.add_init_action(vehicle.id, speed)
             self._add_route(init, vehicle.id, vehicle.route, None)
+            start = self._lane_line(vehicle.route[0], vehicle.lane).pose(middle)
             for number, manoeuvre in enumerate(vehicle.manoeuvres, start=1):
-                for event in _events(vehicle, manoeuvre, f"{vehicle.id}-{number}"):
+                at = start if _is_at_start(vehicle, number - 1) else None
+                for event in _events(vehicle, manoeuvre, f"{vehicle.id}-{number}", speed, at):
                     script.add_event(event)
             if script.events:
                 group.add_maneuver(script)
@@ -166,10 +171,12 @@ class _Description:
 
     def _position(self, edge: str, lane: int, middle: float, length: float = 0.0) -> xosc.WorldPosition:
         """Where the rear axle of a vehicle is whose middle is so many metres along an edge."""
-        shape = np.ascontiguousarray(self._network.edges[edge].car_lanes[lane].shape, dtype=np.float64)
-        line = Stage(np.ascontiguousarray(shape[:, 0]), np.ascontiguousarray(shape[:, 1]), np.zeros(len(shape)))
-        x, y, yaw = line.pose(middle - _AXLE * length)
+        x, y, yaw = self._lane_line(edge, lane).pose(middle - _AXLE * length)
         return xosc.WorldPosition(round(float(x), 3), round(float(y), 3), 0.0, round(float(yaw), 5), 0.0, 0.0)
+
+    def _lane_line(self, edge: str, lane: int) -> Stage:
+        shape = np.ascontiguousarray(self._network.edges[edge].car_lanes[lane].shape, dtype=np.float64)
+        return Stage(np.ascontiguousarray(shape[:, 0]), np.ascontiguousarray(shape[:, 1]), np.zeros(len(shape)))
 
     def _add_route(self, init: xosc.Init, name: str, edges: list[str], goal: float | None) -> None:
         """The way along edges; OpenSCENARIO wants two points at least."""
@@ -226,8 +233,26 @@ def _environment(environment: Environment) -> xosc.Environment:
     return xosc.Environment(weather, clock, sky, road)
 
 
-def _events(vehicle: Vehicle, manoeuvre: Manoeuvre, name: str) -> list[xosc.Event]:
-    """A manoeuvre as events; running the right of way is a property of the vehicle instead."""
+def _is_at_start(vehicle: Vehicle, place: int) -> bool:
+    """Whether a vehicle still is where it begins when the manoeuvre with an index does: at once, or it has stood."""
+    when = vehicle.manoeuvres[place].when.time
+    before = vehicle.manoeuvres[:place]
+    stood = vehicle.speed == 0.0 and before and all(isinstance(each, Heedless) and not each.speed for each in before)
+    return (when is not None and when <= vehicle.depart) or bool(stood)
+
+
+def _events(
+    vehicle: Vehicle, manoeuvre: Manoeuvre, name: str, speed: xosc.AbsoluteSpeedAction, at: Pose | None
+) -> list[xosc.Event]:
+    """A manoeuvre as events; running the right of way is a property of the vehicle instead.
+
+    Args:
+        vehicle: that does it.
+        manoeuvre: what it does.
+        name: of the event.
+        speed: that the vehicle begins with.
+        at: where its middle is [m] and how it is turned [rad] when the manoeuvre begins, where that is known.
+    """
     event = xosc.Event(name, xosc.Priority.parallel)
     event.add_trigger(_trigger(vehicle, manoeuvre.when, name))
     match manoeuvre:
@@ -235,13 +260,14 @@ def _events(vehicle: Vehicle, manoeuvre: Manoeuvre, name: str) -> list[xosc.Even
             event.add_action(f"{name}-speed", _speed(manoeuvre.speed))
         case Drift():
             sideways = round(0.5 * math.pi**2 * abs(manoeuvre.offset) / manoeuvre.over**2, 3)  # [m/s2] at its most
-            action = xosc.AbsoluteLaneOffsetAction(
-                manoeuvre.offset, xosc.DynamicsShapes.sinusoidal, sideways, continuous=False
+            # Of the vehicle itself: ours counts from where it is, which after another drift is not the lane's centre.
+            action = xosc.RelativeLaneOffsetAction(
+                manoeuvre.offset, vehicle.id, xosc.DynamicsShapes.sinusoidal, sideways, continuous=False
             )
             event.add_action(f"{name}-drift", action)
         case Follow():
             event.add_action(f"{name}-speed", _speed(-manoeuvre.speed if manoeuvre.backwards else manoeuvre.speed))
-            event.add_action(f"{name}-follow", _trajectory(vehicle, manoeuvre, name))
+            event.add_action(f"{name}-follow", _trajectory(vehicle, manoeuvre, name, at))
         case CutIn():
             lane, entity = {"left": (1, vehicle.id), "right": (-1, vehicle.id), "ego": (0, EGO)}[manoeuvre.direction]
             within = xosc.TransitionDynamics(xosc.DynamicsShapes.sinusoidal, xosc.DynamicsDimension.time, _CUT_IN)
@@ -256,19 +282,23 @@ def _events(vehicle: Vehicle, manoeuvre: Manoeuvre, name: str) -> list[xosc.Even
                 xosc.StoryboardElementType.event, name, xosc.StoryboardElementState.completeState
             )
             again.add_trigger(xosc.ValueTrigger(f"{name}-held", manoeuvre.hold, xosc.ConditionEdge.none, ended))
-            again.add_action(f"{name}-go", _speed(vehicle.speed or 0.0))
+            again.add_action(f"{name}-go", speed)
             return [event, again]
         case _:
             return []
     return [event]
 
 
-def _trajectory(vehicle: Vehicle, follow: Follow, name: str) -> xosc.FollowTrajectoryAction:
-    """A line of one's own; its points are those of the rear axle, as the standard wants."""
+def _trajectory(vehicle: Vehicle, follow: Follow, name: str, at: Pose | None) -> xosc.FollowTrajectoryAction:
+    """A line of one's own; its points are those of the rear axle, as the standard wants.
+
+    It begins where the vehicle is: a player puts it on the line's first point, and ours may begin far behind it.
+    """
     behind = _AXLE * BODIES[vehicle.kind].length * (-1.0 if follow.backwards else 1.0)
     line = line_through(follow.points)
+    begin = 0.0 if at is None else line.project(at[0], at[1], 0.5 * line.length, line.length)[0]
     places = []
-    for along in line.s:
+    for along in (begin, *line.s[line.s > begin + _APART]):
         x, y, yaw = line.pose(float(along))
         x, y = x - behind * math.cos(yaw), y - behind * math.sin(yaw)
         facing = math.remainder(yaw + (math.pi if follow.backwards else 0.0), math.tau)
