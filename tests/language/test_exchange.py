@@ -140,3 +140,30 @@ def test_recordings_that_are_none(tmp_path):
     (tmp_path / "x.exchanges.jsonl").write_text(json.dumps(broken) + "\n")
     with pytest.raises(InputError, match="line 1: is no exchange"):
         ReplayModel(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        {"digest": [1]},
+        {"digest": 1},
+        {"request": "good"},
+        {"error": 5},
+        {"reply": []},
+        {"reply": {"text": 5}},
+        {"reply": {"text": None}},
+        {"reply": {"input_tokens": "abc"}},
+        {"reply": {"cost": "x"}},
+        {"reply": {"left_out": "abc"}},
+        {"reply": {"more": 1}},
+    ],
+    ids=str,
+)
+def test_a_recording_that_is_damaged_is_refused(recording, damage):
+    first, rest = recording.read_text().split("\n", 1)
+    content = json.loads(first)
+    reply = damage.get("reply")
+    damage = damage | ({"reply": content["reply"] | reply} if reply else {})
+    recording.write_text(json.dumps(content) + "\n" + json.dumps(content | damage) + "\n" + rest)
+    with pytest.raises(InputError, match="line 2: is no exchange"):
+        ReplayModel(recording)

@@ -6,9 +6,11 @@ import json
 import threading
 from collections import defaultdict, deque
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
 
 from roadmend.core.bounded_file import read_bytes, read_text
 from roadmend.core.bounds import TEXT
@@ -46,6 +48,9 @@ class Exchange:
     reply: Reply | None
     error: str | None = None
     kind: str | None = None
+
+
+_EXCHANGE = TypeAdapter(Exchange)
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,17 +138,18 @@ def load_exchanges(path: Path) -> tuple[Exchange, ...]:
     exchanges = []
     for number, line in enumerate(lines, start=1):
         try:
-            content = parse_json(line, f"{path}, line {number}")
-            reply = None if content["reply"] is None else _reply(content["reply"])
-            kind = content.get("kind") if content.get("kind") in _KINDS else None
-            exchanges.append(Exchange(content["digest"], content["request"], reply, content["error"], kind))
-        except (InputError, KeyError, TypeError):
+            exchanges.append(_exchange(parse_json(line, f"{path}, line {number}")))
+        except (InputError, KeyError, TypeError, ValidationError):
             raise InputError(f"{path}, line {number}", "is no exchange", mend) from None
     return tuple(exchanges)
 
 
-def _reply(content: Mapping[str, Any]) -> Reply:
-    return Reply(**{**content, "left_out": tuple(content.get("left_out", ()))})
+def _exchange(content: Mapping[str, Any]) -> Exchange:
+    given = {name: content[name] for name in ("digest", "request", "reply", "error")} | {"kind": content.get("kind")}
+    if given["reply"] is not None:
+        Reply(**given["reply"])  # has no other names than its own
+    exchange = _EXCHANGE.validate_python(given)
+    return exchange if exchange.kind in _KINDS else replace(exchange, kind=None)
 
 
 ENDING = ".exchanges.jsonl"
