@@ -46,6 +46,12 @@ def die(_number):
     os.kill(os.getpid(), signal.SIGKILL)
 
 
+def die_later(number):
+    time.sleep(0.1)
+    if number > 5:
+        die(number)
+
+
 @pytest.mark.parametrize("workers", [1, 2])
 def test_answers_come_in_the_order_of_the_questions(workers):
     with fan_out(workers) as mapper:
@@ -67,6 +73,13 @@ def test_an_error_comes_out_as_it_went_in(workers):
 
 def test_a_worker_that_dies_is_said_in_one_line():
     with pytest.raises(SimulationError, match="a worker process died; run the same command"), fan_out(2) as mapper:
+        for _ in mapper(die_later, range(9)):
+            pass
+
+
+def test_workers_that_die_at_once_name_the_guard_that_a_script_needs():
+    guard = r"died before any had answered; .* under 'if __name__ == \"__main__\":' only"
+    with pytest.raises(SimulationError, match=guard), fan_out(2) as mapper:
         list(mapper(die, range(2)))
 
 

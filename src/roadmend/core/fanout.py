@@ -19,6 +19,11 @@ from roadmend.core.errors import SimulationError
 Question = TypeVar("Question")
 Answer = TypeVar("Answer")
 
+_AGAIN = "a worker process died; run the same command again to go on"
+_NEVER = (
+    "a worker process died before any had answered; run the same command again, and if that is a script of your own, let "
+    "it ask for workers under 'if __name__ == \"__main__\":' only"
+)
 _GRACE = 5.0  # [s] that work under way has to come to its end when the rest is given up
 
 
@@ -55,12 +60,23 @@ def fan_out(workers: int, most: int | None = None) -> Iterator[Mapper]:
     context = get_context("spawn")  # libsumo holds one simulation a process
     pool = ProcessPoolExecutor(workers, context, _begin_worker, (leash,))
     give_up = threading.Timer(_GRACE, end.close)
+    has_answered = False
+
+    def mapper(function: Callable[[Question], Answer], questions: Iterable[Question]) -> Iterator[Answer]:
+        return heard(pool.map(function, questions))  # asked now, and not when the first answer is waited for
+
+    def heard(answers: Iterator[Answer]) -> Iterator[Answer]:
+        nonlocal has_answered
+        for answer in answers:
+            has_answered = True
+            yield answer
+
     try:
-        yield pool.map
+        yield mapper
     except BaseException as error:
         give_up.start()
         if isinstance(error, BrokenProcessPool):
-            raise SimulationError("a worker process died; run the same command again to go on") from None
+            raise SimulationError(_AGAIN if has_answered else _NEVER) from None
         raise
     finally:
         pool.shutdown(cancel_futures=True)
