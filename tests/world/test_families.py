@@ -5,8 +5,10 @@ import random
 from collections import Counter
 from functools import cache
 
+import numpy as np
 import pytest
 
+from roadmend.core.errors import InputError
 from roadmend.world.drivers import BODIES
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.families.intersection import _ARM_LENGTH, _JUNCTION_RADIUS
@@ -183,3 +185,10 @@ def test_room_is_made_ahead_and_behind_of_the_ego_without_overtaking():
     assert [place.slot for place in row] == ["v0", "v1", "v2", "v3", "ego", "v4", "v5", "v6", "v7"]
     for behind, front in itertools.pairwise(row):
         assert front.ahead - front.length - behind.ahead >= 3.0 + 0.6 * behind.speed - 1e-9
+
+
+def test_a_seed_is_a_whole_number_and_numpys_will_do():
+    assert sample_scenario("S3", np.int64(3)) == sample_scenario("S3", 3)
+    for seed in (-1, 1.5, "x", None, True):
+        with pytest.raises(InputError, match=r"^seed: .* is no whole number from 0; give for instance 7$"):
+            sample_scenario("S3", seed)

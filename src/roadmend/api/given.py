@@ -8,6 +8,7 @@ from roadmend.core.errors import InputError
 from roadmend.core.foreign import check_answers, check_object
 from roadmend.core.interfaces import Policy
 from roadmend.core.settings import check_parameters
+from roadmend.core.whole_number import whole_number
 from roadmend.policies.foreign import ForeignPolicy
 from roadmend.policies.registry import POLICY_REGISTRY, make_policy
 from roadmend.repair.foreign import ForeignMethod
@@ -66,7 +67,7 @@ def method_of(given: RepairLike, parameters: Settings | None = None, seed: int =
     Raises:
         InputError: there is none, it lacks something, cannot answer a plain scene, or a parameter or the seed is unusable.
     """
-    _check_seed(seed)
+    seed = whole_number("seed", seed)
     if isinstance(given, str):
         return make_method(given, parameters, seed)
     name = title_of(given)
@@ -81,9 +82,18 @@ def method_of(given: RepairLike, parameters: Settings | None = None, seed: int =
     return method
 
 
-def _check_seed(given: object) -> None:
-    if not isinstance(given, int) or isinstance(given, bool) or given < 0:
-        raise InputError("seed", f"{given!r} is no whole number from 0", "give for instance 7")
+def settings_of(where: str, given: object) -> dict[str, Any]:
+    """Parameters by name; none where nothing was given.
+
+    Raises:
+        InputError: it is no mapping.
+    """
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        what = f"is no dictionary of values by name, but {type(given).__name__}"
+        raise InputError(where, what, 'give for instance {"model": "mine.safetensors"}')
+    return dict(given)
 
 
 def title_of(given: object) -> str:

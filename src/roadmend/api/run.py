@@ -1,21 +1,22 @@
 """One episode in this process, with whoever drives and repairs; recorded where that is wanted."""
 
 import json
+import sys
 from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from roadmend.api.given import PolicyLike, RepairLike, Settings, method_of, name_of, policy_of, title_of
+from roadmend.api.given import PolicyLike, RepairLike, Settings, method_of, name_of, policy_of, settings_of, title_of
 from roadmend.api.scenarios import ScenarioLike, scenario_of
 from roadmend.core.command import Decision
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import InputError
-from roadmend.core.registry import Registry
+from roadmend.core.registry import Found, Registry
 from roadmend.core.repair import Repair
 from roadmend.core.tick import Tick
 from roadmend.measures.answering import Answering
-from roadmend.measures.fitting import fitting
+from roadmend.measures.fitting import driver_of, fitting
 from roadmend.nodes.provenance import described, provenance
 from roadmend.policies.registry import POLICY_REGISTRY
 from roadmend.recording.episode_recorder import EpisodeRecorder, account_of
@@ -48,7 +49,7 @@ def run(
         repair: the repair method: a name, a class, or an object; "none" leaves the policy alone.
         policy_parameters: what differs from the policy's defaults.
         repair_parameters: what differs from the method's defaults; these are, where both are named, the model and the
-            settings that were made for the policy.
+            settings that were made for the policy, or for the model that ``policy_parameters`` names.
         seed: for methods that draw numbers.
         watch: called at every tick before the vehicle moves, with the tick, the policy's decision and the repair.
         bag: a folder to record the episode into, which must not be there yet.
@@ -61,17 +62,19 @@ def run(
         SimulationError: SUMO failed.
     """
     chosen = scenario_of(scenario)
-    driver = policy_of(policy, policy_parameters)
+    driving = settings_of("policy_parameters", policy_parameters)
+    repairing = settings_of("repair_parameters", repair_parameters)
+    driver = policy_of(policy, driving)
     if isinstance(policy, str) and isinstance(repair, str):
-        repair_parameters = fitting(repair, policy) | dict(repair_parameters or {})
-    method = method_of(repair, repair_parameters, seed)
+        repairing = fitting(repair, driver_of(policy, driving)) | repairing
+    method = method_of(repair, repairing, seed)
     repairer = Answering(GuardedRepairer(method))
     if bag is None:
         result = run_episode(chosen, driver, repairer, watch)
     else:
         account = provenance(Path(f"{chosen.name}.yaml"), ()) | {"clock": "lockstep", "seed": str(seed)}
-        account |= _described("policy", POLICY_REGISTRY, policy, driver, policy_parameters)
-        account |= _described("method", METHOD_REGISTRY, repair, method, repair_parameters)
+        account |= _described("policy", POLICY_REGISTRY, policy, driver, driving)
+        account |= _described("method", METHOD_REGISTRY, repair, method, repairing)
         with new_bag(Path(bag)) as writer:
             lanes = lanes_of(read_network(network_file(chosen.network)))
             recorder = EpisodeRecorder(writer, lambda _time: account["method"], lanes)
@@ -88,17 +91,22 @@ def _both(record: Watcher, watch: Watcher, tick: Tick, decision: Decision, repai
     watch(tick, decision, repair)
 
 
-def _described(
-    role: str, registry: Registry[Any], given: object, made: object, parameters: Settings | None
-) -> dict[str, str]:
+def _described(role: str, registry: Registry[Any], given: object, made: object, values: Settings) -> dict[str, str]:
     """What the bag says of who drives or repairs, by the names that the graph's bags have for it."""
     known = {role: title_of(given)}
     try:
-        found = registry.find(title_of(given))
-    except InputError:  # its class stands where no other process finds it
-        return known
-    values = dict(parameters or {})
-    if name_of(given):  # what its class would be made with by default says nothing of an object
+        found = registry.find(name_of(given)) if name_of(given) else None
+    except InputError:  # a class that can be driven with, but not asked for by name
+        found = None
+    if found is None:  # of an object, its class tells no parameters
+        found = _found_of(given if isinstance(given, type) else type(given))
+    else:
         values = found.entry.parameters(**values).model_dump(mode="json")  # of numpy's numbers as well
         known[f"{role}_parameters"] = json.dumps(values)
     return known | {f"{role}_{name}": value for name, value in described(found, made, values).items()}
+
+
+def _found_of(kind: type) -> Found[Any]:
+    module = kind.__module__
+    source = getattr(sys.modules.get(module), "__file__", None) or module
+    return Found(title_of(kind), kind.__name__, None, str(source), (module,))

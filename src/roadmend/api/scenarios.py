@@ -1,6 +1,6 @@
 """Scenarios as a user gives them: one that is loaded already, or the path of a file."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from os import PathLike
 from pathlib import Path
 
@@ -52,7 +52,7 @@ def scenarios_of(given: ScenarioLike | Sequence[ScenarioLike]) -> list[Scenario]
     Raises:
         InputError: one is unusable, there is none, or two have one name.
     """
-    several = [given] if isinstance(given, Scenario | str | PathLike) else [*given]
+    several = [*given] if isinstance(given, Iterable) and not isinstance(given, Scenario | str | PathLike) else [given]
     found = [scenario_of(each) for each in several]
     if not found:
         raise InputError("scenarios", "there is none", "give one at least")

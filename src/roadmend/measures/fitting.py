@@ -1,9 +1,10 @@
 """Which model and settings of a repair method belong to a policy: those that were trained and tuned behind it."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -65,6 +66,36 @@ def fitting(method: str, policy: str) -> dict[str, Any]:
         if not is_named and _has_model(driver.label, _PREFIXES[found.label]):
             fitted["model"] = driver.label
     return fitted
+
+
+def driver_of(policy: str, parameters: Mapping[str, Any]) -> str:
+    """What to ask ``fitting`` for: the model that a policy's parameters name instead of the one that ships.
+
+    Args:
+        policy: as it was asked for.
+        parameters: what differs from its defaults.
+
+    Raises:
+        InputError: there is no such model.
+    """
+    is_ours = policy.endswith(SUFFIX) or (policy in POLICIES and "model" in POLICIES[policy].parameters.model_fields)
+    named = parameters.get("model") if is_ours else None
+    if named is None or named in POLICIES:
+        return named or policy
+    return str(find_model(str(named)))
+
+
+def fitting_accounts(policies: Sequence[str], methods: Sequence[str]) -> dict[str, dict[str, str]]:
+    """By policy and method, what ``fitting_account`` says where the method runs with what ``fitting`` gives.
+
+    Raises:
+        InputError: as there.
+    """
+    found: dict[str, dict[str, str]] = {policy: {} for policy in policies}
+    for policy, method in product(policies, methods):
+        known = METHOD_REGISTRY.find(method).entry.parameters().model_dump() | fitting(method, policy)
+        found[policy][method] = fitting_account(method, policy, known)
+    return found
 
 
 def fitting_account(method: str, policy: str, parameters: Mapping[str, Any]) -> str:

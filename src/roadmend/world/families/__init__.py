@@ -11,6 +11,7 @@ from pydantic import AfterValidator, WithJsonSchema
 from roadmend.core.errors import ForeignError, InputError
 from roadmend.core.foreign import blamed_on
 from roadmend.core.registry import Registry
+from roadmend.core.whole_number import whole_number
 from roadmend.world.families.highway import EXIT_SPACE, RAMP_SPACE, build_exit, build_ramp
 from roadmend.world.families.intersection import SPACE, build_intersection
 from roadmend.world.scenario import Scenario
@@ -94,10 +95,9 @@ def sample_scenario(family: str, seed: int) -> Scenario:
     """Draw a scenario; the same family and seed give the same scenario.
 
     Raises:
-        InputError: there is no such family, or the seed is negative.
+        InputError: there is no such family, or the seed is no whole number from 0.
     """
-    if seed < 0:
-        raise InputError(f"seed {seed!r}", "is negative", "give a whole number from 0")
+    seed = whole_number("seed", seed)
     found = FAMILY_REGISTRY.find(family)
     parameters = sample(found.entry.space, random.Random(f"roadmend/{family}/{seed}"))
     return found.entry.build(parameters, f"{found.label}-{seed}", seed)
