@@ -92,5 +92,35 @@ def test_what_cannot_be_told_apart_or_is_not_there_is_refused(theirs, scenarios)
         evaluate(scenarios, [policies.Careful, policies.Careful()])
     with pytest.raises(InputError, match="cannot answer a plain scene"):
         evaluate(scenarios, policies.Never())
+    for nobody in ("none", "random"):
+        with pytest.raises(InputError, match=f"policy: there is no '{nobody}'"):
+            evaluate(scenarios, nobody)
+    with pytest.raises(InputError, match="policies: there is none; give one at least"):
+        evaluate(scenarios, [])
+    with pytest.raises(InputError, match="scenario: is neither a Scenario nor a path, but NoneType"):
+        evaluate(None)
     with pytest.raises(InputError, match="did you mean adreft"):
         evaluate(scenarios, "modular", "adrft")
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"futures": -1}, "futures: -1 is no whole number from 0"),
+        ({"futures": 0.5}, "futures: 0.5 is no whole number from 0"),
+        ({"workers": 0}, "workers: 0 is no whole number from 1"),
+        ({"workers": "2"}, "workers: '2' is no whole number from 1"),
+    ],
+)
+def test_numbers_that_count_nothing_are_refused(scenarios, given, said):
+    with pytest.raises(InputError, match=said):
+        evaluate(scenarios, **given)
+
+
+def test_the_report_says_with_which_settings_methods_ran(theirs, scenarios):
+    policies, _ = theirs
+    found = evaluate(scenarios[:1], ["modular", policies.Late()], ["rss", "none"])
+    assert [*found.fitting] == ["modular"]
+    assert [*found.fitting["modular"]] == ["rss", "none"]
+    assert "settings tuned for it" in found.fitting["modular"]["rss"]
+    assert found.content({})["fitting"] == found.fitting

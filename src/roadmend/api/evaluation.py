@@ -2,9 +2,9 @@
 
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from itertools import product
 from os import PathLike
@@ -17,11 +17,12 @@ from roadmend.core.errors import InputError
 from roadmend.core.extras import extra_missing
 from roadmend.core.journal import Journal, Key
 from roadmend.core.markdown import table_text
+from roadmend.core.whole_number import whole_number
 from roadmend.measures.driver import driver_key
-from roadmend.measures.evaluation import TRIVIAL, Driven, EvaluationTrial, drive_with, run_trials, seed_of
+from roadmend.measures.evaluation import FORMAT, TRIVIAL, Driven, EvaluationTrial, drive_with, run_trials, seed_of
 from roadmend.measures.evaluation_figures import TITLE, evaluation_rows, meanings
 from roadmend.measures.evaluation_figures import evaluate as figures_of
-from roadmend.measures.fitting import fitting
+from roadmend.measures.fitting import fitting, fitting_accounts
 from roadmend.reports.result_files import provenance, write_report
 from roadmend.world.scenario import Scenario
 
@@ -31,8 +32,6 @@ if TYPE_CHECKING:
 Progress = Callable[[int, int], None]  # of how many are done, of how many
 Given = TypeVar("Given")
 
-_FORMAT = "roadmend-evaluation-work/1"
-
 
 @dataclass(frozen=True, slots=True)
 class EvaluationReport:
@@ -41,10 +40,13 @@ class EvaluationReport:
     Attributes:
         figures: every measure, as plain values, by policy and repair method.
         driven: the episodes, each with what it came to or why there is nothing.
+        fitting: by policy and repair method, in a line, which model and settings the method ran with, where both have
+            names.
     """
 
     figures: dict[str, dict[str, dict[str, Any]]]
     driven: tuple[Driven, ...]
+    fitting: dict[str, dict[str, str]] = field(default_factory=dict)
 
     @property
     def rows(self) -> list[list[str]]:
@@ -80,14 +82,40 @@ class EvaluationReport:
                 then.
         """
         made = provenance(f"python {Path(sys.argv[0]).name or '-'}")
-        plain = self._plain()
-        content = {"provenance": made, "policies": self.figures, "faults": self.faults, "episodes": plain}
-        write_report(Path(folder), "evaluation", TITLE, content, self.rows)
+        self.write(Path(folder), self.content(made))
         try:
-            from roadmend.reports.evaluation_page import write_page  # noqa: PLC0415 - needs the extra
+            return self.write_page(Path(folder), made)
         except ModuleNotFoundError as error:
             raise extra_missing(error) from None
-        return write_page(Path(folder), TITLE, self.rows, meanings().split("; "), plain, self.faults, made)
+
+    def content(self, made: Mapping[str, Any]) -> dict[str, Any]:
+        """What evaluation.json holds, as plain values; ``made`` says by what it was made, see ``reports.result_files``."""
+        return {
+            "provenance": made,
+            "policies": self.figures,
+            "fitting": self.fitting,
+            "faults": self.faults,
+            "episodes": self._plain(),
+        }
+
+    def write(self, folder: Path, content: Mapping[str, Any], more: Sequence[Sequence[str]] = ()) -> None:
+        """Write evaluation.json and evaluation.md, with a second table where there is one.
+
+        Raises:
+            InputError: the folder cannot be written.
+        """
+        write_report(folder, "evaluation", TITLE, content, self.rows, more)
+
+    def write_page(self, folder: Path, made: Mapping[str, Any]) -> Path:
+        """Write evaluation.html; returns its path.
+
+        Raises:
+            InputError: the folder cannot be written.
+            ModuleNotFoundError: what draws pages is not installed.
+        """
+        from roadmend.reports.evaluation_page import write_page  # noqa: PLC0415 - needs the extra
+
+        return write_page(folder, TITLE, self.rows, meanings().split("; "), self._plain(), self.faults, made)
 
     def _plain(self) -> list[dict[str, Any]]:
         return [
@@ -119,8 +147,8 @@ def evaluate(
         scenarios: or paths of their files.
         policies: names, classes or objects.
         repairs: names, classes or objects.
-        workers: processes; what comes out does not depend on their number.
-        futures: by which it is told whether each intervention was needed; 0 leaves it untold.
+        workers: processes, from 1; what comes out does not depend on their number.
+        futures: from 0, by which it is told whether each intervention was needed; 0 leaves it untold.
         folder: in which finished episodes are kept, so that they are not driven again; none keeps nothing.
         progress: hears how many of how many episodes are done.
 
@@ -129,14 +157,18 @@ def evaluate(
         SimulationError: a worker process died.
     """
     chosen = scenarios_of(scenarios)
+    workers, futures = whole_number("workers", workers, 1), whole_number("futures", futures)
     drivers: list[PolicyLike] = _several(policies, "policies")
+    if not drivers:
+        raise InputError("policies", "there is none", "give one at least")
     asked: list[RepairLike] = _several(repairs, "repairs")
-    methods: list[RepairLike] = [*TRIVIAL, *asked]
+    methods: list[RepairLike] = [*TRIVIAL, *(each for each in asked if title_of(each) not in TRIVIAL)]
     pairs = [*product(drivers, methods)]
     named = {place: _key(*pair) for place, pair in enumerate(pairs)}
     for driver, method in pairs:  # refused before anything is driven
         policy_of(driver)
         repairer_of(method)
+    accounts = fitting_accounts(*([*filter(None, map(name_of, given))] for given in (drivers, asked)))
     trials = [
         [
             EvaluationTrial(
@@ -150,7 +182,7 @@ def evaluate(
     total, tell = len(pairs) * len(chosen), progress or (lambda _done, _all: None)
     with ExitStack() as stack:
         keep = folder if folder is not None else stack.enter_context(tempfile.TemporaryDirectory())
-        journal = stack.enter_context(Journal(Path(keep) / "results.jsonl", _FORMAT, owns_folder=True))
+        journal = stack.enter_context(Journal(Path(keep) / "results.jsonl", FORMAT, owns_folder=True))
         answers = iter(run_trials(kept, journal, workers, lambda done: tell(done, total)))
     driven: list[Driven] = []
     here = len(kept)
@@ -162,11 +194,11 @@ def evaluate(
                 driven.append(_drive_here(trial, driver, method))
                 here += 1
                 tell(here, total)
-    return EvaluationReport(figures_of(driven), tuple(driven))
+    return EvaluationReport(figures_of(driven), tuple(driven), accounts)
 
 
 def _several(given: Given | Sequence[Given], where: str) -> list[Given]:
-    """One, or several in a row, without those that are driven anyway.
+    """One, or several in a row.
 
     Raises:
         InputError: two are called alike, so that no table could tell them apart.
@@ -176,7 +208,7 @@ def _several(given: Given | Sequence[Given], where: str) -> list[Given]:
     twice = next((title for title in titles if titles.count(title) > 1), None)
     if twice is not None:
         raise InputError(where, f"two are called {twice!r}", "give each a class of its own, or evaluate them apart")
-    return [each for each, title in zip(found, titles, strict=True) if title not in TRIVIAL]
+    return found
 
 
 def _name(given: object) -> str:

@@ -1,14 +1,12 @@
 """``roadmend evaluate``: policies times repair methods times scenarios."""
 
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
 from pathlib import Path
-from typing import Any
 
 import click
 
+from roadmend.api.evaluation import EvaluationReport
 from roadmend.cli.call import call_again
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.driver_options import METHOD_NAME, POLICIES, TUNED
@@ -18,18 +16,15 @@ from roadmend.cli.scenario import FAMILY_NAME
 from roadmend.cli.sumo_options import DRIVES, TIME_LIMIT, WARM_UP, WARM_UP_OPTION, egos, sumocfg, time_limit
 from roadmend.core.errors import InputError
 from roadmend.core.journal import Journal
-from roadmend.measures.evaluation import run_trials, trials_of
-from roadmend.measures.evaluation_figures import TITLE, evaluation_rows, meanings, network_rows
+from roadmend.measures.evaluation import FORMAT, run_trials, trials_of
 from roadmend.measures.evaluation_figures import evaluate as figures_of
-from roadmend.measures.fitting import fitting, fitting_account
-from roadmend.repair.registry import METHOD_REGISTRY
-from roadmend.reports.result_files import provenance, write_report
+from roadmend.measures.evaluation_figures import meanings, network_rows
+from roadmend.measures.fitting import fitting_accounts
+from roadmend.reports.result_files import provenance
 from roadmend.world.corpus import SPLITS, load_corpus
 from roadmend.world.families import FAMILIES, sample_scenario
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import drawn_scenarios, load_scenarios
-
-_FORMAT = "roadmend-evaluation-work/1"
 
 
 @click.command(
@@ -107,53 +102,32 @@ def evaluate(
     """
     asked = _Asked(**chosen)  # type: ignore[arg-type] # as the options have it
     if with_page:  # before hours of driving, not after them: it needs an extra
-        from roadmend.reports.evaluation_page import write_page  # noqa: PLC0415
+        import roadmend.reports.evaluation_page  # noqa: F401, PLC0415
     trials = trials_of(_scenarios(asked), policies, methods, futures, is_tuned=tuned)
-    accounts = _accounts(policies, methods) if tuned else {}
+    accounts = fitting_accounts(policies, methods) if tuned else {}
     for line in filter(None, (line for told in accounts.values() for line in told.values())):
         click.echo(line, err=True)
-    with Journal(out / "results.jsonl", _FORMAT, owns_folder=True) as journal, counting() as progress:
+    with Journal(out / "results.jsonl", FORMAT, owns_folder=True) as journal, counting() as progress:
         task = progress.add_task("episodes", total=len(trials))
         driven = run_trials(trials, journal, workers, lambda done: progress.update(task, completed=done))
-    figures = figures_of(driven)
-    faults = [each.fault for each in driven if each.fault]
-    content: dict[str, Any] = {
-        "provenance": provenance(call_again(always=("policies", "methods"))),
-        "policies": figures,
-        "fitting": accounts,
-        "faults": faults,
-    }
-    content["episodes"] = [
-        {**each.result.figures(), "policy": each.trial.policy, "method": each.trial.method}
-        for each in driven
-        if each.result is not None
-    ]
-    rows = evaluation_rows(figures)
-    network = network_rows(figures) if asked.sumocfg else []
-    write_report(out, "evaluation", TITLE, content, rows, network)
+    report = EvaluationReport(figures_of(driven), tuple(driven), accounts)
+    content = report.content(provenance(call_again(always=("policies", "methods"))))
+    network = network_rows(report.figures) if asked.sumocfg else []
+    report.write(out, content, network)
     if with_page:
-        write_page(out, TITLE, rows, meanings().split("; "), content["episodes"], faults, content["provenance"])
+        report.write_page(out, content["provenance"])
     if as_json:
         click.echo(json.dumps(content, indent=2))
     elif content["episodes"]:
-        show_rows(rows)
+        show_rows(report.rows)
         if network:
             click.echo("\nOver the network:")
             show_rows(network)
-    for fault in faults:
+    for fault in report.faults:
         click.echo(fault, err=True)
     if not content["episodes"]:
         return 2
-    return 1 if faults else 0
-
-
-def _accounts(policies: Sequence[str], methods: Sequence[str]) -> dict[str, dict[str, str]]:
-    """By policy and method, one line for people on the model and the settings that the method runs with."""
-    found: dict[str, dict[str, str]] = {policy: {} for policy in policies}
-    for policy, method in product(policies, methods):
-        known = METHOD_REGISTRY.find(method).entry.parameters().model_dump() | fitting(method, policy)
-        found[policy][method] = fitting_account(method, policy, known)
-    return found
+    return 1 if report.faults else 0
 
 
 @dataclass(frozen=True)

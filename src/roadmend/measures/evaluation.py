@@ -23,6 +23,7 @@ from roadmend.world.runner import run_episode
 from roadmend.world.scenario import Scenario
 from roadmend.world.scenario_file import outside_content
 
+FORMAT = "roadmend-evaluation-work/1"  # of the journal of finished episodes
 ALONE = "none"  # the method that never steps in: what the others are held against
 TRIVIAL = (ALONE, "random")
 
