@@ -67,4 +67,4 @@ def needs_of(bag: Path, futures: int, policy: str = "") -> tuple[Spell, ...]:
     then = recorded_result(ticks, plan)
     played = Switchover(ticks, make_repairer("none"), then.duration + 1.0)
     with Waiting(f"{plan.scenario.name}: {futures} futures of {len(then.spells)} interventions"):
-        return run_with_need(plan.scenario, make_policy(plan.policy), played, futures).spells
+        return run_with_need(plan.scenario, make_policy(plan.policy, plan.policy_parameters), played, futures).spells

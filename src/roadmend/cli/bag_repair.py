@@ -164,13 +164,19 @@ def resimulate_bag(
         methods = {False: plan.method, True: choice.method}
         recorder = EpisodeRecorder(writer, lambda time: methods[switchover.has_taken_over(time)], _lanes(ticks))
         now = run_episode(
-            plan.scenario, make_policy(plan.policy), switchover, recorder.answered, recorder.ended, recorder.opened
+            plan.scenario,
+            make_policy(plan.policy, plan.policy_parameters),
+            switchover,
+            recorder.answered,
+            recorder.ended,
+            recorder.opened,
         )
         writer.add_metadata(
             RECORD,
             {
                 "scenario_file": plan.scenario_file,
                 "policy": plan.policy,
+                "policy_parameters": json.dumps(plan.policy_parameters),
                 **choice.provenance(),
                 "roadmend": __version__,
                 "resimulated_from": bag.name,

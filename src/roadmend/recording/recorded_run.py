@@ -1,8 +1,10 @@
 """What a bag tells about the run in it: how to drive it again, and what it came to."""
 
 import hashlib
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -34,6 +36,7 @@ class RunPlan:
     scenario_file: str  # name of the attachment
     policy: str
     method: str
+    policy_parameters: dict[str, Any]  # by name; the policy's defaults where the bag tells none
 
 
 def read_plan(reader: BagReader, policy: str = "") -> RunPlan:
@@ -50,7 +53,9 @@ def read_plan(reader: BagReader, policy: str = "") -> RunPlan:
     scenario = recorded_scenario(reader)
     if scenario is None:
         raise InputError(bag, "carries no scenario", _MEND)
-    return RunPlan(scenario, record["scenario_file"], policy or _policy(bag, record), record.get("method", ""))
+    driver = policy or _policy(bag, record)
+    parameters = _parameters(bag, record, driver) if driver == record.get("policy") else {}
+    return RunPlan(scenario, record["scenario_file"], driver, record.get("method", ""), parameters)
 
 
 def _policy(bag: str, record: Mapping[str, str]) -> str:
@@ -69,6 +74,24 @@ def _policy(bag: str, record: Mapping[str, str]) -> str:
     except InputError:
         raise InputError(bag, f"was driven by the policy {policy!r}, which is not here", _MEND) from None
     return policy
+
+
+def _parameters(bag: str, record: Mapping[str, str], policy: str) -> dict[str, Any]:
+    """What a policy drove with: the graph tells its node's parameters, of which the policy's have its label before them.
+
+    What this version knows no more is left out: the run is then held against the recorded one.
+    """
+    try:
+        told = json.loads(record.get("policy_parameters") or "{}")
+    except ValueError:
+        told = None
+    if not isinstance(told, dict):
+        raise InputError(bag, "does not say what its policy's parameters were", _MEND)
+    found = POLICY_REGISTRY.find(policy)
+    prefix = f"{found.label}."
+    if any(name.startswith(prefix) for name in told):
+        told = {name.removeprefix(prefix): value for name, value in told.items() if name.startswith(prefix)}
+    return {name: value for name, value in told.items() if name in found.entry.parameters.model_fields}
 
 
 def recorded_scenario(reader: BagReader) -> Scenario | None:

@@ -19,7 +19,7 @@ _NANOSECONDS = 1_000_000_000
 class Switchover:
     """A repairer that drives what a bag holds until a moment, and what another repairer says from then on.
 
-    Until then it holds every scene and every decision of the policy against the recorded ones. The other repairer sees
+    Until then, and at that moment, it holds scene and decision of the policy against the recorded ones. The other repairer sees
     each scene from the start, so that it takes over with the memory it would have had.
 
     Args:
@@ -57,11 +57,13 @@ class Switchover:
         if self._is_over:
             return answer
         recorded = self._check(scene, stamp)
-        if self.has_taken_over(scene.time):
-            self._is_over = True
+        self._is_over = self.has_taken_over(scene.time)
+        is_told = recorded.command is not None or not self._is_over  # from here on nothing is driven that it lacks
+        if is_told and recorded.command != decision.command:
+            how = f"the policy asks for {_shown(decision)}, then for {_shown(recorded.decision)}"
+            raise self._differs(scene, how, "name who drove with --policy")
+        if self._is_over:
             return answer
-        if recorded.command != decision.command:
-            raise self._differs(scene, f"the policy asks for {_shown(decision)}, then for {_shown(recorded.decision)}")
         if recorded.driven is None or recorded.repair is None:
             raise self._differs(scene, "the bag holds no command of the repair node")
         return recorded.repair
@@ -81,8 +83,8 @@ class Switchover:
             raise self._differs(scene, "the traffic lights are not what they were")
         return recorded
 
-    def _differs(self, scene: Scene, how: str) -> InputError:
-        mend = "take a bag of a lockstep run of this version, or drive from the start with --from-time 0"
+    def _differs(self, scene: Scene, how: str, other: str = "drive from the start with --from-time 0") -> InputError:
+        mend = f"take a bag of a lockstep run of this version, or {other}"
         return InputError(str(self._path), f"the world differs at {scene.time:.2f} s: {how}", mend)
 
 
