@@ -3,6 +3,7 @@
 The stand-in takes the arguments that launch and launch_ros of Jazzy take, and no others.
 """
 
+import re
 import runpy
 import sys
 from dataclasses import dataclass, field
@@ -64,7 +65,7 @@ class SetRemap:
 @dataclass
 class OnProcessExit:
     target_action: Node
-    on_exit: list
+    on_exit: object  # entities, or what makes them of the event and the context
 
 
 @dataclass
@@ -75,6 +76,11 @@ class RegisterEventHandler:
 @dataclass
 class Shutdown:
     reason: str
+
+
+@dataclass
+class ProcessExited:
+    returncode: int
 
 
 @dataclass
@@ -92,6 +98,7 @@ STAND_IN = {
     },
     "launch.event_handlers": {"OnProcessExit": OnProcessExit},
     "launch.events": {"Shutdown": Shutdown},
+    "launch.events.process": {"ProcessExited": ProcessExited},
     "launch.substitutions": {"LaunchConfiguration": LaunchConfiguration},
     "launch_ros": {},
     "launch_ros.actions": {"Node": Node, "SetRemap": SetRemap},
@@ -163,10 +170,36 @@ def test_on_command_topics_the_nodes_that_are_started_are_obeyed_and_nobody_else
         assert nodes_of(start(**others))["repair_node"].parameters[0]["writer"] == ""
 
 
+def handlers_of(entities):
+    handlers = [each.event_handler for each in entities if isinstance(each, RegisterEventHandler)]
+    return {handler.target_action.executable: handler.on_exit for handler in handlers}
+
+
 def test_the_drive_ends_the_run(start):
-    (handler,) = [each.event_handler for each in start(scenario="s.yaml") if isinstance(each, RegisterEventHandler)]
-    assert handler.target_action.executable == "sim_node"
-    assert isinstance(handler.on_exit[0].event, Shutdown)
+    (entity,) = handlers_of(start(scenario="s.yaml"))["sim_node"]
+    assert isinstance(entity.event, Shutdown)
+
+
+def test_a_recorder_that_fails_ends_a_run_that_waits_for_it_and_takes_nobodys_repair(start):
+    lost = handlers_of(start(scenario="s.yaml"))["recorder_node"]
+    assert isinstance(lost(ProcessExited(2), {}).event, Shutdown)
+    assert lost(ProcessExited(0), {}) is None
+    assert set(handlers_of(start(scenario="s.yaml", record="false"))) == {"sim_node"}
+    assert handlers_of(start(sim="false")) == {}
+
+
+def test_a_bag_that_nobody_names_has_a_name_that_is_free(start):
+    first = nodes_of(start(scenario="config/scenarios/demo-exit.yaml"))["recorder_node"].parameters[0]["name"]
+    assert re.fullmatch(r"demo-exit-\d{8}-\d{6}", first)
+    assert nodes_of(start(sim="false"))["recorder_node"].parameters[0]["name"].startswith("recording-2")
+    assert nodes_of(start(scenario="s.yaml", name="mine"))["recorder_node"].parameters[0]["name"] == "mine"
+
+
+def test_yes_and_no_are_taken_as_people_write_them(start):
+    for word in ("no", "False", "0"):
+        assert "recorder_node" not in nodes_of(start(scenario="s.yaml", record=word))
+    for word in ("yes", "True", "1"):
+        assert "recorder_node" in nodes_of(start(scenario="s.yaml", record=word))
 
 
 def test_nodes_are_remapped_named_and_configured(start):
@@ -178,7 +211,22 @@ def test_nodes_are_remapped_named_and_configured(start):
         assert node.parameters[-1] == "p.yaml"  # behind ours: what it says wins
 
 
-@pytest.mark.parametrize(("given", "message"), [({}, "scenario: missing"), ({"sim": "no", "remap": "x"}, "'x' is no")])
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({}, "scenario: missing"),
+        ({"sim": "no", "remap": "x"}, "'x' is no"),
+        ({"sim": "no", "remap": "/ego:= /x:=/y"}, "is no list of FROM:=TO"),
+        ({"sim": "off"}, "sim: 'off' is neither true nor false; write sim:=true or sim:=false"),
+        ({"scenario": "s.yaml", "record": "flase"}, "record: 'flase' is neither"),
+        ({"scenario": "s.yaml", "tuned": "fasle"}, "tuned: 'fasle' is neither"),
+        ({"scenario": "s.yaml", "viz": "none"}, "viz: 'none' is neither"),
+        ({"sim": "false", "sim_time": "off"}, "sim_time: 'off' is neither"),
+        ({"scenario": "s.yaml", "rate": "abc"}, "rate: 'abc' is no number"),
+        ({"scenario": "s.yaml", "foxglove": "true"}, "foxglove: 'true' is no whole number"),
+        ({"scenario": "s.yaml", "seed": "1.5"}, "seed: '1.5' is no whole number"),
+    ],
+)
 def test_bad_arguments_are_one_line(start, given, message):
     with pytest.raises(RuntimeError, match=message):
         start(**given)
