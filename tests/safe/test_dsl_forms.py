@@ -68,6 +68,8 @@ def test_what_was_struck_reads():
 
 
 def test_not_applicable_is_no_stem():
+    text = LISTING.replace("T-intersection", "Curve").replace("West", "Not applicable")
+    assert parse_crash_scenario(text, ".txt", "listing").road.stem is None
     data = dump_data(parse_crash_scenario(LISTING, ".txt", "listing"))
     data |= {"road_type": "Intersection", "stem_direction": "Not applicable"}
     assert parse_data(data, "here").road.stem is None
@@ -108,6 +110,14 @@ MISTAKES = [  # what is put in the place of what, and what the error says: line,
     ("<Time>: Nighttime", "<Time>: Nighttime\n    <Time>: Daytime", 20, "Time"),
     ("  <Env>:", "  <Weather report>:", 18, "Weather report"),
     ("<Road network>:", "<Road network>: 7", 2, "Road network"),
+    ("<Scenario>:", "<Scenario>: whatever", 1, "Scenario"),
+    ("<Actors>:", "<Actors>: two", 6, "Actors"),
+    ("  <Env>:", "  <Collisions>: vehicle 1 ran into vehicle 2\n  <Env>:", 18, "Collisions"),
+    ("  <Env>:", "  <Impacts>: 1\n  <Env>:", 18, "Impacts"),
+    ("  <Env>:", "  <x-note>: 1\n    <more>: 2\n  <Env>:", 19, "more"),
+    ("Sedan", "Not applicable", 8, "vehicles[0].model"),
+    ("<Speed_limit>: 45", "<Speed_limit>: Not applicable", 11, "Speed_limit"),
+    ("<Weather>: Clear", "<Weather>: Not applicable", 20, "env.weather"),
 ]
 
 

@@ -134,6 +134,7 @@ class _Reader:
         return InputError(f"{self.where}, line {entry.line}", f"field <{entry.name}>: {problem}", "mend the line")
 
     def scenario(self, root: _Entry) -> dict[str, Any]:
+        self.check_has_no_value(root)
         content: dict[str, Any] = {}
         seen: set[str] = set()
         for entry in root.parts:
@@ -152,6 +153,7 @@ class _Reader:
                 case "Impacts":
                     content["impacts"] = self.numbered(entry, "Impact", _IMPACT, "impacts")
                 case name if name.startswith(EXTRA_PREFIX):
+                    self.check_has_no_parts(entry)
                     content[name] = self.json(entry)
                 case _:
                     raise self.fail(entry, "is none of Road network, Actors, Env, Collisions, Impacts")
@@ -159,6 +161,7 @@ class _Reader:
         return content
 
     def numbered(self, parent: _Entry, kind: str, names: dict[str, str], path: str) -> list[dict[str, Any]]:
+        self.check_has_no_value(parent)
         items = []
         for number, entry in enumerate(parent.parts, start=1):
             if entry.name != f"{kind}_{number}":
@@ -168,15 +171,13 @@ class _Reader:
         return items
 
     def fields(self, parent: _Entry, names: dict[str, str], path: str) -> dict[str, Any]:
-        if parent.value:
-            raise self.fail(parent, f"has the value {parent.value[:60]!r}, but holds fields")
+        self.check_has_no_value(parent)
         content: dict[str, Any] = {}
         for entry in parent.parts:
             key = names.get(entry.name, entry.name)
             if key in content:
                 raise self.fail(entry, "is there twice")
-            if entry.parts:
-                raise self.fail(entry.parts[0], f"does not belong below <{entry.name}>")
+            self.check_has_no_parts(entry)
             self.lines[f"{path}.{key}" if path else key] = entry.line
             is_extra = entry.name.startswith(EXTRA_PREFIX) and path not in {"", "collisions", "impacts"}
             if entry.name not in names and not is_extra:
@@ -184,10 +185,18 @@ class _Reader:
             content[key] = self.json(entry) if is_extra else self.value(entry, key)
         return content
 
+    def check_has_no_value(self, entry: _Entry) -> None:
+        if entry.value:
+            raise self.fail(entry, f"has the value {entry.value[:60]!r}, but holds fields")
+
+    def check_has_no_parts(self, entry: _Entry) -> None:
+        if entry.parts:
+            raise self.fail(entry.parts[0], f"does not belong below <{entry.name}>")
+
     def value(self, entry: _Entry, key: str) -> Any:
-        if entry.value in {_UNKNOWN, NOT_APPLICABLE, ""}:
-            if entry.value == "":
-                raise self.fail(entry, f"is empty; write {_UNKNOWN} where the report does not say")
+        if entry.value == "":
+            raise self.fail(entry, f"is empty; write {_UNKNOWN} where the report does not say")
+        if entry.value == _UNKNOWN or (entry.value == NOT_APPLICABLE and key == "stem_direction"):
             return None
         if key in _JSON or (key == "action" and entry.value.startswith("[")):
             return self.json(entry)
