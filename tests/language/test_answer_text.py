@@ -31,6 +31,30 @@ def test_the_one_that_counts(text):
     assert json_in(text, SCHEMA) == RED
 
 
+QUOTING = '{"colour": "as in <think>red</think>"}'
+ENDING = '{"colour": "</think>"}'
+PLACE = "HERE"
+
+
+@pytest.mark.parametrize("quoting", [QUOTING, ENDING, '{"colour": "<reasoning>"}'])
+@pytest.mark.parametrize(
+    "around",
+    [
+        PLACE,
+        f"Answer: {PLACE} ok",
+        f"```json\n{PLACE}\n```",
+        f"<think>{BLUE} or {ENDING}?</think>{PLACE}",
+        f"{PLACE}<think>x</think>",
+    ],
+)
+def test_a_mark_that_the_answer_quotes_is_a_part_of_it(around, quoting):
+    assert json_in(around.replace(PLACE, quoting), SCHEMA) == quoting
+
+
+def test_what_is_only_considered_is_no_answer():
+    assert json_in(f"<think>{QUOTING}</think>none", SCHEMA) == "none"
+
+
 @pytest.mark.timeout(20)
 @pytest.mark.parametrize(
     "text",
@@ -40,8 +64,9 @@ def test_the_one_that_counts(text):
         "```\n" + " " * 400_000,
         "```\n" * 100_000,
         "```" + " " * 400_000,
+        '{"a": 1}' * 300 + "<think>" * 200_000,
     ],
-    ids=["thoughts", "thoughts that end before", "a fence of spaces", "fences", "a fence and spaces"],
+    ids=["thoughts", "thoughts that end before", "a fence of spaces", "fences", "a fence and spaces", "objects before"],
 )
 def test_marks_without_an_end_are_looked_at_once(text):
     json_in(f"{text}x", SCHEMA)  # from each of them to the end it would outlast the tests

@@ -2,6 +2,7 @@
 
 import json
 import re
+from bisect import bisect
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -43,7 +44,11 @@ def json_in(text: str, schema: Mapping[str, Any]) -> str:
 
 
 def _without_thoughts(text: str) -> str:
-    marks = [(*mark.span(), bool(mark[1]), mark[2].lower()) for mark in _MARK_OF_THOUGHTS.finditer(text)]
+    found = [*_MARK_OF_THOUGHTS.finditer(text)]
+    objects = [*_places(text)] if found else []  # a mark that is quoted in one of them is a part of what it says
+    last = [bisect(objects, (mark.start(), 0)) - 1 for mark in found]
+    own = [mark for mark, place in zip(found, last, strict=True) if place < 0 or mark.start() >= objects[place][1]]
+    marks = [(*mark.span(), bool(mark[1]), mark[2].lower()) for mark in own]
     last_ends = {name: begin for begin, _, is_end, name in marks if is_end}
     parts: list[str] = []
     place, thinking = 0, ""
@@ -73,7 +78,15 @@ def _fenced(text: str) -> Iterator[tuple[str, dict[str, Any]]]:
 
 
 def _bare(text: str) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Objects that stand in prose, each as far as it reaches; what stands within one is none of its own."""
+    """Objects that stand in prose."""
+    for begin, end in _places(text):
+        content = _object(text[begin:end])
+        if content is not None:
+            yield text[begin:end], content
+
+
+def _places(text: str) -> Iterator[tuple[int, int]]:
+    """Begin and end of the objects in a text, each as far as it reaches; what stands within one is none of its own."""
     begin = 0
     for _ in range(_PLACES):
         begin = text.find("{", begin)
@@ -84,9 +97,7 @@ def _bare(text: str) -> Iterator[tuple[str, dict[str, Any]]]:
         except (ValueError, RecursionError):
             begin += 1
             continue
-        content = _object(text[begin:end])
-        if content is not None:
-            yield text[begin:end], content
+        yield begin, end
         begin = end
 
 
