@@ -39,7 +39,8 @@ def blame_of(digest):
 def plan(**changes):
     def split(**own):
         values = {"violations": 4, "successes": 4, "techniques": CYCLE, "budget": 30, "least_distance": 0.01}
-        return values | own
+        plain = {"parameters": {}, "most_per_campaign": None, "futures": 0, "least_persistence": 0.0}
+        return plain | values | own
 
     return CorpusPlan.model_validate(
         {
@@ -252,6 +253,22 @@ def test_the_file_holds_the_defaults():
     assert [*yaml.safe_load(CONFIG.read_text())] == [*CorpusPlan.model_fields]
 
 
+@pytest.mark.parametrize("name", ["test", "validation", "training"])
+def test_what_a_file_leaves_out_of_a_split_is_as_by_that_splits_default(tmp_path, name):
+    (tmp_path / "plan.yaml").write_text(f"{name}: {{violations: 5, techniques: [random]}}")
+    plan = read_corpus_plan(tmp_path / "plan.yaml").model_dump()
+    default = CorpusPlan().model_dump()
+    assert plan == {**default, name: {**default[name], "violations": 5, "techniques": ("random",)}}
+
+
+def test_a_share_of_futures_without_futures_is_refused(tmp_path):
+    (tmp_path / "plan.yaml").write_text("test: {futures: 0}")
+    with pytest.raises(
+        InputError, match=r"field test: least_persistence 0\.8 needs futures, of which there are 0; see"
+    ):
+        read_corpus_plan(tmp_path / "plan.yaml")
+
+
 def test_seeds_of_the_splits_never_meet():
     default = CorpusPlan()
     ranges = [range(split.first_seed, split.first_seed + default.most_campaigns) for _, split in default.splits()]
@@ -267,7 +284,10 @@ def test_seeds_of_the_splits_never_meet():
         "a: [",
         "tests: {}",
         "most_campaigns: 0",
-        "test: {budget: 3}",
+        "test: {budget: 0}",
+        "test: {bugdet: 3}",
+        "test: 3",
+        "validation: {futures: 0, least_persistence: 0.8}",
         "test: {violations: 1, successes: 1, first_seed: 1, techniques: [magic], budget: 1, least_distance: 0.1}",
         "test: {violations: 1, successes: 1, first_seed: 1, techniques: [], budget: 1, least_distance: 0.1}",
         "test: {violations: 1, successes: 1, first_seed: 1, techniques: [random], budget: 1, least_distance: 2.0}",

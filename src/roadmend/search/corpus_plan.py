@@ -1,10 +1,10 @@
 """What a corpus is to hold and which searches are to find it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
-from pydantic import Field, field_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from roadmend.core.errors import InputError
 from roadmend.core.parameters import Parameters
@@ -44,6 +44,12 @@ class SplitPlan(Parameters):
             except InputError as error:
                 raise ValueError(f"{error.where}: {error.what}") from None
         return given
+
+    @model_validator(mode="after")
+    def _check_persistence(self) -> Self:
+        if self.least_persistence and not self.futures:
+            raise ValueError(f"least_persistence {self.least_persistence:g} needs futures, of which there are 0")
+        return self
 
     def campaign(self, family: str, policy: str, number: int) -> Campaign:
         """The ``number``-th search of this split in a family.
@@ -96,6 +102,14 @@ class CorpusPlan(Parameters):
         futures=5,
     )
 
+    @field_validator("test", "validation", "training", mode="before")
+    @classmethod
+    def _complete(cls, given: object, info: ValidationInfo) -> object:
+        """What a file leaves out of a split is as by that split's default, not by one for all three."""
+        if not isinstance(given, Mapping) or info.field_name is None:
+            return given
+        return {**cls.model_fields[info.field_name].default.model_dump(), **given}
+
     def splits(self) -> Iterator[tuple[str, SplitPlan]]:
         """Names and plans; the first to take a case keeps it."""
         yield from (("test", self.test), ("validation", self.validation), ("training", self.training))
@@ -107,7 +121,7 @@ class CorpusPlan(Parameters):
 
 
 def read_corpus_plan(path: Path | None) -> CorpusPlan:
-    """A plan from a YAML file; what it leaves out is as by default. Without a file, the default.
+    """A plan from a YAML file; what it leaves out, of a split too, is as by default. Without a file, the default.
 
     Raises:
         InputError: the file cannot be read, or a value is unknown or out of range.
