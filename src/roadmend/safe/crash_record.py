@@ -35,11 +35,12 @@ HEADINGS: dict[str, float] = {  # [deg] counter-clockwise from east
 }
 _MEND = "the form of records is on src/doc/safe.md"
 
-# Beginnings of words by which a record's own name of what was struck tells what that is; the first kind counts.
+# Beginnings of words by which a record's own name of what was struck tells what that is; the first kind counts. Whole
+# words where others begin alike: a dogwood is no dog, cargo no car, and a horse trailer no horse.
 _THINGS = {
-    "on the roadway": "deer|elk|moose|animal|horse|cow|dog|pedestrian|cycl|person|debris",
+    "on the roadway": r"deer|elk|moose|animal|horse(?!s?\W+trailer)|cow|dogs?\b|pedestrian|(bi)?cycl|person|debris",
     "along the road": "ditch|embankment|curb|kerb|wall|fence|guard|rail|barrier|hedge|culvert",
-    "vehicle": "trailer|vehicle|car|truck",
+    "vehicle": r"trailer|vehicle|cars?\b|truck",
     "upright": "tree|pole|sign|post|sapling|branch|bush|hydrant|mailbox|tower|pillar",
 }
 
