@@ -8,7 +8,9 @@ import pytest
 from roadmend import run, sample_scenario
 from roadmend.cli.bag_need import needs_of
 from roadmend.cli.bag_repair import RepairChoice, resimulate_bag
+from roadmend.cli.main import main
 from roadmend.core.errors import InputError
+from roadmend.measures.fitting import fitting
 from roadmend.recording import messages
 from roadmend.recording.codec import encode
 from roadmend.recording.reader import BagReader
@@ -60,6 +62,25 @@ def test_who_drove_with_parameters_of_his_own_drives_with_them_again(driven, tmp
     again, _ = resimulate_bag(tmp_path / "out", NONE, moment, tmp_path / "again")
     assert again.digest == result.digest
     assert needs_of(bag, 1) == ()
+
+
+@pytest.mark.parametrize("command", ["shadow", "resimulate"])
+def test_settings_that_were_made_for_who_drove_are_said_and_can_be_left(driven, tmp_path, capsys, command):
+    call = ["bag", command, str(driven[0]), "--repair", "rss", "--json", "--out"]
+    assert main([*call, str(tmp_path / "tuned")]) == 0
+    printed = capsys.readouterr()
+    assert "rss behind modular: settings tuned for it (rho " in printed.err
+    assert choice_in(printed.out) == fitting("rss", "modular") != {}
+    assert main([*call, str(tmp_path / "plain"), "--no-tuned"]) == 0
+    printed = capsys.readouterr()
+    assert printed.err == ""
+    assert choice_in(printed.out) == {}
+
+
+def choice_in(text):
+    """The method's parameters in what a command prints."""
+    content = json.loads(text)
+    return json.loads(content.get("choice", content)["parameters"])
 
 
 def test_the_graph_names_them_with_the_policy_and_other_versions_had_others(altered):

@@ -11,14 +11,14 @@ from rich.table import Table
 
 from roadmend import __version__
 from roadmend.cli.command import ExampleCommand
-from roadmend.cli.driver_options import DROVE, METHOD_NAME, REPAIR_SEED
+from roadmend.cli.driver_options import DROVE, METHOD_NAME, REPAIR_SEED, TUNED
 from roadmend.cli.options import JSON, PATH, Number, options_of, setting_option
 from roadmend.cli.output import OUTCOME_STYLES, Waiting, wide_console
 from roadmend.core.bounds import ARGUMENT
 from roadmend.core.episode_result import EpisodeResult
 from roadmend.core.errors import InputError
 from roadmend.core.yaml_file import parse_yaml
-from roadmend.measures.fitting import fitting
+from roadmend.measures.fitting import fitting, fitting_account
 from roadmend.policies.registry import POLICIES, make_policy
 from roadmend.recording import topics
 from roadmend.recording.episode_recorder import EpisodeRecorder, account_of
@@ -28,7 +28,7 @@ from roadmend.recording.recorded_run import RECORD, read_plan, recorded_result
 from roadmend.recording.resimulation import Switchover
 from roadmend.recording.ticks import BagTicks
 from roadmend.repair.guard import GuardedRepairer
-from roadmend.repair.registry import make_repairer
+from roadmend.repair.registry import METHOD_REGISTRY, make_repairer
 from roadmend.world.road_network import LaneMap
 from roadmend.world.runner import run_episode
 
@@ -58,6 +58,20 @@ class RepairChoice:
         fitted = fitting(self.method, policy) if policy in POLICIES else {}
         return replace(self, parameters=fitted | self.parameters)
 
+    def account(self, policy: str) -> str:
+        """One line for people: whether what it runs with was made for a policy, and if not, for whom.
+
+        Args:
+            policy: as a bag names it; empty of code from outside and of nodes of somebody else's.
+
+        Raises:
+            InputError: its model cannot be read.
+        """
+        if policy not in POLICIES:
+            return ""
+        known = METHOD_REGISTRY.find(self.method).entry.parameters().model_dump() | self.parameters
+        return fitting_account(self.method, policy, known)
+
     def provenance(self) -> dict[str, str]:
         """What a bag says about it."""
         return {"method": self.method, "parameters": json.dumps(self.parameters), "seed": str(self.seed)}
@@ -76,13 +90,14 @@ class RepairOptions:
         Path | None, click.option("--model", type=PATH, help="Model file of the method; short for --set model=FILE.")
     ]
     seed: Annotated[int, REPAIR_SEED]
+    tuned: Annotated[bool, TUNED]
 
 
-def read_choice(given: RepairOptions) -> RepairChoice:
-    """The choice that the options make.
+def read_choice(given: RepairOptions, policy: str) -> RepairChoice:
+    """The choice that the options make behind a policy.
 
     Raises:
-        InputError: a setting is no NAME=VALUE.
+        InputError: a setting is no NAME=VALUE, or what was made for the policy is damaged.
     """
     parameters: dict[str, Any] = {}
     for setting in given.settings:
@@ -96,7 +111,18 @@ def read_choice(given: RepairOptions) -> RepairChoice:
         parameters[name] = value
     if given.model is not None:
         parameters["model"] = str(given.model)
-    return RepairChoice(given.method, parameters, given.seed)
+    choice = RepairChoice(given.method, parameters, given.seed)
+    return choice.behind(policy) if given.tuned else choice
+
+
+def tell_choice(given: RepairOptions, choice: RepairChoice, policy: str) -> None:
+    """Say on standard error, as 'run' and 'evaluate' do, for whom the model and the settings were made.
+
+    Raises:
+        InputError: the model cannot be read.
+    """
+    if given.tuned and (account := choice.account(policy)):
+        click.echo(account, err=True)
 
 
 def driver_of(bag: Path) -> str:
@@ -132,8 +158,10 @@ def resimulate(bag: Path, given: RepairOptions, from_time: float, policy: str, o
 
     Until that moment the run must repeat itself bit for bit, or the command ends with what differs.
     """
-    choice = read_choice(given).behind(policy or driver_of(bag))
+    driver = policy or driver_of(bag)
+    choice = read_choice(given, driver)
     then, now = resimulate_bag(bag, choice, from_time, out, policy)
+    tell_choice(given, choice, driver)
     if as_json:
         content = {"then": _figures(then), "now": _figures(now), "from_time": from_time, "bag": str(out)}
         click.echo(json.dumps({**content, "choice": choice.provenance()}, indent=2))

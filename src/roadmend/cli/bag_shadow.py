@@ -8,7 +8,7 @@ import click
 from rich.markup import escape
 from rich.table import Table
 
-from roadmend.cli.bag_repair import RepairChoice, RepairOptions, driver_of, read_choice
+from roadmend.cli.bag_repair import RepairChoice, RepairOptions, driver_of, read_choice, tell_choice
 from roadmend.cli.command import ExampleCommand
 from roadmend.cli.foreign_bag_options import ForeignBagOptions
 from roadmend.cli.options import JSON, PATH, options_of
@@ -46,11 +46,13 @@ def shadow(bag: Path, given: RepairOptions, foreign: ForeignBagOptions, out: Pat
     The new bag holds the recorded topics as they are, and the other method's answers as /shadow/repair/state and
     /shadow/repair/command. Of a bag that another stack recorded, name the topics.
     """
-    choice = read_choice(given).behind(driver_of(bag))
+    driver = driver_of(bag)
+    choice = read_choice(given, driver)
     if foreign.topics is None:
         summary = shadow_bag(bag, choice, out)
     else:
         summary = shadow_foreign_bag(bag, choice, foreign.topics, foreign, out)
+    tell_choice(given, choice, driver)
     if as_json:
         click.echo(json.dumps({**choice.provenance(), **asdict(summary), "bag": str(out)}, indent=2))
     else:
