@@ -1,6 +1,7 @@
 """Ordinary driving and what is fixed at a price: settings are chosen where they are not shown."""
 
 import json
+from dataclasses import asdict, replace
 
 import pytest
 
@@ -8,10 +9,14 @@ from harness import bench_ordinary, grid, price_curve
 from harness.bench_ordinary import ordinary
 from harness.contenders import read_plan
 from harness.options import PLANS
+from harness.ordinary_tables import ordinary_tables
 from harness.price_curve import add_leads, at_time_lost, curve_settings, points_of
+from harness.table import DASH
 from roadmend.cli.main import run_group
+from roadmend.core.outcome import Blame
 from roadmend.core.resources import config_folder
-from tests.measures.results import result
+from roadmend.measures.ordinary import ordinary_figures
+from tests.measures.results import episode, result
 
 
 def figures_of(settings, lost, fixed):
@@ -23,6 +28,21 @@ def figures_of(settings, lost, fixed):
         cases[setting.title] = {"repair": repair}
         drives[setting.title] = {"ordinary": {"time_lost": time_lost, "untouched": 90.0, "new_collisions": 0}}
     return {settings[0].policy: cases}, {settings[0].policy: drives}
+
+
+def test_who_stops_dead_and_is_hit_is_told_of():
+    goal = replace(episode("GOAL"), duration=20.0, distance=200.0)
+    hit = replace(episode("COLLISION", interventions=40, change=40.0, blame=Blame.EGO_STOOD), duration=6.0)
+    new = asdict(ordinary_figures([(goal, hit)] * 3))
+    kept = {key: value for key, value in new.items() if key not in {"cut_short", "struck_bare", "struck"}}
+    rows = {"none": asdict(ordinary_figures([(goal, goal)] * 3)), "rule": new, "rss": kept}
+    (table,) = ordinary_tables({"titles": {}, "ordinary": {"random": {"modular": rows}}, "at_time_lost": {}})
+    assert table.rows[0][-3:] == ("cut short", "whosever fault: alone", "with repair")
+    assert [row[-6:] for row in table.rows[1:]] == [
+        ("0", "0", "0", "0", "0", "0"),
+        ("0", "0", "0", "3", "0", "3"),
+        ("0", "0", "0", *[DASH] * 3),
+    ]
 
 
 def test_every_combination_of_a_curve_is_a_setting():

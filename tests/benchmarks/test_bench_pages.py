@@ -51,6 +51,16 @@ def test_the_summary_tells_the_committed_figures_with_their_ground():
         assert all(best >= round(methods[name]["delta_e"], 1) for name in ("rss", "predictive", "rule", "random"))
 
 
+def test_the_summary_says_whose_fault_its_collisions_are_and_of_how_many_drives():
+    told = [row[:3] for row in summary(BENCHMARKS) if row[0].startswith("collisions")]
+    content = json.loads((BENCHMARKS / "adreft-ordinary.json").read_text())["ordinary"]["random"]
+    assert [place for _, place, _ in told] == [f"{policy} policy, all 1,000 random drives" for policy in content]
+    for (what, _, figure), methods in zip(told, content.values(), strict=True):
+        own = methods["adreft"]
+        assert what == f"collisions by its own fault, {own['collisions_bare']} without repair"
+        assert figure == f"{own['collisions']}, {own['new_collisions']} of them new"
+
+
 def test_the_readme_is_short_and_its_links_lead_somewhere():
     text = (ROOT / "README.md").read_text()
     assert len(text.splitlines()) <= 150

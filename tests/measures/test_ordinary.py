@@ -48,6 +48,7 @@ def test_a_collision_that_the_policy_alone_does_not_have_is_new_only_by_the_egos
     blamed, hit = drive("COLLISION", blame=Blame.FRONT), drive("COLLISION", blame=Blame.EGO_STOOD)
     found = ordinary_figures([(drive(), blamed), (drive(), hit), (blamed, blamed)])
     assert (found.collisions_bare, found.collisions, found.new_collisions) == (1, 2, 1)
+    assert (found.struck_bare, found.struck, found.cut_short) == (1, 3, 2)
 
 
 def test_without_the_need_of_a_spell_nobody_knows_what_was_needless():

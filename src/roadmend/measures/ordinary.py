@@ -35,6 +35,8 @@ class OrdinaryFigures:
     collisions: int  # likewise, with the method
     new_collisions: int  # by the ego's own fault where the policy alone has none
     cut_short: int  # of those that go on to the goal or the time limit alone: now end before, whosever fault it is
+    struck_bare: int  # collisions of all drives whosever fault, the policy left alone; a standing ego is hit by others
+    struck: int  # likewise, with the method
 
 
 def ordinary_figures(pairs: Sequence[tuple[EpisodeResult, EpisodeResult]]) -> OrdinaryFigures:
@@ -63,6 +65,8 @@ def ordinary_figures(pairs: Sequence[tuple[EpisodeResult, EpisodeResult]]) -> Or
         sum(own.final.at_fault for _, own in pairs),
         sum(own.final.at_fault for _, own in calm),
         sum(bare.outcome in _WHOLE for bare, _ in calm) - len(whole),
+        sum(bare.collided for bare, _ in pairs),
+        sum(own.collided for _, own in pairs),
     )
 
 

@@ -75,7 +75,8 @@ def _ordinary(content: Mapping[str, Any]) -> Iterator[list[str]]:
             middle = f"median {own['time_lost_median']:.2f}"
             yield ["time lost [%]", "the same", f"{own['time_lost']:.2f}", middle, _MORE]
         figure = f"{own['collisions']}, {own['new_collisions']} of them new"
-        yield [f"collisions, {own['collisions_bare']} without repair", "the same", figure, "", _MORE]
+        what = f"collisions by its own fault, {own['collisions_bare']} without repair"
+        yield [what, f"{policy} policy, all {count + own['collisions_bare']:,} random drives", figure, "", _MORE]
 
 
 def _scenario_repair(content: Mapping[str, Any]) -> Iterator[list[str]]:
